@@ -1,0 +1,23 @@
+//! Vectors, rays, bounds, transforms, frames, warps, low-discrepancy sequences and exact float helpers.
+//!
+//! Everything here gives the same bits on every machine: only IEEE 754 additions, subtractions,
+//! multiplications, divisions and square roots, in a fixed order and never fused. Functions beyond those are
+//! written out in [`ops`].
+#![forbid(unsafe_code)]
+#![allow(clippy::disallowed_methods)] // this crate is what the others are sent to
+
+pub mod affine;
+pub mod bounds;
+pub mod frame;
+pub mod lowdisc;
+pub mod ops;
+pub mod ray;
+pub mod table;
+pub mod vec3;
+pub mod warp;
+
+pub use affine::{Affine, Transform};
+pub use bounds::Bounds;
+pub use frame::Frame;
+pub use ray::Ray;
+pub use vec3::{DVec3, Vec3};

@@ -1,0 +1,12 @@
+//! Pictures as assets of a scene.
+
+/// A picture in linear RGB, row by row from the top, as an environment map or texture is handed to the renderer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Image {
+    /// Width in pixels, at least 1.
+    pub width: usize,
+    /// Height in pixels, at least 1.
+    pub height: usize,
+    /// `width * height` pixels.
+    pub pixels: Vec<[f32; 3]>,
+}

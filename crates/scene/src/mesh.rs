@@ -1,0 +1,31 @@
+//! Triangle meshes as files hold them.
+
+use std::ops::Range;
+
+/// An indexed triangle mesh. A reader guarantees that every index is in range and that the optional arrays are
+/// either empty or as long as `positions`; coordinates may be anything, infinite and NaN included (such triangles
+/// are dropped and counted when the search structure is built).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions in the file's own units.
+    pub positions: Vec<[f32; 3]>,
+    /// Shading normals, one a vertex, not necessarily of unit length; empty when the file has none.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates, one a vertex; empty when the file has none.
+    pub uvs: Vec<[f32; 2]>,
+    /// Vertex indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Runs of triangles that name a material of the file, in order and without gaps; empty when it names none.
+    pub parts: Vec<Part>,
+}
+
+/// A run of a mesh's triangles with one material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// The group's or object's name in the file; empty when it has none.
+    pub name: String,
+    /// The material's name in the file, if one is named.
+    pub material: Option<String>,
+    /// Which triangles.
+    pub triangles: Range<usize>,
+}

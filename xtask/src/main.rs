@@ -1,0 +1,2 @@
+//! The command `straal`.
+fn main() {}
