@@ -1,0 +1,47 @@
+//! The files a scene names, read.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::desc::Material;
+use crate::value::{Color, FileRef};
+use crate::{Image, Mesh};
+
+/// What a mesh file's own material of a given name becomes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartMaterial {
+    /// What the surface does with light.
+    pub material: Material,
+    /// Radiance it sends out, if any.
+    pub emission: Option<Color>,
+}
+
+/// A mesh and the materials that came with it.
+#[derive(Clone, Debug, Default)]
+pub struct MeshAsset {
+    /// The mesh.
+    pub mesh: Arc<Mesh>,
+    /// Materials by the names that [`crate::Part::material`] uses. A node's own `material` overrides them.
+    pub materials: Arc<BTreeMap<String, PartMaterial>>,
+}
+
+/// The files a scene names, each read once, by the name that the scene gives them.
+#[derive(Clone, Debug, Default)]
+pub struct Assets {
+    /// Meshes.
+    pub meshes: BTreeMap<String, MeshAsset>,
+    /// Pictures.
+    pub images: BTreeMap<String, Arc<Image>>,
+}
+
+impl Assets {
+    /// The mesh of a file; `None` when it was never read.
+    pub fn mesh(&self, file: &FileRef) -> Option<&MeshAsset> {
+        self.meshes.get(&file.value)
+    }
+
+    /// The picture of a file; `None` when it was never read.
+    pub fn image(&self, file: &FileRef) -> Option<&Arc<Image>> {
+        self.images.get(&file.value)
+    }
+}

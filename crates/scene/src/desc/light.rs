@@ -1,0 +1,107 @@
+//! Lights that are not surfaces; a surface glows by its `emission`.
+
+use straal_math::DVec3;
+
+use crate::desc::transform::Transform;
+use crate::describe::describe;
+use crate::limit::Limit;
+use crate::value::{Color, FileRef, Value};
+
+describe! {
+    /// A light that is not a surface.
+    pub enum Light {
+        /// Shines from a point, evenly in all directions.
+        "point" => Point(PointLight),
+        /// Parallel light from infinitely far away.
+        "directional" => Directional(DirectionalLight),
+        /// Shines from a point in a cone.
+        "spot" => Spot(SpotLight),
+        /// Light from all around, infinitely far away.
+        "environment" => Environment(Environment),
+    }
+}
+
+describe! {
+    /// A point that shines evenly in all directions.
+    pub struct PointLight {
+        /// Where it is.
+        position: DVec3,
+        /// Radiant intensity in W/sr.
+        intensity: Value<Color> [Limit::NON_NEGATIVE] = Value::Constant(Color::grey(1.0)),
+    }
+}
+
+describe! {
+    /// Parallel light, like the sun's.
+    pub struct DirectionalLight {
+        /// The direction in which the light travels.
+        direction: DVec3,
+        /// Irradiance on a surface that faces the light, in W/m^2.
+        irradiance: Value<Color> [Limit::NON_NEGATIVE] = Value::Constant(Color::grey(1.0)),
+    }
+}
+
+describe! {
+    /// A point that shines in a cone, along `direction` or towards `look_at`.
+    pub struct SpotLight {
+        /// Where it is.
+        position: DVec3,
+        /// The axis of the cone; give this or `look_at`.
+        direction: Option<DVec3> = None,
+        /// A point on the axis; give this or `direction`.
+        look_at: Option<DVec3> = None,
+        /// Radiant intensity on the axis in W/sr.
+        intensity: Value<Color> [Limit::NON_NEGATIVE] = Value::Constant(Color::grey(1.0)),
+        /// Angle from the axis, in degrees, beyond which there is no light.
+        cutoff: f64 [Limit { min: 0.0, max: 180.0, open: false }] = 20.0,
+        /// Angle from the axis, in degrees, up to which intensity is full; three quarters of `cutoff` when absent.
+        beam: Option<f64> [Limit::within(0.0, 180.0)] = None,
+        /// How intensity falls from `beam` to `cutoff`.
+        falloff: Falloff = Falloff::Linear,
+    }
+}
+
+impl SpotLight {
+    /// The axis of the cone, not of unit length.
+    pub fn axis(&self) -> DVec3 {
+        match (self.direction, self.look_at) {
+            (Some(d), _) => d,
+            (None, Some(p)) => p - self.position,
+            (None, None) => -DVec3::Z,
+        }
+    }
+
+    /// Angle from the axis, in degrees, up to which intensity is full.
+    pub fn full_beam(&self) -> f64 {
+        self.beam.unwrap_or(0.75 * self.cutoff)
+    }
+}
+
+describe! {
+    /// How a spot's intensity falls towards the rim of its cone.
+    pub enum Falloff {
+        /// Linear in the angle.
+        "linear" => Linear,
+        /// A smooth step (3x^2 - 2x^3) in the cosine of the angle.
+        "smooth" => Smooth,
+    }
+}
+
+describe! {
+    /// Light from all around: the same from everywhere, or a picture in latitude and longitude.
+    ///
+    /// The top row of the picture is seen along local +y and its middle column along local -z; what is right of the
+    /// middle is seen towards +x.
+    pub struct Environment {
+        /// Radiance from everywhere, in W/(m^2 sr); give this or `file`.
+        radiance: Option<Value<Color>> [Limit::NON_NEGATIVE] = None,
+        /// A picture whose pixels are radiance; give this or `radiance`.
+        file: Option<FileRef> = None,
+        /// What the picture or radiance is multiplied by.
+        scale: f64 [Limit::NON_NEGATIVE] = 1.0,
+        /// Turn about the local y axis in degrees, counter-clockwise seen from above, before `transform`.
+        rotate: f64 = 0.0,
+        /// Where the surroundings' axes lie; only its rotation counts.
+        transform: Transform = Transform::default(),
+    }
+}

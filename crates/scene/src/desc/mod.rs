@@ -1,0 +1,49 @@
+//! What a scene can say: plain data, as a file or a program says it.
+
+pub mod camera;
+pub mod light;
+pub mod material;
+pub mod node;
+pub mod settings;
+pub mod shape;
+pub mod transform;
+
+pub use camera::{Camera, FovAxis, Orthographic, Perspective};
+pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
+pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
+pub use node::{Group, Instance, Node};
+pub use settings::{
+    Accel, Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind, Structure, Tone,
+};
+pub use shape::{
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
+    Triangle, TriangleMesh,
+};
+pub use transform::{Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint};
+
+use crate::describe::describe;
+use crate::value::Named;
+
+describe! {
+    /// A scene: what there is, what lights it, who looks at it and how it is rendered.
+    pub struct Scene {
+        /// Who looks.
+        camera: Camera,
+        /// The picture to make.
+        film: Film = Film::default(),
+        /// Where the random numbers come from.
+        sampler: Sampler = Sampler::default(),
+        /// How light is computed.
+        integrator: Integrator = Integrator::default(),
+        /// How rays are searched.
+        accel: Accel = Accel::default(),
+        /// Materials by name.
+        materials: Named<Material> = Named::default(),
+        /// Geometry by name, which is seen only where an `instance` puts it.
+        objects: Named<Node> = Named::default(),
+        /// What there is, as a list of shapes, meshes, groups and instances.
+        world: Vec<Node> = Vec::new(),
+        /// Lights that are not surfaces.
+        lights: Vec<Light> = Vec::new(),
+    }
+}

@@ -1,0 +1,177 @@
+//! Shapes.
+
+use straal_math::DVec3;
+
+use crate::desc::material::MaterialRef;
+use crate::desc::transform::Transform;
+use crate::describe::describe;
+use crate::limit::Limit;
+use crate::value::{Color, FileRef, Name, Value};
+
+describe! {
+    /// What all surfaces share.
+    pub struct Surface {
+        /// What the surface does with light; without one in any group around it, it is diffuse with reflectance 0.5.
+        material: Option<MaterialRef> = None,
+        /// Radiance that the front sends out, in W/(m^2 sr).
+        emission: Option<Value<Color>> [Limit::NON_NEGATIVE] = None,
+        /// Whether the back glows as well.
+        two_sided_emission: bool = false,
+        /// Places the shape.
+        transform: Transform = Transform::default(),
+        /// Swaps front and back.
+        flip: bool = false,
+    }
+}
+
+describe! {
+    /// A ball.
+    pub struct Sphere {
+        /// Its middle.
+        center: DVec3 = DVec3::ZERO,
+        /// Its radius.
+        radius: f64 [Limit::POSITIVE] = 1.0,
+    } with surface: Surface
+}
+
+describe! {
+    /// An infinite plane; it cannot glow.
+    pub struct Plane {
+        /// Any point on it.
+        point: DVec3 = DVec3::ZERO,
+        /// Towards its front.
+        normal: DVec3 = DVec3::Y,
+    } with surface: Surface
+}
+
+describe! {
+    /// A flat, round plate; without keys the unit disc in the xy-plane that faces +z.
+    pub struct Disc {
+        /// Its middle.
+        center: DVec3 = DVec3::ZERO,
+        /// Towards its front.
+        normal: DVec3 = DVec3::Z,
+        /// Its radius.
+        radius: f64 [Limit::POSITIVE] = 1.0,
+    } with surface: Surface
+}
+
+describe! {
+    /// A flat parallelogram; without keys the square from -1 to 1 in the xy-plane that faces +z.
+    pub struct Rectangle {
+        /// One corner.
+        corner: DVec3 = DVec3::new(-1.0, -1.0, 0.0),
+        /// The two edges from that corner; its front is towards their cross product, first x second.
+        edges: [DVec3; 2] = [DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0)],
+    } with surface: Surface
+}
+
+describe! {
+    /// A box along the axes; without keys from -1 to 1 on each.
+    pub struct Cuboid {
+        /// The corner with the smallest coordinates.
+        min: DVec3 = DVec3::splat(-1.0),
+        /// The corner with the largest coordinates.
+        max: DVec3 = DVec3::splat(1.0),
+    } with surface: Surface
+}
+
+describe! {
+    /// A tube; its front is outside.
+    pub struct Cylinder {
+        /// The middle of one end.
+        from: DVec3 = DVec3::ZERO,
+        /// The middle of the other end.
+        to: DVec3 = DVec3::Y,
+        /// Its radius.
+        radius: f64 [Limit::POSITIVE] = 1.0,
+        /// Whether discs close its ends.
+        caps: bool = false,
+    } with surface: Surface
+}
+
+describe! {
+    /// One triangle, its front where the vertices run counter-clockwise.
+    pub struct Triangle {
+        /// Its corners.
+        vertices: [DVec3; 3],
+    } with surface: Surface
+}
+
+describe! {
+    /// Which normals a mesh is shaded with.
+    pub enum Shading {
+        /// The file's normals when it has any, else flat.
+        "auto" => Auto,
+        /// Each face's own normal.
+        "flat" => Flat,
+        /// Normals at the vertices, computed when there are none.
+        "smooth" => Smooth,
+    }
+}
+
+describe! {
+    /// A triangle mesh from a file, or written out by `positions` and `triangles`.
+    pub struct TriangleMesh {
+        /// A PLY or OBJ file.
+        file: Option<FileRef> = None,
+        /// Vertices, in place of a file.
+        positions: Vec<DVec3> = Vec::new(),
+        /// Three indices into `positions` each, from 0, counter-clockwise seen from the front.
+        triangles: Vec<[u32; 3]> = Vec::new(),
+        /// A shading normal for each of `positions`.
+        normals: Vec<DVec3> = Vec::new(),
+        /// Texture coordinates for each of `positions`.
+        uvs: Vec<[f64; 2]> = Vec::new(),
+        /// Which normals it is shaded with.
+        shading: Shading = Shading::Auto,
+    } with surface: Surface
+}
+
+/// Where a mesh's triangles are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MeshSource<'a> {
+    /// In a file.
+    File(&'a FileRef),
+    /// In the description's own lists.
+    Inline,
+}
+
+impl TriangleMesh {
+    /// Where the triangles are.
+    pub fn source(&self) -> MeshSource<'_> {
+        self.file.as_ref().map_or(MeshSource::Inline, MeshSource::File)
+    }
+}
+
+describe! {
+    /// Bicubic Bezier patches, built in by name or written out by `points` and `patches`.
+    pub struct Bezier {
+        /// The name of built-in patches: `teapot`.
+        builtin: Option<Name> = None,
+        /// Control points, in place of built-in ones.
+        points: Vec<DVec3> = Vec::new(),
+        /// Sixteen indices into `points` each, from 0, row by row; the front is where du x dv points, u along a row.
+        patches: Vec<[u32; 16]> = Vec::new(),
+        /// Each patch becomes this many by this many squares of two triangles.
+        resolution: u32 [Limit::within(1.0, 256.0)] = 8,
+        /// Which normals it is shaded with; `auto` is the patches' own.
+        shading: Shading = Shading::Auto,
+    } with surface: Surface
+}
+
+/// Where a Bezier surface's control points are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BezierPatches<'a> {
+    /// Built in, by this name.
+    Builtin(&'a str),
+    /// In the description's own lists.
+    Inline,
+}
+
+impl Bezier {
+    /// Where the control points are.
+    pub fn source(&self) -> BezierPatches<'_> {
+        self.builtin.as_ref().map_or(BezierPatches::Inline, |n| BezierPatches::Builtin(&n.value))
+    }
+}

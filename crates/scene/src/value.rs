@@ -1,0 +1,117 @@
+//! The small values that descriptions are made of.
+
+use std::collections::BTreeMap;
+
+use straal_math::{Affine, DVec3};
+
+use crate::span::Spanned;
+
+/// A name said in the scene; equal to another when the text is.
+pub type Name = Spanned<String>;
+
+/// A file as the scene names it: absolute, or relative to the scene's folder.
+pub type FileRef = Spanned<String>;
+
+/// A colour in linear RGB (Rec. 709 primaries, D65 white).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Color(pub [f64; 3]);
+
+impl Color {
+    /// The same number in all three channels.
+    pub const fn grey(v: f64) -> Self {
+        Self([v; 3])
+    }
+}
+
+/// A number or colour of a material or light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<T> {
+    /// The same everywhere.
+    Constant(T),
+}
+
+impl<T> From<T> for Value<T> {
+    fn from(v: T) -> Self {
+        Self::Constant(v)
+    }
+}
+
+impl<T: Copy> Value<T> {
+    /// The value, the same everywhere.
+    pub fn constant(&self) -> T {
+        let Self::Constant(v) = *self;
+        v
+    }
+}
+
+/// A direction that may be written `x`, `y` or `z`; not zero, not necessarily of unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axis(pub DVec3);
+
+/// Factors for each axis, which may be written as one number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factors(pub DVec3);
+
+/// An affine map written as rows of numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Matrix(pub Affine);
+
+/// How many edges a path may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Depth {
+    /// As many as it likes.
+    #[default]
+    Unlimited,
+    /// At most so many, the camera's edge included: 1 sees emitters, 2 is direct light.
+    Edges(u32),
+}
+
+/// Things by name, in the order of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named<T> {
+    entries: Vec<(Name, T)>,
+    index: BTreeMap<String, usize>,
+}
+
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Self { entries: Vec::new(), index: BTreeMap::new() }
+    }
+}
+
+impl<T> Named<T> {
+    /// Adds a thing; one of the same name is replaced.
+    pub fn insert(&mut self, name: Name, thing: T) {
+        if let Some(&i) = self.index.get(&name.value) {
+            self.entries[i] = (name, thing);
+        } else {
+            self.index.insert(name.value.clone(), self.entries.len());
+            self.entries.push((name, thing));
+        }
+    }
+
+    /// The thing of that name.
+    pub fn get(&self, name: &str) -> Option<&T> {
+        self.position(name).map(|i| &self.entries[i].1)
+    }
+
+    /// Where in the order of the file the thing of that name is.
+    pub fn position(&self, name: &str) -> Option<usize> {
+        self.index.get(name).copied()
+    }
+
+    /// All, in the order of the file.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (&Name, &T)> {
+        self.entries.iter().map(|(n, t)| (n, t))
+    }
+
+    /// How many.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+}
