@@ -1,1 +1,4 @@
-//! Placeholder.
+//! World, shapes, lights, materials, cameras, samplers, film, integrators and the tile driver.
+#![forbid(unsafe_code)]
+
+pub mod shape;

@@ -1,0 +1,132 @@
+//! The cylinder without caps.
+
+use straal_math::{Affine, Bounds, DVec3, Ray, ops};
+
+use super::exact::{at, in_interval, outward, rounded, size};
+use super::quadric::roots;
+use super::{AreaSample, ShapeHit, SurfacePoint, sampling};
+
+/// The image of the open unit cylinder x² + z² = 1, 0 <= y <= 1, under an affine map; its normal points away from the
+/// axis.
+///
+/// Hit coordinates: 0 and y. Texture coordinates: u turns about +y from +z towards +x, v = y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cylinder {
+    map: Affine,
+    inverse: Affine,
+    area: f64,
+}
+
+impl Cylinder {
+    /// The image of the unit cylinder under `map`; `None` when that is singular.
+    pub fn new(map: Affine) -> Option<Self> {
+        let inverse = map.inverse()?;
+        let mut shape = Self { map, inverse, area: 0.0 };
+        // The trapezoid rule converges exponentially on a smooth periodic function; 1024 points are exact to 1e-9
+        // for an ellipse a hundred times as long as wide.
+        const POINTS: u32 = 1024;
+        let step = 360.0 / f64::from(POINTS);
+        let mean = (0..POINTS)
+            .map(|i| {
+                let (s, c) = ops::sin_cos_degrees(f64::from(i) * step);
+                shape.stretch(s, c)
+            })
+            .sum::<f64>()
+            / f64::from(POINTS);
+        shape.area = 2.0 * std::f64::consts::PI * mean;
+        Some(shape)
+    }
+
+    /// The round cylinder of a radius whose axis runs from one point to another; `None` when they coincide or the
+    /// radius is not positive.
+    pub fn between(from: DVec3, to: DVec3, radius: f64) -> Option<Self> {
+        let axis = to - from;
+        let n = axis.try_normalize()?;
+        if !(radius > 0.0) {
+            return None;
+        }
+        let (x, z) = sampling::tangents(n);
+        let (x, z) = (x * -radius, z * radius);
+        Self::new(Affine {
+            rows: [[x.x, axis.x, z.x, from.x], [x.y, axis.y, z.y, from.y], [x.z, axis.z, z.z, from.z]],
+        })
+    }
+
+    /// See [`super::Geometry::bounds`].
+    pub fn bounds(&self) -> Bounds {
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|v| self.map.vector(v));
+        let reach = |a: f64, b: f64| (a * a + b * b).sqrt();
+        let r = DVec3::new(reach(x.x, z.x), reach(x.y, z.y), reach(x.z, z.z));
+        let c = self.map.point(DVec3::ZERO);
+        outward(c.min(c + y) - r, c.max(c + y) + r, self.size())
+    }
+
+    /// See [`super::Geometry::intersect`].
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let o = self.inverse.point(ray.o.as_dvec3());
+        let d = self.inverse.vector(ray.d.as_dvec3());
+        let a = d.x * d.x + d.z * d.z;
+        let b = -(o.x * d.x + o.z * d.z);
+        let (lx, lz) = (o.x + d.x * (b / a), o.z + d.z * (b / a));
+        let roots = roots(a, b, o.x * o.x + o.z * o.z - 1.0, 1.0 - (lx * lx + lz * lz))?;
+        let accept = |root: f64| {
+            let y = o.y + root * d.y;
+            let t = in_interval(ray, root)?;
+            (0.0..=1.0).contains(&y).then_some(ShapeHit { t, u: 0.0, v: y as f32 })
+        };
+        accept(roots[0]).or_else(|| accept(roots[1]))
+    }
+
+    /// See [`super::Geometry::surface`].
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.towards(self.inverse.point(at(ray, hit.t)))
+    }
+
+    /// The image of the unit cylinder's point at the height and in the direction of `q`.
+    fn towards(&self, q: DVec3) -> SurfacePoint {
+        let out = DVec3::new(q.x, 0.0, q.z).try_normalize().unwrap_or(DVec3::Z);
+        let on = DVec3::new(out.x, q.y, out.z);
+        let (p, p_err) = rounded(self.map.point(on), self.size());
+        let n = self.inverse.normal_by_inverse(out).try_normalize().unwrap_or(DVec3::Y).as_vec3();
+        let turn = DVec3::new(out.z, 0.0, -out.x) * (2.0 * std::f64::consts::PI);
+        let u = f32::atan2(out.x as f32, out.z as f32) * (0.5 * std::f32::consts::FRAC_1_PI);
+        let uv = [if u < 0.0 { u + 1.0 } else { u }, q.y as f32];
+        SurfacePoint { p, p_err, ng: n, n, uv, dpdu: self.map.vector(turn).as_vec3() }
+    }
+
+    /// See [`super::Geometry::area`].
+    pub fn area(&self) -> f32 {
+        self.area as f32
+    }
+
+    /// Points of the unit cylinder, uniformly, carried over.
+    pub fn sample_area(&self, u: [f32; 2]) -> AreaSample {
+        let (s, c) = sampling::turn(u[0]);
+        let point = self.towards(DVec3::new(s, f64::from(u[1]), c));
+        AreaSample { point, pdf_area: self.density(s, c) }
+    }
+
+    /// The density of [`Self::sample_area`] at a point.
+    pub fn pdf_area(&self, at: &SurfacePoint) -> f32 {
+        let q = self.inverse.point(at.p.as_dvec3());
+        let out = DVec3::new(q.x, 0.0, q.z).try_normalize().unwrap_or(DVec3::Z);
+        self.density(out.x, out.z)
+    }
+
+    /// 1 / (2 pi) of the unit cylinder over the local stretch of area.
+    fn density(&self, x: f64, z: f64) -> f32 {
+        (1.0 / (2.0 * std::f64::consts::PI * self.stretch(x, z))) as f32
+    }
+
+    /// How much larger the image of a piece of surface at (x, z) is: |M tangent × M axis|.
+    fn stretch(&self, x: f64, z: f64) -> f64 {
+        self.map.vector(DVec3::new(z, 0.0, -x)).cross(self.map.vector(DVec3::Y)).length()
+    }
+
+    /// No number behind a point is larger than this.
+    fn size(&self) -> f64 {
+        self.map.rows.iter().flatten().map(|x| x.abs()).sum::<f64>() + size(DVec3::ONE)
+    }
+}

@@ -1,0 +1,156 @@
+//! The ellipsoid: what a sphere becomes under scaling and shear.
+
+use straal_math::{Affine, Bounds, DVec3, Ray};
+
+use super::exact::{at, in_interval, outward, rounded};
+use super::quadric::roots;
+use super::sphere::sphere_uv;
+use super::{AreaSample, ShapeHit, SurfacePoint, sampling};
+
+/// The image of the unit sphere under an affine map; its normal points outwards.
+///
+/// Hit coordinates: none (0). Texture coordinates: those of the unit sphere (see [`super::Sphere`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ellipsoid {
+    map: Affine,
+    inverse: Affine,
+    area: f64,
+}
+
+impl Ellipsoid {
+    /// The image of the unit sphere under `map`; `None` when that is singular.
+    pub fn new(map: Affine) -> Option<Self> {
+        let inverse = map.inverse()?;
+        Some(Self { map, inverse, area: area(&map) })
+    }
+
+    /// See [`super::Geometry::bounds`].
+    pub fn bounds(&self) -> Bounds {
+        let c = self.map.point(DVec3::ZERO);
+        let reach = |i: usize| {
+            let [x, y, z, _] = self.map.rows[i];
+            DVec3::new(x, y, z).length()
+        };
+        let r = DVec3::new(reach(0), reach(1), reach(2));
+        outward(c - r, c + r, self.size())
+    }
+
+    /// See [`super::Geometry::intersect`].
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let o = self.inverse.point(ray.o.as_dvec3());
+        let d = self.inverse.vector(ray.d.as_dvec3());
+        let (a, b) = (d.dot(d), -o.dot(d));
+        let l = o + d * (b / a);
+        let t = roots(a, b, o.dot(o) - 1.0, 1.0 - l.dot(l))?;
+        let t = in_interval(ray, t[0]).or_else(|| in_interval(ray, t[1]))?;
+        Some(ShapeHit { t, u: 0.0, v: 0.0 })
+    }
+
+    /// See [`super::Geometry::surface`].
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.towards(self.inverse.point(at(ray, hit.t)))
+    }
+
+    /// The image of the unit sphere's point in direction `q`.
+    fn towards(&self, q: DVec3) -> SurfacePoint {
+        let q = q.try_normalize().unwrap_or(DVec3::Y);
+        let (p, p_err) = rounded(self.map.point(q), self.size());
+        let n = self.inverse.normal_by_inverse(q).try_normalize().unwrap_or(DVec3::Y).as_vec3();
+        let (uv, turn) = sphere_uv(q.as_vec3());
+        SurfacePoint { p, p_err, ng: n, n, uv, dpdu: self.map.vector(turn.as_dvec3()).as_vec3() }
+    }
+
+    /// See [`super::Geometry::area`].
+    pub fn area(&self) -> f32 {
+        self.area as f32
+    }
+
+    /// Points of the unit sphere, uniformly, carried over.
+    pub fn sample_area(&self, u: [f32; 2]) -> AreaSample {
+        let q = sampling::sphere(u);
+        AreaSample { point: self.towards(q), pdf_area: self.density(q) }
+    }
+
+    /// The density of [`Self::sample_area`] at a point.
+    pub fn pdf_area(&self, at: &SurfacePoint) -> f32 {
+        self.density(self.inverse.point(at.p.as_dvec3()).try_normalize().unwrap_or(DVec3::Y))
+    }
+
+    /// 1 / (4 pi) of the unit sphere over the local stretch of area, |det M| |M^-T q|.
+    fn density(&self, q: DVec3) -> f32 {
+        let stretch = self.map.determinant().abs() * self.inverse.normal_by_inverse(q).length();
+        (1.0 / (4.0 * std::f64::consts::PI * stretch)) as f32
+    }
+
+    /// No number behind a point is larger than this.
+    fn size(&self) -> f64 {
+        self.map.rows.iter().flatten().map(|x| x.abs()).sum()
+    }
+}
+
+/// The area of the image of the unit sphere: 4 pi R_G(x, y, z), where x, y, z are the squared products of two
+/// semi-axes, the eigenvalues of C Cᵀ for the cofactor matrix C (NIST DLMF 19.33.1, 19.33.2).
+fn area(m: &Affine) -> f64 {
+    let row = |i: usize| DVec3::new(m.rows[i][0], m.rows[i][1], m.rows[i][2]);
+    let c = [row(1).cross(row(2)), row(2).cross(row(0)), row(0).cross(row(1))];
+    let eigen = eigenvalues(std::array::from_fn(|i| std::array::from_fn(|j| c[i].dot(c[j]))));
+    4.0 * std::f64::consts::PI * carlson_rg(eigen)
+}
+
+/// Eigenvalues of a symmetric matrix that isn't negative, by Jacobi's rotations.
+fn eigenvalues(mut m: [[f64; 3]; 3]) -> [f64; 3] {
+    // Convergence is quadratic: a handful of sweeps reaches the last bit.
+    for _ in 0..12 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if m[p][q] == 0.0 {
+                continue;
+            }
+            let theta = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
+            let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            for row in &mut m {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+            for k in 0..3 {
+                (m[p][k], m[q][k]) = (c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]);
+            }
+        }
+    }
+    [m[0][0].abs(), m[1][1].abs(), m[2][2].abs()]
+}
+
+/// Carlson's symmetric integral of the second kind, from R_F and R_D by duplication (Carlson 1995, "Numerical
+/// computation of real or complex elliptic integrals"; DLMF 19.21.10).
+fn carlson_rg(mut v: [f64; 3]) -> f64 {
+    v.sort_by(f64::total_cmp);
+    let [x, y, z] = v;
+    if !(z > 0.0 && z.is_finite()) {
+        return 0.0;
+    }
+    // Scaled by the largest, and the smallest kept off 0, where R_F and R_D have no value of their own: a relative
+    // change of the area of some 1e-15.
+    let (x, y) = (if x / z < 1e-30 { 1e-30 } else { x / z }, if y / z < 1e-15 { 1e-15 } else { y / z });
+    // 2 R_G = z R_F - (x - z)(y - z)/3 R_D + sqrt(x y / z), here with z = 1.
+    let [rf, rd] = carlson_rf_rd(x, y);
+    0.5 * z.sqrt() * (rf - (x - 1.0) * (y - 1.0) / 3.0 * rd + (x * y).sqrt())
+}
+
+/// R_F(x, y, 1) and R_D(x, y, 1).
+fn carlson_rf_rd(mut x: f64, mut y: f64) -> [f64; 2] {
+    let mut z = 1.0_f64;
+    let (mut sum, mut power) = (0.0, 1.0);
+    // Each duplication quarters the differences.
+    for _ in 0..40 {
+        let (a, b, c) = (x.sqrt(), y.sqrt(), z.sqrt());
+        let lambda = a * b + b * c + c * a;
+        sum += power / (c * (z + lambda));
+        power *= 0.25;
+        (x, y, z) = (0.25 * (x + lambda), 0.25 * (y + lambda), 0.25 * (z + lambda));
+    }
+    // All three agree to the last bits: R_F(m, m, m) = m^-1/2, R_D(m, m, m) = m^-3/2.
+    let m = (x + y + z) / 3.0;
+    [1.0 / m.sqrt(), 3.0 * sum + power / (m * m.sqrt())]
+}

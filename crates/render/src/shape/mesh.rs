@@ -1,0 +1,160 @@
+//! Triangle meshes: vertices in flat arrays, and the surface between them.
+
+use std::sync::Arc;
+
+use straal_math::{Affine, DVec3, Frame, Vec3};
+
+use super::exact::HALF_ULP;
+use super::{AreaSample, SurfacePoint};
+
+/// An indexed triangle mesh. Every index is in range, and `normals` and `uvs` are empty or as long as `positions`:
+/// readers guarantee it and [`TriangleMesh::is_whole`] tells.
+///
+/// A triangle's geometric normal is (p1 - p0) × (p2 - p0): it points at whoever sees its vertices counter-clockwise.
+/// Hit coordinates u and v are the barycentric weights of vertices 1 and 2.
+#[derive(Clone, Debug)]
+pub struct TriangleMesh {
+    /// Vertex positions; shared with the search structure.
+    pub positions: Arc<[Vec3]>,
+    /// Three vertices a triangle; shared with the search structure.
+    pub indices: Arc<[[u32; 3]]>,
+    /// Shading normals, one a vertex, of unit length (or zero, where the file's had no direction); empty for flat shading.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, one a vertex; empty when there are none, and then (u, v) of the hit stands in.
+    pub uvs: Vec<[f32; 2]>,
+    /// Whether the geometric normal is turned round: set when the mesh was mirrored.
+    pub flip: bool,
+}
+
+impl From<&straal_scene::Mesh> for TriangleMesh {
+    fn from(m: &straal_scene::Mesh) -> Self {
+        let unit = |n: &[f32; 3]| Vec3::from_array(*n).try_normalize().unwrap_or(Vec3::ZERO);
+        Self {
+            positions: m.positions.iter().map(|p| Vec3::from_array(*p)).collect(),
+            indices: m.triangles.as_slice().into(),
+            normals: m.normals.iter().map(unit).collect(),
+            uvs: m.uvs.clone(),
+            flip: false,
+        }
+    }
+}
+
+impl TriangleMesh {
+    /// A box between two corners, six flat faces with their own vertices, each with texture coordinates 0 to 1.
+    pub fn cuboid(min: Vec3, max: Vec3) -> Self {
+        // Each face: its axis, its side, and the two axes that turn counter-clockwise seen from outside.
+        const FACES: [(usize, bool, usize, usize); 6] = [
+            (0, false, 2, 1),
+            (0, true, 1, 2),
+            (1, false, 0, 2),
+            (1, true, 2, 0),
+            (2, false, 1, 0),
+            (2, true, 0, 1),
+        ];
+        const CORNERS: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let (mut positions, mut uvs, mut indices) = (vec![], vec![], vec![]);
+        for (axis, high, a, b) in FACES {
+            let first = positions.len() as u32;
+            for uv in CORNERS {
+                let mut p = min;
+                p[axis] = if high { max[axis] } else { min[axis] };
+                p[a] = if uv[0] > 0.0 { max[a] } else { min[a] };
+                p[b] = if uv[1] > 0.0 { max[b] } else { min[b] };
+                positions.push(p);
+                uvs.push(uv);
+            }
+            indices.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+        Self { positions: positions.into(), indices: indices.into(), normals: vec![], uvs, flip: false }
+    }
+
+    /// The mesh moved by `m`, computed in double precision; `None` when `m` is singular. A mirrored mesh keeps its
+    /// outside outside.
+    pub fn transformed(&self, m: &Affine) -> Option<Self> {
+        let inverse = m.inverse()?;
+        let normal = |n: &Vec3| {
+            inverse.normal_by_inverse(n.as_dvec3()).try_normalize().unwrap_or(DVec3::ZERO).as_vec3()
+        };
+        Some(Self {
+            positions: self.positions.iter().map(|p| m.point(p.as_dvec3()).as_vec3()).collect(),
+            indices: self.indices.clone(),
+            normals: self.normals.iter().map(normal).collect(),
+            uvs: self.uvs.clone(),
+            flip: self.flip != (m.determinant() < 0.0),
+        })
+    }
+
+    /// Whether every index is in range and the optional arrays fit.
+    pub fn is_whole(&self) -> bool {
+        let n = self.positions.len();
+        self.indices.iter().flatten().all(|&i| (i as usize) < n)
+            && (self.normals.is_empty() || self.normals.len() == n)
+            && (self.uvs.is_empty() || self.uvs.len() == n)
+    }
+
+    /// The corners of a triangle.
+    #[inline]
+    pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
+        self.indices[primitive as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// Area of one triangle; 0 when a corner isn't finite.
+    pub fn triangle_area(&self, primitive: u32) -> f64 {
+        let [a, b, c] = self.corners(primitive).map(Vec3::as_dvec3);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        if area.is_finite() { area } else { 0.0 }
+    }
+
+    /// The surface of a triangle at barycentric weights u and v of its vertices 1 and 2.
+    ///
+    /// The error bound is that of the point's rounding, and of a search in single precision that looks for this triangle
+    /// from this point again: it works with corners relative to the ray's origin, which costs it some gamma(8) of
+    /// their distance.
+    pub fn surface(&self, primitive: u32, u: f32, v: f32) -> SurfacePoint {
+        let index = self.indices[primitive as usize].map(|i| i as usize);
+        let [p0, p1, p2] = index.map(|i| self.positions[i].as_dvec3());
+        let (b1, b2) = (f64::from(u), f64::from(v));
+        let b0 = 1.0 - b1 - b2;
+        let (e1, e2) = (p1 - p0, p2 - p0);
+        let q = p0 + e1 * b1 + e2 * b2;
+        let spread = (p0 - q).abs() * b0.abs() + (p1 - q).abs() * b1.abs() + (p2 - q).abs() * b2.abs();
+        let search = spread.max_element() * (8.0 * HALF_ULP);
+        let bound = |x: f64| ((x.abs() * HALF_ULP + search) as f32).next_up();
+        let p_err = Vec3::new(bound(q.x), bound(q.y), bound(q.z));
+
+        let out = e1.cross(e2).try_normalize().unwrap_or(DVec3::Y).as_vec3();
+        let ng = if self.flip { -out } else { out };
+        let n = match self.normals.get(index[0]..) {
+            None | Some([]) => ng,
+            Some(_) => {
+                let [n0, n1, n2] = index.map(|i| self.normals[i]);
+                (n0 * b0 as f32 + n1 * u + n2 * v).try_normalize().unwrap_or(ng)
+            }
+        };
+        let (uv, dpdu) = self.texture(index, [u, v], [e1.as_vec3(), e2.as_vec3()]);
+        let dpdu = if dpdu.is_finite() && dpdu != Vec3::ZERO { dpdu } else { Frame::from_normal(ng).s };
+        SurfacePoint { p: q.as_vec3(), p_err, ng, n, uv, dpdu }
+    }
+
+    /// Texture coordinates, and the edge direction along the first of them.
+    fn texture(&self, index: [usize; 3], [u, v]: [f32; 2], [e1, e2]: [Vec3; 2]) -> ([f32; 2], Vec3) {
+        if self.uvs.is_empty() {
+            return ([u, v], e1);
+        }
+        let [t0, t1, t2] = index.map(|i| self.uvs[i]);
+        let b0 = 1.0 - u - v;
+        let uv = [0, 1].map(|k| b0 * t0[k] + u * t1[k] + v * t2[k]);
+        let (d1, d2) = ([t1[0] - t0[0], t1[1] - t0[1]], [t2[0] - t0[0], t2[1] - t0[1]]);
+        let det = d1[0] * d2[1] - d2[0] * d1[1];
+        (uv, (e1 * d2[1] - e2 * d1[1]) / det)
+    }
+
+    /// A point of a triangle, uniformly; `pdf_area` is that of the triangle alone.
+    pub fn sample_triangle(&self, primitive: u32, u: [f32; 2]) -> AreaSample {
+        // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
+        let [x, y] = u;
+        let (b1, b2) = if y > x { (0.5 * x, y - 0.5 * x) } else { (x - 0.5 * y, 0.5 * y) };
+        let area = self.triangle_area(primitive);
+        AreaSample { point: self.surface(primitive, b1, b2), pdf_area: (1.0 / area) as f32 }
+    }
+}

@@ -1,0 +1,315 @@
+//! Shapes: what a ray can hit, and what can shine. This page is the contract; each shape has its file.
+//!
+//! A [`Geometry`] holds every surface of a world in flat arrays. Shapes answer rays by themselves
+//! ([`Geometry::intersect`]); the triangles of a [`TriangleMesh`] are searched by `straal_accel`, and only their
+//! surface is rebuilt here. A shape
+//!
+//! - has [`Geometry::bounds`] that hold all of it, rounded outwards, or `None` when it is unbounded;
+//! - gives with [`Geometry::intersect`] the *nearest* t in [`t_min`, `t_max`] of a ray whose direction may have any
+//!   length. Quadrics and planes are solved in double precision, in which single-precision input is exact, so
+//!   that the answer is right to the last bits of t at any distance and scale. The hit's u and v are the shape's own
+//!   coordinates, named in its file (0 where it has none);
+//! - rebuilds with [`Geometry::surface`] the point of a hit: *on* the surface (projected back, not o + t d), with
+//!   a bound of its rounding error that is a few units in the last place of its coordinates, the unit geometric normal
+//!   `ng` and the unit shading normal `n`. `ng` points out of closed shapes, and follows the right hand from the
+//!   first edge or axis to the second on open ones;
+//! - says, when it can shine, its [`Geometry::area`], and samples its points ([`Geometry::sample_area`], pdf by area)
+//!   and the directions towards it from a point ([`Geometry::sample_from`], [`Geometry::pdf_from`], pdf by solid
+//!   angle). `sample_from` covers every point that is visible from the reference point; it may also return points that
+//!   the shape itself hides, whose shadow ray then ends early. `None` is a sample of no value (measure zero, or
+//!   numerically so), not an error.
+//!
+//! Rays leave a surface from [`offset::offset_origin`]: outside the error bound, so that they can't hit the surface
+//! they leave. There is no epsilon.
+
+use std::fmt;
+use std::sync::Arc;
+
+use straal_math::{Bounds, DVec3, Ray, Transform, Vec3};
+
+pub mod bezier;
+pub mod cylinder;
+pub mod disc;
+pub mod ellipsoid;
+pub mod mesh;
+pub mod offset;
+pub mod parallelogram;
+pub mod plane;
+mod quadric;
+mod sampling;
+pub mod sphere;
+
+pub use cylinder::Cylinder;
+pub use disc::Disc;
+pub use ellipsoid::Ellipsoid;
+pub use mesh::TriangleMesh;
+pub use offset::{offset_origin, ray_between};
+pub use parallelogram::Parallelogram;
+pub use plane::Plane;
+pub use sphere::Sphere;
+
+/// One shape. Large ones are boxed, so that a sphere takes 40 bytes.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// Center and radius.
+    Sphere(Sphere),
+    /// An affine image of the unit sphere.
+    Ellipsoid(Box<Ellipsoid>),
+    /// Unbounded plane.
+    Plane(Plane),
+    /// Center and two half-axes: a disc, or any ellipse.
+    Disc(Disc),
+    /// Corner and two edges: a rectangle, or any parallelogram.
+    Parallelogram(Parallelogram),
+    /// An affine image of the open unit cylinder.
+    Cylinder(Box<Cylinder>),
+    /// A shape of the library's user: index into [`Geometry::custom`].
+    Custom(u32),
+}
+
+/// A shape that a user of the library brings. It is pure: the same input gives the same bits.
+///
+/// Custom shapes can be seen, and shine when a ray meets them, but are not sampled as lights.
+pub trait CustomShape: fmt::Debug + Send + Sync {
+    /// See [`Geometry::bounds`].
+    fn bounds(&self) -> Option<Bounds>;
+    /// See [`Geometry::intersect`].
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit>;
+    /// See [`Geometry::surface`].
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
+    /// A number that differs when the shape does: it goes into the scene's hash.
+    fn fingerprint(&self) -> u64;
+}
+
+/// Where a ray meets a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Distance in lengths of the ray's direction.
+    pub t: f32,
+    /// The shape's own first coordinate of the point.
+    pub u: f32,
+    /// The shape's own second coordinate of the point.
+    pub v: f32,
+}
+
+/// A point of a surface and its neighbourhood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// The point.
+    pub p: Vec3,
+    /// Bound of the absolute error of each coordinate of `p`: the true surface passes through this box.
+    pub p_err: Vec3,
+    /// Unit geometric normal, outwards.
+    pub ng: Vec3,
+    /// Unit shading normal; equal to `ng` on flat surfaces, and not necessarily on its side elsewhere.
+    pub n: Vec3,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+    /// A tangent: how the point moves with the first texture coordinate. Never zero.
+    pub dpdu: Vec3,
+}
+
+impl SurfacePoint {
+    /// The point of an instance's object, seen from the world. Its error bound also covers the way back: a ray that
+    /// starts at the world point and is brought to object space finds the surface within the bound.
+    pub fn to_world(&self, m: &Transform) -> Self {
+        let ng = m.normal(self.ng).try_normalize().unwrap_or(self.ng);
+        Self {
+            p: m.point(self.p),
+            p_err: offset::error_through(m, self.p, self.p_err),
+            ng,
+            n: if self.n == self.ng { ng } else { m.normal(self.n).try_normalize().unwrap_or(ng) },
+            uv: self.uv,
+            dpdu: m.vector(self.dpdu),
+        }
+    }
+}
+
+/// A point drawn from a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaSample {
+    /// The point.
+    pub point: SurfacePoint,
+    /// Its density by area.
+    pub pdf_area: f32,
+}
+
+/// A direction towards a surface, drawn from a reference point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirSample {
+    /// The point of the surface.
+    pub point: SurfacePoint,
+    /// Unit vector from the reference point to it.
+    pub wi: Vec3,
+    /// Density by solid angle at the reference point; positive and finite.
+    pub pdf: f32,
+}
+
+/// Every surface of a world.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// Shapes, by their id.
+    pub shapes: Vec<Shape>,
+    /// What [`Shape::Custom`] points into.
+    pub custom: Vec<Arc<dyn CustomShape>>,
+    /// Triangle meshes, by their id.
+    pub meshes: Vec<TriangleMesh>,
+}
+
+impl Geometry {
+    /// A box that holds the shape; `None` when it is unbounded.
+    pub fn bounds(&self, shape: u32) -> Option<Bounds> {
+        match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => Some(s.bounds()),
+            Shape::Ellipsoid(s) => Some(s.bounds()),
+            Shape::Plane(_) => None,
+            Shape::Disc(s) => Some(s.bounds()),
+            Shape::Parallelogram(s) => Some(s.bounds()),
+            Shape::Cylinder(s) => Some(s.bounds()),
+            Shape::Custom(i) => self.custom[*i as usize].bounds(),
+        }
+    }
+
+    /// The nearest hit in the ray's interval.
+    #[inline]
+    pub fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
+        match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.intersect(ray),
+            Shape::Ellipsoid(s) => s.intersect(ray),
+            Shape::Plane(s) => s.intersect(ray),
+            Shape::Disc(s) => s.intersect(ray),
+            Shape::Parallelogram(s) => s.intersect(ray),
+            Shape::Cylinder(s) => s.intersect(ray),
+            Shape::Custom(i) => self.custom[*i as usize].intersect(ray),
+        }
+    }
+
+    /// The surface where [`Geometry::intersect`] found `hit` on this very ray.
+    #[inline]
+    pub fn surface(&self, shape: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.surface(ray, hit),
+            Shape::Ellipsoid(s) => s.surface(ray, hit),
+            Shape::Plane(s) => s.surface(ray, hit),
+            Shape::Disc(s) => s.surface(ray, hit),
+            Shape::Parallelogram(s) => s.surface(ray, hit),
+            Shape::Cylinder(s) => s.surface(ray, hit),
+            Shape::Custom(i) => self.custom[*i as usize].surface(ray, hit),
+        }
+    }
+
+    /// Surface area (one side); `None` when the shape can't be sampled: planes and custom shapes.
+    pub fn area(&self, shape: u32) -> Option<f32> {
+        match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => Some(s.area()),
+            Shape::Ellipsoid(s) => Some(s.area()),
+            Shape::Disc(s) => Some(s.area()),
+            Shape::Parallelogram(s) => Some(s.area()),
+            Shape::Cylinder(s) => Some(s.area()),
+            Shape::Plane(_) | Shape::Custom(_) => None,
+        }
+    }
+
+    /// A point of the shape; `u` uniform in the unit square.
+    pub fn sample_area(&self, shape: u32, u: [f32; 2]) -> Option<AreaSample> {
+        let sample = match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.sample_area(u),
+            Shape::Ellipsoid(s) => s.sample_area(u),
+            Shape::Disc(s) => s.sample_area(u),
+            Shape::Parallelogram(s) => s.sample_area(u),
+            Shape::Cylinder(s) => s.sample_area(u),
+            Shape::Plane(_) | Shape::Custom(_) => return None,
+        };
+        (sample.pdf_area > 0.0 && sample.pdf_area.is_finite()).then_some(sample)
+    }
+
+    /// A direction from `p` towards the shape; `u` uniform in the unit square.
+    pub fn sample_from(&self, shape: u32, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.sample_from(p, u),
+            _ => by_solid_angle(p, self.sample_area(shape, u)?),
+        }
+    }
+
+    /// The density with which [`Geometry::sample_from`] at `p` gives the direction to `hit`, a point of the shape
+    /// that is seen from `p`.
+    pub fn pdf_from(&self, shape: u32, p: Vec3, hit: &SurfacePoint) -> f32 {
+        let by_area = match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => return s.pdf_from(p, hit),
+            Shape::Ellipsoid(s) => s.pdf_area(hit),
+            Shape::Disc(s) => 1.0 / s.area(),
+            Shape::Parallelogram(s) => 1.0 / s.area(),
+            Shape::Cylinder(s) => s.pdf_area(hit),
+            Shape::Plane(_) | Shape::Custom(_) => 0.0,
+        };
+        solid_angle_pdf(p, hit, by_area)
+    }
+}
+
+/// A point sampled by area as a direction sampled by solid angle.
+pub(crate) fn by_solid_angle(p: Vec3, s: AreaSample) -> Option<DirSample> {
+    let wi = (s.point.p - p).try_normalize()?;
+    let pdf = solid_angle_pdf(p, &s.point, s.pdf_area);
+    (pdf > 0.0 && pdf.is_finite()).then_some(DirSample { point: s.point, wi, pdf })
+}
+
+/// A density by area at `q` as density by solid angle seen from `p`: times distance² / |cos|; 0 where the surface is
+/// seen edge-on.
+pub(crate) fn solid_angle_pdf(p: Vec3, q: &SurfacePoint, pdf_area: f32) -> f32 {
+    let d = q.p - p;
+    let d2 = d.length_squared();
+    let cos_d = d.dot(q.ng).abs(); // cosine times distance
+    let pdf = pdf_area * d2 * d2.sqrt() / cos_d;
+    if pdf.is_finite() { pdf } else { 0.0 }
+}
+
+/// Double-precision constants and helpers that the shapes share.
+pub(crate) mod exact {
+    use super::*;
+
+    /// Half a unit in the last place of single precision, relative.
+    pub const HALF_ULP: f64 = 1.0 / (1u64 << 24) as f64;
+    /// Far more than the relative error of the few dozen double-precision operations behind any point here
+    /// (each 2^-53), and far less than [`HALF_ULP`].
+    pub const DOUBLE: f64 = 1.0 / (1u64 << 46) as f64;
+
+    /// A point computed in double precision from quantities no larger than `size`, rounded, with its error bound.
+    #[inline]
+    pub fn rounded(p: DVec3, size: f64) -> (Vec3, Vec3) {
+        let bound = |x: f64| ((x.abs() * HALF_ULP + size * DOUBLE) as f32).next_up();
+        (p.as_vec3(), Vec3::new(bound(p.x), bound(p.y), bound(p.z)))
+    }
+
+    /// The box around points that are off by at most `size` times [`DOUBLE`], rounded outwards.
+    pub fn outward(min: DVec3, max: DVec3, size: f64) -> Bounds {
+        let pad = size * DOUBLE;
+        let down = |x: f64| ((x - pad) as f32).next_down();
+        let up = |x: f64| ((x + pad) as f32).next_up();
+        Bounds {
+            min: Vec3::new(down(min.x), down(min.y), down(min.z)),
+            max: Vec3::new(up(max.x), up(max.y), up(max.z)),
+        }
+    }
+
+    /// t rounded, if it then lies in the ray's interval.
+    #[inline]
+    pub fn in_interval(ray: &Ray, t: f64) -> Option<f32> {
+        let t = t as f32;
+        (t >= ray.t_min && t <= ray.t_max && t.is_finite()).then_some(t)
+    }
+
+    /// The point o + t d, in double precision.
+    #[inline]
+    pub fn at(ray: &Ray, t: f32) -> DVec3 {
+        ray.o.as_dvec3() + ray.d.as_dvec3() * f64::from(t)
+    }
+
+    /// Absolute values summed.
+    #[inline]
+    pub fn size(v: DVec3) -> f64 {
+        v.x.abs() + v.y.abs() + v.z.abs()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,86 @@
+//! Rays that leave a surface, and rays that must end before one.
+
+use straal_math::{Ray, Transform, Vec3};
+
+use super::SurfacePoint;
+
+/// Unit roundoff of single precision.
+const U: f32 = f32::EPSILON * 0.5;
+
+/// Higham's bound of the relative error of n rounded operations, n u / (1 - n u).
+const fn gamma(n: u32) -> f32 {
+    let nu = n as f32 * U;
+    nu / (1.0 - nu)
+}
+
+/// Where a ray in direction `w` may start that leaves a surface at `p`, known to `p_err`, with normal `ng` (either
+/// side): the nearest representable point off the error box on `w`'s side (Pharr, Jakob & Humphreys 2023, section
+/// 6.8.6: the box's extent along the normal, then each coordinate rounded away from the surface).
+#[inline]
+pub fn offset_origin(p: Vec3, p_err: Vec3, ng: Vec3, w: Vec3) -> Vec3 {
+    let d = ng.abs().dot(p_err);
+    let push = if w.dot(ng) < 0.0 { ng * -d } else { ng * d };
+    let away = |x: f32, o: f32| {
+        let y = x + o;
+        if o > 0.0 {
+            y.next_up()
+        } else if o < 0.0 {
+            y.next_down()
+        } else {
+            y
+        }
+    };
+    Vec3::new(away(p.x, push.x), away(p.y, push.y), away(p.z, push.z))
+}
+
+/// One end of a shadow ray: a point with its error and normal. The normal is zero where there is no surface (a point
+/// light, a camera), and then the end is the point itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// The point.
+    pub p: Vec3,
+    /// Bound of the error of its coordinates.
+    pub p_err: Vec3,
+    /// Geometric normal, either side; zero for a point in space.
+    pub ng: Vec3,
+}
+
+impl From<&SurfacePoint> for End {
+    fn from(s: &SurfacePoint) -> Self {
+        Self { p: s.p, p_err: s.p_err, ng: s.ng }
+    }
+}
+
+/// The ray from one surface to another that sees neither: `t` = 1 is its far end, its time and mask are the
+/// defaults of [`Ray::new`].
+///
+/// Both ends are pushed off their surfaces towards each other. The far one is pushed further by gamma(8) |d| in
+/// each coordinate, which covers the rounding of d = q - p (one operation) and of the few more by which a search
+/// that works relative to the ray's origin places a surface near t = 1; what is left is the rounding of t itself, a few
+/// units in the last place below 1.
+#[inline]
+pub fn ray_between(from: &End, to: &End) -> Ray {
+    let way = to.p - from.p;
+    let o = offset_origin(from.p, from.p_err, from.ng, way);
+    let q = offset_origin(to.p, to.p_err + way.abs() * gamma(8), to.ng, -way);
+    let mut ray = Ray::new(o, q - o);
+    ray.t_max = 1.0 - gamma(4);
+    ray
+}
+
+/// The error bound of `m.point(p)` for a `p` known to `p_err` that also covers the way back: transforming the
+/// result by the rounded inverse gives a point within the bound, seen from the world, of where it started.
+///
+/// Forward, a sum of four products errs by gamma(4) of the sum S of absolute values, the rounded matrix included.
+/// Back, |M'| S gamma(6) is the error of the product of the two rounded matrices and of the second sum; |M| of that
+/// is how large it is in the world.
+pub(super) fn error_through(m: &Transform, p: Vec3, p_err: Vec3) -> Vec3 {
+    let abs_rows = |a: &[[f32; 4]; 3], v: Vec3, w: f32| {
+        let row =
+            |i: usize| a[i][0].abs() * v.x + a[i][1].abs() * v.y + a[i][2].abs() * v.z + a[i][3].abs() * w;
+        Vec3::new(row(0), row(1), row(2))
+    };
+    let size = abs_rows(&m.forward, p.abs(), 1.0);
+    let back = abs_rows(&m.inverse, size, 1.0) * gamma(6);
+    size * gamma(4) + abs_rows(&m.forward, p_err + back, 0.0) * (1.0 + gamma(6))
+}

@@ -1,0 +1,52 @@
+//! The unbounded plane.
+
+use straal_math::{DVec3, Frame, Ray, Vec3};
+
+use super::exact::{at, in_interval, rounded, size};
+use super::{ShapeHit, SurfacePoint};
+
+/// A plane through a point; its normal is the one given.
+///
+/// Hit coordinates: none (0). Texture coordinates: metres along two fixed tangents from the given point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// A point of the plane.
+    pub point: Vec3,
+    /// Normal, of any length but zero.
+    pub normal: Vec3,
+}
+
+impl Plane {
+    /// See [`super::Geometry::intersect`].
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let t = meet(ray, self.point.as_dvec3(), self.normal.as_dvec3());
+        Some(ShapeHit { t: in_interval(ray, t)?, u: 0.0, v: 0.0 })
+    }
+
+    /// See [`super::Geometry::surface`].
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        let c = self.point.as_dvec3();
+        let n = self.normal.as_dvec3().try_normalize().unwrap_or(DVec3::Y);
+        let q = project(at(ray, hit.t), c, n);
+        let (p, p_err) = rounded(q, size(q) + size(c));
+        let ng = n.as_vec3();
+        let frame = Frame::from_normal(ng);
+        let r = (q - c).as_vec3();
+        SurfacePoint { p, p_err, ng, n: ng, uv: [r.dot(frame.s), r.dot(frame.t)], dpdu: frame.s }
+    }
+}
+
+/// Where a line meets the plane through `c` with normal `n`, in lengths of the line's direction; not finite when it
+/// is parallel.
+#[inline]
+pub(super) fn meet(ray: &Ray, c: DVec3, n: DVec3) -> f64 {
+    (c - ray.o.as_dvec3()).dot(n) / ray.d.as_dvec3().dot(n)
+}
+
+/// The point of the plane through `c` with unit normal `n` that is nearest to `p`.
+#[inline]
+pub(super) fn project(p: DVec3, c: DVec3, n: DVec3) -> DVec3 {
+    p - n * (p - c).dot(n)
+}

@@ -1,0 +1,138 @@
+//! The sphere.
+
+use straal_math::{Bounds, DVec3, Ray, Vec3};
+
+use super::exact::{at, in_interval, outward, rounded, size};
+use super::quadric::roots;
+use super::{AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf};
+
+/// A sphere; its normal points outwards.
+///
+/// Hit coordinates: none (0). Texture coordinates: u turns about +y from +z towards +x, v rises from 0 at -y to 1
+/// at +y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Center.
+    pub center: Vec3,
+    /// Radius, positive.
+    pub radius: f32,
+}
+
+impl Sphere {
+    /// See [`super::Geometry::bounds`].
+    pub fn bounds(&self) -> Bounds {
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        outward(c - DVec3::splat(r), c + DVec3::splat(r), size(c) + r)
+    }
+
+    /// See [`super::Geometry::intersect`].
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let d = ray.d.as_dvec3();
+        let oc = ray.o.as_dvec3() - self.center.as_dvec3();
+        let r2 = f64::from(self.radius) * f64::from(self.radius);
+        let a = d.dot(d);
+        let b = -oc.dot(d);
+        // The distance of center and line, as a vector: r² - l² doesn't cancel as b² - a c would.
+        let l = oc + d * (b / a);
+        let t = roots(a, b, oc.dot(oc) - r2, r2 - l.dot(l))?;
+        let t = in_interval(ray, t[0]).or_else(|| in_interval(ray, t[1]))?;
+        Some(ShapeHit { t, u: 0.0, v: 0.0 })
+    }
+
+    /// See [`super::Geometry::surface`].
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.towards(at(ray, hit.t) - self.center.as_dvec3())
+    }
+
+    /// The point of the sphere in the direction `q` from its center.
+    fn towards(&self, q: DVec3) -> SurfacePoint {
+        let n = q.try_normalize().unwrap_or(DVec3::Y);
+        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
+        let (p, p_err) = rounded(c + n * r, size(c) + r);
+        let ng = n.as_vec3();
+        let (uv, turn) = sphere_uv(ng);
+        SurfacePoint { p, p_err, ng, n: ng, uv, dpdu: turn * self.radius }
+    }
+
+    /// See [`super::Geometry::area`].
+    pub fn area(&self) -> f32 {
+        4.0 * std::f32::consts::PI * self.radius * self.radius
+    }
+
+    /// See [`super::Geometry::sample_area`].
+    pub fn sample_area(&self, u: [f32; 2]) -> AreaSample {
+        AreaSample { point: self.towards(sampling::sphere(u)), pdf_area: 1.0 / self.area() }
+    }
+
+    /// From outside, directions in the cone that the sphere fills, uniformly; from inside, points by area.
+    pub fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        let Some(cone) = self.cone(p) else {
+            return by_solid_angle(p, self.sample_area(u));
+        };
+        // Uniform in 1 - cos, by which the smallest cones keep all their digits.
+        let one_minus_cos = f64::from(u[0]) * cone.one_minus_cos_max;
+        let cos = 1.0 - one_minus_cos;
+        let sin2 = one_minus_cos * (2.0 - one_minus_cos);
+        let (s, c) = sampling::turn(u[1]);
+        let (x, y) = sampling::tangents(cone.axis);
+        let w = cone.axis * cos + (x * c + y * s) * sin2.sqrt();
+        // Where that direction first meets the sphere, as seen from its center.
+        let r = f64::from(self.radius);
+        let reach = r * r - cone.distance * cone.distance * sin2;
+        let t = cone.distance * cos - if reach > 0.0 { reach.sqrt() } else { 0.0 };
+        let point = self.towards(w * t - cone.axis * cone.distance);
+        let wi = w.try_normalize()?.as_vec3();
+        let pdf = cone.pdf();
+        pdf.is_finite().then_some(DirSample { point, wi, pdf })
+    }
+
+    /// The density of [`Self::sample_from`].
+    pub fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
+        match self.cone(p) {
+            Some(cone) => {
+                let pdf = cone.pdf();
+                if pdf.is_finite() { pdf } else { 0.0 }
+            }
+            None => solid_angle_pdf(p, hit, 1.0 / self.area()),
+        }
+    }
+
+    /// The cone that the sphere fills, seen from a point outside.
+    fn cone(&self, p: Vec3) -> Option<Cone> {
+        let to = self.center.as_dvec3() - p.as_dvec3();
+        let distance = to.length();
+        let sin = f64::from(self.radius) / distance;
+        if !(sin < 1.0) {
+            return None;
+        }
+        let sin2 = sin * sin;
+        // 1 - cos = sin² / (1 + cos): no cancellation, however far the sphere is.
+        let one_minus_cos_max = sin2 / (1.0 + (1.0 - sin2).sqrt());
+        Some(Cone { axis: to / distance, distance, one_minus_cos_max })
+    }
+}
+
+/// The directions from a point outside a sphere that meet it.
+struct Cone {
+    axis: DVec3,
+    distance: f64,
+    one_minus_cos_max: f64,
+}
+
+impl Cone {
+    fn pdf(&self) -> f32 {
+        (1.0 / (2.0 * std::f64::consts::PI * self.one_minus_cos_max)) as f32
+    }
+}
+
+/// Texture coordinates of a unit vector, and how it moves with the first of them.
+#[inline]
+pub(super) fn sphere_uv(n: Vec3) -> ([f32; 2], Vec3) {
+    use std::f32::consts::{FRAC_1_PI, TAU};
+    let u = f32::atan2(n.x, n.z) * (0.5 * FRAC_1_PI);
+    let v = 1.0 - f32::acos(n.y) * FRAC_1_PI;
+    let turn = Vec3::new(n.z, 0.0, -n.x) * TAU;
+    ([if u < 0.0 { u + 1.0 } else { u }, v], if turn == Vec3::ZERO { Vec3::X } else { turn })
+}
