@@ -1,1 +1,196 @@
-//! To be written.
+//! Named samples: every random number is a pure function of (seed, pixel, sample index, path node, purpose).
+//!
+//! [`SampleName`] holds what the draws of one path vertex share, hashed once; a [`Pattern`] turns it and a
+//! [`Purpose`] into one, two or four numbers. Nothing counts draws, so that adding a purpose moves no other number
+//! and any pixel, sample or path can be run again alone.
+
+mod sobol;
+
+/// What the random numbers of one vertex of one path are named by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleName {
+    /// A hash of seed and pixel.
+    pixel: u64,
+    /// The hash of the branches taken since the camera, see [`child_node`].
+    node: u32,
+    /// The sample's index, its bits in reverse order, as the draws want it.
+    reversed_index: u32,
+}
+
+impl SampleName {
+    /// The name at the camera: `pixel` is that of the whole picture, whatever is cropped or tiled; `index` is the
+    /// sample's in the pixel.
+    #[inline]
+    pub const fn new(seed: u64, pixel: [u32; 2], index: u32) -> Self {
+        let place = (pixel[1] as u64) << 32 | pixel[0] as u64;
+        let pixel = mix(mix(seed ^ 0x5851_f42d_4c95_7f2d) ^ place);
+        Self { pixel, node: ROOT_NODE, reversed_index: index.reverse_bits() }
+    }
+
+    /// The same sample at another node.
+    #[inline(always)]
+    pub const fn at(self, node: u32) -> Self {
+        Self { node, ..self }
+    }
+
+    /// The same sample one branch further: `self.at(child_node(self.node(), branch))`.
+    #[inline(always)]
+    pub const fn child(self, branch: u32) -> Self {
+        self.at(child_node(self.node, branch))
+    }
+
+    /// The node's hash.
+    #[inline(always)]
+    pub const fn node(self) -> u32 {
+        self.node
+    }
+
+    /// The index of the sample in its pixel.
+    #[inline(always)]
+    pub const fn index(self) -> u32 {
+        self.reversed_index.reverse_bits()
+    }
+
+    /// 64 bits that depend on all but the index.
+    #[inline(always)]
+    const fn stream(self, purpose: Purpose) -> u64 {
+        mix(self.pixel ^ ((self.node as u64) << 32 | purpose as u64))
+    }
+}
+
+/// The node of the camera's own edge.
+pub const ROOT_NODE: u32 = 0;
+
+/// The node reached from `node` by its branch number `branch` (a path that doesn't split takes branch 0 each time).
+#[inline(always)]
+pub const fn child_node(node: u32, branch: u32) -> u32 {
+    // Two rounds of an xorshift-multiply permutation (constants: Wellons 2018, "lowbias32").
+    let mut x = node.wrapping_add(0x9e37_79b9).wrapping_add(branch.wrapping_mul(0x85eb_ca6b));
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// What a random number is for. The values are part of the name: they never change meaning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Purpose {
+    /// Place on the film (first two) and on the lens (last two).
+    Film = 0,
+    /// Moment within the shutter.
+    Time = 1,
+    /// The hero wavelength.
+    Wavelength = 2,
+    /// Which light is asked.
+    LightChoice = 3,
+    /// Where on that light; with four numbers, the last two may choose its part (a triangle of a mesh).
+    LightPoint = 4,
+    /// Which lobe of a BSDF scatters.
+    Lobe = 5,
+    /// Where that lobe scatters to.
+    Direction = 6,
+    /// Whether the path goes on.
+    Roulette = 7,
+    /// Distance to the next event in a medium.
+    Distance = 8,
+    /// Whether a partly transparent surface is there.
+    Opacity = 9,
+    /// Anything of a user's own integrator.
+    Custom = 10,
+}
+
+impl Purpose {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Film,
+        Self::Time,
+        Self::Wavelength,
+        Self::LightChoice,
+        Self::LightPoint,
+        Self::Lobe,
+        Self::Direction,
+        Self::Roulette,
+        Self::Distance,
+        Self::Opacity,
+        Self::Custom,
+    ];
+}
+
+/// How the numbers of one name and purpose lie over the samples of a pixel. All are in [0, 1), strictly below 1, and
+/// multiples of 2^-24.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Pattern {
+    /// Independent.
+    Random,
+    /// Padded Sobol, its order shuffled and its digits scrambled after Owen, by hashes (Burley 2020, "Practical
+    /// Hash-based Owen Scrambling"). Any 2^k samples from a multiple of 2^k on are stratified in each purpose.
+    #[default]
+    Sobol,
+}
+
+impl Pattern {
+    /// One number.
+    #[inline]
+    pub fn d1(self, name: &SampleName, purpose: Purpose) -> f32 {
+        let stream = name.stream(purpose);
+        match self {
+            Self::Random => to_unit(random(stream, name, 0) as u32),
+            Self::Sobol => to_unit(sobol::d1(stream, name.reversed_index)),
+        }
+    }
+
+    /// Two numbers; with Sobol a (0,2)-sequence in base 2. The first is the one that [`Self::d1`] gives.
+    #[inline]
+    pub fn d2(self, name: &SampleName, purpose: Purpose) -> [f32; 2] {
+        let stream = name.stream(purpose);
+        match self {
+            Self::Random => {
+                let r = random(stream, name, 0);
+                [to_unit(r as u32), to_unit((r >> 32) as u32)]
+            }
+            Self::Sobol => sobol::d2(stream, name.reversed_index).map(to_unit),
+        }
+    }
+
+    /// Four numbers. The first two are those that [`Self::d2`] gives.
+    #[inline]
+    pub fn d4(self, name: &SampleName, purpose: Purpose) -> [f32; 4] {
+        let stream = name.stream(purpose);
+        match self {
+            Self::Random => {
+                let (r, s) = (random(stream, name, 0), random(stream, name, 1));
+                [r as u32, (r >> 32) as u32, s as u32, (s >> 32) as u32].map(to_unit)
+            }
+            Self::Sobol => sobol::d4(stream, name.reversed_index).map(to_unit),
+        }
+    }
+}
+
+/// The `k`th 64 bits of a sample from a stream (Steele et al. 2014, "SplitMix": hashes of a Weyl sequence).
+#[inline(always)]
+fn random(stream: u64, name: &SampleName, k: u64) -> u64 {
+    let counter = u64::from(name.reversed_index) << 1 | k;
+    mix(stream.wrapping_add(counter.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
+}
+
+/// The upper 24 bits as a number in [0, 1).
+#[inline(always)]
+fn to_unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// A permutation of 64 bits in which each bit of the input flips each bit of the output in half of the cases
+/// (constants: Stafford 2011, variant 13).
+#[inline(always)]
+const fn mix(mut x: u64) -> u64 {
+    x ^= x >> 30;
+    x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x ^= x >> 27;
+    x = x.wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,410 @@
-//! To be written.
+//! Choosing in proportion to weights: piecewise constant distributions over a list and over a grid.
+//!
+//! Probabilities are whole multiples of 2^-24, the step of a random number (see [`crate::lowdisc`]). So what is
+//! drawn has exactly the probability that is told, nothing of probability 0 is ever drawn, and, in lists of up
+//! to eight million, every weight above 0 has at least one step. Tables are built in double precision and fixed
+//! order.
+
+/// Steps of probability: the resolution of a random number in [0, 1).
+const STEPS: u32 = 1 << 24;
+/// One step.
+const STEP: f32 = 1.0 / STEPS as f32;
+/// The greatest number below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// A choice from a list.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// Which.
+    pub index: usize,
+    /// Its probability.
+    pub pmf: f32,
+    /// What the number that chose has left, again even in [0, 1): log2(1/pmf) bits poorer.
+    pub rest: f32,
+}
+
+/// A distribution over a list, or piecewise constant over [0, 1).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table1 {
+    /// Steps before each entry; one longer than the list.
+    cdf: Vec<u32>,
+    guide: Vec<u32>,
+}
+
+impl Table1 {
+    /// A table of weights, where negative, infinite and NaN ones count as 0. `None` if nothing is left to choose.
+    pub fn new(weights: &[f32]) -> Option<Self> {
+        let mut cdf = vec![0; weights.len() + 1];
+        let total = total(weights);
+        if total <= 0.0 || weights.len() >= u32::MAX as usize {
+            return None;
+        }
+        fill(&mut cdf, weights, total);
+        let mut guide = vec![0; guide_len(weights.len())];
+        fill_guide(&mut guide, &cdf);
+        Some(Self { cdf, guide })
+    }
+
+    /// How many entries there are.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.cdf.len() - 1
+    }
+
+    /// Never: a table with nothing in it isn't made.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Chooses by `u` in [0, 1).
+    #[inline]
+    pub fn sample(&self, u: f32) -> Choice {
+        choose(&self.cdf, &self.guide, u)
+    }
+
+    /// The probability of an entry; 0 beyond the list.
+    #[inline]
+    pub fn pmf(&self, index: usize) -> f32 {
+        if index < self.len() { width(&self.cdf, index) as f32 * STEP } else { 0.0 }
+    }
+
+    /// The number that [`Self::sample`] turns into this entry and rest, but for rounding.
+    #[inline]
+    pub fn invert(&self, index: usize, rest: f32) -> f32 {
+        invert(&self.cdf, index, rest)
+    }
+}
+
+/// A point drawn from a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point2 {
+    /// In [0, 1)²: u across, v along rows.
+    pub uv: [f32; 2],
+    /// Column and row.
+    pub texel: [usize; 2],
+    /// Density over the unit square.
+    pub pdf: f32,
+}
+
+/// A distribution over the unit square, constant within each texel of a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table2 {
+    width: usize,
+    rows: Table1,
+    /// For each row as in [`Table1`], one after the other.
+    cdfs: Vec<u32>,
+    guides: Vec<u32>,
+}
+
+impl Table2 {
+    /// A grid of weights, row by row; as [`Table1::new`]. `None` also if `weights` isn't of `width` times `height`.
+    pub fn new(width: usize, height: usize, weights: &[f32]) -> Option<Self> {
+        if width.checked_mul(height)? != weights.len() || weights.is_empty() {
+            return None;
+        }
+        let totals: Vec<f64> = weights.chunks_exact(width).map(total).collect();
+        // Scaled, so that a row's total fits single precision.
+        let most = totals.iter().copied().fold(0.0, |m: f64, t| if t > m { t } else { m });
+        let scaled: Vec<f32> =
+            totals.iter().map(|&t| if t > 0.0 { keep_above_zero(t / most) } else { 0.0 }).collect();
+        let rows = Table1::new(&scaled)?;
+        let guide_len = guide_len(width);
+        let mut cdfs = vec![0; (width + 1) * height];
+        let mut guides = vec![0; guide_len * height];
+        let per_row = cdfs.chunks_exact_mut(width + 1).zip(guides.chunks_exact_mut(guide_len));
+        for ((cdf, guide), (row, &total)) in per_row.zip(weights.chunks_exact(width).zip(&totals)) {
+            if total > 0.0 {
+                fill(cdf, row, total);
+                fill_guide(guide, cdf);
+            }
+        }
+        Some(Self { width, rows, cdfs, guides })
+    }
+
+    /// Columns and rows.
+    #[inline]
+    pub fn size(&self) -> [usize; 2] {
+        [self.width, self.rows.len()]
+    }
+
+    /// Draws a point by `u` in [0, 1)²: the second number chooses the row.
+    #[inline]
+    pub fn sample(&self, u: [f32; 2]) -> Point2 {
+        let row = self.rows.sample(u[1]);
+        let guide_len = guide_len(self.width);
+        let guide = &self.guides[row.index * guide_len..(row.index + 1) * guide_len];
+        let column = choose(self.cdf(row.index), guide, u[0]);
+        Point2 {
+            uv: [place(column, self.width), place(row, self.rows.len())],
+            texel: [column.index, row.index],
+            pdf: self.density(column.pmf, row.pmf),
+        }
+    }
+
+    /// The density at a point of the unit square, 0 outside.
+    #[inline]
+    pub fn pdf(&self, uv: [f32; 2]) -> f32 {
+        match (texel_of(uv[0], self.width), texel_of(uv[1], self.rows.len())) {
+            (Some(x), Some(y)) => self.texel_pdf([x, y]),
+            _ => 0.0,
+        }
+    }
+
+    /// The density within a texel (column, row), 0 outside of the grid.
+    #[inline]
+    pub fn texel_pdf(&self, texel: [usize; 2]) -> f32 {
+        if texel[0] >= self.width || texel[1] >= self.rows.len() {
+            return 0.0;
+        }
+        let column = width(self.cdf(texel[1]), texel[0]) as f32 * STEP;
+        self.density(column, self.rows.pmf(texel[1]))
+    }
+
+    /// The numbers that [`Self::sample`] turns into this point, but for rounding; `None` outside of the square and
+    /// where the density is 0.
+    pub fn invert(&self, uv: [f32; 2]) -> Option<[f32; 2]> {
+        let (x, y) = (texel_of(uv[0], self.width)?, texel_of(uv[1], self.rows.len())?);
+        if self.texel_pdf([x, y]) == 0.0 {
+            return None;
+        }
+        let rest = |v: f32, n: usize, i: usize| v * n as f32 - i as f32;
+        Some([
+            invert(self.cdf(y), x, rest(uv[0], self.width, x)),
+            self.rows.invert(y, rest(uv[1], self.rows.len(), y)),
+        ])
+    }
+
+    #[inline(always)]
+    fn cdf(&self, row: usize) -> &[u32] {
+        &self.cdfs[row * (self.width + 1)..(row + 1) * (self.width + 1)]
+    }
+
+    #[inline(always)]
+    fn density(&self, column_pmf: f32, row_pmf: f32) -> f32 {
+        (column_pmf * self.width as f32) * (row_pmf * self.rows.len() as f32)
+    }
+}
+
+/// Sum of the weights that count.
+fn total(weights: &[f32]) -> f64 {
+    weights.iter().map(|&w| counted(w)).sum()
+}
+
+#[inline(always)]
+fn counted(weight: f32) -> f64 {
+    if weight > 0.0 && weight < f32::INFINITY { f64::from(weight) } else { 0.0 }
+}
+
+/// Rounded to single precision, but not to 0.
+fn keep_above_zero(x: f64) -> f32 {
+    let rounded = x as f32;
+    if rounded > 0.0 { rounded } else { f32::MIN_POSITIVE }
+}
+
+/// Shares the steps out. Each weight above 0 gets one as long as that leaves half of them, the rest go in
+/// proportion, by rounding the running sum.
+fn fill(cdf: &mut [u32], weights: &[f32], total: f64) {
+    let chosen = weights.iter().filter(|&&w| counted(w) > 0.0).count();
+    let each = if chosen <= STEPS as usize / 2 { 1 } else { 0 };
+    let shared = f64::from(STEPS) - (each as usize * chosen) as f64;
+    let (mut sum, mut given) = (0.0, 0);
+    let mut last = 0;
+    for (i, &weight) in weights.iter().enumerate() {
+        if counted(weight) > 0.0 {
+            sum += counted(weight);
+            given += each;
+            last = i;
+        }
+        // A running sum can't pass the total: both add the same numbers in the same order.
+        cdf[i + 1] = given + (shared * (sum / total)) as u32;
+    }
+    // Should division have left the quotient a hair below 1, the last weight gets the step.
+    cdf[last + 1..].fill(STEPS);
+}
+
+/// A guide has a power of two of buckets, about one for two entries.
+fn guide_len(entries: usize) -> usize {
+    (entries / 2).next_power_of_two().clamp(1, STEPS as usize)
+}
+
+/// For each bucket, an equal part of all steps, the entry that its first step belongs to.
+fn fill_guide(guide: &mut [u32], cdf: &[u32]) {
+    let shift = 24 - guide.len().trailing_zeros();
+    let mut entry = 0;
+    for (bucket, first) in guide.iter_mut().enumerate() {
+        let step = (bucket as u32) << shift;
+        while cdf[entry + 1] <= step {
+            entry += 1;
+        }
+        *first = entry as u32;
+    }
+}
+
+#[inline(always)]
+fn width(cdf: &[u32], index: usize) -> u32 {
+    cdf[index + 1] - cdf[index]
+}
+
+#[inline(always)]
+fn choose(cdf: &[u32], guide: &[u32], u: f32) -> Choice {
+    // Exact: a power of two times u. What isn't in [0, 1) lands at the nearer end.
+    let scaled = crate::ops::clamp(u, 0.0, BELOW_ONE) * STEPS as f32;
+    let step = scaled as u32;
+    let bucket = (step >> (24 - guide.len().trailing_zeros())) as usize;
+    let mut low = guide[bucket] as usize;
+    let mut high = guide.get(bucket + 1).map_or(cdf.len() - 2, |&g| g as usize);
+    // The entry is in low..=high: the last whose steps begin at or before this one.
+    while low < high {
+        let middle = (low + high).div_ceil(2);
+        if cdf[middle] <= step { low = middle } else { high = middle - 1 }
+    }
+    let (first, width) = (cdf[low], width(cdf, low));
+    let rest = (scaled - first as f32) / width as f32;
+    Choice { index: low, pmf: width as f32 * STEP, rest: if rest < BELOW_ONE { rest } else { BELOW_ONE } }
+}
+
+#[inline(always)]
+fn invert(cdf: &[u32], index: usize, rest: f32) -> f32 {
+    let u = (cdf[index] as f32 + rest * width(cdf, index) as f32) * STEP;
+    if u < BELOW_ONE { u } else { BELOW_ONE }
+}
+
+/// A chosen cell and what is left as a coordinate, kept within the cell whatever the rounding.
+#[inline(always)]
+fn place(choice: Choice, cells: usize) -> f32 {
+    let v = (choice.index as f32 + choice.rest) / cells as f32;
+    match texel_of(v, cells) {
+        Some(i) if i == choice.index => v,
+        // Rounded up into the next cell.
+        _ => f32::from_bits(v.to_bits() - 1),
+    }
+}
+
+/// The cell of a coordinate in [0, 1).
+#[inline(always)]
+fn texel_of(v: f32, cells: usize) -> Option<usize> {
+    if (0.0..1.0).contains(&v) {
+        let i = (v * cells as f32) as usize;
+        Some(if i < cells { i } else { cells - 1 })
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probabilities_are_what_is_drawn() {
+        let weights = [0.0, 3.0, 0.0, 1e-30, 5.0, f32::NAN, 0.5, -2.0, f32::INFINITY, 0.0];
+        let table = Table1::new(&weights).unwrap();
+        let mut steps = [0_u32; 10];
+        for k in 0..STEPS {
+            let c = table.sample(k as f32 * STEP);
+            steps[c.index] += 1;
+            assert!((0.0..1.0).contains(&c.rest));
+        }
+        for (i, &w) in weights.iter().enumerate() {
+            assert_eq!(table.pmf(i), steps[i] as f32 * STEP);
+            assert_eq!(counted(w) > 0.0, steps[i] > 0);
+            assert!((f64::from(table.pmf(i)) - counted(w) / 8.5).abs() < 3e-7);
+        }
+        assert_eq!(table.pmf(10), 0.0);
+    }
+
+    #[test]
+    fn what_is_left_is_even_again() {
+        let table = Table1::new(&[1.0, 2.0, 5.0]).unwrap();
+        let n = 1 << 16;
+        let mut sums = [0.0; 3];
+        for k in 0..n {
+            let u = (k as f32 + 0.5) / n as f32;
+            let c = table.sample(u);
+            sums[c.index] += f64::from(c.rest);
+            assert!((table.invert(c.index, c.rest) - u).abs() < 2.0 * STEP);
+        }
+        for (i, sum) in sums.iter().enumerate() {
+            let mean = sum / (f64::from(n) * f64::from(table.pmf(i)));
+            assert!((mean - 0.5).abs() < 1e-3, "{mean}");
+        }
+    }
+
+    #[test]
+    fn nothing_to_choose_is_no_table() {
+        assert_eq!(Table1::new(&[]), None);
+        assert_eq!(Table1::new(&[0.0, -1.0, f32::NAN, f32::INFINITY]), None);
+        assert_eq!(Table2::new(0, 0, &[]), None);
+        assert_eq!(Table2::new(2, 2, &[1.0; 3]), None);
+        assert_eq!(Table2::new(usize::MAX, 2, &[1.0; 3]), None);
+        assert_eq!(Table2::new(2, 2, &[0.0; 4]), None);
+        assert!(Table1::new(&[1.0; 1]).is_some_and(|t| t.sample(0.7).pmf == 1.0 && !t.is_empty()));
+    }
+
+    #[test]
+    fn long_lists_keep_every_weight() {
+        let n = 100_003;
+        let weights: Vec<f32> =
+            (0..n).map(|i| if i == 777 { 1e20 } else { 1.0 / (1.0 + i as f32) }).collect();
+        let table = Table1::new(&weights).unwrap();
+        assert_eq!(table.len(), n);
+        let sum: f64 = (0..n).map(|i| f64::from(table.pmf(i))).sum();
+        assert_eq!(sum, 1.0);
+        for i in 0..n {
+            assert!(table.pmf(i) >= STEP);
+            assert_eq!(table.sample(table.invert(i, 0.0)).index, i);
+        }
+        // Numbers beyond their range choose an end instead of reading past it.
+        assert_eq!(table.sample(1.5).index, n - 1);
+        assert_eq!(table.sample(f32::NAN).index, 0);
+    }
+
+    #[test]
+    fn grids_draw_by_their_density() {
+        let (w, h) = (37, 19);
+        let weights: Vec<f32> = (0..w * h)
+            .map(|i| match (i % w, i / w) {
+                (_, 4) | (3, _) => 0.0,
+                (20, 10) => 1e6,
+                (x, y) => 1e-35 * (1 + x * y) as f32,
+            })
+            .collect();
+        let table = Table2::new(w, h, &weights).unwrap();
+        assert_eq!(table.size(), [w, h]);
+        let mut integral = 0.0;
+        for y in 0..h {
+            for x in 0..w {
+                let pdf = table.texel_pdf([x, y]);
+                assert_eq!(pdf > 0.0, weights[y * w + x] > 0.0);
+                let centre = [(x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32];
+                assert_eq!(table.pdf(centre), pdf);
+                integral += f64::from(pdf) / (w * h) as f64;
+                assert_eq!(table.invert(centre).is_some(), pdf > 0.0);
+            }
+        }
+        assert!((integral - 1.0).abs() < 1e-6);
+        for k in 0..200_000_u32 {
+            let u =
+                [0.754_877_7, 0.569_840_3].map(|a: f64| ((f64::from(k) * a).fract() as f32).min(BELOW_ONE));
+            let p = table.sample(u);
+            assert!(p.pdf > 0.0 && p.pdf == table.pdf(p.uv) && p.pdf == table.texel_pdf(p.texel));
+            let back = table.invert(p.uv).unwrap();
+            let cell = [20.5 / w as f32, 10.5 / h as f32];
+            let tolerance = if p.pdf == table.pdf(cell) { 1e-4 } else { 1.0 };
+            assert!((back[0] - u[0]).abs() < tolerance && (back[1] - u[1]).abs() < tolerance);
+        }
+        assert_eq!(table.pdf([1.0, 0.5]), 0.0);
+        assert_eq!(table.pdf([f32::NAN, 0.5]), 0.0);
+    }
+
+    #[test]
+    fn even_grids_give_points_back() {
+        let table = Table2::new(16, 8, &[2.0; 128]).unwrap();
+        for u in [[0.0, 0.0], [0.3, 0.7], [BELOW_ONE, BELOW_ONE]] {
+            let p = table.sample(u);
+            assert!((p.uv[0] - u[0]).abs() < 1e-6 && (p.uv[1] - u[1]).abs() < 1e-6);
+            assert!((p.pdf - 1.0).abs() < 1e-5);
+        }
+    }
+}

@@ -1,1 +1,252 @@
-//! To be written.
+//! From the unit square to the shapes that directions and points are drawn from, each with its density.
+//!
+//! `u` is always in [0, 1)². Directions are unit vectors about +z and their pdf is per solid angle. Every map keeps
+//! neighbours near one another where it can, so that stratified numbers stay stratified.
+
+use crate::{Vec3, ops};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
+
+/// A point of the unit disc, evenly by area (pdf 1/pi), without tearing the square apart (Shirley and Chiu 1997, "A
+/// Low Distortion Map Between Disk and Square").
+#[inline]
+pub fn concentric_disc(u: [f32; 2]) -> [f32; 2] {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    // In the wedges about the x axis the radius is a, in the others b; the angle from the wedge's axis is at
+    // most an eighth of a turn.
+    let about_x = a.abs() > b.abs();
+    let (r, across) = if about_x { (a, b) } else { (b, a) };
+    if r == 0.0 {
+        return [0.0, 0.0];
+    }
+    let (s, c) = ops::sin_cos_eighth(FRAC_PI_4 * (across / r));
+    if about_x { [r * c, r * s] } else { [r * s, r * c] }
+}
+
+/// The point (`radius`, `height`) turned about the z axis by `u` of a whole turn.
+#[inline]
+fn around(u: f32, radius: f32, height: f32) -> Vec3 {
+    let (s, c) = ops::sin_cos(TAU * u);
+    Vec3::new(radius * c, radius * s, height)
+}
+
+/// Square root of what rounding may have left a little below 0.
+#[inline(always)]
+fn safe_sqrt(x: f32) -> f32 {
+    ops::max(x, 0.0).sqrt()
+}
+
+/// A direction of the upper hemisphere in proportion to its cosine. Its z may be 0, where the pdf is 0.
+#[inline]
+pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+    let [x, y] = concentric_disc(u);
+    Vec3::new(x, y, safe_sqrt(1.0 - x * x - y * y))
+}
+
+/// The density of [`cosine_hemisphere`].
+#[inline(always)]
+pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
+    ops::max(cos_theta, 0.0) * FRAC_1_PI
+}
+
+/// Any direction of the upper hemisphere, evenly.
+#[inline]
+pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
+    // The cosine is 1 - r² over a disc evenly filled, and so is even itself (Archimedes).
+    let [x, y] = concentric_disc(u);
+    let rr = x * x + y * y;
+    let stretch = safe_sqrt(2.0 - rr);
+    Vec3::new(x * stretch, y * stretch, ops::max(1.0 - rr, 0.0))
+}
+
+/// The density of [`uniform_hemisphere`].
+#[inline(always)]
+pub fn uniform_hemisphere_pdf(cos_theta: f32) -> f32 {
+    if cos_theta >= 0.0 { 0.5 * FRAC_1_PI } else { 0.0 }
+}
+
+/// A direction of the upper hemisphere in proportion to a power of its cosine, `exponent` >= 0 (Phong's lobe).
+#[inline]
+pub fn cosine_power_hemisphere(u: [f32; 2], exponent: f32) -> Vec3 {
+    // 1 - u is never 0.
+    let cos = ops::pow(1.0 - u[0], 1.0 / (exponent + 1.0));
+    around(u[1], safe_sqrt((1.0 - cos) * (1.0 + cos)), cos)
+}
+
+/// The density of [`cosine_power_hemisphere`].
+#[inline]
+pub fn cosine_power_hemisphere_pdf(cos_theta: f32, exponent: f32) -> f32 {
+    if cos_theta < 0.0 { 0.0 } else { (exponent + 1.0) * 0.5 * FRAC_1_PI * ops::pow(cos_theta, exponent) }
+}
+
+/// Any direction, evenly.
+#[inline]
+pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * u[0];
+    around(u[1], 2.0 * safe_sqrt(u[0] * (1.0 - u[0])), z)
+}
+
+/// The density of [`uniform_sphere`].
+#[inline(always)]
+pub fn uniform_sphere_pdf() -> f32 {
+    0.25 * FRAC_1_PI
+}
+
+/// Any direction within an angle of +z, evenly. `spread` is 1 - cos of that angle: the cosine itself would lose
+/// the size of a narrow cone. In (0, 2].
+#[inline]
+pub fn uniform_cone(u: [f32; 2], spread: f32) -> Vec3 {
+    let lack = u[0] * spread;
+    around(u[1], safe_sqrt(lack * (2.0 - lack)), 1.0 - lack)
+}
+
+/// The density of [`uniform_cone`] inside of the cone.
+#[inline(always)]
+pub fn uniform_cone_pdf(spread: f32) -> f32 {
+    1.0 / (TAU * spread)
+}
+
+/// Barycentric coordinates of a point of a triangle, evenly by area (pdf 1/area): the weights of the second and
+/// third corner, the first has the rest (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+#[inline]
+pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
+    if u[1] > u[0] {
+        let x = 0.5 * u[0];
+        [x, u[1] - x]
+    } else {
+        let y = 0.5 * u[1];
+        [u[0] - y, y]
+    }
+}
+
+/// A point between two concentric circles, evenly by area (pdf 1 / (pi (outer² - inner²))).
+#[inline]
+pub fn uniform_ring(u: [f32; 2], inner: f32, outer: f32) -> [f32; 2] {
+    let (ii, oo) = (inner * inner, outer * outer);
+    let radius = safe_sqrt(ii + u[0] * (oo - ii));
+    let (s, c) = ops::sin_cos(2.0 * PI * u[1]);
+    [radius * c, radius * s]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: u32 = 400;
+
+    /// The midpoints of a grid of SIDE x SIDE, and the square's corners and edges.
+    fn square() -> impl Iterator<Item = [f32; 2]> {
+        (0..SIDE * SIDE).map(|i| [(i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5].map(|v| v / SIDE as f32))
+    }
+
+    /// The mean of `f` over directions drawn by `draw` must be the integral of f pdf over the sphere.
+    #[track_caller]
+    fn agrees(draw: impl Fn([f32; 2]) -> Vec3, pdf: impl Fn(Vec3) -> f32) {
+        // Functions without symmetry that could hide a wrong turn.
+        let probes: [fn(Vec3) -> f64; 4] = [
+            |_| 1.0,
+            |d| f64::from(d.z),
+            |d| f64::from(d.z * d.z + 0.3 * d.x),
+            |d| f64::from((d.x + 0.5) * (d.y - 0.25) * (d.z + 1.0)),
+        ];
+        let mut drawn = [0.0; 4];
+        for u in square() {
+            let d = draw(u);
+            assert!((d.length() - 1.0).abs() < 2e-6, "{u:?}: {d:?}");
+            for (sum, probe) in drawn.iter_mut().zip(probes) {
+                *sum += probe(d) / f64::from(SIDE * SIDE);
+            }
+        }
+        let mut integral = [0.0; 4];
+        let (rings, sectors) = (1600, 400);
+        for i in 0..rings * sectors {
+            let z = 1.0 - (f64::from(i / sectors) + 0.5) * 2.0 / f64::from(rings);
+            let phi = (f64::from(i % sectors) + 0.5) * std::f64::consts::TAU / f64::from(sectors);
+            let r = (1.0 - z * z).sqrt();
+            let d = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32);
+            let area = 4.0 * std::f64::consts::PI / f64::from(rings * sectors);
+            for (sum, probe) in integral.iter_mut().zip(probes) {
+                *sum += probe(d) * f64::from(pdf(d)) * area;
+            }
+        }
+        for (a, b) in drawn.into_iter().zip(integral) {
+            assert!((a - b).abs() < 3e-3, "drawn {drawn:?}, integrated {integral:?}");
+        }
+    }
+
+    #[test]
+    fn directions_have_their_densities() {
+        agrees(cosine_hemisphere, |d| cosine_hemisphere_pdf(d.z));
+        agrees(uniform_hemisphere, |d| uniform_hemisphere_pdf(d.z));
+        agrees(uniform_sphere, |_| uniform_sphere_pdf());
+        for exponent in [0.0, 1.0, 7.5, 60.0] {
+            agrees(|u| cosine_power_hemisphere(u, exponent), |d| cosine_power_hemisphere_pdf(d.z, exponent));
+        }
+        for spread in [0.1, 1.0, 2.0] {
+            agrees(
+                |u| uniform_cone(u, spread),
+                |d| if 1.0 - d.z < spread { uniform_cone_pdf(spread) } else { 0.0 },
+            );
+        }
+    }
+
+    #[test]
+    fn narrow_cones_stay_cones() {
+        let spread = 1e-10;
+        let widest =
+            (0..1000).map(|i| uniform_cone([0.999_999, i as f32 / 1000.0], spread)).fold(0.0, |m, d| {
+                let r = d.x.hypot(d.y);
+                if r > m { r } else { m }
+            });
+        assert!((f64::from(widest) / (2e-10_f64).sqrt() - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn disc_is_even_and_closed() {
+        let mut counts = [[0_u32; 4]; 4];
+        for u in square() {
+            let [x, y] = concentric_disc(u);
+            let rr = x * x + y * y;
+            assert!(rr <= 1.0 + 1e-6);
+            let turn = y.atan2(x) / TAU + 0.5;
+            counts[((rr * 4.0) as usize).min(3)][((turn * 4.0) as usize).min(3)] += 1;
+        }
+        for c in counts.into_iter().flatten() {
+            assert!((f64::from(c) / f64::from(SIDE * SIDE / 16) - 1.0).abs() < 0.02, "{counts:?}");
+        }
+        assert_eq!(concentric_disc([0.5, 0.5]), [0.0, 0.0]);
+        assert!((concentric_disc([0.0, 0.5])[0] + 1.0).abs() < 1e-6);
+        assert!((concentric_disc([0.5, 0.0])[1] + 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn triangle_is_even_and_inside() {
+        let mut mean = [0.0; 2];
+        let mut product = 0.0;
+        for u in square() {
+            let [b, c] = uniform_triangle(u);
+            assert!(b >= 0.0 && c >= 0.0 && b + c <= 1.0);
+            mean[0] += f64::from(b) / f64::from(SIDE * SIDE);
+            mean[1] += f64::from(c) / f64::from(SIDE * SIDE);
+            product += f64::from(b * c) / f64::from(SIDE * SIDE);
+        }
+        // Moments of a triangle: 1/3, 1/3, and 1/12 for the product.
+        assert!((mean[0] - 1.0 / 3.0).abs() < 1e-3 && (mean[1] - 1.0 / 3.0).abs() < 1e-3, "{mean:?}");
+        assert!((product - 1.0 / 12.0).abs() < 1e-3, "{product}");
+        for u in [[0.0, 0.0], [0.999_999_94, 0.0], [0.0, 0.999_999_94], [0.999_999_94; 2]] {
+            let [b, c] = uniform_triangle(u);
+            assert!(b >= 0.0 && c >= 0.0 && b + c <= 1.0);
+        }
+    }
+
+    #[test]
+    fn rings_have_the_radii_they_are_given() {
+        let mut mean_square = 0.0;
+        for u in square() {
+            let [x, y] = uniform_ring(u, 0.5, 2.0);
+            let rr = f64::from(x * x + y * y);
+            assert!((0.25 - 1e-6..=4.0 + 1e-5).contains(&rr));
+            mean_square += rr / f64::from(SIDE * SIDE);
+        }
+        assert!((mean_square - 0.5 * (0.25 + 4.0)).abs() < 1e-3);
+    }
+}

@@ -137,8 +137,7 @@ fn ln_pair(x: f64) -> (f64, f64) {
         2.0 / 21.0,
         2.0 / 23.0,
     ];
-    let (scaled, shift) =
-        if x < f64::MIN_POSITIVE { (x * power_of_two(64), -64) } else { (x, 0) };
+    let (scaled, shift) = if x < f64::MIN_POSITIVE { (x * power_of_two(64), -64) } else { (x, 0) };
     let (n, m) = split(scaled);
     let n = (n + shift) as f64;
     let f = m - 1.0;

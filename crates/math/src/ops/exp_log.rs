@@ -152,8 +152,7 @@ fn exp2_wide(x: f64) -> f64 {
 #[inline(always)]
 fn ln_parts(x: f64) -> (f64, f64) {
     // 2 artanh(s) / s with s = (m - 1) / (m + 1), |s| < 0.1716: the first term left out is below 3e-12.
-    const C: [f64; 7] =
-        [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0, 2.0 / 11.0, 2.0 / 13.0];
+    const C: [f64; 7] = [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0, 2.0 / 11.0, 2.0 / 13.0];
     let (n, m) = split(x);
     let s = (m - 1.0) / (m + 1.0);
     (n as f64, s * poly(s * s, C))

@@ -44,7 +44,7 @@ fn poly<const N: usize>(z: f64, c: [f64; N]) -> f64 {
     let mut i = N;
     while i > 0 {
         i -= 1;
-        if i % 2 == 0 {
+        if i & 1 == 0 {
             even = even * zz + c[i];
         } else {
             odd = odd * zz + c[i];
