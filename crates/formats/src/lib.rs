@@ -1,1 +1,14 @@
-//! Placeholder.
+//! Readers and writers: scene files, meshes and images.
+//!
+//! A reader takes the bytes of a file and gives back plain data or a [`ReadError`] that a person can act on; it
+//! never panics, and never allocates more than a small multiple of the bytes that it was given.
+#![forbid(unsafe_code)]
+
+pub mod atomic;
+pub mod image;
+pub mod limits;
+pub mod mesh;
+pub mod read_error;
+
+pub use limits::Limits;
+pub use read_error::{Place, ReadError};

@@ -1,0 +1,234 @@
+//! Radiance HDR (RGBE), the usual format of environment maps.
+//!
+//! After Ward, *Real Pixels* (Graphics Gems II, 1991) and the Radiance file format notes: a text header, a line with
+//! the size and orientation, then scan lines of four bytes a pixel, flat or run-length encoded in either of two ways.
+
+use straal_scene::Image;
+
+use crate::read_error::quoted;
+use crate::{Limits, ReadError};
+
+/// Reads an HDR picture. `EXPOSURE` lines are undone, so that the numbers are radiances again; `xyze` colours are
+/// refused. All eight orientations are turned upright.
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
+    limits.check_bytes(bytes)?;
+    let header = Header::parse(bytes)?;
+    let pixels = limits.check_size(header.line_length as u64, header.lines as u64)?;
+    // A run of the old encoding holds at most 255 << 24 pixels in four bytes, but no real file is like that; the
+    // other one holds 127 numbers in two bytes.
+    let body = &bytes[header.length..];
+    if (pixels / 256) as u64 > body.len() as u64 {
+        return Err(ReadError::byte(
+            header.length,
+            format!("{pixels} pixels are promised, but only {} bytes are there", body.len()),
+        ));
+    }
+    let mut image = Image { width: header.width(), height: header.height(), pixels: vec![[0.0; 3]; pixels] };
+    let scale = 1.0 / header.exposure;
+    let mut line = vec![[0u8; 4]; header.line_length];
+    let mut reader = Lines { bytes, at: header.length };
+    for i in 0..header.lines {
+        reader.read(&mut line)?;
+        for (j, rgbe) in line.iter().enumerate() {
+            let (x, y) = header.place(i, j);
+            image.pixels[y * image.width + x] = decode(*rgbe).map(|v| (f64::from(v) * scale) as f32);
+        }
+    }
+    Ok(image)
+}
+
+/// Radiance of a pixel: mantissa / 256 * 2^(exponent - 128); an exponent of 0 is black. Like most readers, and
+/// unlike Radiance itself, no half step is added to the mantissa, so that 0 stays 0.
+fn decode([r, g, b, e]: [u8; 4]) -> [f32; 3] {
+    if e == 0 {
+        return [0.0; 3];
+    }
+    // 2^(e - 136), the smallest of which is subnormal as a float but not as a double.
+    let scale = f64::from_bits(((i64::from(e) - 136 + 1023) as u64) << 52);
+    [r, g, b].map(|v| (f64::from(v) * scale) as f32)
+}
+
+struct Header {
+    /// Pixels of a scan line and the number of scan lines, which run along x or y.
+    line_length: usize,
+    lines: usize,
+    lines_along_x: bool,
+    /// Whether x and y of the file fall from one pixel to the next.
+    x_falls: bool,
+    y_falls: bool,
+    /// The product of all exposures that were applied to the pixels.
+    exposure: f64,
+    /// Bytes up to the first scan line.
+    length: usize,
+}
+
+impl Header {
+    fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
+        let mut exposure = 1.0f64;
+        let mut at = 0;
+        let mut number = 0;
+        let mut next = || {
+            let length = bytes[at..].iter().position(|&b| b == b'\n')?;
+            let line = bytes[at..at + length].trim_ascii();
+            at += length + 1;
+            number += 1;
+            Some((number, at, line))
+        };
+        let unfinished = || ReadError::file("the header ends too early");
+        let (_, _, magic) = next().ok_or_else(unfinished)?;
+        if !magic.starts_with(b"#?") {
+            return Err(ReadError::file("not an HDR picture: it doesn't begin with '#?'"));
+        }
+        loop {
+            let (number, _, line) = next().ok_or_else(unfinished)?;
+            if line.is_empty() {
+                break;
+            }
+            if let Some(format) = line.strip_prefix(b"FORMAT=") {
+                if format.trim_ascii() != b"32-bit_rle_rgbe" {
+                    let format = quoted(format);
+                    return Err(ReadError::line(
+                        number,
+                        format!("the format {format} is not supported, only '32-bit_rle_rgbe'"),
+                    ));
+                }
+            } else if let Some(value) = line.strip_prefix(b"EXPOSURE=") {
+                let text = std::str::from_utf8(value).unwrap_or_default();
+                let factor = text.trim().parse::<f64>().ok().filter(|f| *f > 0.0 && f.is_finite());
+                let Some(factor) = factor else {
+                    let value = quoted(value);
+                    return Err(ReadError::line(number, format!("expected an exposure, found {value}")));
+                };
+                exposure *= factor;
+            }
+        }
+        if !(exposure > 0.0 && exposure.is_finite()) {
+            return Err(ReadError::file("the exposures multiply to no number"));
+        }
+        let (number, length, line) = next().ok_or_else(unfinished)?;
+        let wrong = || {
+            let line = quoted(line);
+            ReadError::line(number, format!("expected a size such as '-Y 512 +X 1024', found {line}"))
+        };
+        let text = std::str::from_utf8(line).map_err(|_| wrong())?;
+        let words: Vec<&str> = text.split_ascii_whitespace().collect();
+        let &[first, lines, second, line_length] = words.as_slice() else {
+            return Err(wrong());
+        };
+        let lines = lines.parse().map_err(|_| wrong())?;
+        let line_length = line_length.parse().map_err(|_| wrong())?;
+        let axis = |word: &str| match word {
+            "+X" => Some((true, false)),
+            "-X" => Some((true, true)),
+            "+Y" => Some((false, false)),
+            "-Y" => Some((false, true)),
+            _ => None,
+        };
+        let ((first_is_x, first_falls), (second_is_x, second_falls)) =
+            axis(first).zip(axis(second)).ok_or_else(wrong)?;
+        if first_is_x == second_is_x {
+            return Err(wrong());
+        }
+        let (x_falls, y_falls) =
+            if first_is_x { (first_falls, second_falls) } else { (second_falls, first_falls) };
+        Ok(Self { line_length, lines, lines_along_x: !first_is_x, x_falls, y_falls, exposure, length })
+    }
+
+    fn width(&self) -> usize {
+        if self.lines_along_x { self.line_length } else { self.lines }
+    }
+
+    fn height(&self) -> usize {
+        if self.lines_along_x { self.lines } else { self.line_length }
+    }
+
+    /// Column and row, from the top left, of pixel `j` of scan line `i`. Y of the file points up.
+    fn place(&self, i: usize, j: usize) -> (usize, usize) {
+        let (x, y) = if self.lines_along_x { (j, i) } else { (i, j) };
+        let x = if self.x_falls { self.width() - 1 - x } else { x };
+        let y = if self.y_falls { y } else { self.height() - 1 - y };
+        (x, y)
+    }
+}
+
+/// The scan lines, one after another.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl Lines<'_> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
+        let Some(&taken) = self.bytes[self.at..].first_chunk::<N>() else {
+            return Err(ReadError::byte(self.at, "the file ends too early"));
+        };
+        self.at += N;
+        Ok(taken)
+    }
+
+    fn read(&mut self, line: &mut [[u8; 4]]) -> Result<(), ReadError> {
+        // Lines of 8 to 32,767 pixels may begin with 2, 2 and their length: then each component is encoded apart.
+        let start = self.bytes[self.at..].first_chunk::<4>();
+        match start {
+            Some(&[2, 2, high, low]) if high < 128 && (8..32768).contains(&line.len()) => {
+                if usize::from(u16::from_be_bytes([high, low])) != line.len() {
+                    return Err(ReadError::byte(self.at, "a scan line has another length than the picture"));
+                }
+                self.at += 4;
+                (0..4).try_for_each(|k| self.read_component(line, k))
+            }
+            _ => self.read_old(line),
+        }
+    }
+
+    /// One component of a line: a byte above 128 repeats the next one that many times less 128, any other is
+    /// followed by as many single ones.
+    fn read_component(&mut self, line: &mut [[u8; 4]], k: usize) -> Result<(), ReadError> {
+        let mut x = 0;
+        while x < line.len() {
+            let place = self.at;
+            let [count] = self.take()?;
+            let (count, run) = if count > 128 { (count - 128, true) } else { (count, false) };
+            let Some(pixels) = line.get_mut(x..x + usize::from(count)).filter(|p| !p.is_empty()) else {
+                return Err(ReadError::byte(place, "a run of a scan line has a wrong length"));
+            };
+            x += pixels.len();
+            if run {
+                let [value] = self.take()?;
+                pixels.iter_mut().for_each(|pixel| pixel[k] = value);
+            } else {
+                for pixel in pixels {
+                    [pixel[k]] = self.take()?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Plain pixels, among which 1, 1, 1, n repeats the one before n times; further such pixels are the higher
+    /// digits of the count, to the base 256.
+    fn read_old(&mut self, line: &mut [[u8; 4]]) -> Result<(), ReadError> {
+        let mut x = 0;
+        let mut shift = 0;
+        while x < line.len() {
+            let place = self.at;
+            let pixel: [u8; 4] = self.take()?;
+            if let [1, 1, 1, digit] = pixel {
+                let count = if shift < 32 { usize::from(digit) << shift } else { usize::MAX };
+                let end = x.saturating_add(count);
+                if x == 0 || end > line.len() {
+                    return Err(ReadError::byte(place, "a run of a scan line has a wrong length"));
+                }
+                let before = line[x - 1];
+                line[x..end].fill(before);
+                x = end;
+                shift += 8;
+            } else {
+                line[x] = pixel;
+                x += 1;
+                shift = 0;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,73 @@
+//! PFM, the portable float map: raw floats, rows from the bottom.
+
+use std::io::{self, Write};
+
+use straal_scene::Image;
+
+use crate::read_error::quoted;
+use crate::{Limits, ReadError};
+
+/// Reads a PFM in colour (`PF`) or grey (`Pf`), either byte order. The scale in its header, whose sign tells the
+/// order, has units that nobody agrees on: it is not applied.
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
+    limits.check_bytes(bytes)?;
+    let mut at = 0;
+    let channels = match word(bytes, &mut at) {
+        b"PF" => 3,
+        b"Pf" => 1,
+        _ => return Err(ReadError::file("not a PFM picture: it doesn't begin with 'PF' or 'Pf'")),
+    };
+    let width: u32 = number(bytes, &mut at, "the width")?;
+    let height: u32 = number(bytes, &mut at, "the height")?;
+    let scale: f32 = number(bytes, &mut at, "the scale")?;
+    if scale == 0.0 || !scale.is_finite() {
+        return Err(ReadError::byte(at, format!("the scale is {scale}")));
+    }
+    at += 1; // exactly one white space before the pixels
+    let pixels = limits.check_size(width.into(), height.into())?;
+    let (width, height) = (width as usize, height as usize);
+    let body = bytes.get(at..).unwrap_or_default();
+    let samples = pixels.checked_mul(channels).filter(|&n| body.len() / 4 >= n);
+    let Some(samples) = samples else {
+        let problem =
+            format!("{width} x {height} pixels are promised, but only {} bytes are there", body.len());
+        return Err(ReadError::byte(at, problem));
+    };
+    let decode = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
+    let rows = body.as_chunks::<4>().0[..samples].chunks_exact(width * channels).rev();
+    let pixels = if channels == 3 {
+        rows.flat_map(|row| row.as_chunks::<3>().0).map(|pixel| pixel.map(decode)).collect()
+    } else {
+        rows.flatten().map(|&grey| [decode(grey); 3]).collect()
+    };
+    Ok(Image { width, height, pixels })
+}
+
+/// Writes a PFM in colour, little-endian.
+pub fn write<W: Write>(mut writer: W, image: &Image) -> io::Result<()> {
+    if image.width == 0 || image.pixels.len() != image.width * image.height {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the picture's size and pixels differ"));
+    }
+    write!(writer, "PF\n{} {}\n-1.0\n", image.width, image.height)?;
+    for row in image.pixels.chunks_exact(image.width).rev() {
+        let bytes: Vec<u8> = row.iter().flatten().flat_map(|sample| sample.to_le_bytes()).collect();
+        writer.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+fn word<'a>(bytes: &'a [u8], at: &mut usize) -> &'a [u8] {
+    let rest = &bytes[*at..];
+    let start = rest.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(rest.len());
+    let rest = &rest[start..];
+    let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+    *at += start + length;
+    &rest[..length]
+}
+
+fn number<T: std::str::FromStr>(bytes: &[u8], at: &mut usize, what: &str) -> Result<T, ReadError> {
+    let word = word(bytes, at);
+    let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+    number
+        .ok_or_else(|| ReadError::byte(*at - word.len(), format!("expected {what}, found {}", quoted(word))))
+}

@@ -1,0 +1,4 @@
+//! Readers of triangle meshes.
+
+pub mod ply;
+mod polygon;
