@@ -1,1 +1,38 @@
-//! Placeholder.
+//! Ray search: which primitive does a ray hit first, and does it hit any?
+//!
+//! A [`Scene`] is built once from an [`Input`]: groups of triangle meshes, of the caller's own [`Shapes`], and of
+//! instances of other groups. It answers slices of rays with slices of hits. Nothing here knows of rendering.
+//!
+//! # The hit
+//! Every structure, instruction set and batch size gives the same hit to the last bit, because the hit is defined
+//! without them:
+//! - a ray goes down the levels by [`straal_math::Transform::inverse_ray`], its direction not renormalised, so that
+//!   t means the same on every level;
+//! - one routine (in `triangle.rs`) computes t, u and v; vector kernels do its very operations in each lane;
+//! - a primitive counts only where the ray crosses its own padded box (in `slab.rs`), and its t is never less than the
+//!   entry into that box. Boxes further up contain it and are computed by the same monotone arithmetic, so that a
+//!   structure that skips what lies strictly beyond the best t can't lose the hit, however badly conditioned;
+//! - among equal t, the least (instance chain, geometry, primitive) wins.
+//!
+//! # Unsafe code
+//! Denied everywhere but in `kernel`, where each module says why it holds.
+#![deny(unsafe_code)]
+
+mod brute;
+mod bvh;
+mod hit;
+mod input;
+mod isa;
+mod kernel;
+mod local;
+mod query;
+mod scene;
+mod slab;
+mod structure;
+mod triangle;
+
+pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
+pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
+pub use isa::Isa;
+pub use scene::{Options, Scene};
+pub use structure::{Structure, UnknownName};

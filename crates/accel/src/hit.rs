@@ -1,0 +1,114 @@
+//! What a search returns, and the order among equals.
+
+/// How deep instances may be nested.
+pub const MAX_DEPTH: usize = 8;
+
+/// The instances that a hit lies in, outermost first; empty for what stands in the world itself.
+///
+/// Chains are ordered lexicographically, a chain before its own extensions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Chain {
+    /// Instance id + 1, so that 0, the end, comes before every id.
+    ids: [u32; MAX_DEPTH],
+}
+
+impl Chain {
+    /// No instance at all.
+    pub const EMPTY: Self = Self { ids: [0; MAX_DEPTH] };
+
+    /// After every chain that occurs.
+    const LAST: Self = Self { ids: [u32::MAX; MAX_DEPTH] };
+
+    /// Number of instances, at most [`MAX_DEPTH`].
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.ids.iter().take_while(|&&id| id != 0).count()
+    }
+
+    /// Whether the hit stands in the world itself.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.ids[0] == 0
+    }
+
+    /// The instance ids, outermost first; see `Scene::instance`.
+    #[inline]
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = u32> + '_ {
+        self.ids[..self.len()].iter().map(|id| id - 1)
+    }
+
+    /// This chain with one more instance inside. A build refuses scenes in which there is no room left.
+    #[inline]
+    pub(crate) fn with(&self, id: u32) -> Self {
+        let mut out = *self;
+        if let Some(slot) = out.ids.iter_mut().find(|id| **id == 0) {
+            *slot = id + 1;
+        }
+        out
+    }
+}
+
+/// What a ray hits first, or a miss.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter; infinite for a miss.
+    pub t: f32,
+    /// For a triangle the barycentric weight of vertex 1, for a shape what it returned.
+    pub u: f32,
+    /// For a triangle the barycentric weight of vertex 2, for a shape what it returned.
+    pub v: f32,
+    /// Index into `Input::geometries`; `u32::MAX` for a miss.
+    pub geometry: u32,
+    /// Triangle index in the mesh, or the shape's offset within its geometry; `u32::MAX` for a miss.
+    pub primitive: u32,
+    /// The instances the primitive lies in.
+    pub chain: Chain,
+}
+
+impl Hit {
+    /// No hit.
+    pub const MISS: Self = Self {
+        t: f32::INFINITY,
+        u: 0.0,
+        v: 0.0,
+        geometry: u32::MAX,
+        primitive: u32::MAX,
+        chain: Chain::EMPTY,
+    };
+
+    /// Whether anything was hit.
+    #[inline]
+    pub fn is_hit(&self) -> bool {
+        self.geometry != u32::MAX
+    }
+
+    /// The start of a search for hits at `limit` or nearer: no hit yet, and last among equals.
+    #[inline(always)]
+    pub(crate) fn limit(limit: f32) -> Self {
+        Self { t: limit, chain: Chain::LAST, ..Self::MISS }
+    }
+
+    /// Takes the candidate if it comes before this one.
+    #[inline(always)]
+    pub(crate) fn offer(&mut self, c: &Hit) {
+        if c.t < self.t || (c.t == self.t && c.rank() < self.rank()) {
+            *self = *c;
+        }
+    }
+
+    #[inline]
+    fn rank(&self) -> (Chain, u32, u32) {
+        (self.chain, self.geometry, self.primitive)
+    }
+}
+
+/// What a search cost: the number of tests made for one ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Nodes opened (each up to eight box tests at once in the wide tree).
+    pub nodes: u32,
+    /// Blocks of up to eight triangles tested.
+    pub blocks: u32,
+    /// Triangles, shapes and instances tested.
+    pub primitives: u32,
+}

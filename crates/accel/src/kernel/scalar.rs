@@ -1,0 +1,77 @@
+//! One lane at a time: what every machine has, and what the vector kernels are held against.
+
+use super::{Children, Kernel, Lanes};
+use crate::{
+    bvh::{Block, Node, WIDTH},
+    hit::Hit,
+    input::Shapes,
+    local::LocalRay,
+    query::Query,
+    slab::EXIT,
+    structure::Place,
+    triangle,
+};
+use straal_math::ops;
+
+/// No vector instructions.
+#[derive(Clone, Copy)]
+pub(crate) struct Scalar;
+
+impl Kernel for Scalar {
+    #[inline(always)]
+    fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
+        let mut out = Children { count: 0, keys: [0; 8] };
+        let plane = |axis: usize, side: usize, lane: usize| {
+            (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
+        };
+        for lane in 0..WIDTH {
+            let near = |axis: usize| plane(axis, r.neg[axis], lane);
+            let far = |axis: usize| plane(axis, 1 - r.neg[axis], lane);
+            let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.ray.t_min);
+            let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)) * EXIT, limit);
+            if enter <= exit {
+                out.keys[out.count] = ops::max(enter, 0.0).to_bits() & !7 | lane as u32;
+                out.count += 1;
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
+        let mut out = Lanes { hit: 0, zero: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
+        for lane in 0..WIDTH {
+            let edges = triangle::edges(&block.vertices(lane), r);
+            let [u, v, w] = edges.e;
+            let (least, most) = (ops::min(u, ops::min(v, w)), ops::max(u, ops::max(v, w)));
+            if least == 0.0 || most == 0.0 {
+                out.zero |= 1 << lane;
+            } else if least > 0.0 || most < 0.0 {
+                let det = edges.determinant();
+                let t = edges.t(det, r.shear[2]);
+                if t >= r.ray.t_min && t <= limit {
+                    out.hit |= 1 << lane;
+                    (out.t[lane], out.det[lane], out.e1[lane], out.e2[lane]) = (t, det, v, w);
+                }
+            }
+        }
+        out
+    }
+
+    fn closest_in<S: Shapes, const COUNT: bool>(
+        self,
+        q: &mut Query<'_, Self, S, COUNT>,
+        at: &Place<'_>,
+        best: &mut Hit,
+    ) {
+        q.closest_in(at, best);
+    }
+
+    fn occluded_in<S: Shapes, const COUNT: bool>(
+        self,
+        q: &mut Query<'_, Self, S, COUNT>,
+        at: &Place<'_>,
+    ) -> bool {
+        q.occluded_in(at)
+    }
+}

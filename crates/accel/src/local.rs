@@ -1,0 +1,52 @@
+//! A ray in the space of one group, with what every test there needs.
+
+use straal_math::{Ray, Vec3};
+
+/// A valid ray in a group's space. Computed once a level; scalar code and vector kernels read the same numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LocalRay {
+    /// The ray with its interval cut to finite numbers, so that a hit never lies at infinity.
+    pub ray: Ray,
+    /// 1 / d, kept finite so that 0 times it is never NaN.
+    pub inv: Vec3,
+    /// 1 where `inv` is negative, else 0: which of a box' two planes on each axis comes first.
+    pub neg: [usize; 3],
+    /// The axes x, y, z of the sheared space of `triangle.rs`.
+    pub axes: [usize; 3],
+    /// The origin along `axes`.
+    pub origin: [f32; 3],
+    /// Shear and scale: d[x] / d[z], d[y] / d[z], 1 / d[z].
+    pub shear: [f32; 3],
+}
+
+/// A direction's coordinate below this counts as this when box planes are crossed: the reciprocal stays finite.
+const LEAST: f32 = 1e-37;
+
+impl LocalRay {
+    /// `None` when the ray misses everything because it isn't valid.
+    #[inline]
+    pub fn new(r: &Ray) -> Option<Self> {
+        if !r.is_valid() {
+            return None;
+        }
+        let t_min = if r.t_min < f32::MIN { f32::MIN } else { r.t_min };
+        let t_max = if r.t_max > f32::MAX { f32::MAX } else { r.t_max };
+        if t_min > t_max {
+            return None;
+        }
+        let reciprocal = |d: f32| 1.0 / if d.abs() > LEAST { d } else { LEAST.copysign(d) };
+        let inv = Vec3::new(reciprocal(r.d.x), reciprocal(r.d.y), reciprocal(r.d.z));
+        // The dominant axis becomes z; a negative one swaps the others, so that the winding stays.
+        let z = r.d.max_axis();
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let (x, y) = if r.d[z] < 0.0 { (y, x) } else { (x, y) };
+        Some(Self {
+            ray: Ray { t_min, t_max, ..*r },
+            inv,
+            neg: [usize::from(inv.x < 0.0), usize::from(inv.y < 0.0), usize::from(inv.z < 0.0)],
+            axes: [x, y, z],
+            origin: [r.o[x], r.o[y], r.o[z]],
+            shear: [r.d[x] / r.d[z], r.d[y] / r.d[z], 1.0 / r.d[z]],
+        })
+    }
+}

@@ -1,0 +1,173 @@
+//! The tests that every structure makes: one triangle, one object, one group.
+
+use crate::{
+    hit::{Cost, Hit},
+    input::Shapes,
+    kernel::Kernel,
+    local::LocalRay,
+    scene::{GroupData, Object, ObjectKind, Scene},
+    slab,
+    structure::{Place, Search, each},
+    triangle,
+};
+use straal_math::{Vec3, ops};
+
+/// One ray's search through a scene.
+pub(crate) struct Query<'a, K, S, const COUNT: bool> {
+    /// That the processor has the kernel's instructions.
+    pub kernel: K,
+    pub scene: &'a Scene,
+    pub shapes: &'a S,
+    /// Stays 0 unless `COUNT`.
+    pub cost: Cost,
+}
+
+/// The least t at which a hit at `t` in a box entered at `entry` counts.
+#[inline(always)]
+fn not_before(t: f32, entry: f32) -> f32 {
+    ops::max(t, entry)
+}
+
+impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
+    /// Searches a whole group.
+    #[inline(always)]
+    pub fn closest_in(&mut self, at: &Place<'_>, best: &mut Hit) {
+        for &object in &at.group.unbounded {
+            self.object_closest(at, object, best);
+        }
+        each!(&at.group.searcher, s => s.closest(self, at, best));
+    }
+
+    /// Whether anything in a group is hit.
+    #[inline(always)]
+    pub fn occluded_in(&mut self, at: &Place<'_>) -> bool {
+        at.group.unbounded.iter().any(|&object| self.object_occluded(at, object))
+            || each!(&at.group.searcher, s => s.occluded(self, at))
+    }
+
+    /// Counts a node.
+    #[inline(always)]
+    pub fn count_node(&mut self) {
+        if COUNT {
+            self.cost.nodes += 1;
+        }
+    }
+
+    /// Counts a block of triangles.
+    #[inline(always)]
+    pub fn count_block(&mut self, triangles: u32) {
+        if COUNT {
+            self.cost.blocks += 1;
+            self.cost.primitives += triangles;
+        }
+    }
+
+    /// Tests one triangle by the canonical routine.
+    #[inline(always)]
+    pub fn triangle_closest(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3], best: &mut Hit) {
+        if let Some(tuv) = triangle::intersect(v, at.ray, best.t) {
+            self.triangle_hit(at, id, v, tuv, best);
+        }
+    }
+
+    /// Whether one triangle is hit, by the canonical routine.
+    #[inline(always)]
+    pub fn triangle_occluded(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3]) -> bool {
+        triangle::intersect(v, at.ray, at.ray.ray.t_max).is_some() && self.triangle_blocks(at, id, v)
+    }
+
+    /// Offers a triangle of which the canonical routine, or a kernel doing the same, returned `t`, `u`, `v`.
+    #[inline(always)]
+    pub fn triangle_hit(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3], tuv: [f32; 3], best: &mut Hit) {
+        let Some(entry) = slab::entry(&slab::triangle_bounds(v), at.ray) else { return };
+        let (geometry, primitive) = at.group.locate(id);
+        if !self.sees(at, geometry) {
+            return;
+        }
+        let [t, u, v] = tuv;
+        best.offer(&Hit { t: not_before(t, entry), u, v, geometry, primitive, chain: *at.chain });
+    }
+
+    /// Whether a triangle that the canonical routine found hit in the ray's interval blocks it.
+    #[inline(always)]
+    pub fn triangle_blocks(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3]) -> bool {
+        slab::entry(&slab::triangle_bounds(v), at.ray).is_some() && self.sees(at, at.group.locate(id).0)
+    }
+
+    #[inline(always)]
+    fn sees(&self, at: &Place<'_>, geometry: u32) -> bool {
+        self.scene.geometry_mask(geometry) & at.ray.ray.mask != 0
+    }
+
+    /// The entry into an object's box if the ray can see the object and crosses the box.
+    #[inline]
+    fn enter(&mut self, at: &Place<'_>, o: &Object) -> Option<f32> {
+        if COUNT {
+            self.cost.primitives += 1;
+        }
+        if o.mask & at.ray.ray.mask == 0 {
+            return None;
+        }
+        match &o.bounds {
+            Some(b) => slab::entry(b, at.ray),
+            None => Some(f32::NEG_INFINITY),
+        }
+    }
+
+    /// Tests a shape or an instance.
+    #[inline(never)]
+    pub fn object_closest(&mut self, at: &Place<'_>, object: u32, best: &mut Hit) {
+        let o = &at.group.objects[object as usize];
+        let Some(entry) = self.enter(at, o) else { return };
+        match o.kind {
+            ObjectKind::Shape { shape, geometry, primitive } => {
+                let Some(h) = self.shape(at, shape) else { return };
+                let (u, v) = (h.u, h.v);
+                best.offer(&Hit { t: not_before(h.t, entry), u, v, geometry, primitive, chain: *at.chain });
+            }
+            ObjectKind::Instance(id) => {
+                let Some((group, ray)) = self.descend(at, id) else { return };
+                let mut inner = Hit::limit(best.t);
+                let there = Place { group, ray: &ray, chain: &at.chain.with(id) };
+                self.kernel.closest_in(self, &there, &mut inner);
+                if inner.is_hit() {
+                    inner.t = not_before(inner.t, entry);
+                    best.offer(&inner);
+                }
+            }
+        }
+    }
+
+    /// Whether a shape or an instance is hit.
+    #[inline(never)]
+    pub fn object_occluded(&mut self, at: &Place<'_>, object: u32) -> bool {
+        let o = &at.group.objects[object as usize];
+        if self.enter(at, o).is_none() {
+            return false;
+        }
+        match o.kind {
+            ObjectKind::Shape { shape, .. } => self.shape(at, shape).is_some(),
+            ObjectKind::Instance(id) => match self.descend(at, id) {
+                Some((group, ray)) => {
+                    let there = Place { group, ray: &ray, chain: &at.chain.with(id) };
+                    self.kernel.occluded_in(self, &there)
+                }
+                None => false,
+            },
+        }
+    }
+
+    #[inline]
+    fn shape(&self, at: &Place<'_>, shape: u32) -> Option<crate::ShapeHit> {
+        let ray = &at.ray.ray;
+        self.shapes.intersect(shape, ray).filter(|h| h.t >= ray.t_min && h.t <= ray.t_max)
+    }
+
+    /// The ray in an instance's own space.
+    #[inline]
+    fn descend(&self, at: &Place<'_>, id: u32) -> Option<(&'a GroupData, LocalRay)> {
+        let instance = &self.scene.instances[id as usize];
+        let ray = LocalRay::new(&instance.transform.inverse_ray(&at.ray.ray))?;
+        Some((&self.scene.groups[instance.group as usize], ray))
+    }
+}

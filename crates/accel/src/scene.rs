@@ -1,0 +1,419 @@
+//! A scene ready to be searched, and how it is put together.
+
+use crate::{
+    brute::Brute,
+    bvh::Bvh,
+    hit::{Cost, Hit, MAX_DEPTH},
+    input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
+    isa::Isa,
+    kernel, slab,
+    structure::{Prim, PrimKind, Search, Searcher, Structure, each},
+    triangle,
+};
+use straal_math::{Bounds, Ray, Transform, Vec3};
+
+/// How a scene is built and searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// The search structure of every group.
+    pub structure: Structure,
+    /// The instruction set of the kernels.
+    pub isa: Isa,
+}
+
+impl Default for Options {
+    /// The default structure, and the best instruction set that this processor has.
+    fn default() -> Self {
+        Self { structure: Structure::default(), isa: Isa::detect() }
+    }
+}
+
+/// Everything that can be hit, ready to be searched. Read-only, and shared between threads.
+pub struct Scene {
+    geometries: Vec<crate::Geometry>,
+    masks: Vec<u32>,
+    /// Those of all groups, one group after the other.
+    pub(crate) instances: Vec<Instance>,
+    pub(crate) groups: Vec<GroupData>,
+    isa: Isa,
+    dropped: usize,
+}
+
+/// One group as it is searched.
+pub(crate) struct GroupData {
+    /// The group's meshes, by geometry; a triangle's number in the group counts over them.
+    meshes: Vec<MeshStart>,
+    pub objects: Vec<Object>,
+    /// Objects without a box.
+    pub unbounded: Vec<u32>,
+    pub searcher: Searcher,
+    /// Around all that is bounded.
+    bounds: Bounds,
+}
+
+/// Where a mesh' triangles start among the group's.
+#[derive(Clone, Copy, Debug)]
+struct MeshStart {
+    geometry: u32,
+    first: u32,
+}
+
+/// A shape or an instance in a group.
+pub(crate) struct Object {
+    pub kind: ObjectKind,
+    pub mask: u32,
+    /// Padded; `None` when there is none.
+    pub bounds: Option<Bounds>,
+}
+
+#[derive(Clone, Copy)]
+pub(crate) enum ObjectKind {
+    Shape { shape: u32, geometry: u32, primitive: u32 },
+    Instance(u32),
+}
+
+impl GroupData {
+    const fn empty() -> Self {
+        Self {
+            meshes: Vec::new(),
+            objects: Vec::new(),
+            unbounded: Vec::new(),
+            searcher: Searcher::Bvh(Bvh::EMPTY),
+            bounds: Bounds::EMPTY,
+        }
+    }
+
+    /// Geometry and triangle index of the group's n-th triangle.
+    #[inline(always)]
+    pub fn locate(&self, id: u32) -> (u32, u32) {
+        let mut i = 0;
+        if self.meshes.len() > 1 {
+            i = self.meshes.partition_point(|m| m.first <= id) - 1;
+        }
+        (self.meshes[i].geometry, id - self.meshes[i].first)
+    }
+}
+
+impl Scene {
+    /// Checks the input and builds the structure of every group that the world needs. Uses the threads of the current
+    /// rayon pool; the result doesn't depend on their number.
+    pub fn build<S: Shapes>(input: Input, shapes: &S, options: &Options) -> Result<Self, BuildError> {
+        if !options.isa.is_available() {
+            return Err(BuildError::IsaMissing { isa: options.isa });
+        }
+        check(&input)?;
+        let order = children_first(&input.groups)?;
+        let Input { groups, geometries } = input;
+        let firsts: Vec<u32> =
+            groups.iter().scan(0, |n, g| Some(std::mem::replace(n, *n + g.instances.len() as u32))).collect();
+        let mut scene = Self {
+            masks: geometries.iter().map(|g| g.mask).collect(),
+            geometries,
+            instances: groups.iter().flat_map(|g| g.instances.iter().copied()).collect(),
+            groups: groups.iter().map(|_| GroupData::empty()).collect(),
+            isa: options.isa,
+            dropped: 0,
+        };
+        for g in order {
+            let (data, dropped) = scene.build_group(&groups[g], firsts[g], shapes, options)?;
+            scene.groups[g] = data;
+            scene.dropped += dropped;
+        }
+        Ok(scene)
+    }
+
+    /// Around everything bounded in the world; empty when there is nothing.
+    pub fn bounds(&self) -> Bounds {
+        self.groups[0].bounds
+    }
+
+    /// Bytes of the search structures, without the meshes themselves.
+    pub fn memory_bytes(&self) -> usize {
+        let group = |g: &GroupData| {
+            each!(&g.searcher, s => s.memory_bytes())
+                + size_of_val(g.objects.as_slice())
+                + size_of_val(g.unbounded.as_slice())
+                + size_of_val(g.meshes.as_slice())
+        };
+        self.groups.iter().map(group).sum::<usize>()
+            + size_of_val(self.instances.as_slice())
+            + size_of_val(self.masks.as_slice())
+    }
+
+    /// How many primitives were left out because they can never be hit: with a coordinate that isn't finite, triangles
+    /// without area, shapes with an empty box. Groups that the world doesn't reach aren't counted.
+    pub fn dropped(&self) -> usize {
+        self.dropped
+    }
+
+    /// The instruction set in use.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// The instance of a chain's id: its place in all groups' instances, one group after the other.
+    pub fn instance(&self, id: u32) -> Option<&Instance> {
+        self.instances.get(id as usize)
+    }
+
+    /// The first hit of each ray. Looks at as many rays as there are hits, and the other way round.
+    pub fn closest<S: Shapes>(&self, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+        kernel::closest(self, shapes, rays, hits);
+    }
+
+    /// Whether each ray hits anything. Looks at as many rays as there are answers, and the other way round.
+    pub fn occluded<S: Shapes>(&self, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
+        kernel::occluded(self, shapes, rays, blocked);
+    }
+
+    /// [`Self::closest`] of one ray, with the number of tests it took.
+    pub fn closest_counted<S: Shapes>(&self, shapes: &S, ray: &Ray) -> (Hit, Cost) {
+        kernel::closest_counted(self, shapes, ray)
+    }
+
+    /// [`Self::occluded`] of one ray, with the number of tests it took.
+    pub fn occluded_counted<S: Shapes>(&self, shapes: &S, ray: &Ray) -> (bool, Cost) {
+        kernel::occluded_counted(self, shapes, ray)
+    }
+
+    /// Checks what searches rely on, for tests: every primitive in one leaf, inside the boxes above it.
+    pub fn validate(&self) -> Result<(), String> {
+        for (i, g) in self.groups.iter().enumerate() {
+            if let Searcher::Bvh(bvh) = &g.searcher {
+                bvh.validate(&g.prim_bounds(self)).map_err(|e| format!("group {i}: {e}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    pub(crate) fn geometry_mask(&self, geometry: u32) -> u32 {
+        self.masks[geometry as usize]
+    }
+
+    /// The vertices of a group's n-th triangle.
+    #[inline(always)]
+    pub(crate) fn vertices(&self, group: &GroupData, id: u32) -> [Vec3; 3] {
+        let (geometry, triangle) = group.locate(id);
+        match &self.geometries[geometry as usize].kind {
+            GeometryKind::Triangles { positions, indices } => {
+                indices[triangle as usize].map(|i| positions[i as usize])
+            }
+            GeometryKind::Shapes { .. } => [Vec3::ZERO; 3],
+        }
+    }
+
+    fn build_group<S: Shapes>(
+        &self,
+        group: &Group,
+        first_instance: u32,
+        shapes: &S,
+        options: &Options,
+    ) -> Result<(GroupData, usize), BuildError> {
+        let mut data = GroupData::empty();
+        let mut prims = Vec::new();
+        let mut dropped = 0;
+        let mut ids = group.geometries.clone();
+        ids.sort_unstable();
+        ids.dedup();
+        let mut triangles = 0_u64;
+        for geometry in ids {
+            match &self.geometries[geometry as usize].kind {
+                GeometryKind::Triangles { positions, indices } => {
+                    let first = triangles as u32;
+                    triangles += indices.len() as u64;
+                    if triangles > u64::from(LIMIT) {
+                        return Err(BuildError::TooMany { what: "triangles in a group" });
+                    }
+                    data.meshes.push(MeshStart { geometry, first });
+                    prims.reserve(indices.len());
+                    for (i, index) in indices.iter().enumerate() {
+                        let v = index.map(|i| positions[i as usize]);
+                        if triangle::is_sound(&v) {
+                            let kind = PrimKind::Triangle(first + i as u32);
+                            prims.push(Prim { bounds: slab::triangle_bounds(&v), kind });
+                        } else {
+                            dropped += 1;
+                        }
+                    }
+                }
+                GeometryKind::Shapes { first, count } => {
+                    for primitive in 0..*count {
+                        let shape = first + primitive;
+                        let bounds = shapes.bounds(shape);
+                        if bounds.is_some_and(|b| b.is_empty() || !b.is_finite()) {
+                            dropped += 1;
+                            continue;
+                        }
+                        let kind = ObjectKind::Shape { shape, geometry, primitive };
+                        let bounds = bounds.map(slab::padded);
+                        data.objects.push(Object { kind, mask: self.masks[geometry as usize], bounds });
+                    }
+                }
+            }
+        }
+        for (i, instance) in group.instances.iter().enumerate() {
+            let inner = &self.groups[instance.group as usize];
+            let bounds = if inner.unbounded.is_empty() {
+                let b = instance_bounds(inner.bounds, &instance.transform);
+                if b.is_empty() || !b.is_finite() {
+                    dropped += usize::from(!inner.bounds.is_empty());
+                    continue;
+                }
+                Some(b)
+            } else {
+                // What is bounded inside still belongs to the bounds of the scene.
+                let b = instance_bounds(inner.bounds, &instance.transform);
+                if b.is_finite() {
+                    data.bounds = data.bounds.union(b);
+                }
+                None
+            };
+            let kind = ObjectKind::Instance(first_instance + i as u32);
+            data.objects.push(Object { kind, mask: instance.mask, bounds });
+        }
+        if data.objects.len() > LIMIT as usize {
+            return Err(BuildError::TooMany { what: "shapes and instances in a group" });
+        }
+        for (i, o) in data.objects.iter().enumerate() {
+            match o.bounds {
+                Some(bounds) => prims.push(Prim { bounds, kind: PrimKind::Object(i as u32) }),
+                None => data.unbounded.push(i as u32),
+            }
+        }
+        data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
+        data.searcher = match options.structure {
+            Structure::Brute => Searcher::Brute(Brute::build(&prims)),
+            Structure::Bvh => Searcher::Bvh(Bvh::build(&prims, |id| self.vertices(&data, id))),
+        };
+        Ok((data, dropped))
+    }
+}
+
+impl GroupData {
+    /// All bounded primitives with their boxes, for `validate`.
+    fn prim_bounds(&self, scene: &Scene) -> Vec<Prim> {
+        let mut out = Vec::new();
+        for m in &self.meshes {
+            if let GeometryKind::Triangles { indices, .. } = &scene.geometries[m.geometry as usize].kind {
+                for id in m.first..m.first + indices.len() as u32 {
+                    let v = scene.vertices(self, id);
+                    if triangle::is_sound(&v) {
+                        out.push(Prim { bounds: slab::triangle_bounds(&v), kind: PrimKind::Triangle(id) });
+                    }
+                }
+            }
+        }
+        for (i, o) in self.objects.iter().enumerate() {
+            if let Some(bounds) = o.bounds {
+                out.push(Prim { bounds, kind: PrimKind::Object(i as u32) });
+            }
+        }
+        out
+    }
+}
+
+/// The most primitives of a kind in a group: two bits of a reference are taken.
+const LIMIT: u32 = (1 << 30) - 1;
+
+/// The box of an instance in the space it stands in: its corners' images, each padded by the error of the map forward
+/// and of the map back that rays take (as large again, seen from the object's side), then as any primitive's.
+fn instance_bounds(inner: Bounds, transform: &Transform) -> Bounds {
+    if inner.is_empty() {
+        return Bounds::EMPTY;
+    }
+    let mut out = Bounds::EMPTY;
+    for corner in inner.corners() {
+        let p = transform.point(corner);
+        // Carried back and forth once: what rounding of the inverse does to a point on the surface.
+        let back = transform.inverse_point(p) - corner;
+        let error = transform.point_error(corner, back.abs()) * 2.0;
+        out = out.union(Bounds { min: p - error, max: p + error });
+    }
+    slab::padded(out)
+}
+
+/// Checks every index.
+fn check(input: &Input) -> Result<(), BuildError> {
+    if input.groups.is_empty() {
+        return Err(BuildError::NoWorld);
+    }
+    for (g, group) in input.groups.iter().enumerate() {
+        let count = input.geometries.len();
+        if let Some(&geometry) = group.geometries.iter().find(|&&x| x as usize >= count) {
+            return Err(BuildError::NoSuchGeometry { group: g as u32, geometry, count });
+        }
+        let count = input.groups.len();
+        if let Some(i) = group.instances.iter().find(|i| i.group as usize >= count) {
+            return Err(BuildError::NoSuchGroup { group: g as u32, target: i.group, count });
+        }
+    }
+    let instances: usize = input.groups.iter().map(|g| g.instances.len()).sum();
+    for (n, what) in
+        [(instances, "instances"), (input.groups.len(), "groups"), (input.geometries.len(), "geometries")]
+    {
+        if n > LIMIT as usize {
+            return Err(BuildError::TooMany { what });
+        }
+    }
+    for (g, geometry) in input.geometries.iter().enumerate() {
+        match &geometry.kind {
+            GeometryKind::Triangles { positions, indices } => {
+                let count = positions.len();
+                let bad = |t: &[u32; 3]| t.iter().copied().find(|&i| i as usize >= count);
+                if let Some((t, vertex)) = indices.iter().enumerate().find_map(|(t, x)| Some((t, bad(x)?))) {
+                    let (geometry, triangle) = (g as u32, t as u32);
+                    return Err(BuildError::NoSuchVertex { geometry, triangle, vertex, count });
+                }
+            }
+            GeometryKind::Shapes { first, count } => {
+                if first.checked_add(*count).is_none() || *count > LIMIT {
+                    return Err(BuildError::TooMany { what: "shapes" });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The groups that the world reaches, each after those inside it.
+fn children_first(groups: &[Group]) -> Result<Vec<usize>, BuildError> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Seen {
+        No,
+        Open,
+        /// With the number of levels of instances inside.
+        Done(usize),
+    }
+    let mut seen = vec![Seen::No; groups.len()];
+    let mut order = Vec::new();
+    // Group and next instance to look at: a stack of our own, since a hostile scene could overflow the program's.
+    let mut stack = vec![(0_usize, 0_usize)];
+    seen[0] = Seen::Open;
+    while let Some((g, next)) = stack.pop() {
+        if let Some(instance) = groups[g].instances.get(next) {
+            stack.push((g, next + 1));
+            let inner = instance.group as usize;
+            match seen[inner] {
+                Seen::No => {
+                    seen[inner] = Seen::Open;
+                    stack.push((inner, 0));
+                }
+                Seen::Open => return Err(BuildError::Cycle { group: inner as u32 }),
+                Seen::Done(_) => {}
+            }
+            continue;
+        }
+        let level = |i: &Instance| match seen[i.group as usize] {
+            Seen::Done(levels) => levels + 1,
+            _ => 0,
+        };
+        let levels = groups[g].instances.iter().map(level).max().unwrap_or(0);
+        if levels > MAX_DEPTH {
+            return Err(BuildError::TooDeep);
+        }
+        seen[g] = Seen::Done(levels);
+        order.push(g);
+    }
+    Ok(order)
+}

@@ -1,0 +1,125 @@
+//! The search structures, and the contract they share.
+
+use crate::{
+    brute::Brute, bvh::Bvh, hit::Chain, hit::Hit, input::Shapes, kernel::Kernel, local::LocalRay,
+    query::Query,
+};
+use std::{fmt, str::FromStr};
+use straal_math::Bounds;
+
+/// A way to search a group. All give the same hits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Structure {
+    /// Every primitive against every ray: the reference.
+    Brute,
+    /// A tree of boxes, eight wide, built by the surface area heuristic.
+    #[default]
+    Bvh,
+}
+
+impl Structure {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Brute, Self::Bvh];
+
+    /// The name as it is typed.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Brute => "brute",
+            Self::Bvh => "bvh",
+        }
+    }
+}
+
+impl fmt::Display for Structure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Structure {
+    type Err = UnknownName;
+
+    fn from_str(s: &str) -> Result<Self, UnknownName> {
+        Self::ALL.into_iter().find(|x| x.name() == s).ok_or_else(|| UnknownName {
+            what: "search structure",
+            name: s.to_owned(),
+            known: Self::ALL.map(Self::name).join(", "),
+        })
+    }
+}
+
+/// A name that stands for nothing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown {what} '{name}': expected one of {known}")]
+pub struct UnknownName {
+    /// What kind of thing was named.
+    pub what: &'static str,
+    /// The name.
+    pub name: String,
+    /// The names that exist, with commas between.
+    pub known: String,
+}
+
+/// One bounded primitive as a builder sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Prim {
+    /// Its own padded box: that of `slab::triangle_bounds` or of the object.
+    pub bounds: Bounds,
+    pub kind: PrimKind,
+}
+
+/// Where a primitive is found in its group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PrimKind {
+    /// The group's n-th triangle, counted over its meshes.
+    Triangle(u32),
+    /// Index into the group's objects: a shape or an instance.
+    Object(u32),
+}
+
+/// What every structure over a group's bounded primitives offers.
+///
+/// `closest` offers to `best` every primitive that could come before it, by the tests of `Query`, which are the same
+/// for all; it may leave out only what lies strictly beyond `best.t` or outside the ray's interval.
+pub(crate) trait Search: Sized {
+    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+        &self,
+        q: &mut Query<'_, K, S, COUNT>,
+        at: &Place<'_>,
+        best: &mut Hit,
+    );
+
+    /// Whether there is any hit in the ray's interval.
+    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
+        &self,
+        q: &mut Query<'_, K, S, COUNT>,
+        at: &Place<'_>,
+    ) -> bool;
+
+    fn memory_bytes(&self) -> usize;
+}
+
+/// Where a search stands: a ray in a group's space, and the instances passed on the way.
+pub(crate) struct Place<'a> {
+    pub group: &'a crate::scene::GroupData,
+    pub ray: &'a LocalRay,
+    pub chain: &'a Chain,
+}
+
+/// A structure of any kind.
+pub(crate) enum Searcher {
+    Brute(Brute),
+    Bvh(Bvh),
+}
+
+/// Does the same with whichever structure it is.
+macro_rules! each {
+    ($searcher:expr, $s:ident => $body:expr) => {
+        match $searcher {
+            $crate::structure::Searcher::Brute($s) => $body,
+            $crate::structure::Searcher::Bvh($s) => $body,
+        }
+    };
+}
+pub(crate) use each;
