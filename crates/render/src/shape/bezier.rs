@@ -123,3 +123,101 @@ fn normal(c: &[DVec3; 16], u: Weight, v: Weight) -> Vec3 {
     }
     Vec3::Y
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    fn bits(p: Vec3) -> [u32; 3] {
+        // + 0 makes one zero of two.
+        p.to_array().map(|x| (x + 0.0).to_bits())
+    }
+
+    /// The control points of a patch's four borders.
+    fn borders(p: &Patch) -> [[Vec3; 4]; 4] {
+        [[0, 1, 2, 3], [12, 13, 14, 15], [0, 4, 8, 12], [3, 7, 11, 15]].map(|i| i.map(|i: usize| p[i]))
+    }
+
+    #[test]
+    fn the_teapot_has_its_published_shape() {
+        let patches = teapot();
+        assert_eq!(patches.len(), 32);
+        let all = straal_math::Bounds::of_points(patches.iter().flatten().copied());
+        assert_eq!((all.min, all.max), (Vec3::new(-3.0, 0.0, -2.0), Vec3::new(3.525, 3.15, 2.0)));
+    }
+
+    #[test]
+    fn patches_that_share_a_border_share_its_vertices() {
+        let patches = teapot();
+        // From 2 on: straight edges in place of two curves with the same ends would count as shared.
+        for n in [2, 3, 7, 10] {
+            let mesh = tessellate(&patches, n);
+            // How many triangles have each edge, by position.
+            let mut edges: BTreeMap<[[u32; 3]; 2], u32> = BTreeMap::new();
+            for i in 0..mesh.indices.len() as u32 {
+                let c = mesh.corners(i).map(bits);
+                for k in 0..3 {
+                    let (a, b) = (c[k], c[(k + 1) % 3]);
+                    *edges.entry(if a < b { [a, b] } else { [b, a] }).or_default() += 1;
+                }
+            }
+            // The borders that only one patch has, either way round, and not collapsed, are all that is open.
+            let mut curves: BTreeMap<[[u32; 3]; 4], u32> = BTreeMap::new();
+            for border in patches.iter().flat_map(borders) {
+                let there = border.map(bits);
+                let mut back = there;
+                back.reverse();
+                if there.iter().any(|p| *p != there[0]) {
+                    *curves.entry(if there < back { there } else { back }).or_default() += 1;
+                }
+            }
+            let open = curves.values().filter(|&&c| c == 1).count() as u32;
+            let single = edges.values().filter(|&&c| c == 1).count() as u32;
+            assert_eq!(single, open * n, "n {n}");
+            assert!(edges.values().all(|&c| c <= 2), "n {n}");
+            assert!(open < 40, "{open}");
+        }
+    }
+
+    #[test]
+    fn normals_are_finite_smooth_and_outside() {
+        let mesh = tessellate(&teapot(), 8);
+        assert!(mesh.is_whole());
+        for i in 0..mesh.indices.len() as u32 {
+            let s = mesh.surface(i, 1.0 / 3.0, 1.0 / 3.0);
+            assert!(mesh.triangle_area(i) > 0.0);
+            assert!(s.n.dot(s.ng) > 0.5, "triangle {i}: {s:?}");
+        }
+        for n in &mesh.normals {
+            assert!((n.length() - 1.0).abs() < 1e-6);
+        }
+        // Body, lid and bottom are a surface of revolution: their normals point away from the axis' inside.
+        for (patch, vertices) in mesh.positions.chunks_exact(81).enumerate() {
+            let normals = &mesh.normals[patch * 81..][..81];
+            let middle = vertices.iter().fold(Vec3::ZERO, |a, &p| a + p) * (1.0 / 81.0);
+            let n = normals.iter().fold(Vec3::ZERO, |a, &p| a + p).normalize();
+            match patch {
+                4..=11 => assert!(n.dot(Vec3::new(middle.x, 0.0, middle.z).normalize()) > 0.5, "{patch}"),
+                0..=3 | 24..=27 => assert!(n.y > 0.5, "{patch}"),
+                28..=31 => assert!(n.y < -0.5, "{patch}"),
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn a_flat_patch_is_a_plane() {
+        let patch: Patch = std::array::from_fn(|i| Vec3::new((i % 4) as f32, (i / 4) as f32, 0.0));
+        let mesh = tessellate(&[patch], 3);
+        assert_eq!((mesh.positions.len(), mesh.indices.len()), (16, 18));
+        for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+            assert_eq!((p.z, *n), (0.0, Vec3::Z));
+        }
+        assert_eq!(mesh.positions[5], Vec3::new(1.0, 1.0, 0.0));
+        let point: Patch = [Vec3::ONE; 16];
+        let none = tessellate(&[point], 0);
+        assert!(none.indices.is_empty() && none.normals.iter().all(|n| n.is_finite()));
+    }
+}

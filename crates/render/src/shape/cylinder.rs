@@ -91,7 +91,7 @@ impl Cylinder {
         let (p, p_err) = rounded(self.map.point(on), self.size());
         let n = self.inverse.normal_by_inverse(out).try_normalize().unwrap_or(DVec3::Y).as_vec3();
         let turn = DVec3::new(out.z, 0.0, -out.x) * (2.0 * std::f64::consts::PI);
-        let u = f32::atan2(out.x as f32, out.z as f32) * (0.5 * std::f32::consts::FRAC_1_PI);
+        let u = ops::atan2(out.x as f32, out.z as f32) * (0.5 * std::f32::consts::FRAC_1_PI);
         let uv = [if u < 0.0 { u + 1.0 } else { u }, q.y as f32];
         SurfacePoint { p, p_err, ng: n, n, uv, dpdu: self.map.vector(turn).as_vec3() }
     }

@@ -1,6 +1,6 @@
 //! The disc.
 
-use straal_math::{Bounds, DVec3, Ray, Vec3};
+use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 
 use super::exact::{at, in_interval, outward, rounded, size};
 use super::plane::{meet, project};
@@ -69,7 +69,7 @@ impl Disc {
     /// See [`super::Geometry::sample_area`].
     pub fn sample_area(&self, u: [f32; 2]) -> AreaSample {
         let (c, a, b) = self.doubles();
-        let [x, y] = sampling::disc(u);
+        let [x, y] = warp::concentric_disc(u);
         let n = a.cross(b).try_normalize().unwrap_or(DVec3::Y);
         let q = c + a * f64::from(x) + b * f64::from(y);
         AreaSample { point: self.point(q, n, [x, y]), pdf_area: 1.0 / self.area() }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use straal_math::{Affine, DVec3, Frame, Vec3};
+use straal_math::{Affine, DVec3, Frame, Vec3, warp};
 
 use super::exact::HALF_ULP;
 use super::{AreaSample, SurfacePoint};
@@ -151,10 +151,122 @@ impl TriangleMesh {
 
     /// A point of a triangle, uniformly; `pdf_area` is that of the triangle alone.
     pub fn sample_triangle(&self, primitive: u32, u: [f32; 2]) -> AreaSample {
-        // Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
-        let [x, y] = u;
-        let (b1, b2) = if y > x { (0.5 * x, y - 0.5 * x) } else { (x - 0.5 * y, 0.5 * y) };
+        let [b1, b2] = warp::uniform_triangle(u);
         let area = self.triangle_area(primitive);
         AreaSample { point: self.surface(primitive, b1, b2), pdf_area: (1.0 / area) as f32 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Rng, assert_agrees, monte_carlo};
+    use super::*;
+
+    fn volume(m: &TriangleMesh) -> f64 {
+        let sum: f64 = (0..m.indices.len() as u32)
+            .map(|i| {
+                let [a, b, c] = m.corners(i).map(Vec3::as_dvec3);
+                a.dot(b.cross(c)) / 6.0
+            })
+            .sum();
+        if m.flip { -sum } else { sum }
+    }
+
+    #[test]
+    fn a_cuboid_is_closed_and_faces_outwards() {
+        let (min, max) = (Vec3::new(-1.0, 2.0, 0.5), Vec3::new(1.0, 5.0, 1.0));
+        let m = TriangleMesh::cuboid(min, max);
+        assert!(m.is_whole());
+        assert_eq!(volume(&m), 2.0 * 3.0 * 0.5);
+        let center = (min + max) * 0.5;
+        for i in 0..12 {
+            let s = m.surface(i, 0.3, 0.3);
+            assert!(s.ng.dot(s.p - center) > 0.0, "face {i}");
+            assert_eq!(s.n, s.ng);
+            assert!(s.dpdu.dot(s.ng).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_mirrored_mesh_keeps_its_outside() {
+        let mut m = TriangleMesh::cuboid(-Vec3::ONE, Vec3::ONE);
+        m.normals = m.positions.iter().map(|p| p.normalize()).collect();
+        let map = Affine::scale(DVec3::new(-1.0, 2.0, 3.0)).then(&Affine::rotate(DVec3::ONE, 20.0).unwrap());
+        let moved = m.transformed(&map).unwrap();
+        assert!(moved.flip);
+        assert!((volume(&moved) - 48.0).abs() < 1e-4);
+        for i in 0..12 {
+            let s = moved.surface(i, 0.2, 0.5);
+            assert!(s.ng.dot(s.p) > 0.0 && s.n.dot(s.ng) > 0.0);
+            assert!((s.n.length() - 1.0).abs() < 1e-6 && (s.ng.length() - 1.0).abs() < 1e-6);
+        }
+        assert!(!moved.transformed(&map).unwrap().flip);
+        assert!(m.transformed(&Affine::scale(DVec3::new(1.0, 0.0, 1.0))).is_none());
+    }
+
+    #[test]
+    fn surfaces_interpolate_corners_normals_and_texture() {
+        let m = TriangleMesh {
+            positions: [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 3.0].into(),
+            indices: [[0, 1, 2]].into(),
+            normals: vec![Vec3::Z, Vec3::X, Vec3::Z],
+            uvs: vec![[0.0, 0.0], [0.0, 4.0], [2.0, 0.0]],
+            flip: false,
+        };
+        let s = m.surface(0, 0.25, 0.5);
+        assert_eq!(s.p, Vec3::new(0.5, 1.5, 0.0));
+        assert_eq!((s.ng, s.uv), (Vec3::Z, [1.0, 1.0]));
+        assert!((s.n - Vec3::new(1.0, 0.0, 3.0).normalize()).length() < 1e-6);
+        // Texture u grows along +y, 2 over 3 metres.
+        assert!((s.dpdu - Vec3::new(0.0, 1.5, 0.0)).length() < 1e-6);
+    }
+
+    #[test]
+    fn strange_triangles_have_finite_surfaces() {
+        let nan = f32::NAN;
+        for third in [Vec3::X, Vec3::X * 2.0, Vec3::splat(nan), Vec3::splat(f32::INFINITY)] {
+            let m = TriangleMesh {
+                positions: [Vec3::ZERO, Vec3::X, third].into(),
+                indices: [[0, 1, 2]].into(),
+                normals: vec![Vec3::ZERO, Vec3::splat(nan), Vec3::X],
+                uvs: vec![[nan; 2], [0.0; 2], [0.0; 2]],
+                flip: false,
+            };
+            let s = m.surface(0, 0.25, 0.25);
+            assert!(s.ng.is_finite() && s.n.is_finite() && s.dpdu.is_finite() && s.dpdu != Vec3::ZERO);
+            assert_eq!(m.triangle_area(0), 0.0);
+        }
+    }
+
+    #[test]
+    fn points_lie_in_the_plane_within_their_error_and_are_uniform() {
+        let mut rng = Rng(21);
+        for scale in [1e-3, 1.0, 1e5] {
+            for _ in 0..50 {
+                let at = rng.cube() * (scale * 20.0);
+                let positions = [0; 3].map(|_| at + rng.cube() * scale);
+                let m = TriangleMesh {
+                    positions: positions.into(),
+                    indices: [[0, 1, 2]].into(),
+                    normals: vec![],
+                    uvs: vec![],
+                    flip: false,
+                };
+                let [a, b, c] = positions.map(Vec3::as_dvec3);
+                let n = (b - a).cross(c - a).normalize();
+                for _ in 0..50 {
+                    let s = m.sample_triangle(0, rng.square()).point;
+                    let off = (s.p.as_dvec3() - a).dot(n).abs();
+                    assert!(off <= n.abs().dot(s.p_err.as_dvec3()) * 1.001, "{off}");
+                }
+                // Uniform: the mean of a linear function is its value at the middle.
+                let middle = (a + b + c) / 3.0;
+                let along = (b - a) / (b - a).dot(b - a);
+                let mean = monte_carlo(22, 2000, |u| {
+                    (m.sample_triangle(0, u).point.p.as_dvec3() - middle).dot(along) + 1.0
+                });
+                assert_agrees("mean", (mean.0, mean.1 + 1e-4), 1.0);
+            }
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The sphere.
 
-use straal_math::{Bounds, DVec3, Ray, Vec3};
+use straal_math::{Bounds, DVec3, Ray, Vec3, ops};
 
 use super::exact::{at, in_interval, outward, rounded, size};
 use super::quadric::roots;
@@ -131,8 +131,8 @@ impl Cone {
 #[inline]
 pub(super) fn sphere_uv(n: Vec3) -> ([f32; 2], Vec3) {
     use std::f32::consts::{FRAC_1_PI, TAU};
-    let u = f32::atan2(n.x, n.z) * (0.5 * FRAC_1_PI);
-    let v = 1.0 - f32::acos(n.y) * FRAC_1_PI;
+    let u = ops::atan2(n.x, n.z) * (0.5 * FRAC_1_PI);
+    let v = 1.0 - ops::acos(n.y) * FRAC_1_PI;
     let turn = Vec3::new(n.z, 0.0, -n.x) * TAU;
     ([if u < 0.0 { u + 1.0 } else { u }, v], if turn == Vec3::ZERO { Vec3::X } else { turn })
 }
