@@ -115,10 +115,10 @@ fn normal(c: &[DVec3; 16], u: Weight, v: Weight) -> Vec3 {
         let e = evaluate(c, inwards(u, step), inwards(v, step));
         let n = e.du.cross(e.dv);
         // A collapsed edge leaves rounding errors, some 1e-16, for a tangent.
-        if n.length() > 1e-9 * (e.du.length_squared() + e.dv.length_squared()) {
-            if let Some(n) = n.try_normalize() {
-                return n.as_vec3();
-            }
+        if n.length() > 1e-9 * (e.du.length_squared() + e.dv.length_squared())
+            && let Some(n) = n.try_normalize()
+        {
+            return n.as_vec3();
         }
     }
     Vec3::Y

@@ -42,7 +42,7 @@ impl Cylinder {
     pub fn between(from: DVec3, to: DVec3, radius: f64) -> Option<Self> {
         let axis = to - from;
         let n = axis.try_normalize()?;
-        if !(radius > 0.0) {
+        if radius <= 0.0 {
             return None;
         }
         let (x, z) = sampling::tangents(n);

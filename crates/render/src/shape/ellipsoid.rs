@@ -114,9 +114,9 @@ fn eigenvalues(mut m: [[f64; 3]; 3]) -> [f64; 3] {
             for row in &mut m {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
-            for k in 0..3 {
-                (m[p][k], m[q][k]) = (c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]);
-            }
+            let (a, b) = (m[p], m[q]);
+            m[p] = std::array::from_fn(|k| c * a[k] - s * b[k]);
+            m[q] = std::array::from_fn(|k| s * a[k] + c * b[k]);
         }
     }
     [m[0][0].abs(), m[1][1].abs(), m[2][2].abs()]

@@ -25,6 +25,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use straal_accel::Shapes;
 use straal_math::{Bounds, DVec3, Ray, Transform, Vec3};
 
 pub mod bezier;
@@ -47,6 +48,7 @@ pub use offset::{offset_origin, ray_between};
 pub use parallelogram::Parallelogram;
 pub use plane::Plane;
 pub use sphere::Sphere;
+pub use straal_accel::ShapeHit;
 
 /// One shape. Large ones are boxed, so that a sphere takes 40 bytes.
 #[derive(Clone, Debug)]
@@ -79,17 +81,6 @@ pub trait CustomShape: fmt::Debug + Send + Sync {
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
     /// A number that differs when the shape does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
-}
-
-/// Where a ray meets a shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapeHit {
-    /// Distance in lengths of the ray's direction.
-    pub t: f32,
-    /// The shape's own first coordinate of the point.
-    pub u: f32,
-    /// The shape's own second coordinate of the point.
-    pub v: f32,
 }
 
 /// A point of a surface and its neighbourhood.
@@ -243,6 +234,17 @@ impl Geometry {
             Shape::Plane(_) | Shape::Custom(_) => 0.0,
         };
         solid_angle_pdf(p, hit, by_area)
+    }
+}
+
+/// What the search calls.
+impl Shapes for Geometry {
+    fn bounds(&self, shape: u32) -> Option<Bounds> {
+        Geometry::bounds(self, shape)
+    }
+
+    fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
+        Geometry::intersect(self, shape, ray)
     }
 }
 

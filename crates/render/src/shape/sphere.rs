@@ -104,7 +104,7 @@ impl Sphere {
         let to = self.center.as_dvec3() - p.as_dvec3();
         let distance = to.length();
         let sin = f64::from(self.radius) / distance;
-        if !(sin < 1.0) {
+        if sin >= 1.0 || sin.is_nan() {
             return None;
         }
         let sin2 = sin * sin;
