@@ -4,7 +4,6 @@ pub mod exr;
 pub mod hdr;
 pub mod pfm;
 pub mod png;
-mod srgb;
 
 use straal_scene::Image;
 

@@ -2,9 +2,9 @@
 
 use std::io::{self, Cursor, Write};
 
+use straal_color::srgb;
 use straal_scene::Image;
 
-use super::srgb;
 use crate::{Limits, ReadError};
 
 /// An encoded picture and the text that goes with it.
@@ -45,7 +45,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
     reader.finish().map_err(told)?;
     let channels = frame.color_type.samples();
     let (codes, depth) = if frame.bit_depth == png::BitDepth::Sixteen { (1 << 16, 2) } else { (1 << 8, 1) };
-    let table = srgb::decode_table(codes);
+    let table: Vec<f32> = (0..codes).map(|code| srgb::decode(code as f32 / (codes - 1) as f32)).collect();
     let code = |sample: &[u8]| match *sample {
         [high, low] => usize::from(u16::from_be_bytes([high, low])),
         [code] => usize::from(code),
