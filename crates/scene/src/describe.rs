@@ -23,7 +23,92 @@ macro_rules! describe {
             $( /// What all surfaces share; its keys are written beside the others.
             pub $flat: $Flat, )?
         }
+
         describe!(@default $T { $( $f $(= $default)?, )* } { $( $flat: $Flat )? });
+
+        impl $crate::decode::Fields for $T {
+            fn read_fields(keys: &mut $crate::decode::Keys<'_>, d: &mut $crate::decode::Decoder) -> Self {
+                Self {
+                    $( $f: keys.field(
+                        stringify!($f),
+                        describe!(@limit $($limit)?),
+                        describe!(@absent $ty $(, $default)?),
+                        d,
+                    ), )*
+                    $( $flat: <$Flat as $crate::decode::Fields>::read_fields(keys, d), )?
+                }
+            }
+
+            fn blank_fields() -> Self {
+                Self {
+                    $( $f: describe!(@blank $ty $(, $default)?), )*
+                    $( $flat: <$Flat as $crate::decode::Fields>::blank_fields(), )?
+                }
+            }
+
+            fn write_fields(&self, out: &mut ::serde_json::Map<String, ::serde_json::Value>) {
+                $(
+                    let absent: Option<fn() -> $ty> = describe!(@absent $ty $(, $default)?);
+                    if absent.is_none_or(|default| default() != self.$f) {
+                        out.insert(stringify!($f).to_owned(), $crate::decode::Describe::write(&self.$f));
+                    }
+                )*
+                $( <$Flat as $crate::decode::Fields>::write_fields(&self.$flat, out); )?
+            }
+
+            fn schema_fields(out: &mut $crate::schema::Properties, defs: &mut $crate::schema::Definitions) {
+                $(
+                    let absent: Option<fn() -> $ty> = describe!(@absent $ty $(, $default)?);
+                    out.add(
+                        stringify!($f),
+                        &[$($fdoc),+],
+                        <$ty as $crate::decode::Describe>::schema(describe!(@limit $($limit)?), defs),
+                        absent.map(|default| $crate::decode::Describe::write(&default())),
+                    );
+                )*
+                $( <$Flat as $crate::decode::Fields>::schema_fields(out, defs); )?
+            }
+
+            fn all_optional() -> bool {
+                $( describe!(@optional $($default)?) && )*
+                $( <$Flat as $crate::decode::Fields>::all_optional() && )? true
+            }
+        }
+
+        impl $crate::decode::Describe for $T {
+            fn read(
+                tree: &$crate::tree::Tree,
+                _: $crate::limit::Limit,
+                d: &mut $crate::decode::Decoder,
+            ) -> Self {
+                d.fields(tree, describe!(@check $($check)?))
+            }
+
+            fn blank() -> Self {
+                <Self as $crate::decode::Fields>::blank_fields()
+            }
+
+            fn write(&self) -> ::serde_json::Value {
+                let mut map = ::serde_json::Map::new();
+                $crate::decode::Fields::write_fields(self, &mut map);
+                ::serde_json::Value::Object(map)
+            }
+
+            fn schema(
+                _: $crate::limit::Limit,
+                defs: &mut $crate::schema::Definitions,
+            ) -> ::serde_json::Value {
+                defs.refer(stringify!($T), |defs| {
+                    let mut properties = $crate::schema::Properties::default();
+                    <Self as $crate::decode::Fields>::schema_fields(&mut properties, defs);
+                    properties.into_schema(&[$($doc),+])
+                })
+            }
+
+            fn may_be_empty() -> bool {
+                <Self as $crate::decode::Fields>::all_optional()
+            }
+        }
     };
 
     (
@@ -37,6 +122,55 @@ macro_rules! describe {
         pub enum $T {
             $( $(#[doc = $vdoc])+ $V $(($P))?, )+
         }
+
+        impl $T {
+            /// The keys of all kinds, in the order of the definition.
+            pub const KINDS: &'static [&'static str] = &[$($key),+];
+
+            /// The key of this kind.
+            pub fn kind(&self) -> &'static str {
+                match self {
+                    $( Self::$V { .. } => $key, )+
+                }
+            }
+        }
+
+        impl $crate::decode::Describe for $T {
+            fn read(
+                tree: &$crate::tree::Tree,
+                _: $crate::limit::Limit,
+                d: &mut $crate::decode::Decoder,
+            ) -> Self {
+                let Some(choice) = d.choice(tree, Self::KINDS) else { return Self::blank() };
+                match choice.kind {
+                    $( $key => describe!(@read choice d $V $($P)?), )+
+                    _ => Self::blank(),
+                }
+            }
+
+            #[allow(unreachable_code)] // the first kind returns
+            fn blank() -> Self {
+                $( return describe!(@blank_variant $V $($P)?); )+
+            }
+
+            fn write(&self) -> ::serde_json::Value {
+                match self {
+                    $( describe!(@pattern inner $V $($P)?) => describe!(@write inner $key $($P)?), )+
+                }
+            }
+
+            fn schema(
+                _: $crate::limit::Limit,
+                defs: &mut $crate::schema::Definitions,
+            ) -> ::serde_json::Value {
+                defs.refer(stringify!($T), |defs| {
+                    let mut choices = $crate::schema::Choices::default();
+                    $( describe!(@choice choices defs $key [$($vdoc),+] $($P)?); )+
+                    let _ = &defs;
+                    choices.into_schema(&[$($doc),+])
+                })
+            }
+        }
     };
 
     // A struct whose every key has a default has one itself.
@@ -48,5 +182,43 @@ macro_rules! describe {
         }
     };
     (@default $($other:tt)*) => {};
+
+    (@limit) => { $crate::limit::Limit::FINITE };
+    (@limit $limit:expr) => { $limit };
+
+    (@absent $ty:ty) => { None };
+    (@absent $ty:ty, $default:expr) => { Some((|| $default) as fn() -> $ty) };
+
+    (@optional) => { false };
+    (@optional $default:expr) => { true };
+
+    (@blank $ty:ty) => { <$ty as $crate::decode::Describe>::blank() };
+    (@blank $ty:ty, $default:expr) => { $default };
+
+    (@check) => { |_, _, _| () };
+    (@check $check:path) => { $check };
+
+    (@read $choice:ident $d:ident $V:ident) => {{ $choice.nothing($d); Self::$V }};
+    (@read $choice:ident $d:ident $V:ident $P:ty) => { Self::$V($choice.read::<$P>($d)) };
+
+    (@blank_variant $V:ident) => { Self::$V };
+    (@blank_variant $V:ident $P:ty) => { Self::$V(<$P as $crate::decode::Describe>::blank()) };
+
+    (@pattern $inner:ident $V:ident) => { Self::$V };
+    (@pattern $inner:ident $V:ident $P:ty) => { Self::$V($inner) };
+
+    (@write $inner:ident $key:literal) => { ::serde_json::Value::from($key) };
+    (@write $inner:ident $key:literal $P:ty) => {
+        $crate::schema::tagged($key, $crate::decode::Describe::write($inner))
+    };
+
+    (@choice $choices:ident $defs:ident $key:literal [$($doc:literal),+]) => {
+        $choices.word($key, &[$($doc),+]);
+    };
+    (@choice $choices:ident $defs:ident $key:literal [$($doc:literal),+] $P:ty) => {
+        let payload = <$P as $crate::decode::Describe>::schema($crate::limit::Limit::FINITE, $defs);
+        let may_be_empty = <$P as $crate::decode::Describe>::may_be_empty();
+        $choices.payload($key, &[$($doc),+], payload, may_be_empty);
+    };
 }
 pub(crate) use describe;

@@ -5,15 +5,25 @@
 #![forbid(unsafe_code)]
 
 pub mod assets;
+pub mod decode;
+mod decode_values;
 pub mod desc;
 mod describe;
+pub mod diagnostic;
 pub mod image;
 pub mod limit;
 pub mod mesh;
+pub mod schema;
 pub mod span;
+pub mod suggest;
+pub mod tree;
+pub mod validate;
 pub mod value;
 
 pub use assets::{Assets, MeshAsset, PartMaterial};
 pub use desc::Scene;
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use image::Image;
 pub use mesh::{Mesh, Part};
+pub use schema::schema;
+pub use span::{FileId, Sources, Span, Spanned};

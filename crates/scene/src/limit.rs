@@ -1,6 +1,7 @@
 //! What range a number of the scene language must be in.
 
-/// A range of numbers, and how a message names it. Infinite numbers and NaN are outside every range.
+/// A range of numbers, and how a message names it. Infinite numbers, NaN and what single precision can't hold are
+/// outside every range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
     /// Least number.
@@ -33,8 +34,10 @@ impl Limit {
 
     /// Whether `v` is in range.
     pub fn allows(&self, v: f64) -> bool {
-        let inside = if self.open { v > self.min && v < self.max } else { v >= self.min && v <= self.max };
-        v.is_finite() && inside
+        // Rendering rounds to single precision, where a tiny radius must not become 0.
+        let r = f64::from(v as f32);
+        let inside = if self.open { r > self.min && r < self.max } else { v >= self.min && v <= self.max };
+        r.is_finite() && inside
     }
 }
 
@@ -47,7 +50,7 @@ impl std::fmt::Display for Limit {
             (true, false, false) => write!(f, "{} or greater", self.min),
             (false, true, true) => write!(f, "less than {}", self.max),
             (false, true, false) => write!(f, "{} or less", self.max),
-            (false, false, _) => write!(f, "finite"),
+            (false, false, _) => write!(f, "within the range of single precision"),
         }
     }
 }

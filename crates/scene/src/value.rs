@@ -21,6 +21,35 @@ impl Color {
     pub const fn grey(v: f64) -> Self {
         Self([v; 3])
     }
+
+    /// From `#rrggbb` or `#rgb` in sRGB; `None` when it isn't that.
+    pub fn from_hex(text: &str) -> Option<Self> {
+        let digits = text.strip_prefix('#')?.as_bytes();
+        let digit = |i: usize| char::from(digits[i]).to_digit(16);
+        let channel = |i: usize| match digits.len() {
+            3 => digit(i).map(|v| 17 * v),
+            6 => Some(16 * digit(2 * i)? + digit(2 * i + 1)?),
+            _ => None,
+        };
+        Some(Self([linear(channel(0)?), linear(channel(1)?), linear(channel(2)?)]))
+    }
+}
+
+/// An 8-bit sRGB code as linear light (IEC 61966-2-1).
+fn linear(code: u32) -> f64 {
+    let c = f64::from(code) / 255.0;
+    if c <= 0.04045 {
+        return c / 12.92;
+    }
+    // b^2.4 = b^2 y with y = b^(2/5), the root of y^5 = b^2: Newton's method from above is monotonic, and uses no
+    // function that differs between machines.
+    let b = (c + 0.055) / 1.055;
+    let mut y = 1.0;
+    for _ in 0..40 {
+        let y4 = y * y * y * y;
+        y -= (y4 * y - b * b) / (5.0 * y4);
+    }
+    b * b * y
 }
 
 /// A number or colour of a material or light.
@@ -113,5 +142,23 @@ impl<T> Named<T> {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hex_is_srgb() {
+        // Reference values of the sRGB transfer function to 7 digits.
+        let Color([r, g, b]) = Color::from_hex("#ff8000").unwrap();
+        assert_eq!((r, b), (1.0, 0.0));
+        assert!((g - 0.2158605).abs() < 1e-7);
+        assert!((Color::from_hex("#0b0b0b").unwrap().0[0] - 0.0033465).abs() < 1e-7);
+        assert_eq!(Color::from_hex("#f80"), Color::from_hex("#ff8800"));
+        for wrong in ["", "#", "ff8000", "#ff80", "#gg8000", "#ff80000", "#+f+f+f", "#é00"] {
+            assert_eq!(Color::from_hex(wrong), None, "{wrong}");
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use straal_math::DVec3;
 
+use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
 
@@ -17,7 +18,7 @@ describe! {
 
 describe! {
     /// A pinhole camera.
-    pub struct Perspective {
+    pub struct Perspective [check::perspective] {
         /// Where the camera stands.
         eye: DVec3,
         /// The point in the middle of the picture.
@@ -33,7 +34,7 @@ describe! {
 
 describe! {
     /// A camera with parallel rays.
-    pub struct Orthographic {
+    pub struct Orthographic [check::orthographic] {
         /// Where the middle of the film is.
         eye: DVec3,
         /// The point in the middle of the picture.

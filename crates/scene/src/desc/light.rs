@@ -3,6 +3,7 @@
 use straal_math::DVec3;
 
 use crate::desc::transform::Transform;
+use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::{Color, FileRef, Value};
@@ -33,7 +34,7 @@ describe! {
 
 describe! {
     /// Parallel light, like the sun's.
-    pub struct DirectionalLight {
+    pub struct DirectionalLight [check::directional] {
         /// The direction in which the light travels.
         direction: DVec3,
         /// Irradiance on a surface that faces the light, in W/m^2.
@@ -43,7 +44,7 @@ describe! {
 
 describe! {
     /// A point that shines in a cone, along `direction` or towards `look_at`.
-    pub struct SpotLight {
+    pub struct SpotLight [check::spot] {
         /// Where it is.
         position: DVec3,
         /// The axis of the cone; give this or `look_at`.
@@ -53,7 +54,7 @@ describe! {
         /// Radiant intensity on the axis in W/sr.
         intensity: Value<Color> [Limit::NON_NEGATIVE] = Value::Constant(Color::grey(1.0)),
         /// Angle from the axis, in degrees, beyond which there is no light.
-        cutoff: f64 [Limit { min: 0.0, max: 180.0, open: false }] = 20.0,
+        cutoff: f64 [Limit::within(0.001, 180.0)] = 20.0,
         /// Angle from the axis, in degrees, up to which intensity is full; three quarters of `cutoff` when absent.
         beam: Option<f64> [Limit::within(0.0, 180.0)] = None,
         /// How intensity falls from `beam` to `cutoff`.
@@ -92,7 +93,7 @@ describe! {
     ///
     /// The top row of the picture is seen along local +y and its middle column along local -z; what is right of the
     /// middle is seen towards +x.
-    pub struct Environment {
+    pub struct Environment [check::environment] {
         /// Radiance from everywhere, in W/(m^2 sr); give this or `file`.
         radiance: Option<Value<Color>> [Limit::NON_NEGATIVE] = None,
         /// A picture whose pixels are radiance; give this or `radiance`.

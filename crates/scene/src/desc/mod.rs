@@ -1,6 +1,7 @@
 //! What a scene can say: plain data, as a file or a program says it.
 
 pub mod camera;
+mod check;
 pub mod light;
 pub mod material;
 pub mod node;
@@ -8,6 +9,7 @@ pub mod settings;
 pub mod shape;
 pub mod transform;
 
+pub use check::BUILTIN_PATCHES;
 pub use camera::{Camera, FovAxis, Orthographic, Perspective};
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};

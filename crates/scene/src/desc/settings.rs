@@ -1,12 +1,13 @@
 //! Film, sampler, integrator and search: how a picture is made.
 
+use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::Depth;
 
 describe! {
     /// The picture to make.
-    pub struct Film {
+    pub struct Film [check::film] {
         /// Width and height in pixels.
         size: [u32; 2] [Limit::within(1.0, 65536.0)] = [640, 360],
         /// How samples are weighed around a pixel.

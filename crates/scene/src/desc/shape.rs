@@ -4,6 +4,7 @@ use straal_math::DVec3;
 
 use crate::desc::material::MaterialRef;
 use crate::desc::transform::Transform;
+use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::{Color, FileRef, Name, Value};
@@ -36,7 +37,7 @@ describe! {
 
 describe! {
     /// An infinite plane; it cannot glow.
-    pub struct Plane {
+    pub struct Plane [check::plane] {
         /// Any point on it.
         point: DVec3 = DVec3::ZERO,
         /// Towards its front.
@@ -46,7 +47,7 @@ describe! {
 
 describe! {
     /// A flat, round plate; without keys the unit disc in the xy-plane that faces +z.
-    pub struct Disc {
+    pub struct Disc [check::disc] {
         /// Its middle.
         center: DVec3 = DVec3::ZERO,
         /// Towards its front.
@@ -58,7 +59,7 @@ describe! {
 
 describe! {
     /// A flat parallelogram; without keys the square from -1 to 1 in the xy-plane that faces +z.
-    pub struct Rectangle {
+    pub struct Rectangle [check::rectangle] {
         /// One corner.
         corner: DVec3 = DVec3::new(-1.0, -1.0, 0.0),
         /// The two edges from that corner; its front is towards their cross product, first x second.
@@ -68,7 +69,7 @@ describe! {
 
 describe! {
     /// A box along the axes; without keys from -1 to 1 on each.
-    pub struct Cuboid {
+    pub struct Cuboid [check::cuboid] {
         /// The corner with the smallest coordinates.
         min: DVec3 = DVec3::splat(-1.0),
         /// The corner with the largest coordinates.
@@ -78,7 +79,7 @@ describe! {
 
 describe! {
     /// A tube; its front is outside.
-    pub struct Cylinder {
+    pub struct Cylinder [check::cylinder] {
         /// The middle of one end.
         from: DVec3 = DVec3::ZERO,
         /// The middle of the other end.
@@ -92,7 +93,7 @@ describe! {
 
 describe! {
     /// One triangle, its front where the vertices run counter-clockwise.
-    pub struct Triangle {
+    pub struct Triangle [check::triangle] {
         /// Its corners.
         vertices: [DVec3; 3],
     } with surface: Surface
@@ -112,7 +113,7 @@ describe! {
 
 describe! {
     /// A triangle mesh from a file, or written out by `positions` and `triangles`.
-    pub struct TriangleMesh {
+    pub struct TriangleMesh [check::mesh] {
         /// A PLY or OBJ file.
         file: Option<FileRef> = None,
         /// Vertices, in place of a file.
@@ -146,7 +147,7 @@ impl TriangleMesh {
 
 describe! {
     /// Bicubic Bezier patches, built in by name or written out by `points` and `patches`.
-    pub struct Bezier {
+    pub struct Bezier [check::bezier] {
         /// The name of built-in patches: `teapot`.
         builtin: Option<Name> = None,
         /// Control points, in place of built-in ones.

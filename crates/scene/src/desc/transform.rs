@@ -2,6 +2,7 @@
 
 use straal_math::{Affine, DVec3};
 
+use crate::desc::check;
 use crate::describe::describe;
 use crate::span::Span;
 use crate::value::{Axis, Factors, Matrix};
@@ -114,7 +115,7 @@ describe! {
 
 describe! {
     /// A frame that looks at something.
-    pub struct Viewpoint {
+    pub struct Viewpoint [check::viewpoint] {
         /// Where the origin goes.
         eye: DVec3,
         /// Where local -z points to.

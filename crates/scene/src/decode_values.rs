@@ -1,0 +1,456 @@
+//! How the small values of descriptions are read, written and described.
+
+use serde_json::{Map, Value as Json, json};
+use straal_math::{Affine, DVec3};
+
+use crate::decode::{Decoder, Describe};
+use crate::desc::{Material, MaterialRef, Step, Transform};
+use crate::diagnostic::Diagnostic;
+use crate::limit::Limit;
+use crate::schema::{self, Definitions};
+use crate::span::{Span, Spanned};
+use crate::suggest;
+use crate::tree::{Datum, Tree};
+use crate::value::{Axis, Color, Depth, Factors, Matrix, Named, Value};
+
+impl Describe for f64 {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        d.number(tree, limit).unwrap_or_else(Self::blank)
+    }
+    fn blank() -> Self {
+        1.0
+    }
+    fn write(&self) -> Json {
+        schema::short(*self)
+    }
+    fn schema(limit: Limit, _: &mut Definitions) -> Json {
+        schema::number("number", limit)
+    }
+}
+
+/// Whole numbers up to `$most`, or up to 2^53 where every program can hold them exactly.
+macro_rules! whole {
+    ($T:ident, $most:expr) => {
+        impl Describe for $T {
+            fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+                let v = d.integer(tree, within(limit, $most));
+                v.and_then(|v| Self::try_from(v).ok()).unwrap_or_else(Self::blank)
+            }
+            fn blank() -> Self {
+                1
+            }
+            fn write(&self) -> Json {
+                json!(self)
+            }
+            fn schema(limit: Limit, _: &mut Definitions) -> Json {
+                schema::number("integer", within(limit, $most))
+            }
+        }
+    };
+}
+
+whole!(u32, 4_294_967_295.0);
+whole!(u64, 9_007_199_254_740_991.0);
+
+fn within(limit: Limit, most: f64) -> Limit {
+    let min = if limit.min > 0.0 { limit.min } else { 0.0 };
+    Limit { min, max: if limit.max < most { limit.max } else { most }, ..limit }
+}
+
+impl Describe for bool {
+    fn read(tree: &Tree, _: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Bool(b) => *b,
+            _ => {
+                d.expected("`true` or `false`", tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        false
+    }
+    fn write(&self) -> Json {
+        json!(self)
+    }
+    fn schema(_: Limit, _: &mut Definitions) -> Json {
+        json!({ "type": "boolean" })
+    }
+}
+
+/// Names and files.
+impl Describe for Spanned<String> {
+    fn read(tree: &Tree, _: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::String(s) if s.is_empty() => {
+                let message = format!("`{}` must not be empty", d.key());
+                d.push(Diagnostic::error(tree.span, message));
+                Self::blank()
+            }
+            Datum::String(s) => Self::new(s.clone(), tree.span),
+            _ => {
+                let quoted = matches!(tree.value, Datum::Number(_) | Datum::Bool(_));
+                d.expected(if quoted { "a text (in quotes)" } else { "a text" }, tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self::new(String::new(), Span::NONE)
+    }
+    fn write(&self) -> Json {
+        json!(self.value)
+    }
+    fn schema(_: Limit, _: &mut Definitions) -> Json {
+        json!({ "type": "string", "minLength": 1 })
+    }
+}
+
+impl<T: Describe> Describe for Option<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        (tree.value != Datum::Null).then(|| T::read(tree, limit, d))
+    }
+    fn blank() -> Self {
+        None
+    }
+    fn write(&self) -> Json {
+        self.as_ref().map_or(Json::Null, T::write)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "anyOf": [T::schema(limit, defs), { "type": "null" }] })
+    }
+}
+
+impl<T: Describe> Describe for Vec<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        // A key with nothing after it is an empty list: `lights:` with every entry commented out.
+        if tree.value == Datum::Null {
+            return Self::new();
+        }
+        let items = d.list(tree, "a list").unwrap_or(&[]);
+        items.iter().map(|item| T::read(item, limit, d)).collect()
+    }
+    fn blank() -> Self {
+        Self::new()
+    }
+    fn write(&self) -> Json {
+        Json::Array(self.iter().map(T::write).collect())
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "type": "array", "items": T::schema(limit, defs) })
+    }
+}
+
+impl<T: Describe, const N: usize> Describe for [T; N] {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let what = format!("a list of {N}");
+        match &tree.value {
+            Datum::Sequence(items) if items.len() == N => {
+                std::array::from_fn(|i| T::read(&items[i], limit, d))
+            }
+            _ => {
+                d.expected(&what, tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        std::array::from_fn(|_| T::blank())
+    }
+    fn write(&self) -> Json {
+        Json::Array(self.iter().map(T::write).collect())
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "type": "array", "items": T::schema(limit, defs), "minItems": N, "maxItems": N })
+    }
+}
+
+impl Describe for DVec3 {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Sequence(items) if items.len() == 3 => {
+                Self::from_array(std::array::from_fn(|i| f64::read(&items[i], limit, d)))
+            }
+            _ => {
+                d.expected("three numbers `[x, y, z]`", tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self::ONE
+    }
+    fn write(&self) -> Json {
+        self.to_array().write()
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        <[f64; 3]>::schema(limit, defs)
+    }
+}
+
+impl Describe for Color {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Number(_) => Self::grey(f64::read(tree, limit, d)),
+            Datum::Sequence(items) if items.len() == 3 => {
+                Self(std::array::from_fn(|i| f64::read(&items[i], limit, d)))
+            }
+            Datum::String(s) => Self::from_hex(s).unwrap_or_else(|| {
+                d.expected("a colour", tree);
+                Self::blank()
+            }),
+            _ => {
+                d.expected("a colour: a number, `[r, g, b]` or '#rrggbb'", tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self::grey(1.0)
+    }
+    fn write(&self) -> Json {
+        let Self([r, g, b]) = *self;
+        if r == g && g == b { r.write() } else { self.0.write() }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        let channels = <[f64; 3]>::schema(limit, defs);
+        let hex = json!({ "type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$" });
+        json!({ "anyOf": [schema::number("number", limit), channels, hex] })
+    }
+}
+
+impl<T: Describe> Describe for Value<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        Self::Constant(T::read(tree, limit, d))
+    }
+    fn blank() -> Self {
+        Self::Constant(T::blank())
+    }
+    fn write(&self) -> Json {
+        let Self::Constant(v) = self;
+        v.write()
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        T::schema(limit, defs)
+    }
+}
+
+impl<T: Describe> Describe for Named<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let mut out = Self::default();
+        match &tree.value {
+            Datum::Mapping(entries) => {
+                for e in entries {
+                    let thing = d.under(&e.key.value, e.key.span, |d| T::read(&e.value, limit, d));
+                    out.insert(e.key.clone(), thing);
+                }
+            }
+            Datum::Null => {}
+            _ => d.expected("a mapping of names to descriptions", tree),
+        }
+        out
+    }
+    fn blank() -> Self {
+        Self::default()
+    }
+    fn write(&self) -> Json {
+        Json::Object(self.iter().map(|(name, thing)| (name.value.clone(), thing.write())).collect::<Map<_, _>>())
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "type": "object", "additionalProperties": T::schema(limit, defs) })
+    }
+}
+
+impl Describe for Depth {
+    fn read(tree: &Tree, _: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Null => Self::Unlimited,
+            Datum::String(s) if s == "unlimited" => Self::Unlimited,
+            Datum::Number(_) => {
+                Self::Edges(u32::read(tree, Limit::within(1.0, f64::from(u32::MAX)), d))
+            }
+            _ => {
+                d.expected("a whole number or `unlimited`", tree);
+                Self::Unlimited
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self::Unlimited
+    }
+    fn write(&self) -> Json {
+        match self {
+            Self::Unlimited => json!("unlimited"),
+            Self::Edges(n) => json!(n),
+        }
+    }
+    fn schema(_: Limit, _: &mut Definitions) -> Json {
+        json!({ "anyOf": [
+            schema::number("integer", Limit::within(1.0, f64::from(u32::MAX))),
+            { "const": "unlimited" },
+            { "type": "null" }
+        ] })
+    }
+}
+
+impl Describe for Axis {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::String(s) if s == "x" => Self(DVec3::X),
+            Datum::String(s) if s == "y" => Self(DVec3::Y),
+            Datum::String(s) if s == "z" => Self(DVec3::Z),
+            Datum::Sequence(items) if items.len() == 3 => {
+                let v = DVec3::read(tree, limit, d);
+                if v == DVec3::ZERO {
+                    let message = format!("`{}` has no direction: all three numbers are 0", d.key());
+                    d.push(Diagnostic::error(tree.span, message));
+                }
+                Self(v)
+            }
+            _ => {
+                d.expected("`x`, `y`, `z` or three numbers `[x, y, z]`", tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self(DVec3::Y)
+    }
+    fn write(&self) -> Json {
+        match self.0 {
+            DVec3::X => json!("x"),
+            DVec3::Y => json!("y"),
+            DVec3::Z => json!("z"),
+            v => v.write(),
+        }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "anyOf": [{ "enum": ["x", "y", "z"] }, DVec3::schema(limit, defs)] })
+    }
+}
+
+impl Describe for Factors {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let factors = match &tree.value {
+            Datum::Number(_) => DVec3::splat(f64::read(tree, limit, d)),
+            Datum::Sequence(items) if items.len() == 3 => DVec3::read(tree, limit, d),
+            _ => {
+                d.expected("a number or three numbers `[x, y, z]`", tree);
+                DVec3::ONE
+            }
+        };
+        if factors.to_array().contains(&0.0) {
+            let message = format!("`{}` by 0 leaves nothing to see", d.key());
+            d.push(Diagnostic::error(tree.span, message).help("to flatten, use a small factor such as 1e-3"));
+            return Self::blank();
+        }
+        Self(factors)
+    }
+    fn blank() -> Self {
+        Self(DVec3::ONE)
+    }
+    fn write(&self) -> Json {
+        let v = self.0;
+        if v.x == v.y && v.y == v.z { v.x.write() } else { v.write() }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "anyOf": [schema::number("number", limit), DVec3::schema(limit, defs)] })
+    }
+}
+
+impl Describe for Matrix {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let rows = match &tree.value {
+            Datum::Sequence(rows) if rows.len() == 3 || rows.len() == 4 => rows,
+            _ => {
+                d.expected("three or four rows of four numbers", tree);
+                return Self::blank();
+            }
+        };
+        if let Some(last) = rows.get(3)
+            && <[f64; 4]>::read(last, limit, d) != [0.0, 0.0, 0.0, 1.0]
+        {
+            let message = "the fourth row of a matrix must be `[0, 0, 0, 1]`";
+            d.push(Diagnostic::error(last.span, message));
+        }
+        Self(Affine { rows: std::array::from_fn(|i| <[f64; 4]>::read(&rows[i], limit, d)) })
+    }
+    fn blank() -> Self {
+        Self(Affine::IDENTITY)
+    }
+    fn write(&self) -> Json {
+        self.0.rows.write()
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "type": "array", "items": <[f64; 4]>::schema(limit, defs), "minItems": 3, "maxItems": 4 })
+    }
+}
+
+impl Describe for Transform {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let before = d.diagnostics.errors();
+        let steps = match &tree.value {
+            Datum::Null => Vec::new(),
+            Datum::Sequence(items) => items.iter().map(|item| Step::read(item, limit, d)).collect(),
+            // One step needs no list; several keys would leave the order to chance.
+            Datum::Mapping(entries) if entries.len() <= 1 => {
+                entries.first().map(|_| Step::read(tree, limit, d)).into_iter().collect()
+            }
+            Datum::Mapping(entries) => {
+                let message = "the steps of a transform have an order, so they must be a list";
+                d.push(
+                    Diagnostic::error(entries[1].key.span, message)
+                        .help("write each step as an item: `- translate: [1, 0, 0]`"),
+                );
+                Vec::new()
+            }
+            _ => {
+                d.expected("a list of steps", tree);
+                Vec::new()
+            }
+        };
+        let transform = Self { steps, span: tree.span };
+        let sound = || transform.affine().is_some_and(|a| straal_math::Transform::new(&a).is_some());
+        if d.diagnostics.errors() == before && !sound() {
+            let message = "this transform is singular: it flattens everything, or leaves the range of numbers";
+            d.push(Diagnostic::error(tree.span, message).label("has no inverse"));
+        }
+        transform
+    }
+    fn blank() -> Self {
+        Self::default()
+    }
+    fn write(&self) -> Json {
+        self.steps.write()
+    }
+    fn schema(_: Limit, defs: &mut Definitions) -> Json {
+        let step = Step::schema(Limit::FINITE, defs);
+        json!({ "anyOf": [{ "type": "array", "items": step }, step, { "type": "null" }] })
+    }
+}
+
+impl Describe for MaterialRef {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::String(_) => Self::Named(Spanned::read(tree, limit, d)),
+            Datum::Mapping(_) => Self::Inline(Material::read(tree, limit, d)),
+            _ => {
+                let kinds = suggest::list(Material::KINDS.iter().copied());
+                d.expected(&format!("the name of a material, or one of {kinds}"), tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self::Named(Spanned::blank())
+    }
+    fn write(&self) -> Json {
+        match self {
+            Self::Named(name) => name.write(),
+            Self::Inline(material) => material.write(),
+        }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "anyOf": [<Spanned<String>>::schema(limit, defs), Material::schema(limit, defs)] })
+    }
+}

@@ -1,0 +1,200 @@
+//! What the parts of one description must be to each other. Each function is named at its definition and is called
+//! when the parts by themselves are sound.
+
+use straal_math::{Affine, DVec3};
+
+use crate::decode::{Decoder, Keys};
+use crate::desc::{
+    Bezier, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Orthographic, Perspective, Plane, Rectangle,
+    SpotLight, Triangle, TriangleMesh, Viewpoint,
+};
+use crate::diagnostic::Diagnostic;
+use crate::suggest;
+
+/// The names that `bezier: { builtin: ... }` knows.
+pub const BUILTIN_PATCHES: &[&str] = &["teapot"];
+
+/// Most pixels of a picture: 2^30, beyond which a film of full precision would need tens of gigabytes.
+const MOST_PIXELS: u64 = 1 << 30;
+
+fn view(eye: DVec3, target: DVec3, up: DVec3, key: &str, keys: &Keys<'_>, d: &mut Decoder) {
+    if eye == target {
+        let message = format!("`eye` and `{key}` are the same point, so there is no direction to look in");
+        d.push(Diagnostic::error(keys.span(key), message).related(keys.span("eye"), "`eye` is here"));
+    } else if up == DVec3::ZERO {
+        d.push(Diagnostic::error(keys.span("up"), "`up` has no direction: all three numbers are 0"));
+    } else if Affine::look_at(eye, target, up).is_none() {
+        let help = "choose another `up`, such as `up: [0, 0, 1]` or `up: [0, 1, 0]`";
+        d.push(Diagnostic::error(keys.span("up"), "`up` is along the view").help(help));
+    }
+}
+
+pub(super) fn perspective(c: &Perspective, keys: &Keys<'_>, d: &mut Decoder) {
+    view(c.eye, c.look_at, c.up, "look_at", keys, d);
+}
+
+pub(super) fn orthographic(c: &Orthographic, keys: &Keys<'_>, d: &mut Decoder) {
+    view(c.eye, c.look_at, c.up, "look_at", keys, d);
+}
+
+pub(super) fn viewpoint(v: &Viewpoint, keys: &Keys<'_>, d: &mut Decoder) {
+    view(v.eye, v.target, v.up, "target", keys, d);
+}
+
+pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
+    let [width, height] = f.size;
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        let message = format!("a picture of {width} x {height} has more than 2^30 pixels");
+        d.push(Diagnostic::error(keys.span("size"), message));
+    }
+    let Some([x0, y0, x1, y1]) = f.crop else { return };
+    if x0 >= x1 || y0 >= y1 {
+        let help = "it is `[x0, y0, x1, y1]` from the top left, the ends exclusive";
+        d.push(Diagnostic::error(keys.span("crop"), "this crop is empty").help(help));
+    } else if x1 > width || y1 > height {
+        let message = format!("this crop ends at {x1}, {y1}, outside the picture of {width} x {height}");
+        d.push(Diagnostic::error(keys.span("crop"), message));
+    }
+}
+
+fn direction(v: DVec3, key: &str, keys: &Keys<'_>, d: &mut Decoder) {
+    if v == DVec3::ZERO {
+        let message = format!("`{key}` has no direction: all three numbers are 0");
+        d.push(Diagnostic::error(keys.span(key), message));
+    }
+}
+
+/// Complains unless exactly one of two ways to say the same is used.
+fn one_of(owner: &str, first: (&str, bool), second: (&str, bool), keys: &Keys<'_>, d: &mut Decoder) -> bool {
+    let ((a, has_a), (b, has_b)) = (first, second);
+    if has_a && has_b {
+        let message = format!("`{owner}` takes `{a}` or `{b}`, not both");
+        d.push(Diagnostic::error(keys.key_span(b), message).related(keys.key_span(a), format!("`{a}` is here")));
+    } else if !has_a && !has_b {
+        d.push(Diagnostic::error(keys.owner(), format!("`{owner}` needs `{a}` or `{b}`")));
+    }
+    has_a != has_b
+}
+
+pub(super) fn directional(l: &DirectionalLight, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(l.direction, "direction", keys, d);
+}
+
+pub(super) fn spot(l: &SpotLight, keys: &Keys<'_>, d: &mut Decoder) {
+    let axis = (("look_at", l.look_at.is_some()), ("direction", l.direction.is_some()));
+    if one_of("spot", axis.0, axis.1, keys, d) && l.axis() == DVec3::ZERO {
+        let (key, message) = match l.look_at {
+            Some(_) => ("look_at", "`look_at` and `position` are the same point"),
+            None => ("direction", "`direction` has no direction: all three numbers are 0"),
+        };
+        d.push(Diagnostic::error(keys.span(key), message));
+    }
+    if l.full_beam() > l.cutoff {
+        let message = format!("`beam` of {} degrees is wider than `cutoff` of {}", l.full_beam(), l.cutoff);
+        let help = "light is full up to `beam` and ends at `cutoff`, both measured from the axis";
+        d.push(Diagnostic::error(keys.span("beam"), message).help(help));
+    }
+}
+
+pub(super) fn environment(l: &Environment, keys: &Keys<'_>, d: &mut Decoder) {
+    one_of("environment", ("radiance", l.radiance.is_some()), ("file", l.file.is_some()), keys, d);
+}
+
+pub(super) fn plane(s: &Plane, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.normal, "normal", keys, d);
+    if s.surface.emission.is_some() {
+        let help = "use a large `rectangle` as a light";
+        let message = "a plane is infinite and cannot glow";
+        d.push(Diagnostic::error(keys.key_span("emission"), message).help(help));
+    }
+}
+
+pub(super) fn disc(s: &Disc, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.normal, "normal", keys, d);
+}
+
+pub(super) fn rectangle(s: &Rectangle, keys: &Keys<'_>, d: &mut Decoder) {
+    let [a, b] = s.edges;
+    if flat(a, b) {
+        let message = "this rectangle has no area: its edges are parallel or zero";
+        d.push(Diagnostic::error(keys.span("edges"), message));
+    }
+}
+
+/// Whether two edges span no area, as far as double precision can tell.
+fn flat(a: DVec3, b: DVec3) -> bool {
+    match (a.try_normalize(), b.try_normalize()) {
+        (Some(a), Some(b)) => a.cross(b).length() < 1e-12,
+        _ => true,
+    }
+}
+
+pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
+    for (axis, (a, b)) in ["x", "y", "z"].iter().zip(s.min.to_array().into_iter().zip(s.max.to_array())) {
+        if a >= b {
+            let message = format!("`max` must be greater than `min` on every axis: in {axis}, {b} is not above {a}");
+            d.push(Diagnostic::error(keys.span("max"), message));
+        }
+    }
+}
+
+pub(super) fn cylinder(s: &Cylinder, keys: &Keys<'_>, d: &mut Decoder) {
+    if s.from == s.to {
+        d.push(Diagnostic::error(keys.span("to"), "`from` and `to` are the same point: the cylinder has no length"));
+    }
+}
+
+pub(super) fn triangle(s: &Triangle, keys: &Keys<'_>, d: &mut Decoder) {
+    let [a, b, c] = s.vertices;
+    if flat(b - a, c - a) {
+        let message = "this triangle has no area: its corners are on one line";
+        d.push(Diagnostic::error(keys.span("vertices"), message));
+    }
+}
+
+/// Complains of the first index that is out of range.
+fn indices(key: &str, all: impl Iterator<Item = u32>, count: usize, keys: &Keys<'_>, d: &mut Decoder) {
+    if let Some(bad) = { all }.find(|&i| i as usize >= count) {
+        let message = format!("`{key}` names point {bad}, but there are {count}, counted from 0");
+        d.push(Diagnostic::error(keys.key_span(key), message));
+    }
+}
+
+pub(super) fn mesh(m: &TriangleMesh, keys: &Keys<'_>, d: &mut Decoder) {
+    let inline = !m.positions.is_empty() || !m.triangles.is_empty();
+    if !one_of("mesh", ("file", m.file.is_some()), ("positions", inline), keys, d) || !inline {
+        return;
+    }
+    if m.triangles.is_empty() {
+        let help = "`triangles` lists three indices into `positions` for each";
+        d.push(Diagnostic::error(keys.owner(), "this mesh is empty: it has no triangles").help(help));
+    }
+    indices("triangles", m.triangles.iter().flatten().copied(), m.positions.len(), keys, d);
+    for (key, count) in [("normals", m.normals.len()), ("uvs", m.uvs.len())] {
+        if count != 0 && count != m.positions.len() {
+            let message = format!("`{key}` has {count} entries, but `positions` has {}", m.positions.len());
+            d.push(Diagnostic::error(keys.key_span(key), message));
+        }
+    }
+}
+
+pub(super) fn bezier(b: &Bezier, keys: &Keys<'_>, d: &mut Decoder) {
+    let inline = !b.points.is_empty() || !b.patches.is_empty();
+    if !one_of("bezier", ("builtin", b.builtin.is_some()), ("points", inline), keys, d) {
+        return;
+    }
+    if let Some(name) = &b.builtin {
+        if !BUILTIN_PATCHES.contains(&name.value.as_str()) {
+            let all = format!("there is {}", suggest::list(BUILTIN_PATCHES.iter().copied()));
+            let near = suggest::did_you_mean(name, BUILTIN_PATCHES.iter().copied());
+            let message = format!("no patches named `{}` are built in", name.value);
+            d.push(Diagnostic::error(name.span, message).help(near.unwrap_or(all)));
+        }
+        return;
+    }
+    if b.patches.is_empty() {
+        let help = "`patches` lists sixteen indices into `points` for each";
+        d.push(Diagnostic::error(keys.owner(), "this surface is empty: it has no patches").help(help));
+    }
+    indices("patches", b.patches.iter().flatten().copied(), b.points.len(), keys, d);
+}

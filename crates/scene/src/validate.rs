@@ -1,0 +1,280 @@
+//! What the parts of a whole scene must be to each other: names that lead somewhere, and trees that end.
+
+use straal_math::{Affine, Transform as Rounded};
+
+use crate::desc::{Environment, Group, Instance, Light, Material, MaterialRef, Node, Scene, Surface, Transform};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::span::Span;
+use crate::suggest;
+use crate::value::{FileRef, Name};
+
+/// Most instances inside one another.
+pub const DEEPEST: usize = 8;
+
+/// Complains of names that lead nowhere, objects that contain themselves or nest too deep, placements that have no
+/// inverse together, and a world with nothing to see.
+pub fn validate(scene: &Scene, d: &mut Diagnostics) {
+    let mut walk = Walk { scene, d };
+    for node in scene.objects.iter().map(|(_, object)| object).chain(&scene.world) {
+        walk.names(node);
+        walk.placement(node, &Affine::IDENTITY);
+    }
+    walk.nesting();
+    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
+    if scene.world.is_empty() && !lit_by_all && !walk.d.has_errors() {
+        let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
+        walk.d.push(Diagnostic::error(Span::NONE, "the world is empty: there is nothing to see").help(help));
+    }
+}
+
+impl Node {
+    /// What all surfaces share, for nodes that are one.
+    pub fn surface(&self) -> Option<&Surface> {
+        match self {
+            Self::Sphere(s) => Some(&s.surface),
+            Self::Plane(s) => Some(&s.surface),
+            Self::Disc(s) => Some(&s.surface),
+            Self::Rectangle(s) => Some(&s.surface),
+            Self::Box(s) => Some(&s.surface),
+            Self::Cylinder(s) => Some(&s.surface),
+            Self::Triangle(s) => Some(&s.surface),
+            Self::Mesh(s) => Some(&s.surface),
+            Self::Bezier(s) => Some(&s.surface),
+            Self::Group(_) | Self::Instance(_) => None,
+        }
+    }
+
+    /// Where the node is placed.
+    pub fn transform(&self) -> &Transform {
+        static NOWHERE: Transform = Transform { steps: Vec::new(), span: Span::NONE };
+        match self {
+            Self::Group(g) => &g.transform,
+            Self::Instance(i) => &i.transform,
+            _ => self.surface().map_or(&NOWHERE, |s| &s.transform),
+        }
+    }
+
+    /// The node's own material.
+    pub fn material(&self) -> Option<&MaterialRef> {
+        match self {
+            Self::Group(g) => g.material.as_ref(),
+            Self::Instance(i) => i.material.as_ref(),
+            _ => self.surface().and_then(|s| s.material.as_ref()),
+        }
+    }
+
+    /// The nodes directly inside.
+    pub fn children(&self) -> &[Node] {
+        match self {
+            Self::Group(Group { children, .. }) => children,
+            _ => &[],
+        }
+    }
+
+    /// Calls `f` with this node and all inside it, parents first. Instances are not followed.
+    pub fn visit<'a>(&'a self, f: &mut impl FnMut(&'a Node)) {
+        f(self);
+        for child in self.children() {
+            child.visit(f);
+        }
+    }
+}
+
+impl Scene {
+    /// Calls `f` with every node of the world and of the objects, once each.
+    pub fn visit<'a>(&'a self, mut f: impl FnMut(&'a Node)) {
+        for node in self.objects.iter().map(|(_, node)| node).chain(&self.world) {
+            node.visit(&mut f);
+        }
+    }
+
+    /// The mesh files that are named, with repetitions.
+    pub fn mesh_files(&self) -> Vec<&FileRef> {
+        let mut files = Vec::new();
+        self.visit(|node| {
+            if let Node::Mesh(m) = node {
+                files.extend(&m.file);
+            }
+        });
+        files
+    }
+
+    /// The picture files that are named, with repetitions.
+    pub fn image_files(&self) -> Vec<&FileRef> {
+        let environments = self.lights.iter().filter_map(|l| match l {
+            Light::Environment(Environment { file, .. }) => file.as_ref(),
+            _ => None,
+        });
+        environments.collect()
+    }
+}
+
+struct Walk<'a> {
+    scene: &'a Scene,
+    d: &'a mut Diagnostics,
+}
+
+/// An instance inside an object or the world: which object it shows, and where it says so.
+#[derive(Clone, Copy)]
+struct Edge {
+    to: usize,
+    span: Span,
+}
+
+/// How far the walk over an object has come.
+#[derive(Clone, Copy, PartialEq)]
+enum State {
+    Unseen,
+    Open,
+    /// So many instances inside one another.
+    Known(usize),
+}
+
+impl Walk<'_> {
+    /// Every material and object that is named must exist.
+    fn names(&mut self, node: &Node) {
+        node.visit(&mut |n| {
+            if let Some(MaterialRef::Named(name)) = n.material() {
+                self.material(name);
+            }
+            if let Node::Instance(Instance { of, .. }) = n {
+                self.instance(of);
+            }
+        });
+    }
+
+    fn instance(&mut self, of: &Name) {
+        // What couldn't be read has been complained of.
+        if of.is_empty() || self.scene.objects.get(of).is_some() {
+            return;
+        }
+        let names = || self.scene.objects.iter().map(|(n, _)| n.value.as_str());
+        let help = self.near(of, names()).unwrap_or_else(|| available("objects", names()));
+        let message = format!("there is no object named `{}`", of.value);
+        self.d.push(Diagnostic::error(of.span, message).help(help));
+    }
+
+    fn material(&mut self, name: &Name) {
+        if name.is_empty() || self.scene.materials.get(name).is_some() {
+            return;
+        }
+        let names = || self.scene.materials.iter().map(|(n, _)| n.value.as_str());
+        let help = self.near(name, names()).unwrap_or_else(|| {
+            if Material::KINDS.contains(&name.value.as_str()) {
+                format!("to use a material without naming it, write `material: {{ {}: {{}} }}`", name.value)
+            } else {
+                available("materials", names())
+            }
+        });
+        let message = format!("there is no material named `{}`", name.value);
+        self.d.push(Diagnostic::error(name.span, message).help(help));
+    }
+
+    /// Looks for a near name, though not among so many that it would take long.
+    fn near<'n>(&self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
+        const MOST: usize = 1000;
+        if self.d.is_full() { None } else { suggest::did_you_mean(name, names.take(MOST)) }
+    }
+
+    fn edges(&self, node: &Node) -> Vec<Edge> {
+        let mut edges = Vec::new();
+        node.visit(&mut |n| {
+            if let Node::Instance(i) = n
+                && let Some(to) = self.scene.objects.position(&i.of)
+            {
+                edges.push(Edge { to, span: i.of.span });
+            }
+        });
+        edges
+    }
+
+    /// Objects must not contain themselves, nor nest too deep. Kept on a stack of its own: a scene may chain as many
+    /// objects as it likes.
+    fn nesting(&mut self) {
+        let edges: Vec<Vec<Edge>> = self.scene.objects.iter().map(|(_, object)| self.edges(object)).collect();
+        let mut states = vec![State::Unseen; edges.len()];
+        for root in 0..edges.len() {
+            if states[root] != State::Unseen {
+                continue;
+            }
+            states[root] = State::Open;
+            // Objects that are open, each with how many of its edges are done and how deep those were.
+            let mut open = vec![(root, 0, 0)];
+            while let Some((object, done, depth)) = open.last_mut() {
+                let Some(edge) = edges[*object].get(*done) else {
+                    states[*object] = State::Known(*depth);
+                    open.pop();
+                    continue;
+                };
+                match states[edge.to] {
+                    State::Unseen => {
+                        states[edge.to] = State::Open;
+                        open.push((edge.to, 0, 0));
+                    }
+                    State::Open => {
+                        *done += 1;
+                        self.cycle(*edge);
+                    }
+                    State::Known(inner) => {
+                        *done += 1;
+                        self.deep(inner + 1, edge.span);
+                        *depth = (*depth).max(inner + 1);
+                    }
+                }
+            }
+        }
+        for node in &self.scene.world {
+            for edge in self.edges(node) {
+                if let State::Known(inner) = states[edge.to] {
+                    self.deep(inner + 1, edge.span);
+                }
+            }
+        }
+    }
+
+    fn cycle(&mut self, edge: Edge) {
+        let Some((name, _)) = self.scene.objects.iter().nth(edge.to) else { return };
+        let message = format!("object `{}` contains itself", name.value);
+        let label = format!("`{}` is defined here", name.value);
+        self.d.push(Diagnostic::error(edge.span, message).related(name.span, label));
+    }
+
+    /// Complains where the limit is first passed, not again at every level above.
+    fn deep(&mut self, depth: usize, span: Span) {
+        if depth == DEEPEST + 1 {
+            let message = format!("instances nest deeper than {DEEPEST} levels");
+            let help = "put some of the levels into `group`s, which cost no level";
+            self.d.push(Diagnostic::error(span, message).help(help));
+        }
+    }
+
+    /// Placements must have an inverse together with all the groups around them.
+    fn placement(&mut self, node: &Node, outer: &Affine) {
+        // What is wrong by itself has been complained of.
+        let Some(own) = node.transform().affine() else { return };
+        let all = own.then(outer);
+        if Rounded::new(&all).is_none() {
+            let message = "together with the groups around it, this transform is singular or leaves the range of numbers";
+            let span = node.transform().span;
+            if Rounded::new(&own).is_some() {
+                self.d.push(Diagnostic::error(span, message));
+            }
+            return;
+        }
+        for child in node.children() {
+            self.placement(child, &all);
+        }
+    }
+}
+
+/// What names there are, for help.
+fn available<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> String {
+    const MOST: usize = 12;
+    let mut names = names;
+    let first: Vec<_> = names.by_ref().take(MOST).collect();
+    match (first.len(), names.count()) {
+        (0, _) => format!("`{key}` has no entries"),
+        (_, 0) => format!("`{key}` has {}", suggest::list(first)),
+        (_, more) => format!("`{key}` has {} and {more} more", suggest::list(first)),
+    }
+}
