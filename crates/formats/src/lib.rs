@@ -7,8 +7,13 @@
 pub mod atomic;
 pub mod image;
 pub mod limits;
+pub mod load;
 pub mod mesh;
+pub mod mesh_file;
 pub mod read_error;
+pub mod studio;
+pub mod yaml;
 
 pub use limits::Limits;
+pub use load::{Loaded, Options, load, load_bytes, load_str};
 pub use read_error::{Place, ReadError};

@@ -4,12 +4,14 @@ use std::borrow::Cow;
 
 use serde_json::{Map, Value as Json};
 
+use crate::desc::Scene;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::limit::Limit;
 use crate::schema::{Definitions, Properties};
 use crate::span::Span;
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
+use crate::validate;
 
 /// A type of the scene language.
 ///
@@ -240,7 +242,8 @@ impl Choice<'_> {
 
 /// The complaint of two keys where one kind must be chosen.
 fn several(first: &Entry, second: &Entry, kinds: &[&str]) -> Diagnostic {
-    let message = format!("`{}` and `{}` stand together where one is expected", first.key.value, second.key.value);
+    let message =
+        format!("`{}` and `{}` stand together where one is expected", first.key.value, second.key.value);
     let known = |e: &Entry| kinds.contains(&e.key.value.as_str());
     let help = if known(first) && known(second) {
         "begin each with a `- ` of its own".to_owned()
@@ -320,4 +323,14 @@ impl<'a> Keys<'a> {
             d.push(complaint.help(help));
         }
     }
+}
+
+/// Reads a scene and checks it as a whole. The scene is only of use when there are no errors among the complaints;
+/// it is given all the same, so that the files it names can be looked for too.
+pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness) -> (Scene, Diagnostics) {
+    let mut decoder = Decoder::new(diagnostics, strictness);
+    let scene = Scene::read(tree, Limit::FINITE, &mut decoder);
+    let mut diagnostics = decoder.diagnostics;
+    validate::validate(&scene, &mut diagnostics);
+    (scene, diagnostics)
 }

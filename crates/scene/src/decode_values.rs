@@ -254,7 +254,9 @@ impl<T: Describe> Describe for Named<T> {
         Self::default()
     }
     fn write(&self) -> Json {
-        Json::Object(self.iter().map(|(name, thing)| (name.value.clone(), thing.write())).collect::<Map<_, _>>())
+        Json::Object(
+            self.iter().map(|(name, thing)| (name.value.clone(), thing.write())).collect::<Map<_, _>>(),
+        )
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "object", "additionalProperties": T::schema(limit, defs) })
@@ -266,9 +268,7 @@ impl Describe for Depth {
         match &tree.value {
             Datum::Null => Self::Unlimited,
             Datum::String(s) if s == "unlimited" => Self::Unlimited,
-            Datum::Number(_) => {
-                Self::Edges(u32::read(tree, Limit::within(1.0, f64::from(u32::MAX)), d))
-            }
+            Datum::Number(_) => Self::Edges(u32::read(tree, Limit::within(1.0, f64::from(u32::MAX)), d)),
             _ => {
                 d.expected("a whole number or `unlimited`", tree);
                 Self::Unlimited
@@ -412,7 +412,8 @@ impl Describe for Transform {
         let transform = Self { steps, span: tree.span };
         let sound = || transform.affine().is_some_and(|a| straal_math::Transform::new(&a).is_some());
         if d.diagnostics.errors() == before && !sound() {
-            let message = "this transform is singular: it flattens everything, or leaves the range of numbers";
+            let message =
+                "this transform is singular: it flattens everything, or leaves the range of numbers";
             d.push(Diagnostic::error(tree.span, message).label("has no inverse"));
         }
         transform

@@ -110,7 +110,8 @@ pub fn tagged(key: &str, payload: Json) -> Json {
 pub fn number(kind: &str, limit: Limit) -> Json {
     let mut map = Map::new();
     map.insert("type".to_owned(), json!(kind));
-    let (least, most) = if limit.open { ("exclusiveMinimum", "exclusiveMaximum") } else { ("minimum", "maximum") };
+    let (least, most) =
+        if limit.open { ("exclusiveMinimum", "exclusiveMaximum") } else { ("minimum", "maximum") };
     if limit.min.is_finite() {
         map.insert(least.to_owned(), short(limit.min));
     }

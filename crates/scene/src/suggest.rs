@@ -13,7 +13,10 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         let longer = if typed.len() > right.len() { typed.len() } else { right.len() };
         let distance = distance(&typed, &right);
         // A third of the letters may be wrong: `raduis` is radius, `foo` is nothing.
-        if 3 * distance <= longer.next_multiple_of(3) && distance < longer && best.is_none_or(|b| distance < b.0) {
+        if 3 * distance <= longer.next_multiple_of(3)
+            && distance < longer
+            && best.is_none_or(|b| distance < b.0)
+        {
             best = Some((distance, candidate));
         }
     }

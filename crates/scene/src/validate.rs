@@ -2,7 +2,9 @@
 
 use straal_math::{Affine, Transform as Rounded};
 
-use crate::desc::{Environment, Group, Instance, Light, Material, MaterialRef, Node, Scene, Surface, Transform};
+use crate::desc::{
+    Environment, Group, Instance, Light, Material, MaterialRef, Node, Scene, Surface, Transform,
+};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::span::Span;
 use crate::suggest;

@@ -5,8 +5,8 @@ use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Orthographic, Perspective, Plane, Rectangle,
-    SpotLight, Triangle, TriangleMesh, Viewpoint,
+    Bezier, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Orthographic, Perspective, Plane,
+    Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
@@ -69,7 +69,9 @@ fn one_of(owner: &str, first: (&str, bool), second: (&str, bool), keys: &Keys<'_
     let ((a, has_a), (b, has_b)) = (first, second);
     if has_a && has_b {
         let message = format!("`{owner}` takes `{a}` or `{b}`, not both");
-        d.push(Diagnostic::error(keys.key_span(b), message).related(keys.key_span(a), format!("`{a}` is here")));
+        d.push(
+            Diagnostic::error(keys.key_span(b), message).related(keys.key_span(a), format!("`{a}` is here")),
+        );
     } else if !has_a && !has_b {
         d.push(Diagnostic::error(keys.owner(), format!("`{owner}` needs `{a}` or `{b}`")));
     }
@@ -132,7 +134,8 @@ fn flat(a: DVec3, b: DVec3) -> bool {
 pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
     for (axis, (a, b)) in ["x", "y", "z"].iter().zip(s.min.to_array().into_iter().zip(s.max.to_array())) {
         if a >= b {
-            let message = format!("`max` must be greater than `min` on every axis: in {axis}, {b} is not above {a}");
+            let message =
+                format!("`max` must be greater than `min` on every axis: in {axis}, {b} is not above {a}");
             d.push(Diagnostic::error(keys.span("max"), message));
         }
     }
@@ -140,7 +143,10 @@ pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
 
 pub(super) fn cylinder(s: &Cylinder, keys: &Keys<'_>, d: &mut Decoder) {
     if s.from == s.to {
-        d.push(Diagnostic::error(keys.span("to"), "`from` and `to` are the same point: the cylinder has no length"));
+        d.push(Diagnostic::error(
+            keys.span("to"),
+            "`from` and `to` are the same point: the cylinder has no length",
+        ));
     }
 }
 

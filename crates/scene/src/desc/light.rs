@@ -2,8 +2,8 @@
 
 use straal_math::DVec3;
 
-use crate::desc::transform::Transform;
 use crate::desc::check;
+use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::{Color, FileRef, Value};

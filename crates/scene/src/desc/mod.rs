@@ -9,8 +9,8 @@ pub mod settings;
 pub mod shape;
 pub mod transform;
 
-pub use check::BUILTIN_PATCHES;
 pub use camera::{Camera, FovAxis, Orthographic, Perspective};
+pub use check::BUILTIN_PATCHES;
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};

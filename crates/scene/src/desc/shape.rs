@@ -2,9 +2,9 @@
 
 use straal_math::DVec3;
 
+use crate::desc::check;
 use crate::desc::material::MaterialRef;
 use crate::desc::transform::Transform;
-use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::{Color, FileRef, Name, Value};

@@ -1,0 +1,329 @@
+//! From a path to a scene with everything it names.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use straal_scene::decode::{Describe, Strictness, read_scene};
+use straal_scene::desc::{Light, Node};
+use straal_scene::diagnostic::start_of;
+use straal_scene::value::FileRef;
+use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
+
+use crate::{Limits, ReadError, image, mesh_file, studio, yaml};
+
+/// How a scene is loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Whether unknown keys are only warned of.
+    pub lenient: bool,
+    /// How much a scene's text may ask for.
+    pub text: yaml::Limits,
+    /// How much the files it names may ask for.
+    pub files: Limits,
+}
+
+/// A scene without errors, and everything it names.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// What the scene says.
+    pub scene: Scene,
+    /// The files it names.
+    pub assets: Assets,
+    /// Warnings, and the texts that they point into.
+    pub warnings: Diagnostics,
+    /// BLAKE3 of what the scene says and of the bytes of its files: the same for the same scene, however it is
+    /// commented, spaced or ordered within a mapping of settings.
+    pub hash: [u8; 32],
+}
+
+/// The largest scene text, in bytes.
+const MOST_TEXT: u64 = 1 << 28;
+
+/// Loads a scene (YAML or JSON), or a bare `.ply` or `.obj` mesh, which gets a studio around it.
+///
+/// The files that a scene names are looked for in its folder. On failure all complaints are given at once.
+pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "ply" | "obj" => return load_mesh(path, options),
+        "pbrt" | "xml" | "gltf" | "glb" | "usd" | "usda" | "usdc" | "usdz" | "blend" | "fbx" => {
+            let help = "straal reads its own scenes (.yaml, .json) and meshes (.ply, .obj)";
+            let message = format!("`{}`: .{extension} files are not supported", path.display());
+            return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
+        }
+        _ => {}
+    }
+    let fail = |problem: String| {
+        let message = format!("cannot read `{}`: {problem}", path.display());
+        only(Diagnostic::error(Span::NONE, message).maybe_help(similar(path)))
+    };
+    check_file(path, MOST_TEXT).map_err(fail)?;
+    let bytes = std::fs::read(path).map_err(|e| fail(reason(&e)))?;
+    let base = path.parent().unwrap_or(Path::new(""));
+    load_bytes(&path.display().to_string(), &bytes, base, options)
+}
+
+/// Loads a scene from its text. `name` is how messages call it, `base` the folder of the files that it names.
+pub fn load_str(name: &str, text: &str, base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    load_bytes(name, text.as_bytes(), base, options)
+}
+
+/// Loads a scene from its bytes, which should be UTF-8.
+pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    let mut d = Diagnostics::default();
+    let Some((scene, file)) = describe(name, bytes, options, &mut d) else { return Err(d) };
+    let paths = locate(&scene, base, &options.files, &mut d);
+    if d.has_errors() {
+        d.sort();
+        return Err(d);
+    }
+    let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), d: &mut d };
+    let assets = reader.assets(&scene, &paths);
+    let hash = hash(&scene, &reader.hashes);
+    if !gives_light(&scene, &assets) {
+        let help = "add a light under `lights:`, or give a shape an `emission`";
+        d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
+    }
+    d.sort();
+    if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash }) }
+}
+
+fn only(complaint: Diagnostic) -> Diagnostics {
+    let mut d = Diagnostics::default();
+    d.push(complaint);
+    d
+}
+
+/// What a text says, as far as it can be read.
+fn describe(name: &str, bytes: &[u8], options: &Options, d: &mut Diagnostics) -> Option<(Scene, FileId)> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes.len() as u64 > MOST_TEXT {
+        d.push(Diagnostic::error(
+            Span::NONE,
+            format!("`{name}` is too large for a scene: {} bytes", bytes.len()),
+        ));
+        return None;
+    }
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(e) => {
+            let at = e.valid_up_to();
+            let text = String::from_utf8_lossy(&bytes[..at]);
+            // The line is shown up to where it breaks off.
+            let file = d.sources.add(name, text);
+            let at = u32::try_from(at).unwrap_or(u32::MAX);
+            let message = "this is not a text: the file must be UTF-8";
+            d.push(Diagnostic::error(Span { file, start: at, end: at }, message));
+            return None;
+        }
+    };
+    let file = d.sources.add(name, text);
+    let tree = yaml::read(file, &options.text, d)?;
+    let (scene, complaints) = read_scene(&tree, std::mem::take(d), Strictness { lenient: options.lenient });
+    *d = complaints;
+    Some((scene, file))
+}
+
+/// Where each file that the scene names is; complains of all that aren't there.
+fn locate(scene: &Scene, base: &Path, limits: &Limits, d: &mut Diagnostics) -> BTreeMap<String, PathBuf> {
+    let mut paths = BTreeMap::new();
+    for file in scene.mesh_files().into_iter().chain(scene.image_files()) {
+        // What couldn't be read has no name.
+        if file.is_empty() || paths.contains_key(&file.value) {
+            continue;
+        }
+        let path = base.join(&file.value);
+        if let Err(problem) = check_file(&path, limits.max_bytes) {
+            let message = format!("cannot read `{}`: {problem}", file.value);
+            let help = if d.is_full() { None } else { similar(&path) };
+            let looked = format!("files are looked for in the scene's folder: {}", path.display());
+            d.push(Diagnostic::error(file.span, message).help(help.unwrap_or(looked)));
+        }
+        paths.insert(file.value.clone(), path);
+    }
+    paths
+}
+
+/// Only plain files are read: a device could go on for ever.
+fn check_file(path: &Path, most: u64) -> Result<(), String> {
+    let data = std::fs::metadata(path).map_err(|e| reason(&e))?;
+    if data.is_dir() {
+        return Err("it is a folder".to_owned());
+    }
+    if !data.is_file() {
+        return Err("it is not a plain file".to_owned());
+    }
+    if data.len() > most {
+        return Err(format!("it has {} bytes, more than {most}", data.len()));
+    }
+    Ok(())
+}
+
+fn reason(e: &io::Error) -> String {
+    match e.kind() {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => "there is no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "no permission".to_owned(),
+        _ => e.to_string(),
+    }
+}
+
+/// A file of nearly that name in the same folder.
+fn similar(path: &Path) -> Option<String> {
+    const MOST: usize = 1000;
+    let wanted = path.file_name()?.to_string_lossy().into_owned();
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .ok()?
+        .take(MOST)
+        .filter_map(|e| Some(e.ok()?.file_name().to_string_lossy().into_owned()))
+        .filter(|name| *name != wanted)
+        .collect();
+    names.sort();
+    suggest::did_you_mean(&wanted, names.iter().map(String::as_str))
+}
+
+/// Reads the files of a scene, each once.
+struct Reader<'a> {
+    limits: &'a Limits,
+    /// BLAKE3 of each file, by the name that the scene gives it.
+    hashes: BTreeMap<String, [u8; 32]>,
+    d: &'a mut Diagnostics,
+}
+
+impl Reader<'_> {
+    fn assets(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>) -> Assets {
+        let mut assets = Assets::default();
+        // The same file under two names is read once.
+        let mut meshes: BTreeMap<PathBuf, (MeshAsset, [u8; 32])> = BTreeMap::new();
+        let mut images: BTreeMap<PathBuf, (Arc<Image>, [u8; 32])> = BTreeMap::new();
+        for file in scene.mesh_files() {
+            let Some(path) = paths.get(&file.value) else { continue };
+            if assets.meshes.contains_key(&file.value) {
+                continue;
+            }
+            let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+            if !meshes.contains_key(&real) {
+                let asset = self.mesh(file, path);
+                meshes.insert(real.clone(), asset);
+            }
+            if let Some((asset, hash)) = meshes.get(&real) {
+                assets.meshes.insert(file.value.clone(), asset.clone());
+                self.hashes.insert(file.value.clone(), *hash);
+            }
+        }
+        for file in scene.image_files() {
+            let Some(path) = paths.get(&file.value) else { continue };
+            if assets.images.contains_key(&file.value) {
+                continue;
+            }
+            let real = path.canonicalize().unwrap_or_else(|_| path.clone());
+            if !images.contains_key(&real) {
+                let image = self.image(file, path);
+                images.insert(real.clone(), image);
+            }
+            if let Some((image, hash)) = images.get(&real) {
+                assets.images.insert(file.value.clone(), image.clone());
+                self.hashes.insert(file.value.clone(), *hash);
+            }
+        }
+        assets
+    }
+
+    /// A mesh; an empty one after a complaint.
+    fn mesh(&mut self, file: &FileRef, path: &Path) -> (MeshAsset, [u8; 32]) {
+        let Some(bytes) = self.bytes(file, path) else { return Default::default() };
+        let hash = blake3::hash(&bytes).into();
+        match mesh_file::read(path, &bytes, self.limits) {
+            Ok((asset, warnings)) => {
+                for warning in warnings {
+                    let message = format!("in `{}`: {warning}", file.value);
+                    self.d.push(Diagnostic::warning(file.span, message));
+                }
+                if asset.mesh.triangles.is_empty() {
+                    let message = format!("the mesh `{}` is empty: it has no triangles", file.value);
+                    self.d.push(Diagnostic::error(file.span, message));
+                }
+                (asset, hash)
+            }
+            Err(e) => {
+                self.fail(file, &e);
+                Default::default()
+            }
+        }
+    }
+
+    /// A picture; an empty one after a complaint.
+    fn image(&mut self, file: &FileRef, path: &Path) -> (Arc<Image>, [u8; 32]) {
+        let Some(bytes) = self.bytes(file, path) else { return Default::default() };
+        match image::read(&bytes, self.limits) {
+            Ok(image) => (Arc::new(image), blake3::hash(&bytes).into()),
+            Err(e) => {
+                self.fail(file, &e);
+                Default::default()
+            }
+        }
+    }
+
+    fn bytes(&mut self, file: &FileRef, path: &Path) -> Option<Vec<u8>> {
+        match std::fs::read(path) {
+            Ok(bytes) => Some(bytes),
+            Err(e) => {
+                let message = format!("cannot read `{}`: {}", file.value, reason(&e));
+                self.d.push(Diagnostic::error(file.span, message));
+                None
+            }
+        }
+    }
+
+    fn fail(&mut self, file: &FileRef, e: &ReadError) {
+        self.d.push(Diagnostic::error(file.span, format!("cannot read `{}`: {e}", file.value)));
+    }
+}
+
+/// What the scene says, and the bytes of its files in the order of their names.
+fn hash(scene: &Scene, files: &BTreeMap<String, [u8; 32]>) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(scene.write().to_string().as_bytes());
+    for (name, hash) in files {
+        hasher.update(&[0]).update(name.as_bytes()).update(&[0]).update(hash);
+    }
+    hasher.finalize().into()
+}
+
+fn gives_light(scene: &Scene, assets: &Assets) -> bool {
+    let mut lit = scene.lights.iter().any(|l| !matches!(l, Light::Environment(e) if e.scale == 0.0));
+    scene.visit(|node| {
+        lit |= node.surface().is_some_and(|s| s.emission.is_some());
+        if let Node::Mesh(m) = node
+            && let Some(asset) = m.file.as_ref().and_then(|f| assets.mesh(f))
+        {
+            lit |= asset.materials.values().any(|m| m.emission.is_some());
+        }
+    });
+    lit
+}
+
+/// A mesh by itself, with a studio around it.
+fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    let fail = |problem: String, help: Option<String>| {
+        let message = format!("cannot read `{}`: {problem}", path.display());
+        only(Diagnostic::error(Span::NONE, message).maybe_help(help))
+    };
+    check_file(path, options.files.max_bytes).map_err(|p| fail(p, similar(path)))?;
+    let bytes = std::fs::read(path).map_err(|e| fail(reason(&e), None))?;
+    let (asset, complaints) =
+        mesh_file::read(path, &bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
+    let name = path.display().to_string();
+    let scene = studio::around(&name, &asset).map_err(|problem| fail(problem, None))?;
+    let mut warnings = Diagnostics::default();
+    for complaint in complaints {
+        warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
+    }
+    let mut assets = Assets::default();
+    assets.meshes.insert(name.clone(), asset);
+    let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let hash = hash(&scene, &BTreeMap::from([(file_name, blake3::hash(&bytes).into())]));
+    Ok(Loaded { scene, assets, warnings, hash })
+}
