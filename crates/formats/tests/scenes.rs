@@ -1,5 +1,7 @@
 //! Every scene of the project is read, written out and read again.
 
+#![allow(clippy::print_stderr)] // what is skipped is said
+
 use std::path::{Path, PathBuf};
 
 use straal_formats::{Options, load, load_str};
