@@ -1,4 +1,5 @@
 //! World, shapes, lights, materials, cameras, samplers, film, integrators and the tile driver.
 #![forbid(unsafe_code)]
 
+pub mod light;
 pub mod shape;

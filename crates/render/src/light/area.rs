@@ -1,0 +1,128 @@
+//! Surfaces that shine.
+
+use straal_color::Light;
+use straal_math::{Vec3, table::Table1};
+
+use super::{LightSample, Target, strength};
+use crate::shape::{Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
+
+/// A surface that sends the same radiance from every point in every direction on its lit side.
+#[derive(Clone, Debug)]
+pub struct AreaLight {
+    /// What shines.
+    pub surface: LitSurface,
+    /// Radiance in W/(m² sr).
+    pub radiance: Light,
+    /// From which sides.
+    pub sides: Sides,
+}
+
+/// What shines.
+#[derive(Clone, Debug)]
+pub enum LitSurface {
+    /// A shape of [`Geometry::shapes`]. Planes and custom shapes shine on those who see them, but aren't sampled.
+    Shape(u32),
+    /// A mesh of [`Geometry::meshes`]: make it with [`LitSurface::mesh`].
+    Mesh {
+        /// Its id.
+        mesh: u32,
+        /// Chooses a triangle by its area; `None` when the mesh has no area.
+        triangles: Option<Table1>,
+        /// Total area in m².
+        area: f64,
+    },
+}
+
+/// The sides of a surface that shine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sides {
+    /// The one that the geometric normal points away from the surface on.
+    Front,
+    /// The other.
+    Back,
+    /// Both.
+    Both,
+}
+
+impl LitSurface {
+    /// The whole of a mesh.
+    pub fn mesh(geometry: &Geometry, mesh: u32) -> Self {
+        let m = &geometry.meshes[mesh as usize];
+        let areas: Vec<f64> = (0..m.indices.len() as u32).map(|i| m.triangle_area(i)).collect();
+        let most = areas.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+        // Relative to the largest, so that single precision holds them.
+        let weights: Vec<f32> = areas.iter().map(|&a| (a / most) as f32).collect();
+        Self::Mesh { mesh, triangles: Table1::new(&weights), area: areas.iter().sum() }
+    }
+}
+
+impl Sides {
+    /// Whether the side on which `wo` leaves a surface with normal `ng` shines.
+    #[inline]
+    fn lit(self, ng: Vec3, wo: Vec3) -> bool {
+        let cos = ng.dot(wo);
+        match self {
+            Self::Front => cos > 0.0,
+            Self::Back => cos < 0.0,
+            Self::Both => cos != 0.0,
+        }
+    }
+}
+
+impl AreaLight {
+    /// See [`super::Emitter::sample`].
+    pub fn sample(&self, geometry: &Geometry, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+        if self.radiance.is_black() {
+            return None;
+        }
+        let s = match &self.surface {
+            LitSurface::Shape(shape) => geometry.sample_from(*shape, p, u)?,
+            LitSurface::Mesh { mesh, triangles, .. } => {
+                let choice = triangles.as_ref()?.sample(u[0]);
+                let mut s =
+                    geometry.meshes[*mesh as usize].sample_triangle(choice.index as u32, [choice.rest, u[1]]);
+                s.pdf_area *= choice.pmf;
+                by_solid_angle(p, s)?
+            }
+        };
+        self.sides.lit(s.point.ng, -s.wi).then_some(LightSample {
+            wi: s.wi,
+            radiance: self.radiance,
+            pdf: s.pdf,
+            delta: false,
+            target: Target::Point((&s.point).into()),
+        })
+    }
+
+    /// See [`super::Emitter::radiance_at`].
+    #[inline]
+    pub fn radiance(&self, ng: Vec3, wo: Vec3) -> Light {
+        if self.sides.lit(ng, wo) { self.radiance } else { Light::ZERO }
+    }
+
+    /// See [`super::Emitter::pdf_at`].
+    pub fn pdf(&self, geometry: &Geometry, p: Vec3, primitive: u32, hit: &SurfacePoint) -> f32 {
+        if self.radiance.is_black() || !self.sides.lit(hit.ng, p - hit.p) {
+            return 0.0;
+        }
+        match &self.surface {
+            LitSurface::Shape(shape) => geometry.pdf_from(*shape, p, hit),
+            LitSurface::Mesh { mesh, triangles, .. } => {
+                let chosen = triangles.as_ref().map_or(0.0, |t| t.pmf(primitive as usize));
+                let area = geometry.meshes[*mesh as usize].triangle_area(primitive);
+                // Grouped as in `sample`, for the same bits.
+                solid_angle_pdf(p, hit, (1.0 / area) as f32 * chosen)
+            }
+        }
+    }
+
+    /// pi A L for each lit side.
+    pub fn power(&self, geometry: &Geometry) -> f64 {
+        let area = match &self.surface {
+            LitSurface::Shape(shape) => f64::from(geometry.area(*shape).unwrap_or(0.0)),
+            LitSurface::Mesh { area, .. } => *area,
+        };
+        let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
+        sides * std::f64::consts::PI * area * strength(self.radiance)
+    }
+}

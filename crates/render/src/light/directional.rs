@@ -1,0 +1,37 @@
+//! Parallel light.
+
+use straal_color::Light;
+use straal_math::Vec3;
+
+use super::{LightSample, Target, strength};
+
+/// Parallel light from infinitely far away, like the sun's (without its disc).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionalLight {
+    wi: Vec3,
+    irradiance: Light,
+}
+
+impl DirectionalLight {
+    /// Light that travels in a direction (of any length) and puts `irradiance`, in W/m², on a surface that faces it;
+    /// `None` when the direction is none.
+    pub fn new(direction: Vec3, irradiance: Light) -> Option<Self> {
+        Some(Self { wi: (-direction).try_normalize()?, irradiance })
+    }
+
+    /// See [`super::Emitter::sample`].
+    pub fn sample(&self) -> Option<LightSample> {
+        (!self.irradiance.is_black()).then_some(LightSample {
+            wi: self.wi,
+            radiance: self.irradiance,
+            pdf: 1.0,
+            delta: true,
+            target: Target::Direction,
+        })
+    }
+
+    /// What falls on the scene's disc.
+    pub fn power(&self, disc: f64) -> f64 {
+        disc * strength(self.irradiance)
+    }
+}

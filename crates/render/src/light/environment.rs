@@ -1,0 +1,184 @@
+//! Light from all around: one radiance, or a picture.
+
+use straal_color::Light;
+use straal_math::{Affine, DVec3, Vec3, ops, table::Table2, warp};
+use straal_scene::Image;
+
+use super::{LightSample, Target, strength};
+
+/// The same radiance from everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstantEnvironment {
+    /// Radiance in W/(m² sr).
+    pub radiance: Light,
+}
+
+impl ConstantEnvironment {
+    /// See [`super::Emitter::sample`].
+    pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
+        (!self.radiance.is_black()).then_some(LightSample {
+            wi: warp::uniform_sphere(u),
+            radiance: self.radiance,
+            pdf: warp::uniform_sphere_pdf(),
+            delta: false,
+            target: Target::Direction,
+        })
+    }
+
+    /// See [`super::Emitter::pdf_from`].
+    pub fn pdf(&self) -> f32 {
+        if self.radiance.is_black() { 0.0 } else { warp::uniform_sphere_pdf() }
+    }
+
+    /// What falls on the scene's disc from all sides.
+    pub fn power(&self, disc: f64) -> f64 {
+        4.0 * std::f64::consts::PI * disc * strength(self.radiance)
+    }
+}
+
+/// A picture in latitude and longitude.
+///
+/// A local direction d has the place u = atan2(d.x, -d.z) / 2 pi, v = acos(d.y) / pi: the top row is +y, the left edge is
+/// -z, a quarter of the way to the right is +x. Across, pixels are centered at (i + 1/2) / width and wrap round; down, the
+/// first and last rows lie on the poles themselves, at j / (height - 1). Between them radiance is bilinear. This is the
+/// `envmap` of Mitsuba 3.
+///
+/// It is sampled by the cells between four neighbouring pixels: one is chosen in proportion to the mean of its corners'
+/// strongest lanes times its solid angle, and within it directions are uniform. Where the interpolated radiance isn't 0
+/// the density isn't either.
+#[derive(Clone, Debug)]
+pub struct ImageEnvironment {
+    width: usize,
+    /// At least 2.
+    height: usize,
+    /// Row by row from the top.
+    pixels: Vec<[f32; 3]>,
+    /// Over `width` x (`height` - 1) cells; `None` when all is black.
+    cells: Option<Table2>,
+    /// Cosine of the polar angle of each row.
+    cosines: Vec<f64>,
+    /// Local x, y and z in the world: an orthonormal frame.
+    axes: [Vec3; 3],
+    /// Integral of the strongest lane over all directions.
+    total: f64,
+}
+
+/// A place between four pixels.
+struct Place {
+    column: usize,
+    row: usize,
+    /// Weights of the next column and row.
+    x: f32,
+    y: f32,
+}
+
+impl ImageEnvironment {
+    /// A picture times `scale`, turned by the rotation in `to_world` (its scaling and translation don't matter). Pixels
+    /// that are negative or not finite count as 0. `None` when the picture has no pixels, or not as many as it says, or
+    /// the map is singular.
+    pub fn new(image: &Image, scale: f32, to_world: &Affine) -> Option<Self> {
+        let (width, mut height) = (image.width, image.height);
+        if width == 0 || height == 0 || width.checked_mul(height)? != image.pixels.len() {
+            return None;
+        }
+        let x = to_world.vector(DVec3::X).try_normalize()?;
+        let y = to_world.vector(DVec3::Y);
+        let y = (y - x * x.dot(y)).try_normalize()?;
+        let z = x.cross(y);
+        let axes = [x, y, z].map(DVec3::as_vec3);
+
+        let lit = |v: f32| if v > 0.0 && (v * scale).is_finite() { v * scale } else { 0.0 };
+        let mut pixels: Vec<[f32; 3]> = image.pixels.iter().map(|p| p.map(lit)).collect();
+        if height == 1 {
+            pixels.extend_from_within(..);
+            height = 2;
+        }
+
+        let cosines: Vec<f64> =
+            (0..height).map(|j| ops::sin_cos_degrees(180.0 * j as f64 / (height - 1) as f64).1).collect();
+        let lane = |x: usize, y: usize| strength(Light::rgb(pixels[y * width + x % width]));
+        let mut weights = Vec::with_capacity(width * (height - 1));
+        for j in 0..height - 1 {
+            let band = cosines[j] - cosines[j + 1];
+            for i in 0..width {
+                let sum = lane(i, j) + lane(i + 1, j) + lane(i, j + 1) + lane(i + 1, j + 1);
+                weights.push(0.25 * sum * band * (2.0 * std::f64::consts::PI / width as f64));
+            }
+        }
+        let total = weights.iter().sum();
+        let most = weights.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+        let relative: Vec<f32> = weights.iter().map(|w| (w / most) as f32).collect();
+        let cells = Table2::new(width, height - 1, &relative);
+        Some(Self { width, height, pixels, cells, cosines, axes, total })
+    }
+
+    /// See [`super::Emitter::radiance_from`].
+    pub fn radiance(&self, wi: Vec3) -> Light {
+        self.interpolate(&self.place(wi))
+    }
+
+    /// See [`super::Emitter::sample`].
+    pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
+        let point = self.cells.as_ref()?.sample(u);
+        let [column, row] = point.texel;
+        let within = |uv: f32, count: usize, index: usize| {
+            let rest = f64::from(uv) * count as f64 - index as f64;
+            if rest > 0.0 { if rest < 1.0 { rest } else { 1.0 } } else { 0.0 }
+        };
+        let x = within(point.uv[0], self.width, column);
+        let down = within(point.uv[1], self.height - 1, row);
+        let cos = self.cosines[row] + (self.cosines[row + 1] - self.cosines[row]) * down;
+        let y = ops::acos_d(cos) * (std::f64::consts::FRAC_1_PI * (self.height - 1) as f64) - row as f64;
+        let (s, c) = ops::sin_cos_degrees(360.0 * (column as f64 + 0.5 + x) / self.width as f64);
+        let sin = (1.0 - cos * cos).abs().sqrt();
+        let [ax, ay, az] = self.axes.map(Vec3::as_dvec3);
+        let wi = (ax * (sin * s) + ay * cos - az * (sin * c)).try_normalize()?.as_vec3();
+        let radiance =
+            self.interpolate(&Place { column, row, x: x as f32, y: ops::clamp(y as f32, 0.0, 1.0) });
+        let pdf = self.density(point.pdf, row);
+        let sound = !radiance.is_black() && pdf > 0.0 && pdf.is_finite();
+        sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
+    }
+
+    /// See [`super::Emitter::pdf_from`].
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        let Some(cells) = &self.cells else { return 0.0 };
+        let place = self.place(wi);
+        self.density(cells.texel_pdf([place.column, place.row]), place.row)
+    }
+
+    /// What falls on the scene's disc from all sides.
+    pub fn power(&self, disc: f64) -> f64 {
+        disc * self.total
+    }
+
+    /// A density over the unit square, in a row of cells, as density by solid angle: the square's (height - 1) equal
+    /// rows are bands of solid angle 2 pi times a difference of cosines.
+    fn density(&self, over_square: f32, row: usize) -> f32 {
+        let band = self.cosines[row] - self.cosines[row + 1];
+        (f64::from(over_square) / (2.0 * std::f64::consts::PI * band * (self.height - 1) as f64)) as f32
+    }
+
+    fn place(&self, wi: Vec3) -> Place {
+        use std::f32::consts::FRAC_1_PI;
+        let [x, y, z] = self.axes.map(|a| a.dot(wi));
+        // In pixels. The polar angle by its tangent: near the poles the cosine has lost it.
+        let across = ops::atan2(x, -z) * (0.5 * FRAC_1_PI) * self.width as f32 - 0.5;
+        let down = ops::atan2((x * x + z * z).sqrt(), y) * FRAC_1_PI * (self.height - 1) as f32;
+        let left = across.floor();
+        let row = (down as usize).min(self.height - 2);
+        Place {
+            column: (left as i64).rem_euclid(self.width as i64) as usize,
+            row,
+            x: across - left,
+            y: ops::clamp(down - row as f32, 0.0, 1.0),
+        }
+    }
+
+    fn interpolate(&self, at: &Place) -> Light {
+        let next = if at.column + 1 == self.width { 0 } else { at.column + 1 };
+        let pixel = |column: usize, row: usize| Light::rgb(self.pixels[row * self.width + column]);
+        let row = |row: usize| pixel(at.column, row) * (1.0 - at.x) + pixel(next, row) * at.x;
+        row(at.row) * (1.0 - at.y) + row(at.row + 1) * at.y
+    }
+}

@@ -1,0 +1,43 @@
+//! The point light.
+
+use straal_color::Light;
+use straal_math::Vec3;
+
+use super::{LightSample, Target, strength};
+use crate::shape::offset::End;
+
+/// A point that shines evenly all around.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointLight {
+    /// Where it is.
+    pub position: Vec3,
+    /// Radiant intensity in W/sr.
+    pub intensity: Light,
+}
+
+impl PointLight {
+    /// See [`super::Emitter::sample`].
+    pub fn sample(&self, p: Vec3) -> Option<LightSample> {
+        towards(self.position, p, |_| self.intensity)
+    }
+
+    /// See [`super::Emitter::power`].
+    pub fn power(&self) -> f64 {
+        4.0 * std::f64::consts::PI * strength(self.intensity)
+    }
+}
+
+/// The one direction to a point whose intensity towards `p` is a function of `wi`; it falls with the distance squared.
+pub(super) fn towards(position: Vec3, p: Vec3, intensity: impl FnOnce(Vec3) -> Light) -> Option<LightSample> {
+    let way = position - p;
+    let wi = way.try_normalize()?;
+    let radiance = intensity(wi) / way.length_squared();
+    let target = Target::Point(End { p: position, p_err: Vec3::ZERO, ng: Vec3::ZERO });
+    (!radiance.is_black() && radiance.is_finite()).then_some(LightSample {
+        wi,
+        radiance,
+        pdf: 1.0,
+        delta: true,
+        target,
+    })
+}

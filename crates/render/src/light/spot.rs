@@ -1,0 +1,93 @@
+//! The spot light.
+
+use straal_color::Light;
+use straal_math::{Vec3, ops};
+
+use super::{LightSample, point::towards, strength};
+
+/// A point that shines in a cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpotLight {
+    position: Vec3,
+    axis: Vec3,
+    intensity: Light,
+    falloff: Falloff,
+    /// Angles from the axis in radians, `beam` <= `cutoff`, and their cosines.
+    beam: f32,
+    cutoff: f32,
+    cos_beam: f32,
+    cos_cutoff: f32,
+}
+
+/// How a spot's intensity falls from full at the beam's edge to nothing at the cutoff.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Falloff {
+    /// Linear in the angle from the axis, as in Mitsuba.
+    Linear,
+    /// A smooth step 3x² - 2x³ in the cosine of the angle, as in pbrt.
+    Smooth,
+}
+
+/// A cone of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// Its axis, of any length but zero.
+    pub axis: Vec3,
+    /// Angle from the axis in degrees up to which intensity is full.
+    pub beam: f64,
+    /// Angle from the axis in degrees from which there is none; at most 180.
+    pub cutoff: f64,
+    /// What is between the two.
+    pub falloff: Falloff,
+}
+
+impl SpotLight {
+    /// A spot of an intensity (on its axis, in W/sr); `None` when the axis has no direction. A beam wider than the
+    /// cutoff is cut off.
+    pub fn new(position: Vec3, intensity: Light, cone: &Cone) -> Option<Self> {
+        let axis = cone.axis.try_normalize()?;
+        let beam = if cone.beam < cone.cutoff { cone.beam } else { cone.cutoff };
+        let cosine = |degrees: f64| ops::sin_cos_degrees(degrees).1 as f32;
+        Some(Self {
+            position,
+            axis,
+            intensity,
+            falloff: cone.falloff,
+            beam: beam.to_radians() as f32,
+            cutoff: cone.cutoff.to_radians() as f32,
+            cos_beam: cosine(beam),
+            cos_cutoff: cosine(cone.cutoff),
+        })
+    }
+
+    /// See [`super::Emitter::sample`].
+    pub fn sample(&self, p: Vec3) -> Option<LightSample> {
+        towards(self.position, p, |wi| self.intensity * self.share(-wi))
+    }
+
+    /// How much of the full intensity goes in direction `w`.
+    fn share(&self, w: Vec3) -> f32 {
+        // By its tangent: near the axis the cosine has lost the angle.
+        let angle = ops::atan2(self.axis.cross(w).length(), self.axis.dot(w));
+        if angle <= self.beam {
+            return 1.0;
+        }
+        if angle >= self.cutoff {
+            return 0.0;
+        }
+        match self.falloff {
+            Falloff::Linear => (self.cutoff - angle) / (self.cutoff - self.beam),
+            Falloff::Smooth => {
+                let x = (ops::cos(angle) - self.cos_cutoff) / (self.cos_beam - self.cos_cutoff);
+                let x = ops::clamp(x, 0.0, 1.0);
+                x * x * (3.0 - 2.0 * x)
+            }
+        }
+    }
+
+    /// The full beam, and half of what is between it and the cutoff.
+    pub fn power(&self) -> f64 {
+        let cosines = 0.5 * (f64::from(self.cos_beam) + f64::from(self.cos_cutoff));
+        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(self.intensity)
+    }
+}
