@@ -2,4 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod light;
+pub mod material;
 pub mod shape;
+#[doc(hidden)]
+pub mod testing;

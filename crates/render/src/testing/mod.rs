@@ -1,0 +1,17 @@
+//! Statistical tests that samplers of directions meet: does what is drawn have the density that is told?
+//!
+//! For the tests of this crate and of its users; nothing that renders depends on it.
+
+mod chi_square;
+mod gamma;
+mod sphere;
+
+pub use chi_square::{ChiSquare, Outcome};
+pub use gamma::{chi_square_p, gamma_q, ln_gamma};
+pub use sphere::SphereGrid;
+
+/// The level at which each of `tests` independent tests is to be judged for all of them together to fail with
+/// probability `level` when there is nothing to find (Šidák 1967).
+pub fn sidak(level: f64, tests: usize) -> f64 {
+    1.0 - straal_math::ops::pow_d(1.0 - level, 1.0 / tests.max(1) as f64)
+}
