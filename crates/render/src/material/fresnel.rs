@@ -19,8 +19,8 @@ pub fn dielectric(cos: f32, eta: f32) -> Split {
     // Snell's law, its square: sin² = 1 - cos² as a product, which is exact near normal and grazing incidence.
     let sin2 = ops::max((1.0 - cos) * (1.0 + cos), 0.0);
     let cos2_refracted = 1.0 - sin2 / (eta * eta);
-    // NaN, from an index of 0, reflects as well.
-    if !(cos2_refracted > 0.0) {
+    // NaN, as from two indices of 0, reflects as well.
+    if cos2_refracted.is_nan() || cos2_refracted <= 0.0 {
         return Split { reflected: 1.0, cos_refracted: 0.0 };
     }
     let cos_refracted = cos2_refracted.sqrt();
@@ -63,7 +63,7 @@ mod tests {
         let f = conductor(1.0, eta, k);
         for lane in 0..3 {
             let (n, k) = (f64::from(eta[lane]), f64::from(k[lane]));
-            let want = ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
+            let want = ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k);
             assert!((f64::from(f[lane]) - want).abs() < 1e-6);
         }
         assert_eq!(f[3], 1.0);
