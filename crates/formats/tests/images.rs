@@ -235,3 +235,42 @@ fn png_suite_is_read_and_its_corrupt_files_are_refused() {
         assert!(read(&path).is_err(), "{}", path.display());
     }
 }
+
+/// Parts and encodings that the `exr` crate writes, as other programs do.
+#[test]
+fn exr_parts_of_others() {
+    use ::exr::prelude::{
+        AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as Exr, IntegerBounds,
+        Layer, LayerAttributes, LineOrder, Vec2, WritableImage,
+    };
+    let part = |name: &str, channel: &str, x: i32, value: f32, compression| {
+        let channel = AnyChannel::new(channel, FlatSamples::F32(vec![value; 4 * 3]));
+        let encoding = Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+        Layer::new(
+            Vec2(4, 3),
+            LayerAttributes::named(name).with_position(Vec2(x, 0)),
+            encoding,
+            AnyChannels::sort([channel].into_iter().collect()),
+        )
+    };
+    let write = |layers: Vec<_>| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let window = IntegerBounds::new((0, 0), (8, 3));
+        let image = Exr::from_layers(::exr::prelude::ImageAttributes::new(window), layers);
+        image.write().to_buffered(&mut bytes).unwrap();
+        bytes.into_inner()
+    };
+    // The second part lies two columns further right: its pixels go where they belong, the rest is zero.
+    let zip = Compression::ZIP16;
+    let bytes = write(vec![part("beauty", "Y", 0, 0.5, zip), part("depth", "far.Z", 2, 3.0, zip)]);
+    let picture = exr::read(&bytes, &Limits::default()).unwrap();
+    assert_eq!(picture.data_window, exr::Window::of_size(4, 3));
+    assert_eq!(picture.display_window, exr::Window::of_size(8, 3));
+    assert_eq!(picture.layer("beauty").unwrap().channel("Y"), Some([0.5; 12].as_slice()));
+    assert_eq!(picture.layer("depth.far").unwrap().channel("Z"), Some([0., 0., 3., 3.].repeat(3).as_slice()));
+    assert_eq!(picture.to_image().unwrap().pixels, [[0.5; 3]; 12]);
+
+    let bytes = write(vec![part("beauty", "Y", 0, 0.5, Compression::DWAA(None))]);
+    let refused = exr::read(&bytes, &Limits::default()).unwrap_err().to_string();
+    assert_eq!(refused, "dwaa compression is not supported: save the file with ZIP or PIZ");
+}

@@ -1,12 +1,14 @@
 //! OpenEXR: any channels of any layers as 32-bit floats.
 //!
-//! Read are scan lines and tiles (the largest resolution) with every compression that the `exr` crate knows; deep
-//! and subsampled files are refused. Written are 32-bit floats in scan lines with ZIP compression, all layers in
+//! Read are scan lines and tiles (the largest resolution), uncompressed or with RLE, ZIP, PIZ or PXR24. Refused are
+//! deep and subsampled files, and the compressions whose decoders in the `exr` crate (1.74) don't bear a damaged file:
+//! B44 runs into arithmetic overflow, DWA allocates whatever the file says. Written are 32-bit floats in scan lines with ZIP compression, all layers in
 //! one part, as every compositor reads it: the channel R of the layer albedo is called `albedo.R`.
 
 use std::io::Cursor;
 
 use exr::block::{BlockIndex, UncompressedBlock};
+use exr::compression::Compression;
 use exr::error::Error;
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType, Text};
@@ -178,6 +180,19 @@ fn check_promises(headers: &[Header], file_size: usize, limits: &Limits) -> Resu
     for header in headers {
         if header.deep {
             return Err(ReadError::file("deep pictures are not supported"));
+        }
+        match header.compression {
+            Compression::Uncompressed
+            | Compression::RLE
+            | Compression::ZIP1
+            | Compression::ZIP16
+            | Compression::PIZ
+            | Compression::PXR24 => {}
+            other => {
+                return Err(ReadError::file(format!(
+                    "{other} is not supported: save the file with ZIP or PIZ"
+                )));
+            }
         }
         let channels = header.channels.list.len() as u64;
         if channels == 0 {
