@@ -394,14 +394,14 @@ fn best_plane(refs: &[Ref], span: &Span) -> Option<Plane> {
             right_cost[bin] = if count == 0 { 0.0 } else { bounds.half_area() * count as f32 };
         }
         let (mut bounds, mut count) = (Box4::EMPTY, 0);
-        for bin in 1..BINS {
+        for (bin, right_cost) in right_cost.iter().enumerate().skip(1) {
             let b = &bins.bounds[axis][bin - 1];
             bounds.grow(&b.lo, &b.hi);
             count += bins.count[axis][bin - 1];
             if count == 0 || count as usize == refs.len() {
                 continue;
             }
-            let cost = bounds.half_area() * count as f32 + right_cost[bin];
+            let cost = bounds.half_area() * count as f32 + right_cost;
             if best.is_none_or(|(c, _)| cost < c) {
                 best = Some((cost, Plane { axis, bin, low: low[axis], scale: scale[axis] }));
             }

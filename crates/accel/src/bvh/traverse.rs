@@ -1,10 +1,10 @@
 //! Searching the tree with one ray.
 
-use super::{Block, Bvh, Child, ChildKind, build};
+use super::{Block, Bvh, Child, ChildKind, Node, build};
 use crate::{
     hit::Hit,
     input::Shapes,
-    kernel::{Children, Kernel},
+    kernel::{Children, Kernel, stack::Stack},
     query::Query,
     structure::{Place, Search},
     triangle,
@@ -73,18 +73,41 @@ impl Bvh {
     }
 }
 
-/// Puts the entered children in order, the nearest last.
+/// Takes the nearest of the entered children and pushes the others, the farthest first.
 #[inline(always)]
-fn sort_far_first(found: &mut Children) {
-    let keys = &mut found.keys[..found.count.min(8)];
-    for i in 1..keys.len() {
-        let key = keys[i];
-        let mut j = i;
-        while j > 0 && keys[j - 1] < key {
-            keys[j] = keys[j - 1];
-            j -= 1;
+fn nearest_first<const N: usize>(
+    node: &Node,
+    found: &mut Children,
+    stack: &mut Stack<Todo, N>,
+) -> Option<Child> {
+    let child = |key: u32| node.children[(key & 7) as usize];
+    let todo = |key: u32| Todo { entry: key & !7, child: child(key) };
+    let keys = &mut found.keys;
+    match found.count {
+        0 => None,
+        1 => Some(child(keys[0])),
+        2 => {
+            let (near, far) = if keys[0] < keys[1] { (keys[0], keys[1]) } else { (keys[1], keys[0]) };
+            stack.push(todo(far));
+            Some(child(near))
         }
-        keys[j] = key;
+        n => {
+            let keys = &mut keys[..n.min(8)];
+            for i in 1..keys.len() {
+                let key = keys[i];
+                let mut j = i;
+                while j > 0 && keys[j - 1] < key {
+                    keys[j] = keys[j - 1];
+                    j -= 1;
+                }
+                keys[j] = key;
+            }
+            let (near, others) = keys.split_last()?;
+            for &key in others {
+                stack.push(todo(key));
+            }
+            Some(child(*near))
+        }
     }
 }
 
@@ -96,32 +119,31 @@ impl Search for Bvh {
         at: &Place<'_>,
         best: &mut Hit,
     ) {
-        let Some(root) = self.root else { return };
-        let mut stack = [Todo { entry: 0, child: root }; build::STACK];
-        let mut height = 1;
-        while height > 0 {
-            height -= 1;
-            let todo = stack[height];
-            // Nothing is skipped but what is entered strictly beyond the best t; entries below 0 were raised to 0.
-            if f32::from_bits(todo.entry) > ops::max(best.t, 0.0) {
-                continue;
-            }
-            match todo.child.kind() {
+        let Some(mut child) = self.root else { return };
+        let mut stack = Stack::<Todo, { build::STACK }>::new();
+        loop {
+            match child.kind() {
                 ChildKind::Node(i) => {
                     q.count_node();
                     let node = &self.nodes[i as usize];
                     let mut found = q.kernel.node(at.ray, node, best.t);
-                    sort_far_first(&mut found);
-                    for &key in &found.keys[..found.count.min(8)] {
-                        stack[height] = Todo { entry: key & !7, child: node.children[(key & 7) as usize] };
-                        height += 1;
+                    if let Some(next) = nearest_first(node, &mut found, &mut stack) {
+                        child = next;
+                        continue;
                     }
                 }
-                ChildKind::Block(i) => {
-                    Self::block_closest(q, at, &self.blocks[i as usize], best);
-                }
+                ChildKind::Block(i) => Self::block_closest(q, at, &self.blocks[i as usize], best),
                 ChildKind::Object(i) => q.object_closest(at, i, best),
             }
+            // Nothing is skipped but what is entered strictly beyond the best t; entries below 0 were raised to 0.
+            let limit = ops::max(best.t, 0.0);
+            child = loop {
+                match stack.pop() {
+                    None => return,
+                    Some(todo) if f32::from_bits(todo.entry) <= limit => break todo.child,
+                    Some(_) => {}
+                }
+            };
         }
     }
 
@@ -131,34 +153,30 @@ impl Search for Bvh {
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
     ) -> bool {
-        let Some(root) = self.root else { return false };
-        let mut stack = [root; build::STACK];
-        let mut height = 1;
-        while height > 0 {
-            height -= 1;
-            match stack[height].kind() {
+        let Some(mut child) = self.root else { return false };
+        let mut stack = Stack::<Child, { build::STACK }>::new();
+        loop {
+            let found = match child.kind() {
                 ChildKind::Node(i) => {
                     q.count_node();
                     let node = &self.nodes[i as usize];
                     let found = q.kernel.node(at.ray, node, at.ray.ray.t_max);
                     for &key in &found.keys[..found.count.min(8)] {
-                        stack[height] = node.children[(key & 7) as usize];
-                        height += 1;
+                        stack.push(node.children[(key & 7) as usize]);
                     }
+                    false
                 }
-                ChildKind::Block(i) => {
-                    if Self::block_occluded(q, at, &self.blocks[i as usize]) {
-                        return true;
-                    }
-                }
-                ChildKind::Object(i) => {
-                    if q.object_occluded(at, i) {
-                        return true;
-                    }
-                }
+                ChildKind::Block(i) => Self::block_occluded(q, at, &self.blocks[i as usize]),
+                ChildKind::Object(i) => q.object_occluded(at, i),
+            };
+            if found {
+                return true;
+            }
+            match stack.pop() {
+                Some(next) => child = next,
+                None => return false,
             }
         }
-        false
     }
 
     fn memory_bytes(&self) -> usize {

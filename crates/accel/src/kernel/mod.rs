@@ -4,7 +4,15 @@
 //! compiler may use the instruction set for. The set is chosen once per slice of rays.
 #![allow(unsafe_code)]
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod entry;
 mod scalar;
+#[cfg(target_arch = "x86_64")]
+mod sse;
+pub(crate) mod stack;
 
 use crate::{
     bvh::{Block, Node},
@@ -26,6 +34,10 @@ pub(crate) struct Children {
     pub keys: [u32; 8],
 }
 
+impl Children {
+    const NONE: Self = Self { count: 0, keys: [0; 8] };
+}
+
 /// Which of a block's triangles are hit, and where.
 pub(crate) struct Lanes {
     /// Lanes whose hit is certain.
@@ -40,6 +52,10 @@ pub(crate) struct Lanes {
     pub e1: [f32; 8],
     /// Edge function opposite to vertex 2.
     pub e2: [f32; 8],
+}
+
+impl Lanes {
+    const NONE: Self = Self { hit: 0, zero: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
 }
 
 /// The vector part of the search. Implementations do the operations of `slab.rs` and `triangle.rs` in each lane.
@@ -66,30 +82,46 @@ pub(crate) trait Kernel: Copy {
         q: &mut Query<'_, Self, S, COUNT>,
         at: &Place<'_>,
     ) -> bool;
+
+    /// The first hit of each ray.
+    fn closest_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]);
+
+    /// Whether each ray hits anything.
+    fn occluded_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]);
 }
 
 /// Does the same with whichever kernel the instruction set has.
 macro_rules! with_kernel {
-    ($isa:expr, $k:ident => $body:expr) => {
-        match $isa {
-            Isa::Scalar | Isa::Neon | Isa::Sse | Isa::Avx2 | Isa::Avx512 => {
-                let $k = scalar::Scalar;
-                $body
+    ($isa:expr, $k:ident => $body:expr) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            if $isa == Isa::Avx512
+                && let Some($k) = avx512::Avx512::new()
+            {
+                return $body;
+            }
+            if $isa == Isa::Avx2
+                && let Some($k) = avx2::Avx2::new()
+            {
+                return $body;
+            }
+            if $isa == Isa::Sse
+                && let Some($k) = sse::Sse::new()
+            {
+                return $body;
             }
         }
-    };
+        let $k = scalar::Scalar;
+        $body
+    }};
 }
 
 pub(crate) fn closest<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
-    with_kernel!(scene.isa(), k => for (ray, hit) in rays.iter().zip(hits) {
-        *hit = closest_one::<_, S, false>(k, scene, shapes, ray).0;
-    });
+    with_kernel!(scene.isa(), k => k.closest_slice(scene, shapes, rays, hits))
 }
 
 pub(crate) fn occluded<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
-    with_kernel!(scene.isa(), k => for (ray, blocked) in rays.iter().zip(blocked) {
-        *blocked = occluded_one::<_, S, false>(k, scene, shapes, ray).0;
-    });
+    with_kernel!(scene.isa(), k => k.occluded_slice(scene, shapes, rays, blocked))
 }
 
 pub(crate) fn closest_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (Hit, Cost) {
@@ -98,6 +130,28 @@ pub(crate) fn closest_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -
 
 pub(crate) fn occluded_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (bool, Cost) {
     with_kernel!(scene.isa(), k => occluded_one::<_, S, true>(k, scene, shapes, ray))
+}
+
+/// `Kernel::closest_slice` without the change of instruction set.
+#[inline(always)]
+fn closest_rays<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+    for (ray, hit) in rays.iter().zip(hits) {
+        *hit = closest_one::<K, S, false>(kernel, scene, shapes, ray).0;
+    }
+}
+
+/// `Kernel::occluded_slice` without the change of instruction set.
+#[inline(always)]
+fn occluded_rays<K: Kernel, S: Shapes>(
+    kernel: K,
+    scene: &Scene,
+    shapes: &S,
+    rays: &[Ray],
+    blocked: &mut [bool],
+) {
+    for (ray, blocked) in rays.iter().zip(blocked) {
+        *blocked = occluded_one::<K, S, false>(kernel, scene, shapes, ray).0;
+    }
 }
 
 #[inline(always)]

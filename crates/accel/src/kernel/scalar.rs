@@ -1,14 +1,10 @@
 //! One lane at a time: what every machine has, and what the vector kernels are held against.
 
-use super::{Children, Kernel, Lanes};
+use super::{Children, Kernel, Lanes, entry::entry_points};
 use crate::{
     bvh::{Block, Node, WIDTH},
-    hit::Hit,
-    input::Shapes,
     local::LocalRay,
-    query::Query,
     slab::EXIT,
-    structure::Place,
     triangle,
 };
 use straal_math::ops;
@@ -20,7 +16,7 @@ pub(crate) struct Scalar;
 impl Kernel for Scalar {
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
-        let mut out = Children { count: 0, keys: [0; 8] };
+        let mut out = Children::NONE;
         let plane = |axis: usize, side: usize, lane: usize| {
             (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
         };
@@ -39,7 +35,7 @@ impl Kernel for Scalar {
 
     #[inline(always)]
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
-        let mut out = Lanes { hit: 0, zero: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
+        let mut out = Lanes::NONE;
         for lane in 0..WIDTH {
             let edges = triangle::edges(&block.vertices(lane), r);
             let [u, v, w] = edges.e;
@@ -58,20 +54,5 @@ impl Kernel for Scalar {
         out
     }
 
-    fn closest_in<S: Shapes, const COUNT: bool>(
-        self,
-        q: &mut Query<'_, Self, S, COUNT>,
-        at: &Place<'_>,
-        best: &mut Hit,
-    ) {
-        q.closest_in(at, best);
-    }
-
-    fn occluded_in<S: Shapes, const COUNT: bool>(
-        self,
-        q: &mut Query<'_, Self, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
-        q.occluded_in(at)
-    }
+    entry_points!();
 }

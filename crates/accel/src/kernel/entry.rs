@@ -1,0 +1,97 @@
+//! The functions through which a search enters code compiled for an instruction set.
+
+/// The entry points of a kernel, compiled with the given features. Everything inside is inlined into them.
+macro_rules! entry_points {
+    ($($feature:literal)?) => {
+        #[inline]
+        fn closest_in<S: $crate::Shapes, const COUNT: bool>(
+            self,
+            q: &mut $crate::query::Query<'_, Self, S, COUNT>,
+            at: &$crate::structure::Place<'_>,
+            best: &mut $crate::Hit,
+        ) {
+            $(#[target_feature(enable = $feature)])?
+            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes, const COUNT: bool>(
+                q: &mut $crate::query::Query<'_, K, S, COUNT>,
+                at: &$crate::structure::Place<'_>,
+                best: &mut $crate::Hit,
+            ) {
+                q.closest_in(at, best);
+            }
+            // SAFETY: `self` is the proof that the processor has the features.
+            #[allow(unused_unsafe)]
+            unsafe {
+                compiled(q, at, best)
+            }
+        }
+
+        #[inline]
+        fn occluded_in<S: $crate::Shapes, const COUNT: bool>(
+            self,
+            q: &mut $crate::query::Query<'_, Self, S, COUNT>,
+            at: &$crate::structure::Place<'_>,
+        ) -> bool {
+            $(#[target_feature(enable = $feature)])?
+            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes, const COUNT: bool>(
+                q: &mut $crate::query::Query<'_, K, S, COUNT>,
+                at: &$crate::structure::Place<'_>,
+            ) -> bool {
+                q.occluded_in(at)
+            }
+            // SAFETY: `self` is the proof that the processor has the features.
+            #[allow(unused_unsafe)]
+            unsafe {
+                compiled(q, at)
+            }
+        }
+
+        fn closest_slice<S: $crate::Shapes>(
+            self,
+            scene: &$crate::Scene,
+            shapes: &S,
+            rays: &[straal_math::Ray],
+            hits: &mut [$crate::Hit],
+        ) {
+            $(#[target_feature(enable = $feature)])?
+            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+                kernel: K,
+                scene: &$crate::Scene,
+                shapes: &S,
+                rays: &[straal_math::Ray],
+                hits: &mut [$crate::Hit],
+            ) {
+                $crate::kernel::closest_rays(kernel, scene, shapes, rays, hits);
+            }
+            // SAFETY: `self` is the proof that the processor has the features.
+            #[allow(unused_unsafe)]
+            unsafe {
+                compiled(self, scene, shapes, rays, hits)
+            }
+        }
+
+        fn occluded_slice<S: $crate::Shapes>(
+            self,
+            scene: &$crate::Scene,
+            shapes: &S,
+            rays: &[straal_math::Ray],
+            blocked: &mut [bool],
+        ) {
+            $(#[target_feature(enable = $feature)])?
+            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+                kernel: K,
+                scene: &$crate::Scene,
+                shapes: &S,
+                rays: &[straal_math::Ray],
+                blocked: &mut [bool],
+            ) {
+                $crate::kernel::occluded_rays(kernel, scene, shapes, rays, blocked);
+            }
+            // SAFETY: `self` is the proof that the processor has the features.
+            #[allow(unused_unsafe)]
+            unsafe {
+                compiled(self, scene, shapes, rays, blocked)
+            }
+        }
+    };
+}
+pub(crate) use entry_points;

@@ -1,0 +1,140 @@
+//! Four lanes of SSE4.2, twice.
+//!
+//! Every lane does the operations of `slab.rs` and `triangle.rs` in their order.
+//!
+//! Safety: an [`Sse`] is made only where the processor has SSE4.2.
+
+use super::{Children, Kernel, Lanes, entry::entry_points};
+use crate::{
+    bvh::{Block, Node},
+    local::LocalRay,
+    slab::EXIT,
+};
+use std::arch::x86_64::*;
+
+/// The proof that the processor has SSE4.2.
+#[derive(Clone, Copy)]
+pub(crate) struct Sse(());
+
+impl Sse {
+    pub fn new() -> Option<Self> {
+        crate::Isa::Sse.is_available().then_some(Self(()))
+    }
+}
+
+impl Kernel for Sse {
+    #[inline(always)]
+    fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
+        let mut out = Children::NONE;
+        let mut keys = [0_u32; 8];
+        let mut mask = 0;
+        for half in [0, 4] {
+            // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
+            unsafe {
+                let [x, y, z] = r.neg;
+                let enter = _mm_max_ps(plane(r, node, 0, x, half), plane(r, node, 1, y, half));
+                let enter = _mm_max_ps(enter, plane(r, node, 2, z, half));
+                let enter = _mm_max_ps(enter, _mm_set1_ps(r.ray.t_min));
+                let exit = _mm_min_ps(plane(r, node, 0, x ^ 1, half), plane(r, node, 1, y ^ 1, half));
+                let exit = _mm_min_ps(exit, plane(r, node, 2, z ^ 1, half));
+                let exit = _mm_min_ps(_mm_mul_ps(exit, _mm_set1_ps(EXIT)), _mm_set1_ps(limit));
+                mask |= (_mm_movemask_ps(_mm_cmple_ps(enter, exit)) as u32) << half;
+                let bits = _mm_castps_si128(_mm_max_ps(enter, _mm_setzero_ps()));
+                let lanes = _mm_add_epi32(_mm_setr_epi32(0, 1, 2, 3), _mm_set1_epi32(half as i32));
+                let key = _mm_or_si128(_mm_andnot_si128(_mm_set1_epi32(7), bits), lanes);
+                _mm_storeu_si128(keys.as_mut_ptr().add(half).cast(), key);
+            }
+        }
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % 8;
+            mask &= mask - 1;
+            out.keys[out.count % 8] = keys[lane];
+            out.count += 1;
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
+        let mut out = Lanes::NONE;
+        for half in [0, 4] {
+            // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
+            unsafe {
+                let a = sheared(r, &block.v[0], half);
+                let b = sheared(r, &block.v[1], half);
+                let c = sheared(r, &block.v[2], half);
+                let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
+                let least = _mm_min_ps(u, _mm_min_ps(v, w));
+                let most = _mm_max_ps(u, _mm_max_ps(v, w));
+                let zero = _mm_setzero_ps();
+                let inside = _mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(most, zero));
+                let inside = _mm_movemask_ps(inside) as u32;
+                if inside == 0 {
+                    continue;
+                }
+                let on_edge = _mm_or_ps(_mm_cmpeq_ps(least, zero), _mm_cmpeq_ps(most, zero));
+                let on_edge = _mm_movemask_ps(on_edge) as u32;
+                let det = _mm_add_ps(_mm_add_ps(u, v), w);
+                let depth = _mm_add_ps(_mm_mul_ps(u, a[2]), _mm_mul_ps(v, b[2]));
+                let depth = _mm_add_ps(depth, _mm_mul_ps(w, c[2]));
+                let t = _mm_div_ps(_mm_mul_ps(depth, _mm_set1_ps(r.shear[2])), det);
+                let late = _mm_cmpge_ps(t, _mm_set1_ps(r.ray.t_min));
+                let within = _mm_and_ps(late, _mm_cmple_ps(t, _mm_set1_ps(limit)));
+                let within = _mm_movemask_ps(within) as u32;
+                out.zero |= on_edge << half;
+                out.hit |= (within & inside & !on_edge) << half;
+                _mm_storeu_ps(out.t.as_mut_ptr().add(half), t);
+                _mm_storeu_ps(out.det.as_mut_ptr().add(half), det);
+                _mm_storeu_ps(out.e1.as_mut_ptr().add(half), v);
+                _mm_storeu_ps(out.e2.as_mut_ptr().add(half), w);
+            }
+        }
+        out
+    }
+
+    entry_points!("sse4.2,popcnt");
+}
+
+/// Where the ray crosses a plane of four boxes.
+///
+/// # Safety
+/// The processor must have SSE4.2, and `half` be at most 4.
+#[inline(always)]
+unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize) -> __m128 {
+    // SAFETY: the caller's promise; four numbers are read from within an array of eight.
+    unsafe {
+        let b = _mm_loadu_ps(node.planes[2 * axis + (side & 1)].as_ptr().add(half));
+        _mm_mul_ps(_mm_sub_ps(b, _mm_set1_ps(r.ray.o[axis])), _mm_set1_ps(r.inv[axis]))
+    }
+}
+
+/// A vertex of four triangles, moved to the ray's origin and sheared.
+///
+/// # Safety
+/// The processor must have SSE4.2, and `half` be at most 4.
+#[inline(always)]
+unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [__m128; 3] {
+    // SAFETY: the caller's promise; four numbers are read from within arrays of eight.
+    unsafe {
+        let [x, y, z] = r.axes;
+        let x = _mm_loadu_ps(vertex[x % 3].as_ptr().add(half));
+        let y = _mm_loadu_ps(vertex[y % 3].as_ptr().add(half));
+        let z = _mm_loadu_ps(vertex[z % 3].as_ptr().add(half));
+        let x = _mm_sub_ps(x, _mm_set1_ps(r.origin[0]));
+        let y = _mm_sub_ps(y, _mm_set1_ps(r.origin[1]));
+        let z = _mm_sub_ps(z, _mm_set1_ps(r.origin[2]));
+        let x = _mm_sub_ps(x, _mm_mul_ps(_mm_set1_ps(r.shear[0]), z));
+        let y = _mm_sub_ps(y, _mm_mul_ps(_mm_set1_ps(r.shear[1]), z));
+        [x, y, z]
+    }
+}
+
+/// Edge functions of the edges from `q` to `p`.
+///
+/// # Safety
+/// The processor must have SSE4.2.
+#[inline(always)]
+unsafe fn edge(p: &[__m128; 3], q: &[__m128; 3]) -> __m128 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm_sub_ps(_mm_mul_ps(p[0], q[1]), _mm_mul_ps(p[1], q[0])) }
+}
