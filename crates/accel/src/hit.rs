@@ -88,6 +88,12 @@ impl Hit {
         Self { t: limit, chain: Chain::LAST, ..Self::MISS }
     }
 
+    /// What the caller gets when the search is over.
+    #[inline(always)]
+    pub(crate) fn finished(self) -> Self {
+        if self.is_hit() { self } else { Self::MISS }
+    }
+
     /// Takes the candidate if it comes before this one.
     #[inline(always)]
     pub(crate) fn offer(&mut self, c: &Hit) {

@@ -36,17 +36,25 @@ impl LocalRay {
         }
         let reciprocal = |d: f32| 1.0 / if d.abs() > LEAST { d } else { LEAST.copysign(d) };
         let inv = Vec3::new(reciprocal(r.d.x), reciprocal(r.d.y), reciprocal(r.d.z));
-        // The dominant axis becomes z; a negative one swaps the others, so that the winding stays.
-        let z = r.d.max_axis();
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        let (x, y) = if r.d[z] < 0.0 { (y, x) } else { (x, y) };
+        // The dominant axis becomes z; a negative one swaps the others, so that the winding stays. Without branches,
+        // which would be mispredicted for every other ray.
+        let (o, d) = (r.o.to_array(), r.d.to_array());
+        let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
+        let over_x = usize::from(ay > ax) | 2 * usize::from(az > ax && az > ay);
+        let z = if over_x > 2 { 2 } else { over_x };
+        let back = usize::from(d[z] < 0.0);
+        let (x, y) = (NEXT[z + back], NEXT[z + 1 - back]);
+        let scale = 1.0 / d[z];
         Some(Self {
             ray: Ray { t_min, t_max, ..*r },
             inv,
             neg: [usize::from(inv.x < 0.0), usize::from(inv.y < 0.0), usize::from(inv.z < 0.0)],
             axes: [x, y, z],
-            origin: [r.o[x], r.o[y], r.o[z]],
-            shear: [r.d[x] / r.d[z], r.d[y] / r.d[z], 1.0 / r.d[z]],
+            origin: [o[x], o[y], o[z]],
+            shear: [d[x] * scale, d[y] * scale, scale],
         })
     }
 }
+
+/// The axis after, in a circle: after axis z come x = `NEXT[z]` and y = `NEXT[z + 1]`.
+const NEXT: [usize; 4] = [1, 2, 0, 1];

@@ -1,7 +1,7 @@
 //! The tests that every structure makes: one triangle, one object, one group.
 
 use crate::{
-    hit::{Cost, Hit},
+    hit::{Chain, Cost, Hit},
     input::Shapes,
     kernel::Kernel,
     local::LocalRay,
@@ -10,7 +10,7 @@ use crate::{
     structure::{Place, Search, each},
     triangle,
 };
-use straal_math::{Vec3, ops};
+use straal_math::{Ray, Vec3, ops};
 
 /// One ray's search through a scene.
 pub(crate) struct Query<'a, K, S, const COUNT: bool> {
@@ -29,6 +29,24 @@ fn not_before(t: f32, entry: f32) -> f32 {
 }
 
 impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
+    /// The first hit of a ray in the world.
+    #[inline(always)]
+    pub fn closest(&mut self, group: &GroupData, ray: &Ray) -> Hit {
+        let Some(local) = LocalRay::new(ray) else { return Hit::MISS };
+        let mut best = Hit::limit(local.ray.t_max);
+        let kernel = self.kernel;
+        kernel.closest_in(self, &Place { group, ray: &local, chain: &Chain::EMPTY }, &mut best);
+        best.finished()
+    }
+
+    /// Whether a ray hits anything in the world.
+    #[inline(always)]
+    pub fn occluded(&mut self, group: &GroupData, ray: &Ray) -> bool {
+        let Some(local) = LocalRay::new(ray) else { return false };
+        let kernel = self.kernel;
+        kernel.occluded_in(self, &Place { group, ray: &local, chain: &Chain::EMPTY })
+    }
+
     /// Searches a whole group.
     #[inline(always)]
     pub fn closest_in(&mut self, at: &Place<'_>, best: &mut Hit) {

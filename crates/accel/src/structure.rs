@@ -2,10 +2,10 @@
 
 use crate::{
     brute::Brute, bvh::Bvh, hit::Chain, hit::Hit, input::Shapes, kernel::Kernel, local::LocalRay,
-    query::Query,
+    query::Query, scene::GroupData,
 };
 use std::{fmt, str::FromStr};
-use straal_math::Bounds;
+use straal_math::{Bounds, Ray};
 
 /// A way to search a group. All give the same hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -97,12 +97,40 @@ pub(crate) trait Search: Sized {
         at: &Place<'_>,
     ) -> bool;
 
+    /// The hit of each ray of the world; `hits` is as long as `rays`.
+    #[inline(always)]
+    fn closest_many<K: Kernel, S: Shapes>(
+        &self,
+        q: &mut Query<'_, K, S, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        hits: &mut [Hit],
+    ) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = q.closest(group, ray);
+        }
+    }
+
+    /// Whether each ray of the world hits anything; `blocked` is as long as `rays`.
+    #[inline(always)]
+    fn occluded_many<K: Kernel, S: Shapes>(
+        &self,
+        q: &mut Query<'_, K, S, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        blocked: &mut [bool],
+    ) {
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = q.occluded(group, ray);
+        }
+    }
+
     fn memory_bytes(&self) -> usize;
 }
 
 /// Where a search stands: a ray in a group's space, and the instances passed on the way.
 pub(crate) struct Place<'a> {
-    pub group: &'a crate::scene::GroupData,
+    pub group: &'a GroupData,
     pub ray: &'a LocalRay,
     pub chain: &'a Chain,
 }

@@ -1,8 +1,9 @@
 //! A tree of boxes, eight wide, with blocks of up to eight triangles in its leaves.
 //!
-//! `build.rs` makes it from boxes alone, `traverse.rs` searches it; the arithmetic is the kernels'.
+//! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
 mod build;
+mod many;
 mod traverse;
 mod validate;
 

@@ -1,26 +1,27 @@
 //! Searching the tree with one ray.
 
-use super::{Block, Bvh, Child, ChildKind, Node, build};
+use super::{Block, Bvh, Child, ChildKind, Node, WIDTH, build};
 use crate::{
     hit::Hit,
     input::Shapes,
-    kernel::{Children, Kernel, stack::Stack},
+    kernel::{Children, Kernel, stack::Stacks},
     query::Query,
+    scene::GroupData,
     structure::{Place, Search},
     triangle,
 };
-use straal_math::ops;
+use straal_math::{Ray, ops};
 
 /// A subtree to be visited, with the bits of an entry that isn't later than the true one (and not below 0).
 #[derive(Clone, Copy)]
-struct Todo {
-    entry: u32,
-    child: Child,
+pub(super) struct Todo {
+    pub entry: u32,
+    pub child: Child,
 }
 
 impl Bvh {
     #[inline(always)]
-    fn block_closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    pub(super) fn block_closest<K: Kernel, S: Shapes, const COUNT: bool>(
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
         block: &Block,
@@ -32,8 +33,7 @@ impl Bvh {
         let lanes = q.kernel.block(at.ray, block, best.t);
         let mut mask = lanes.hit;
         while mask != 0 {
-            let lane = mask.trailing_zeros() as usize % 8;
-            mask &= mask - 1;
+            let lane = take(&mut mask);
             let (t, det) = (lanes.t[lane], lanes.det[lane]);
             let tuv = [t, lanes.e1[lane] / det, lanes.e2[lane] / det];
             if t <= best.t {
@@ -42,14 +42,13 @@ impl Bvh {
         }
         let mut mask = lanes.zero;
         while mask != 0 {
-            let lane = mask.trailing_zeros() as usize % 8;
-            mask &= mask - 1;
+            let lane = take(&mut mask);
             q.triangle_closest(at, block.id[lane], &block.vertices(lane), best);
         }
     }
 
     #[inline(always)]
-    fn block_occluded<K: Kernel, S: Shapes, const COUNT: bool>(
+    pub(super) fn block_occluded<K: Kernel, S: Shapes, const COUNT: bool>(
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
         block: &Block,
@@ -60,8 +59,7 @@ impl Bvh {
         let lanes = q.kernel.block(at.ray, block, at.ray.ray.t_max);
         let mut mask = lanes.hit | lanes.zero;
         while mask != 0 {
-            let lane = mask.trailing_zeros() as usize % 8;
-            mask &= mask - 1;
+            let lane = take(&mut mask);
             let v = block.vertices(lane);
             let found =
                 lanes.hit >> lane & 1 == 1 || triangle::intersect(&v, at.ray, at.ray.ray.t_max).is_some();
@@ -73,42 +71,49 @@ impl Bvh {
     }
 }
 
+/// The lowest lane of a set, taken out of it.
+#[inline(always)]
+pub(super) fn take(mask: &mut u32) -> usize {
+    let lane = mask.trailing_zeros() as usize % WIDTH;
+    *mask &= mask.wrapping_sub(1);
+    lane
+}
+
 /// Takes the nearest of the entered children and pushes the others, the farthest first.
 #[inline(always)]
-fn nearest_first<const N: usize>(
-    node: &Node,
-    found: &mut Children,
-    stack: &mut Stack<Todo, N>,
-) -> Option<Child> {
-    let child = |key: u32| node.children[(key & 7) as usize];
-    let todo = |key: u32| Todo { entry: key & !7, child: child(key) };
-    let keys = &mut found.keys;
-    match found.count {
-        0 => None,
-        1 => Some(child(keys[0])),
-        2 => {
-            let (near, far) = if keys[0] < keys[1] { (keys[0], keys[1]) } else { (keys[1], keys[0]) };
-            stack.push(todo(far));
-            Some(child(near))
-        }
-        n => {
-            let keys = &mut keys[..n.min(8)];
-            for i in 1..keys.len() {
-                let key = keys[i];
-                let mut j = i;
-                while j > 0 && keys[j - 1] < key {
-                    keys[j] = keys[j - 1];
-                    j -= 1;
-                }
-                keys[j] = key;
-            }
-            let (near, others) = keys.split_last()?;
-            for &key in others {
-                stack.push(todo(key));
-            }
-            Some(child(*near))
-        }
+pub(super) fn nearest_first(node: &Node, found: &Children, mut push: impl FnMut(Todo)) -> Option<Child> {
+    let todo = |key: u32| Todo { entry: key & !7, child: node.children[(key & 7) as usize] };
+    let mut mask = found.mask;
+    if mask == 0 {
+        return None;
     }
+    let first = take(&mut mask);
+    if mask == 0 {
+        return Some(node.children[first]);
+    }
+    let (a, b) = (found.keys[first], found.keys[take(&mut mask)]);
+    let (near, far) = if a < b { (a, b) } else { (b, a) };
+    if mask == 0 {
+        push(todo(far));
+        return Some(node.children[(near & 7) as usize]);
+    }
+    let mut sorted = [0; WIDTH];
+    (sorted[0], sorted[1]) = (far, near);
+    let mut count = 2;
+    while mask != 0 {
+        let key = found.keys[take(&mut mask)];
+        let mut i = count % WIDTH;
+        while i > 0 && sorted[i - 1] < key {
+            sorted[i] = sorted[i - 1];
+            i -= 1;
+        }
+        sorted[i] = key;
+        count += 1;
+    }
+    for &key in &sorted[..(count - 1) % WIDTH] {
+        push(todo(key));
+    }
+    Some(node.children[(sorted[(count - 1) % WIDTH] & 7) as usize])
 }
 
 impl Search for Bvh {
@@ -120,14 +125,14 @@ impl Search for Bvh {
         best: &mut Hit,
     ) {
         let Some(mut child) = self.root else { return };
-        let mut stack = Stack::<Todo, { build::STACK }>::new();
+        let mut stack = Stacks::<Todo, { build::STACK }, 1>::new();
         loop {
             match child.kind() {
                 ChildKind::Node(i) => {
                     q.count_node();
                     let node = &self.nodes[i as usize];
-                    let mut found = q.kernel.node(at.ray, node, best.t);
-                    if let Some(next) = nearest_first(node, &mut found, &mut stack) {
+                    let found = q.kernel.node(at.ray, node, best.t);
+                    if let Some(next) = nearest_first(node, &found, |todo| stack.push(0, todo)) {
                         child = next;
                         continue;
                     }
@@ -138,7 +143,7 @@ impl Search for Bvh {
             // Nothing is skipped but what is entered strictly beyond the best t; entries below 0 were raised to 0.
             let limit = ops::max(best.t, 0.0);
             child = loop {
-                match stack.pop() {
+                match stack.pop(0) {
                     None => return,
                     Some(todo) if f32::from_bits(todo.entry) <= limit => break todo.child,
                     Some(_) => {}
@@ -154,15 +159,19 @@ impl Search for Bvh {
         at: &Place<'_>,
     ) -> bool {
         let Some(mut child) = self.root else { return false };
-        let mut stack = Stack::<Child, { build::STACK }>::new();
+        let mut stack = Stacks::<Child, { build::STACK }, 1>::new();
         loop {
             let found = match child.kind() {
                 ChildKind::Node(i) => {
                     q.count_node();
                     let node = &self.nodes[i as usize];
-                    let found = q.kernel.node(at.ray, node, at.ray.ray.t_max);
-                    for &key in &found.keys[..found.count.min(8)] {
-                        stack.push(node.children[(key & 7) as usize]);
+                    let mut mask = q.kernel.node(at.ray, node, at.ray.ray.t_max).mask;
+                    if mask != 0 {
+                        child = node.children[take(&mut mask)];
+                        while mask != 0 {
+                            stack.push(0, node.children[take(&mut mask)]);
+                        }
+                        continue;
                     }
                     false
                 }
@@ -172,11 +181,33 @@ impl Search for Bvh {
             if found {
                 return true;
             }
-            match stack.pop() {
+            match stack.pop(0) {
                 Some(next) => child = next,
                 None => return false,
             }
         }
+    }
+
+    #[inline(always)]
+    fn closest_many<K: Kernel, S: Shapes>(
+        &self,
+        q: &mut Query<'_, K, S, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        hits: &mut [Hit],
+    ) {
+        self.many::<K, S, false>(q, group, rays, |i, hit| hits[i] = *hit);
+    }
+
+    #[inline(always)]
+    fn occluded_many<K: Kernel, S: Shapes>(
+        &self,
+        q: &mut Query<'_, K, S, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        blocked: &mut [bool],
+    ) {
+        self.many::<K, S, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
     }
 
     fn memory_bytes(&self) -> usize {

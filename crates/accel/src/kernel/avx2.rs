@@ -22,30 +22,11 @@ impl Avx2 {
     }
 }
 
-/// For each set of lanes, those lanes in order: what a compressing move would do.
-static COMPRESS: [[u8; 8]; 256] = {
-    let mut table = [[0; 8]; 256];
-    let mut set = 0;
-    while set < 256 {
-        let (mut lane, mut n) = (0, 0);
-        while lane < 8 {
-            if set >> lane & 1 == 1 {
-                table[set][n] = lane as u8;
-                n += 1;
-            }
-            lane += 1;
-        }
-        set += 1;
-    }
-    table
-};
-
 impl Kernel for Avx2 {
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;
-        // SAFETY: see the head of the file. Eight bytes are read from a row of eight, and eight numbers written to an
-        // array of eight.
+        // SAFETY: see the head of the file. Eight numbers are written to an array of eight.
         unsafe {
             let [x, y, z] = r.neg;
             let enter = _mm256_max_ps(plane(r, node, 0, x), plane(r, node, 1, y));
@@ -54,14 +35,11 @@ impl Kernel for Avx2 {
             let exit = _mm256_min_ps(plane(r, node, 0, x ^ 1), plane(r, node, 1, y ^ 1));
             let exit = _mm256_min_ps(exit, plane(r, node, 2, z ^ 1));
             let exit = _mm256_min_ps(_mm256_mul_ps(exit, _mm256_set1_ps(EXIT)), _mm256_set1_ps(limit));
-            let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32;
+            out.mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32;
             let bits = _mm256_castps_si256(_mm256_max_ps(enter, _mm256_setzero_ps()));
             let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
             let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), bits), lanes);
-            let order = _mm_loadl_epi64((&raw const COMPRESS[mask as usize & 255]).cast());
-            let keys = _mm256_permutevar8x32_epi32(keys, _mm256_cvtepu8_epi32(order));
             _mm256_storeu_si256((&raw mut out.keys).cast(), keys);
-            out.count = mask.count_ones() as usize;
         }
         out
     }
@@ -70,6 +48,11 @@ impl Kernel for Avx2 {
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
         // SAFETY: `self` is the proof that the processor has AVX2.
         unsafe { block_avx2(r, block, limit) }
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, what: &T) {
+        super::prefetch(what);
     }
 
     entry_points!("avx2,bmi1,bmi2,lzcnt,popcnt");

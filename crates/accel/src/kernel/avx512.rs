@@ -36,13 +36,11 @@ impl Kernel for Avx512 {
             let both = _mm512_max_ps(both, halves(r.ray.t_min, -limit));
             let enter = _mm512_castps512_ps256(both);
             let exit = _mm256_xor_ps(_mm512_extractf32x8_ps::<1>(both), _mm256_set1_ps(-0.0));
-            let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
+            out.mask = u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit));
             let bits = _mm256_castps_si256(_mm256_max_ps(enter, _mm256_setzero_ps()));
             let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
             let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), bits), lanes);
-            let keys = _mm256_maskz_compress_epi32(mask, keys);
             _mm256_storeu_si256((&raw mut out.keys).cast(), keys);
-            out.count = mask.count_ones() as usize;
         }
         out
     }
@@ -51,6 +49,11 @@ impl Kernel for Avx512 {
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
         // SAFETY: an `Avx512` is made only where there is AVX2 too.
         unsafe { block_avx2(r, block, limit) }
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, what: &T) {
+        super::prefetch(what);
     }
 
     entry_points!("avx512f,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt");

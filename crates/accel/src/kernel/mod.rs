@@ -16,26 +16,26 @@ pub(crate) mod stack;
 
 use crate::{
     bvh::{Block, Node},
-    hit::{Chain, Cost, Hit},
+    hit::{Cost, Hit},
     input::Shapes,
     isa::Isa,
     local::LocalRay,
     query::Query,
     scene::Scene,
-    structure::Place,
+    structure::{Place, Search, each},
 };
 use straal_math::Ray;
 
 /// Which of a node's children a ray enters.
 pub(crate) struct Children {
-    /// How many.
-    pub count: usize,
-    /// The first `count`: bits of the entry (not below 0), the lowest three replaced by the child's slot.
+    /// One bit for each.
+    pub mask: u32,
+    /// By slot, where the mask has it: bits of the entry (not below 0), the lowest three replaced by the slot.
     pub keys: [u32; 8],
 }
 
 impl Children {
-    const NONE: Self = Self { count: 0, keys: [0; 8] };
+    const NONE: Self = Self { mask: 0, keys: [0; 8] };
 }
 
 /// Which of a block's triangles are hit, and where.
@@ -68,6 +68,9 @@ pub(crate) trait Kernel: Copy {
     /// The triangles hit in [`t_min`, `limit`].
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes;
 
+    /// Starts to load what will be needed soon, where the instruction set can.
+    fn prefetch<T>(self, what: &T);
+
     /// `Query::closest_in`, compiled for the instruction set.
     fn closest_in<S: Shapes, const COUNT: bool>(
         self,
@@ -88,6 +91,20 @@ pub(crate) trait Kernel: Copy {
 
     /// Whether each ray hits anything.
     fn occluded_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]);
+}
+
+/// [`Kernel::prefetch`] of all x86 kernels.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn prefetch<T>(what: &T) {
+    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    let start = (&raw const *what).cast::<i8>();
+    let mut offset = 0;
+    while offset < size_of::<T>() {
+        // SAFETY: the address is inside `what`, and a prefetch changes nothing. SSE is part of x86-64.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(offset)) };
+        offset += 64;
+    }
 }
 
 /// Does the same with whichever kernel the instruction set has.
@@ -125,18 +142,36 @@ pub(crate) fn occluded<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], block
 }
 
 pub(crate) fn closest_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (Hit, Cost) {
-    with_kernel!(scene.isa(), k => closest_one::<_, S, true>(k, scene, shapes, ray))
+    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &Ray) -> (Hit, Cost) {
+        let mut q = Query::<K, S, true> { kernel, scene, shapes, cost: Cost::default() };
+        (q.closest(&scene.groups[0], ray), q.cost)
+    }
+    with_kernel!(scene.isa(), k => counted(k, scene, shapes, ray))
 }
 
 pub(crate) fn occluded_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (bool, Cost) {
-    with_kernel!(scene.isa(), k => occluded_one::<_, S, true>(k, scene, shapes, ray))
+    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &Ray) -> (bool, Cost) {
+        let mut q = Query::<K, S, true> { kernel, scene, shapes, cost: Cost::default() };
+        (q.occluded(&scene.groups[0], ray), q.cost)
+    }
+    with_kernel!(scene.isa(), k => counted(k, scene, shapes, ray))
 }
+
+/// Slices shorter than this go one ray at a time: setting up many in flight wouldn't pay.
+const MANY: usize = 8;
 
 /// `Kernel::closest_slice` without the change of instruction set.
 #[inline(always)]
 fn closest_rays<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+    let n = rays.len().min(hits.len());
+    let (rays, hits, group) = (&rays[..n], &mut hits[..n], &scene.groups[0]);
+    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    if n >= MANY {
+        each!(&group.searcher, s => s.closest_many(&mut q, group, rays, hits));
+        return;
+    }
     for (ray, hit) in rays.iter().zip(hits) {
-        *hit = closest_one::<K, S, false>(kernel, scene, shapes, ray).0;
+        *hit = q.closest(group, ray);
     }
 }
 
@@ -149,38 +184,14 @@ fn occluded_rays<K: Kernel, S: Shapes>(
     rays: &[Ray],
     blocked: &mut [bool],
 ) {
-    for (ray, blocked) in rays.iter().zip(blocked) {
-        *blocked = occluded_one::<K, S, false>(kernel, scene, shapes, ray).0;
+    let n = rays.len().min(blocked.len());
+    let (rays, blocked, group) = (&rays[..n], &mut blocked[..n], &scene.groups[0]);
+    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    if n >= MANY {
+        each!(&group.searcher, s => s.occluded_many(&mut q, group, rays, blocked));
+        return;
     }
-}
-
-#[inline(always)]
-fn closest_one<K: Kernel, S: Shapes, const COUNT: bool>(
-    kernel: K,
-    scene: &Scene,
-    shapes: &S,
-    ray: &Ray,
-) -> (Hit, Cost) {
-    let mut q = Query::<K, S, COUNT> { kernel, scene, shapes, cost: Cost::default() };
-    let Some(local) = LocalRay::new(ray) else { return (Hit::MISS, q.cost) };
-    let mut best = Hit::limit(local.ray.t_max);
-    kernel.closest_in(
-        &mut q,
-        &Place { group: &scene.groups[0], ray: &local, chain: &Chain::EMPTY },
-        &mut best,
-    );
-    (if best.is_hit() { best } else { Hit::MISS }, q.cost)
-}
-
-#[inline(always)]
-fn occluded_one<K: Kernel, S: Shapes, const COUNT: bool>(
-    kernel: K,
-    scene: &Scene,
-    shapes: &S,
-    ray: &Ray,
-) -> (bool, Cost) {
-    let mut q = Query::<K, S, COUNT> { kernel, scene, shapes, cost: Cost::default() };
-    let Some(local) = LocalRay::new(ray) else { return (false, q.cost) };
-    let at = Place { group: &scene.groups[0], ray: &local, chain: &Chain::EMPTY };
-    (kernel.occluded_in(&mut q, &at), q.cost)
+    for (ray, blocked) in rays.iter().zip(blocked) {
+        *blocked = q.occluded(group, ray);
+    }
 }

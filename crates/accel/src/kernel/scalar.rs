@@ -26,8 +26,8 @@ impl Kernel for Scalar {
             let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.ray.t_min);
             let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)) * EXIT, limit);
             if enter <= exit {
-                out.keys[out.count] = ops::max(enter, 0.0).to_bits() & !7 | lane as u32;
-                out.count += 1;
+                out.keys[lane] = ops::max(enter, 0.0).to_bits() & !7 | lane as u32;
+                out.mask |= 1 << lane;
             }
         }
         out
@@ -53,6 +53,9 @@ impl Kernel for Scalar {
         }
         out
     }
+
+    #[inline(always)]
+    fn prefetch<T>(self, _what: &T) {}
 
     entry_points!();
 }

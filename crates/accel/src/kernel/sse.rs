@@ -26,8 +26,6 @@ impl Kernel for Sse {
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;
-        let mut keys = [0_u32; 8];
-        let mut mask = 0;
         for half in [0, 4] {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
@@ -38,18 +36,12 @@ impl Kernel for Sse {
                 let exit = _mm_min_ps(plane(r, node, 0, x ^ 1, half), plane(r, node, 1, y ^ 1, half));
                 let exit = _mm_min_ps(exit, plane(r, node, 2, z ^ 1, half));
                 let exit = _mm_min_ps(_mm_mul_ps(exit, _mm_set1_ps(EXIT)), _mm_set1_ps(limit));
-                mask |= (_mm_movemask_ps(_mm_cmple_ps(enter, exit)) as u32) << half;
+                out.mask |= (_mm_movemask_ps(_mm_cmple_ps(enter, exit)) as u32) << half;
                 let bits = _mm_castps_si128(_mm_max_ps(enter, _mm_setzero_ps()));
                 let lanes = _mm_add_epi32(_mm_setr_epi32(0, 1, 2, 3), _mm_set1_epi32(half as i32));
                 let key = _mm_or_si128(_mm_andnot_si128(_mm_set1_epi32(7), bits), lanes);
-                _mm_storeu_si128(keys.as_mut_ptr().add(half).cast(), key);
+                _mm_storeu_si128(out.keys.as_mut_ptr().add(half).cast(), key);
             }
-        }
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize % 8;
-            mask &= mask - 1;
-            out.keys[out.count % 8] = keys[lane];
-            out.count += 1;
         }
         out
     }
@@ -90,6 +82,11 @@ impl Kernel for Sse {
             }
         }
         out
+    }
+
+    #[inline(always)]
+    fn prefetch<T>(self, what: &T) {
+        super::prefetch(what);
     }
 
     entry_points!("sse4.2,popcnt");
