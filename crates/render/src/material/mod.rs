@@ -33,9 +33,11 @@ mod diffuse;
 pub mod fresnel;
 mod ggx;
 mod mirror;
+#[cfg(test)]
+mod tests;
 mod value;
 
-pub use conductor::{Conductor, RoughConductor};
+pub use conductor::{Conductor, Metal, RoughConductor};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
@@ -142,8 +144,8 @@ impl Bsdf<'_> {
             Self::Diffuse(b) => b.reflectance,
             Self::Mirror(b) => b.reflectance,
             Self::Dielectric(b) => b.albedo(),
-            Self::Conductor(b) => b.albedo(),
-            Self::RoughConductor(b) => b.smooth.albedo(),
+            Self::Conductor(b) => b.metal.albedo(),
+            Self::RoughConductor(b) => b.metal.albedo(),
             Self::Custom(b) => b.scattering.albedo(&b.parameters),
         }
     }
@@ -241,17 +243,13 @@ impl Materials {
                 })
             }
             Some(Material::Conductor { eta, k, roughness, reflectance, two_sided }) => {
-                let smooth = Conductor {
-                    eta: eta.eval(at),
-                    k: k.eval(at),
-                    reflectance: reflectance.eval(at),
-                    two_sided: *two_sided,
-                };
-                let alpha = roughness.eval(at);
+                let metal = Metal { eta: eta.eval(at), k: k.eval(at), reflectance: reflectance.eval(at) };
+                let (alpha, two_sided) = (roughness.eval(at), *two_sided);
                 if alpha > 0.0 {
-                    Bsdf::RoughConductor(RoughConductor::new(smooth, alpha))
+                    let rough = RoughConductor::new(metal, alpha);
+                    Bsdf::RoughConductor(if two_sided { rough } else { rough.one_sided() })
                 } else {
-                    Bsdf::Conductor(smooth)
+                    Bsdf::Conductor(Conductor { metal, two_sided })
                 }
             }
             Some(Material::Custom(i)) => self.custom.get(*i as usize).map_or(black, |m| m.bsdf(at)),
