@@ -1,11 +1,11 @@
 //! The ellipsoid: what a sphere becomes under scaling and shear.
 
-use straal_math::{Affine, Bounds, DVec3, Ray};
+use straal_math::{Affine, Bounds, DVec3, Ray, Vec3};
 
 use super::exact::{at, in_interval, outward, rounded};
 use super::quadric::roots;
-use super::sphere::sphere_uv;
-use super::{AreaSample, ShapeHit, SurfacePoint, sampling};
+use super::sphere::{Cone, finite_or_zero, sphere_uv};
+use super::{AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf};
 
 /// The image of the unit sphere under an affine map; its normal points outwards.
 ///
@@ -73,9 +73,39 @@ impl Ellipsoid {
         AreaSample { point: self.towards(q), pdf_area: self.density(q) }
     }
 
-    /// The density of [`Self::sample_area`] at a point.
-    pub fn pdf_area(&self, at: &SurfacePoint) -> f32 {
-        self.density(self.inverse.point(at.p.as_dvec3()).try_normalize().unwrap_or(DVec3::Y))
+    /// From outside, directions in the cone that the unit sphere fills in its own space, uniformly there; from inside,
+    /// points by area.
+    pub fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        let o = self.inverse.point(p.as_dvec3());
+        let Some(cone) = Cone::new(-o, 1.0) else {
+            return by_solid_angle(p, self.sample_area(u));
+        };
+        let s = cone.sample(u);
+        let point = self.towards(o + s.w * s.t);
+        let w = self.map.vector(s.w).try_normalize()?;
+        let pdf = (cone.pdf() * self.narrowing(w)) as f32;
+        (pdf > 0.0 && pdf.is_finite()).then_some(DirSample { point, wi: w.as_vec3(), pdf })
+    }
+
+    /// The density of [`Self::sample_from`].
+    pub fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
+        match Cone::new(-self.inverse.point(p.as_dvec3()), 1.0) {
+            Some(cone) => {
+                let w = (hit.p - p).as_dvec3().try_normalize().unwrap_or(DVec3::Y);
+                finite_or_zero((cone.pdf() * self.narrowing(w)) as f32)
+            }
+            None => {
+                let q = self.inverse.point(hit.p.as_dvec3()).try_normalize().unwrap_or(DVec3::Y);
+                solid_angle_pdf(p, hit, self.density(q))
+            }
+        }
+    }
+
+    /// Solid angle in the unit sphere's space over that in the world, about the unit direction `w`: |det M^-1| /
+    /// |M^-1 w|³, since a linear map carries the volume of a thin pyramid, a third of solid angle times length³.
+    fn narrowing(&self, w: DVec3) -> f64 {
+        let v = self.inverse.vector(w);
+        self.inverse.determinant().abs() / (v.length() * v.dot(v))
     }
 
     /// 1 / (4 pi) of the unit sphere over the local stretch of area, |det M| |M^-T q|.

@@ -218,6 +218,7 @@ impl Geometry {
     pub fn sample_from(&self, shape: u32, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
         match &self.shapes[shape as usize] {
             Shape::Sphere(s) => s.sample_from(p, u),
+            Shape::Ellipsoid(s) => s.sample_from(p, u),
             _ => by_solid_angle(p, self.sample_area(shape, u)?),
         }
     }
@@ -227,7 +228,7 @@ impl Geometry {
     pub fn pdf_from(&self, shape: u32, p: Vec3, hit: &SurfacePoint) -> f32 {
         let by_area = match &self.shapes[shape as usize] {
             Shape::Sphere(s) => return s.pdf_from(p, hit),
-            Shape::Ellipsoid(s) => s.pdf_area(hit),
+            Shape::Ellipsoid(s) => return s.pdf_from(p, hit),
             Shape::Disc(s) => 1.0 / s.area(),
             Shape::Parallelogram(s) => 1.0 / s.area(),
             Shape::Cylinder(s) => s.pdf_area(hit),
@@ -314,4 +315,4 @@ pub(crate) mod exact {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

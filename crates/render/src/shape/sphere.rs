@@ -71,60 +71,74 @@ impl Sphere {
         let Some(cone) = self.cone(p) else {
             return by_solid_angle(p, self.sample_area(u));
         };
-        // Uniform in 1 - cos, by which the smallest cones keep all their digits.
-        let one_minus_cos = f64::from(u[0]) * cone.one_minus_cos_max;
-        let cos = 1.0 - one_minus_cos;
-        let sin2 = one_minus_cos * (2.0 - one_minus_cos);
-        let (s, c) = sampling::turn(u[1]);
-        let (x, y) = sampling::tangents(cone.axis);
-        let w = cone.axis * cos + (x * c + y * s) * sin2.sqrt();
-        // Where that direction first meets the sphere, as seen from its center.
-        let r = f64::from(self.radius);
-        let reach = r * r - cone.distance * cone.distance * sin2;
-        let t = cone.distance * cos - if reach > 0.0 { reach.sqrt() } else { 0.0 };
-        let point = self.towards(w * t - cone.axis * cone.distance);
-        let wi = w.try_normalize()?.as_vec3();
-        let pdf = cone.pdf();
+        let s = cone.sample(u);
+        let point = self.towards(s.w * s.t - cone.axis * cone.distance);
+        let (wi, pdf) = (s.w.try_normalize()?.as_vec3(), cone.pdf() as f32);
         pdf.is_finite().then_some(DirSample { point, wi, pdf })
     }
 
     /// The density of [`Self::sample_from`].
     pub fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
         match self.cone(p) {
-            Some(cone) => {
-                let pdf = cone.pdf();
-                if pdf.is_finite() { pdf } else { 0.0 }
-            }
+            Some(cone) => finite_or_zero(cone.pdf() as f32),
             None => solid_angle_pdf(p, hit, 1.0 / self.area()),
         }
     }
 
-    /// The cone that the sphere fills, seen from a point outside.
     fn cone(&self, p: Vec3) -> Option<Cone> {
-        let to = self.center.as_dvec3() - p.as_dvec3();
+        Cone::new(self.center.as_dvec3() - p.as_dvec3(), f64::from(self.radius))
+    }
+}
+
+/// The directions from a point outside a sphere that meet it.
+pub(super) struct Cone {
+    axis: DVec3,
+    distance: f64,
+    radius: f64,
+    one_minus_cos_max: f64,
+}
+
+/// A direction in a [`Cone`], and how far the sphere is there.
+pub(super) struct ConeSample {
+    pub w: DVec3,
+    pub t: f64,
+}
+
+impl Cone {
+    /// The cone to a sphere whose center is at `to`, seen from the origin; `None` inside.
+    pub fn new(to: DVec3, radius: f64) -> Option<Self> {
         let distance = to.length();
-        let sin = f64::from(self.radius) / distance;
+        let sin = radius / distance;
         if sin >= 1.0 || sin.is_nan() {
             return None;
         }
         let sin2 = sin * sin;
         // 1 - cos = sin² / (1 + cos): no cancellation, however far the sphere is.
         let one_minus_cos_max = sin2 / (1.0 + (1.0 - sin2).sqrt());
-        Some(Cone { axis: to / distance, distance, one_minus_cos_max })
+        Some(Self { axis: to / distance, distance, radius, one_minus_cos_max })
+    }
+
+    /// Uniform by solid angle: in 1 - cos, by which the smallest cones keep all their digits.
+    pub fn sample(&self, u: [f32; 2]) -> ConeSample {
+        let one_minus_cos = f64::from(u[0]) * self.one_minus_cos_max;
+        let cos = 1.0 - one_minus_cos;
+        let sin2 = one_minus_cos * (2.0 - one_minus_cos);
+        let (s, c) = sampling::turn(u[1]);
+        let (x, y) = sampling::tangents(self.axis);
+        let w = self.axis * cos + (x * c + y * s) * sin2.sqrt();
+        let reach = self.radius * self.radius - self.distance * self.distance * sin2;
+        ConeSample { w, t: self.distance * cos - if reach > 0.0 { reach.sqrt() } else { 0.0 } }
+    }
+
+    /// The density of [`Self::sample`].
+    pub fn pdf(&self) -> f64 {
+        1.0 / (2.0 * std::f64::consts::PI * self.one_minus_cos_max)
     }
 }
 
-/// The directions from a point outside a sphere that meet it.
-struct Cone {
-    axis: DVec3,
-    distance: f64,
-    one_minus_cos_max: f64,
-}
-
-impl Cone {
-    fn pdf(&self) -> f32 {
-        (1.0 / (2.0 * std::f64::consts::PI * self.one_minus_cos_max)) as f32
-    }
+/// A density that overflowed counts as one that is never met.
+pub(super) fn finite_or_zero(pdf: f32) -> f32 {
+    if pdf.is_finite() { pdf } else { 0.0 }
 }
 
 /// Texture coordinates of a unit vector, and how it moves with the first of them.

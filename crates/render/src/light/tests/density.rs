@@ -1,0 +1,40 @@
+//! Every emitter of the registry by the chi-square test.
+
+use super::super::*;
+use super::{VIEWS, registry};
+use crate::testing::{ChiSquare, SphereGrid, sidak};
+
+#[test]
+fn directions_have_the_density_that_is_told() {
+    let registry = registry();
+    let tests = registry.len() * VIEWS.len();
+    for entry in registry {
+        let mut lit = 0;
+        // Surroundings look the same from everywhere.
+        let views = if entry.emitter.is_environment() { &VIEWS[..1] } else { &VIEWS };
+        for (i, &p) in views.iter().enumerate() {
+            let sample = |u: [f32; 4]| entry.emitter.sample(&entry.geometry, p, [u[0], u[1]]);
+            // Many cells, because the rims of lights cross them, and finer rings where the light is.
+            let fine = SphereGrid { rings: 64, sectors: 64, ..SphereGrid::default() };
+            let grid = if entry.emitter.is_environment() || p.length() < 1.0 {
+                fine
+            } else {
+                SphereGrid { axis: (-p).normalize(), focus: 4, ..fine }
+            };
+            // Few enough draws for the quadrature's error at the rims to stay unseen.
+            let test = ChiSquare { grid, seed: 100 + i as u64, tests, samples: 10_000 };
+            let outcome = test.run(|u| sample(u).map(|s| s.wi), |w| entry.pdf(p, w));
+            if outcome.drawn == 0.0 {
+                assert!(outcome.integral < 1e-6, "{} from {p:?}: {outcome}", entry.name);
+                continue;
+            }
+            lit += 1;
+            // A direction is rounded to 1e-7, which at a round rim misses within a cosine of 1e-3: more often than the
+            // verdict of the test allows.
+            let fine =
+                outcome.p >= sidak(0.01, tests) && outcome.impossible <= 10 && outcome.integral < 1.001;
+            assert!(fine, "{} from {p:?}: {outcome}", entry.name);
+        }
+        assert!(lit > 0, "{} is never lit", entry.name);
+    }
+}
