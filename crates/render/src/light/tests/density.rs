@@ -15,7 +15,7 @@ fn directions_have_the_density_that_is_told() {
         for (i, &p) in views.iter().enumerate() {
             let sample = |u: [f32; 4]| entry.emitter.sample(&entry.geometry, p, [u[0], u[1]]);
             // Many cells, because the rims of lights cross them, and finer rings where the light is.
-            let fine = SphereGrid { rings: 64, sectors: 64, ..SphereGrid::default() };
+            let fine = SphereGrid { rings: 48, sectors: 48, ..SphereGrid::default() };
             let grid = if entry.emitter.is_environment() || p.length() < 1.0 {
                 fine
             } else {
