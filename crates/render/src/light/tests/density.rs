@@ -1,6 +1,5 @@
 //! Every emitter of the registry by the chi-square test.
 
-use super::super::*;
 use super::{VIEWS, registry};
 use crate::testing::{ChiSquare, SphereGrid, sidak};
 
