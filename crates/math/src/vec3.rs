@@ -101,12 +101,6 @@ macro_rules! vec3 {
                 n.is_finite().then_some(n)
             }
 
-            /// Componentwise product.
-            #[inline(always)]
-            pub fn mul(self, o: Self) -> Self {
-                Self::new(self.x * o.x, self.y * o.y, self.z * o.z)
-            }
-
             /// Componentwise minimum; `o`'s coordinate where the comparison fails (NaN).
             #[inline(always)]
             pub fn min(self, o: Self) -> Self {

@@ -1,8 +1,22 @@
-//! World, shapes, lights, materials, cameras, samplers, film, integrators and the tile driver.
+//! World, materials, lights, cameras, samplers, film, integrators and the tile driver.
+//!
+//! It runs one way: [`compile`] makes a [`world::World`] of a description, read-only while rays fly; a
+//! [`driver::Render`] sends waves of paths through it, each advanced by an [`integrator::Integrator`] one bounce at a
+//! time, and their light is summed on a [`film::Film`]. Nothing here knows of files, clocks or screens.
 #![forbid(unsafe_code)]
 
+pub mod camera;
+pub mod compile;
+pub mod driver;
+pub mod film;
+pub mod filter;
+pub mod integrator;
 pub mod light;
 pub mod material;
+pub mod settings;
 pub mod shape;
+pub mod stopwatch;
+pub mod surface;
 #[doc(hidden)]
 pub mod testing;
+pub mod world;

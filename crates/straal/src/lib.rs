@@ -1,1 +1,30 @@
-//! Placeholder.
+//! straal, a physically based renderer that shows its work: the library's front door.
+//!
+//! ```no_run
+//! let loaded = straal::load("scene.yaml".as_ref(), &straal::LoadOptions::default())?;
+//! let job = straal::Job::new(loaded, straal::Overrides { spp: Some(16), ..Default::default() })?;
+//! let outcome = job.render(&mut straal::Control::to_the_end())?;
+//! outcome.picture.save("scene.exr".as_ref(), &job.look())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The way of the data: [`load`] reads files into a description, [`Job::new`] compiles it into a world,
+//! [`Job::render`] gathers light on a film, and a [`Picture`] is developed and written. The crates below
+//! can be used by themselves: `straal_accel` for ray search, `straal_color` for light, `straal_render` for the rest.
+#![forbid(unsafe_code)]
+
+pub mod job;
+pub mod picture;
+pub mod replicates;
+
+pub use job::{Control, Error, Job, Outcome, Overrides, Progress};
+pub use picture::{Look, Picture};
+pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
+pub use straal_render::settings::Region;
+pub use straal_render::stopwatch::{Clock, Phase, Times};
+
+/// The version of the library, which goes into every picture.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The scene that is rendered when none is named; it needs no other file.
+pub const EMBEDDED_SCENE: &str = include_str!("../../../scenes/embedded.yaml");

@@ -1,0 +1,104 @@
+//! Lights: those of the scene's list, and the surfaces that glow.
+
+use super::CompileError;
+use super::look::colour;
+use super::place::Glowing;
+use crate::light::spot::Cone;
+use crate::light::{
+    AreaLight, ConstantEnvironment, DirectionalLight, Emitter, Falloff, ImageEnvironment, LightTable,
+    LitSurface, PointLight, Sides, SpotLight,
+};
+use crate::shape::Geometry;
+use crate::world::Kind;
+use straal_accel as accel;
+use straal_math::{Affine, DVec3};
+use straal_scene::desc::{self, Light};
+use straal_scene::{Assets, Scene};
+
+/// Everything that shines, how to choose among it, and what of it is all around.
+pub(super) struct Lights {
+    pub emitters: Vec<Emitter>,
+    pub table: LightTable,
+    pub environments: Vec<u32>,
+}
+
+/// The glowing surfaces come first, so that their indices are those that the walk over the world gave them.
+pub(super) fn gather(
+    scene: &Scene,
+    assets: &Assets,
+    geometry: &Geometry,
+    glowing: Vec<Glowing>,
+    search: &accel::Scene,
+) -> Result<Lights, CompileError> {
+    let mut emitters: Vec<Emitter> = glowing.iter().map(|g| area(g, geometry)).collect();
+    for light in &scene.lights {
+        emitters.push(emitter(light, assets)?);
+    }
+    let bounds = search.bounds();
+    // Only for the choice of lights: how far parallel light and surroundings reach.
+    let radius = if bounds.is_empty() { 1.0 } else { 0.5 * f64::from(bounds.extent().length()) };
+    let table = LightTable::new(&emitters, geometry, radius);
+    let environments =
+        (0..emitters.len() as u32).filter(|&i| emitters[i as usize].is_environment()).collect();
+    Ok(Lights { emitters, table, environments })
+}
+
+fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
+    let surface = match g.kind {
+        Kind::Mesh(mesh) => LitSurface::mesh(geometry, mesh),
+        Kind::Shapes(shape) => LitSurface::Shape(shape),
+    };
+    let sides = match (g.two_sided, g.flip) {
+        (true, _) => Sides::Both,
+        (false, true) => Sides::Back,
+        (false, false) => Sides::Front,
+    };
+    Emitter::Area(AreaLight { surface, radiance: colour(g.radiance), sides })
+}
+
+fn emitter(light: &Light, assets: &Assets) -> Result<Emitter, CompileError> {
+    Ok(match light {
+        Light::Point(l) => Emitter::Point(PointLight {
+            position: l.position.as_vec3(),
+            intensity: colour(l.intensity.constant()),
+        }),
+        Light::Directional(l) => Emitter::Directional(
+            DirectionalLight::new(l.direction.as_vec3(), colour(l.irradiance.constant()))
+                .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))?,
+        ),
+        Light::Spot(l) => {
+            let cone = Cone {
+                axis: l.axis().as_vec3(),
+                beam: l.full_beam(),
+                cutoff: l.cutoff,
+                falloff: match l.falloff {
+                    desc::Falloff::Linear => Falloff::Linear,
+                    desc::Falloff::Smooth => Falloff::Smooth,
+                },
+            };
+            let spot = SpotLight::new(l.position.as_vec3(), colour(l.intensity.constant()), &cone);
+            Emitter::Spot(spot.ok_or_else(|| CompileError::new("the axis of a spot light has no length"))?)
+        }
+        Light::Environment(l) => environment(l, assets)?,
+    })
+}
+
+fn environment(l: &desc::Environment, assets: &Assets) -> Result<Emitter, CompileError> {
+    let Some(file) = &l.file else {
+        let radiance = l.radiance.map_or(Default::default(), |r| r.constant());
+        let radiance = colour(radiance) * l.scale as f32;
+        return Ok(Emitter::Constant(ConstantEnvironment { radiance }));
+    };
+    let image = assets
+        .image(file)
+        .ok_or_else(|| CompileError::at(format!("the picture `{}` was not read", file.value), file.span))?;
+    // The scene language has the middle column along -z, the emitter its left edge: half a turn.
+    let placed = Affine::rotate(DVec3::Y, 180.0 + l.rotate)
+        .zip(l.transform.affine())
+        .map(|(turn, own)| turn.then(&own))
+        .ok_or_else(|| CompileError::at("this transform is singular", l.transform.span))?;
+    let map = ImageEnvironment::new(image, l.scale as f32, &placed);
+    let map = map
+        .ok_or_else(|| CompileError::at(format!("the picture `{}` has no pixels", file.value), file.span))?;
+    Ok(Emitter::Image(Box::new(map)))
+}

@@ -1,0 +1,502 @@
+//! The walk over the tree of the world.
+
+use super::look::Materials;
+use super::{CompileError, Custom};
+use crate::material;
+use crate::shape::bezier;
+use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
+use crate::world::{INHERIT, Kind, Look};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use straal_accel as accel;
+use straal_math::{Affine, DVec3, Transform, Vec3, ops};
+use straal_scene::desc::{self, Node, Shading};
+use straal_scene::value::Color;
+use straal_scene::{Assets, Mesh, PartMaterial, Scene};
+
+/// Dissolving instances of what glows stops here, before it eats the machine.
+const MAX_DISSOLVED: usize = 1_000_000;
+
+/// A surface that glows.
+pub(super) struct Glowing {
+    pub kind: Kind,
+    pub radiance: Color,
+    pub two_sided: bool,
+    pub flip: bool,
+}
+
+/// Where the walk is.
+#[derive(Clone, Copy)]
+struct Place {
+    /// From the present node to the group that it ends up in.
+    transform: Affine,
+    /// For what has none of its own.
+    material: u32,
+    group: u32,
+}
+
+pub(super) struct Build<'a> {
+    scene: &'a Scene,
+    assets: &'a Assets,
+    materials: Materials<'a>,
+    geometry: Geometry,
+    input: accel::Input,
+    looks: Vec<Look>,
+    /// Materials of each group's instances, by group.
+    group_materials: Vec<Vec<u32>>,
+    /// Groups of the objects met so far.
+    objects: BTreeMap<&'a str, u32>,
+    glowing: Vec<Glowing>,
+    dissolved: usize,
+}
+
+/// What the walk leaves.
+pub(super) struct Built {
+    pub input: accel::Input,
+    pub geometry: Geometry,
+    pub looks: Vec<Look>,
+    pub instance_materials: Vec<u32>,
+    pub glowing: Vec<Glowing>,
+    pub materials: material::Materials,
+}
+
+impl<'a> Build<'a> {
+    pub fn new(scene: &'a Scene, assets: &'a Assets, custom: &Custom) -> Result<Self, CompileError> {
+        Ok(Self {
+            scene,
+            assets,
+            materials: Materials::new(scene, custom),
+            geometry: Geometry::default(),
+            input: accel::Input { groups: vec![accel::Group::default()], geometries: Vec::new() },
+            looks: Vec::new(),
+            group_materials: vec![Vec::new()],
+            objects: BTreeMap::new(),
+            glowing: Vec::new(),
+            dissolved: 0,
+        })
+    }
+
+    pub fn world(&mut self) -> Result<(), CompileError> {
+        let place = Place { transform: Affine::IDENTITY, material: 0, group: 0 };
+        self.scene.world.iter().try_for_each(|node| self.node(node, place))
+    }
+
+    pub fn custom_shapes(&mut self, custom: &Custom) -> Result<(), CompileError> {
+        for (i, (shape, material)) in custom.shapes.iter().enumerate() {
+            let material = self.materials.named(material)?;
+            self.geometry.custom.push(shape.clone());
+            let look = self.add_shape(Shape::Custom(i as u32), 0, material, false);
+            self.looks.push(look);
+        }
+        Ok(())
+    }
+
+    pub fn finish(self) -> Built {
+        Built {
+            input: self.input,
+            geometry: self.geometry,
+            looks: self.looks,
+            // The search structure numbers instances group by group, in this order.
+            instance_materials: self.group_materials.concat(),
+            glowing: self.glowing,
+            materials: self.materials.finish(),
+        }
+    }
+
+    fn node(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
+        match node {
+            Node::Group(g) => {
+                let inner = self.step_into(&g.transform, g.material.as_ref(), place)?;
+                g.children.iter().try_for_each(|child| self.node(child, inner))
+            }
+            Node::Instance(i) => self.instance(i, place),
+            Node::Sphere(s) => {
+                let m = shape_transform(&s.surface, place)?;
+                self.shape(&s.surface, place, sphere(s, &m)?, s.surface.flip)
+            }
+            Node::Plane(s) => {
+                let m = shape_transform(&s.surface, place)?;
+                let inverse = m.inverse().ok_or_else(singular)?;
+                let normal = unit(inverse.normal_by_inverse(s.normal))?;
+                let normal = if s.surface.flip { -normal } else { normal };
+                let plane =
+                    Shape::Plane(Plane { point: m.point(s.point).as_vec3(), normal: normal.as_vec3() });
+                self.shape(&s.surface, place, plane, false)
+            }
+            Node::Disc(s) => {
+                let m = shape_transform(&s.surface, place)?;
+                let (a, b) = tangents(unit(s.normal)?);
+                let (mut a, mut b) = (m.vector(a * s.radius), m.vector(b * s.radius));
+                if s.surface.flip != (m.determinant() < 0.0) {
+                    (a, b) = (b, a);
+                }
+                let disc = Disc { center: m.point(s.center).as_vec3(), a: a.as_vec3(), b: b.as_vec3() };
+                self.shape(&s.surface, place, Shape::Disc(disc), false)
+            }
+            Node::Rectangle(s) => {
+                let m = shape_transform(&s.surface, place)?;
+                let (mut a, mut b) = (m.vector(s.edges[0]), m.vector(s.edges[1]));
+                if s.surface.flip != (m.determinant() < 0.0) {
+                    (a, b) = (b, a);
+                }
+                let corner = m.point(s.corner).as_vec3();
+                let r = Parallelogram { corner, a: a.as_vec3(), b: b.as_vec3() };
+                self.shape(&s.surface, place, Shape::Parallelogram(r), false)
+            }
+            Node::Cylinder(s) => self.cylinder(s, place),
+            Node::Box(s) => {
+                let mesh = TriangleMesh::cuboid(s.min.as_vec3(), s.max.as_vec3());
+                self.whole_mesh(mesh, &s.surface, place)
+            }
+            Node::Triangle(s) => {
+                let positions = s.vertices.map(|v| v.as_vec3().to_array()).to_vec();
+                let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
+                self.whole_mesh(TriangleMesh::from(&mesh), &s.surface, place)
+            }
+            Node::Mesh(m) => self.mesh_node(m, place),
+            Node::Bezier(b) => {
+                let mut mesh = bezier_mesh(b)?;
+                if matches!(b.shading, Shading::Flat) {
+                    mesh.normals.clear();
+                }
+                self.whole_mesh(mesh, &b.surface, place)
+            }
+        }
+    }
+
+    fn step_into(
+        &mut self,
+        transform: &desc::Transform,
+        material: Option<&'a desc::MaterialRef>,
+        place: Place,
+    ) -> Result<Place, CompileError> {
+        let local = transform
+            .affine()
+            .ok_or_else(|| CompileError::at("this transform is singular", transform.span))?;
+        Ok(Place {
+            transform: local.then(&place.transform),
+            material: self.materials.of(material, place.material)?,
+            ..place
+        })
+    }
+
+    fn instance(&mut self, i: &'a desc::Instance, place: Place) -> Result<(), CompileError> {
+        let object = self
+            .scene
+            .objects
+            .get(&i.of)
+            .ok_or_else(|| CompileError::at(format!("there is no object `{}`", i.of.value), i.of.span))?;
+        let inner = self.step_into(&i.transform, i.material.as_ref(), place)?;
+
+        if self.glows(object, 0) {
+            self.dissolved += 1;
+            if self.dissolved > MAX_DISSOLVED {
+                return Err(CompileError::at(
+                    format!(
+                        "more than {MAX_DISSOLVED} instances of objects that glow: each becomes a light of its own"
+                    ),
+                    i.of.span,
+                ));
+            }
+            return self.node(object, inner);
+        }
+
+        let group = match self.objects.get(i.of.value.as_str()) {
+            Some(&g) => g,
+            None => {
+                let group = self.input.groups.len() as u32;
+                self.input.groups.push(accel::Group::default());
+                self.group_materials.push(Vec::new());
+                self.objects.insert(&i.of.value, group);
+                self.node(object, Place { transform: Affine::IDENTITY, material: INHERIT, group })?;
+                group
+            }
+        };
+        let transform = Transform::new(&inner.transform).ok_or_else(singular)?;
+        self.input.groups[place.group as usize].instances.push(accel::Instance {
+            group,
+            transform,
+            mask: u32::MAX,
+        });
+        self.group_materials[place.group as usize].push(inner.material);
+        Ok(())
+    }
+
+    /// Whether anything in the node glows. Validation has bounded the nesting; the count is a second bound.
+    fn glows(&self, node: &Node, depth: usize) -> bool {
+        let surface = match node {
+            Node::Group(g) => return g.children.iter().any(|c| self.glows(c, depth)),
+            Node::Instance(i) => {
+                let object = self.scene.objects.get(&i.of);
+                return depth < accel::MAX_DEPTH && object.is_some_and(|o| self.glows(o, depth + 1));
+            }
+            Node::Sphere(s) => &s.surface,
+            Node::Plane(s) => &s.surface,
+            Node::Disc(s) => &s.surface,
+            Node::Rectangle(s) => &s.surface,
+            Node::Box(s) => &s.surface,
+            Node::Cylinder(s) => &s.surface,
+            Node::Triangle(s) => &s.surface,
+            Node::Bezier(s) => &s.surface,
+            Node::Mesh(m) => {
+                let asset = m.file.as_ref().and_then(|f| self.assets.mesh(f));
+                if asset.is_some_and(|a| a.materials.values().any(|p| p.emission.is_some())) {
+                    return true;
+                }
+                &m.surface
+            }
+        };
+        surface.emission.is_some()
+    }
+
+    fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) -> Result<(), CompileError> {
+        let m = shape_transform(&s.surface, place)?;
+        let axis = s.to - s.from;
+        let (a, b) = tangents(unit(axis)?);
+        let (a, b) = (a * s.radius, b * s.radius);
+        // The unit cylinder stands along y.
+        let unit_to_local = Affine {
+            rows: [[b.x, axis.x, a.x, s.from.x], [b.y, axis.y, a.y, s.from.y], [b.z, axis.z, a.z, s.from.z]],
+        };
+        let wall = Cylinder::new(unit_to_local.then(&m)).ok_or_else(singular)?;
+        self.shape(&s.surface, place, Shape::Cylinder(Box::new(wall)), s.surface.flip)?;
+        if s.caps {
+            for (center, a, b) in [(s.from, b, a), (s.to, a, b)] {
+                let (mut a, mut b) = (m.vector(a), m.vector(b));
+                if s.surface.flip != (m.determinant() < 0.0) {
+                    (a, b) = (b, a);
+                }
+                let cap = Disc { center: m.point(center).as_vec3(), a: a.as_vec3(), b: b.as_vec3() };
+                self.shape(&s.surface, place, Shape::Disc(cap), false)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds a shape that stands in its group's space.
+    fn shape(
+        &mut self,
+        surface: &'a desc::Surface,
+        place: Place,
+        shape: Shape,
+        flip: bool,
+    ) -> Result<(), CompileError> {
+        let material = self.materials.of(surface.material.as_ref(), place.material)?;
+        let mut look = self.add_shape(shape, place.group, material, flip);
+        if let Some(radiance) = surface.emission {
+            look.emitter = Some(self.glow(look.kind, radiance.constant(), surface.two_sided_emission, flip));
+        }
+        self.looks.push(look);
+        Ok(())
+    }
+
+    fn add_shape(&mut self, shape: Shape, group: u32, material: u32, flip: bool) -> Look {
+        let first = self.geometry.shapes.len() as u32;
+        self.geometry.shapes.push(shape);
+        self.add_geometry(group, accel::GeometryKind::Shapes { first, count: 1 });
+        Look { kind: Kind::Shapes(first), material, emitter: None, flip }
+    }
+
+    fn add_geometry(&mut self, group: u32, kind: accel::GeometryKind) {
+        let id = self.input.geometries.len() as u32;
+        self.input.geometries.push(accel::Geometry { kind, mask: u32::MAX });
+        self.input.groups[group as usize].geometries.push(id);
+    }
+
+    fn glow(&mut self, kind: Kind, radiance: Color, two_sided: bool, flip: bool) -> u32 {
+        self.glowing.push(Glowing { kind, radiance, two_sided, flip });
+        (self.glowing.len() - 1) as u32
+    }
+
+    fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) -> Result<(), CompileError> {
+        if let Some(file) = &m.file {
+            let asset = self.assets.mesh(file).ok_or_else(|| {
+                CompileError::at(format!("the mesh file `{}` was not read", file.value), file.span)
+            })?;
+            let runs = runs(&asset.mesh, &asset.materials, m.surface.material.is_some());
+            return self.mesh(shaded(&asset.mesh, &m.shading), &runs, &m.surface, place);
+        }
+        let mesh = Mesh {
+            positions: m.positions.iter().map(|p| p.as_vec3().to_array()).collect(),
+            normals: m.normals.iter().map(|n| n.as_vec3().to_array()).collect(),
+            uvs: m.uvs.iter().map(|uv| uv.map(|v| v as f32)).collect(),
+            triangles: m.triangles.clone(),
+            parts: Vec::new(),
+        };
+        self.whole_mesh(shaded(&mesh, &m.shading), &m.surface, place)
+    }
+
+    fn whole_mesh(
+        &mut self,
+        mesh: TriangleMesh,
+        surface: &'a desc::Surface,
+        place: Place,
+    ) -> Result<(), CompileError> {
+        let all = Run { material: None, triangles: mesh.indices.clone() };
+        self.mesh(mesh, &[all], surface, place)
+    }
+
+    /// Moves a mesh to its group's space and adds it, a geometry for each run.
+    fn mesh(
+        &mut self,
+        mesh: TriangleMesh,
+        runs: &[Run<'a>],
+        surface: &'a desc::Surface,
+        place: Place,
+    ) -> Result<(), CompileError> {
+        if !mesh.is_whole() {
+            return Err(CompileError::new("a triangle names a vertex that isn't there"));
+        }
+        let m = shape_transform(surface, place)?;
+        let mut mesh = if m.is_identity() { mesh } else { mesh.transformed(&m).ok_or_else(singular)? };
+        if surface.flip {
+            mesh.flip = !mesh.flip;
+            mesh.normals.iter_mut().for_each(|n| *n = -*n);
+        }
+        let default = self.materials.of(surface.material.as_ref(), place.material)?;
+        let own_glow = surface.emission.map(|e| e.constant());
+        for run in runs {
+            let material = run.material.map_or(default, |part| self.materials.add(&part.material));
+            let radiance = own_glow.or(run.material.and_then(|part| part.emission));
+            let id = self.geometry.meshes.len() as u32;
+            let part = TriangleMesh { indices: run.triangles.clone(), ..mesh.clone() };
+            let (positions, indices) = (part.positions.clone(), part.indices.clone());
+            self.geometry.meshes.push(part);
+            self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
+            let kind = Kind::Mesh(id);
+            let emitter = radiance.map(|r| self.glow(kind, r, surface.two_sided_emission, false));
+            self.looks.push(Look { kind, material, emitter, flip: false });
+        }
+        Ok(())
+    }
+}
+
+/// Triangles of a mesh that share a material of its file.
+struct Run<'a> {
+    material: Option<&'a PartMaterial>,
+    triangles: Arc<[[u32; 3]]>,
+}
+
+/// One run for each material that the file names, in order of first mention; one in all when the node has its own.
+fn runs<'a>(mesh: &Mesh, materials: &'a BTreeMap<String, PartMaterial>, own: bool) -> Vec<Run<'a>> {
+    let mut runs: Vec<(Option<&str>, Vec<[u32; 3]>)> = Vec::new();
+    if !own && !materials.is_empty() {
+        for part in &mesh.parts {
+            let name = part.material.as_deref().filter(|n| materials.contains_key(*n));
+            let run = runs.iter().position(|r| r.0 == name).unwrap_or_else(|| {
+                runs.push((name, Vec::new()));
+                runs.len() - 1
+            });
+            runs[run].1.extend(mesh.triangles.get(part.triangles.clone()).unwrap_or_default());
+        }
+    }
+    if runs.is_empty() {
+        return vec![Run { material: None, triangles: mesh.triangles.as_slice().into() }];
+    }
+    let finish = |(name, triangles): (Option<&str>, Vec<[u32; 3]>)| Run {
+        material: name.and_then(|n| materials.get(n)),
+        triangles: triangles.into(),
+    };
+    runs.into_iter().map(finish).collect()
+}
+
+/// The mesh with the normals that it shall be shaded with.
+fn shaded(mesh: &Mesh, shading: &Shading) -> TriangleMesh {
+    let mut out = TriangleMesh::from(mesh);
+    match shading {
+        Shading::Flat => out.normals.clear(),
+        Shading::Smooth if out.normals.is_empty() => out.normals = smooth_normals(&out),
+        Shading::Auto | Shading::Smooth => {}
+    }
+    out
+}
+
+/// Normals at the vertices: the mean of the faces', each weighed by its angle at the vertex (Thürmer & Wüthrich 1998),
+/// which doesn't depend on how a flat face is cut into triangles. Vertices that stand in the same place share one,
+/// so that a seam in the texture doesn't show.
+fn smooth_normals(mesh: &TriangleMesh) -> Vec<Vec3> {
+    let key = |p: Vec3| p.to_array().map(|v| (v + 0.0).to_bits());
+    let mut sums: BTreeMap<[u32; 3], DVec3> = BTreeMap::new();
+    if !mesh.is_whole() {
+        return Vec::new();
+    }
+    for i in 0..mesh.indices.len() as u32 {
+        let corners = mesh.corners(i).map(Vec3::as_dvec3);
+        let [a, b, c] = corners;
+        let Some(n) = (b - a).cross(c - a).try_normalize() else { continue };
+        for k in 0..3 {
+            let [p, q, r] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
+            let (Some(e), Some(f)) = ((q - p).try_normalize(), (r - p).try_normalize()) else { continue };
+            let angle = ops::acos_d(e.dot(f));
+            *sums.entry(key(p.as_vec3())).or_default() += n * angle;
+        }
+    }
+    let normal = |p: &Vec3| sums.get(&key(*p)).and_then(|n| n.try_normalize());
+    mesh.positions.iter().map(|p| normal(p).unwrap_or(DVec3::ZERO).as_vec3()).collect()
+}
+
+fn singular() -> CompileError {
+    CompileError::new("a transform is singular, or leaves the range of single precision")
+}
+
+fn unit(v: DVec3) -> Result<DVec3, CompileError> {
+    v.try_normalize().ok_or_else(|| CompileError::new("a direction has no length"))
+}
+
+fn shape_transform(surface: &desc::Surface, place: Place) -> Result<Affine, CompileError> {
+    let own = &surface.transform;
+    let local = own.affine().ok_or_else(|| CompileError::at("this transform is singular", own.span))?;
+    Ok(local.then(&place.transform))
+}
+
+/// Two unit vectors that make a right-handed frame with `n`.
+fn tangents(n: DVec3) -> (DVec3, DVec3) {
+    // Those of +z are x and y, so that a disc's texture coordinates are where one expects them.
+    let helper = if n.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
+    let a = helper - n * n.dot(helper);
+    let a = a / a.length();
+    (a, n.cross(a))
+}
+
+/// A sphere stays one under rotations and uniform scaling.
+fn sphere(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
+    let column = |j: usize| DVec3::new(m.rows[0][j], m.rows[1][j], m.rows[2][j]);
+    let (a, b, c) = (column(0), column(1), column(2));
+    let scale = a.length();
+    let near = |x: f64| x.abs() < 1e-9 * scale * scale;
+    let similar = near(a.dot(b))
+        && near(b.dot(c))
+        && near(c.dot(a))
+        && near(b.length_squared() - scale * scale)
+        && near(c.length_squared() - scale * scale);
+    let center = m.point(s.center);
+    if similar {
+        return Ok(Shape::Sphere(Sphere { center: center.as_vec3(), radius: (scale * s.radius) as f32 }));
+    }
+    let unit_to_local = Affine::scale(DVec3::splat(s.radius)).then(&Affine::translate(s.center));
+    Ok(Shape::Ellipsoid(Box::new(Ellipsoid::new(unit_to_local.then(m)).ok_or_else(singular)?)))
+}
+
+fn bezier_mesh(b: &desc::Bezier) -> Result<TriangleMesh, CompileError> {
+    let patches = match b.source() {
+        desc::BezierPatches::Builtin("teapot") => bezier::teapot(),
+        desc::BezierPatches::Builtin(name) => {
+            return Err(CompileError::new(format!(
+                "there are no built-in patches `{name}`; there is `teapot`"
+            )));
+        }
+        desc::BezierPatches::Inline => {
+            let point = |&i: &u32| b.points.get(i as usize).map(|p| p.as_vec3());
+            let patch = |ids: &[u32; 16]| -> Option<bezier::Patch> {
+                let points: Vec<Vec3> = ids.iter().map(point).collect::<Option<_>>()?;
+                points.try_into().ok()
+            };
+            b.patches
+                .iter()
+                .map(patch)
+                .collect::<Option<_>>()
+                .ok_or_else(|| CompileError::new("a patch names a control point that isn't there"))?
+        }
+    };
+    Ok(bezier::tessellate(&patches, b.resolution))
+}

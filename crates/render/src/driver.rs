@@ -1,0 +1,262 @@
+//! The driver: passes over the picture, tiles over the threads, waves of paths.
+
+use crate::camera::FilmPoint;
+use crate::film::{Film, FilmTile, MAX_SAMPLES};
+use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
+use crate::settings::Settings;
+use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
+use crate::world::World;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use straal_accel::Hit;
+use straal_color::Light;
+use straal_math::Ray;
+use straal_math::lowdisc::{Purpose, SampleName};
+
+/// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel has the same number of
+/// samples, and the sums are those of any other way to get there.
+pub struct Render<'w, I> {
+    world: &'w World,
+    integrator: I,
+    settings: Settings,
+    film: Film,
+    done: u32,
+    times: Times,
+    clock: Option<Clock>,
+    pool: rayon::ThreadPool,
+}
+
+/// Why a render can't start.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The operating system gave no threads.
+    #[error("can't start the worker threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl<'w, I: Integrator> Render<'w, I> {
+    /// Prepares a render; nothing is traced yet. A clock lets it tell where the time goes.
+    pub fn new(
+        world: &'w World,
+        integrator: I,
+        settings: Settings,
+        clock: Option<Clock>,
+    ) -> Result<Self, RenderError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
+        let film = Film::new(settings.size, settings.crop);
+        Ok(Self { world, integrator, settings, film, done: 0, times: Times::default(), clock, pool })
+    }
+
+    /// Adds `samples` samples to every pixel (fewer where the film can't hold more: [`MAX_SAMPLES`] in all).
+    pub fn advance(&mut self, samples: u32) {
+        let range = self.done..self.done.saturating_add(samples).min(MAX_SAMPLES);
+        let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
+        let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
+        let next = AtomicUsize::new(0);
+        let (world, integrator, settings, clock) =
+            (self.world, &self.integrator, &self.settings, &self.clock);
+        let times = self.pool.broadcast(|_| {
+            let mut worker = Worker::new(world, integrator, settings, clock.clone());
+            while let Some(&tile) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let mut tile = tiles[tile as usize].lock().unwrap_or_else(PoisonError::into_inner);
+                worker.render(&mut tile, range.clone());
+            }
+            worker.stopwatch.times
+        });
+        for t in times {
+            self.times += t;
+        }
+        self.done = range.end;
+    }
+
+    /// The film so far.
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// The film, when the render is done.
+    pub fn into_film(self) -> Film {
+        self.film
+    }
+
+    /// Samples taken of every pixel.
+    pub fn samples_done(&self) -> u32 {
+        self.done
+    }
+
+    /// Where the time went, and rays traced.
+    pub fn times(&self) -> Times {
+        self.times
+    }
+
+    /// Worker threads.
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+}
+
+/// Row by row, or shuffled (Fisher-Yates with a splitmix generator).
+fn tile_order(n: usize, shuffle: Option<u64>) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..n as u32).collect();
+    if let Some(mut state) = shuffle {
+        for i in (1..n).rev() {
+            state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = state;
+            z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+            order.swap(i, ((z ^ z >> 31) % (i as u64 + 1)) as usize);
+        }
+    }
+    order
+}
+
+/// One thread's buffers, reused from wave to wave.
+struct Worker<'a, I: Integrator> {
+    world: &'a World,
+    integrator: &'a I,
+    settings: &'a Settings,
+    stopwatch: Stopwatch,
+    paths: Vec<Path<I::State>>,
+    rays: Vec<Ray>,
+    hits: Vec<Hit>,
+    order: Vec<u32>,
+    counts: Vec<u32>,
+    samples: Vec<Pending>,
+    names: Vec<([u32; 2], u32)>,
+    shadow_rays: Vec<Ray>,
+    shadows: Vec<ShadowRay>,
+    transmittance: Vec<Light>,
+    blocked: Vec<bool>,
+}
+
+impl<'a, I: Integrator> Worker<'a, I> {
+    fn new(world: &'a World, integrator: &'a I, settings: &'a Settings, clock: Option<Clock>) -> Self {
+        Self {
+            world,
+            integrator,
+            settings,
+            stopwatch: Stopwatch::start(clock),
+            paths: Vec::new(),
+            rays: Vec::new(),
+            hits: Vec::new(),
+            order: Vec::new(),
+            counts: Vec::new(),
+            samples: Vec::new(),
+            names: Vec::new(),
+            shadow_rays: Vec::new(),
+            shadows: Vec::new(),
+            transmittance: Vec::new(),
+            blocked: Vec::new(),
+        }
+    }
+
+    /// Takes the given samples of every pixel of a tile, a batch at a time.
+    fn render(&mut self, tile: &mut FilmTile, indices: Range<u32>) {
+        let region = tile.region;
+        let pixels =
+            (region.min[1]..region.max[1]).flat_map(|y| (region.min[0]..region.max[0]).map(move |x| [x, y]));
+        let mut names = pixels.flat_map(|p| indices.clone().map(move |i| (p, i)));
+        loop {
+            self.names.clear();
+            self.names.extend(names.by_ref().take(self.settings.batch.max(1)));
+            if self.names.is_empty() {
+                return;
+            }
+            self.start();
+            while !self.paths.is_empty() {
+                self.bounce();
+            }
+            for (&(pixel, index), s) in self.names.iter().zip(&self.samples) {
+                let mut sample = s.guides;
+                sample.rgb = s.light.to_rgb();
+                tile.add(pixel, index, &sample);
+            }
+            self.stopwatch.lap(Phase::Film);
+        }
+    }
+
+    /// Camera rays of the named samples.
+    fn start(&mut self) {
+        let (world, settings) = (self.world, self.settings);
+        self.paths.clear();
+        self.rays.clear();
+        self.samples.clear();
+        self.samples.resize(self.names.len(), Pending::default());
+        for (k, &(pixel, index)) in self.names.iter().enumerate() {
+            let name = SampleName::new(settings.seed, pixel, index);
+            let offset = world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
+            let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
+            self.rays.push(world.camera.ray(FilmPoint { position }));
+            self.paths.push(Path { name, sample: k as u32, alive: true, state: self.integrator.start() });
+        }
+        self.stopwatch.lap(Phase::Camera);
+    }
+
+    /// One wave: trace, step, shadows, and the paths that ended leave.
+    fn bounce(&mut self) {
+        let world = self.world;
+        self.hits.resize(self.paths.len(), Hit::MISS);
+        world.closest(&self.rays, &mut self.hits);
+        self.stopwatch.times.rays += self.rays.len() as u64;
+        self.stopwatch.lap(Phase::Search);
+
+        self.group_by_material();
+        self.integrator.step(
+            world,
+            &mut Wave {
+                pattern: self.settings.pattern,
+                paths: &mut self.paths,
+                rays: &mut self.rays,
+                hits: &self.hits,
+                order: &self.order,
+                samples: &mut self.samples,
+                shadow_rays: &mut self.shadow_rays,
+                shadows: &mut self.shadows,
+                stopwatch: &mut self.stopwatch,
+            },
+        );
+        self.stopwatch.lap(Phase::Shading);
+
+        // A sample has one path, and the path one shadow ray a step, so that a sample's light is added in the
+        // order of its path whatever the wave.
+        world.transmittance(&self.shadow_rays, &mut self.blocked, &mut self.transmittance);
+        for (shadow, &t) in self.shadows.iter().zip(&self.transmittance) {
+            self.samples[shadow.sample as usize].light += shadow.light * t;
+        }
+        self.stopwatch.times.shadow_rays += self.shadow_rays.len() as u64;
+        self.shadow_rays.clear();
+        self.shadows.clear();
+
+        let mut kept = 0;
+        for i in 0..self.paths.len() {
+            if self.paths[i].alive {
+                self.paths[kept] = self.paths[i];
+                self.rays[kept] = self.rays[i];
+                kept += 1;
+            }
+        }
+        self.paths.truncate(kept);
+        self.rays.truncate(kept);
+        self.stopwatch.lap(Phase::Search);
+    }
+
+    /// Counting sort of the paths by the material they hit; what misses comes last.
+    fn group_by_material(&mut self) {
+        let groups = self.world.material_count() + 1;
+        self.counts.clear();
+        self.counts.resize(groups + 1, 0);
+        for hit in &self.hits {
+            self.counts[self.world.material_group(hit) + 1] += 1;
+        }
+        for g in 0..groups {
+            self.counts[g + 1] += self.counts[g];
+        }
+        self.order.resize(self.hits.len(), 0);
+        for (i, hit) in self.hits.iter().enumerate() {
+            let slot = &mut self.counts[self.world.material_group(hit)];
+            self.order[*slot as usize] = i as u32;
+            *slot += 1;
+        }
+    }
+}

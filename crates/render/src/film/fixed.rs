@@ -1,0 +1,68 @@
+//! Fixed-point sums: a float is rounded once, then integers are added, which is associative.
+
+/// A sample of this size or more is dropped and counted, like NaN.
+pub const MAX_VALUE: f32 = 4_294_967_296.0; // 2^32
+
+/// The largest number of samples a pixel may take: up to it no sum below can overflow, whatever the samples.
+pub const MAX_SAMPLES: u32 = 1 << 18;
+
+/// 2^62, a value's scale: single floats of 2^-39 and more are held exactly, and the sum of 2^18 values below
+/// 2^32 stays below 2^112.
+const VALUE_SCALE: f64 = (1_u64 << 62) as f64;
+/// 2^44: squares below 2^64, sums below 2^126.
+const SQUARE_SCALE: f64 = (1_u64 << 44) as f64;
+/// 2^40 for numbers of [-4, 4]: sums below 2^60.
+const GUIDE_SCALE: f64 = (1_u64 << 40) as f64;
+const GUIDE_RANGE: f32 = 4.0;
+
+/// Sum of values below 2^32, in units of 2^-62.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Value(i128);
+
+impl Value {
+    pub fn add(&mut self, v: f32) {
+        self.0 += round(f64::from(v) * VALUE_SCALE);
+    }
+
+    pub fn to_f64(self) -> f64 {
+        self.0 as f64 / VALUE_SCALE
+    }
+}
+
+/// Sum of squares of values below 2^32, in units of 2^-44.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Square(i128);
+
+impl Square {
+    /// Adds v².
+    pub fn add(&mut self, v: f32) {
+        let v = f64::from(v); // its square is exact in double precision
+        self.0 += round(v * v * SQUARE_SCALE);
+    }
+
+    pub fn to_f64(self) -> f64 {
+        self.0 as f64 / SQUARE_SCALE
+    }
+}
+
+/// Sum of an albedo or normal, in units of 2^-40; what lies beyond ±4 is taken as that, NaN as 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Guide(i64);
+
+impl Guide {
+    pub fn add(&mut self, v: f32) {
+        let v = if v.is_nan() { 0.0 } else { straal_math::ops::clamp(v, -GUIDE_RANGE, GUIDE_RANGE) };
+        self.0 += (f64::from(v) * GUIDE_SCALE).round_ties_even() as i64;
+    }
+
+    pub fn to_f64(self) -> f64 {
+        self.0 as f64 / GUIDE_SCALE
+    }
+}
+
+/// To the nearest integer. Most numbers fit 64 bits, whose conversion is one instruction; beyond 2^62 a double has
+/// no fraction left to round.
+#[inline(always)]
+fn round(v: f64) -> i128 {
+    if v.abs() < (1_u64 << 62) as f64 { i128::from(v.round_ties_even() as i64) } else { v as i128 }
+}

@@ -1,0 +1,256 @@
+//! The film: what every pixel has gathered.
+//!
+//! Film sums are associative, so that threads, tiles, batches, shards and interruptions can't change a bit
+//! (ARCHITECTURE.md, "Same bits"): each sample's numbers are rounded once to fixed point and added as integers.
+
+mod fixed;
+mod hash;
+
+pub use fixed::{MAX_SAMPLES, MAX_VALUE};
+pub use hash::hash_of;
+
+use crate::settings::Region;
+use fixed::{Guide, Square, Value};
+
+/// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
+pub const TILE: u32 = 16;
+
+/// One sample as the film takes it: linear RGB and, for the guide layers, what the camera ray met first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sample {
+    /// Radiance, linear RGB.
+    pub rgb: [f32; 3],
+    /// Share of light that the first surface reflects or passes on, linear RGB; the radiance of what emits is no part.
+    pub albedo: [f32; 3],
+    /// Unit shading normal of the first surface in world space; 0 when nothing was met.
+    pub normal: [f32; 3],
+    /// Distance from the camera to the first surface in metres; 0 when nothing was met.
+    pub depth: f32,
+}
+
+/// Sums of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Pixel {
+    value: [Value; 3],
+    square: [Square; 3],
+    albedo: [Guide; 3],
+    normal: [Guide; 3],
+    depth: Value,
+    /// Samples taken, the dropped included.
+    count: u32,
+    /// Samples that were not finite or beyond the film's range: they count as 0.
+    dropped: u32,
+}
+
+/// The part of a film under one tile.
+#[derive(Clone, Debug)]
+pub struct FilmTile {
+    /// Pixels covered, in coordinates of the whole picture.
+    pub region: Region,
+    pixels: Vec<Pixel>,
+    /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
+    first_dropped: Option<([u32; 2], u32)>,
+}
+
+impl FilmTile {
+    fn new(region: Region) -> Self {
+        Self { region, pixels: vec![Pixel::default(); region.area()], first_dropped: None }
+    }
+
+    /// Adds one sample of a pixel given in coordinates of the whole picture.
+    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample) {
+        let i = (pixel[1] - self.region.min[1]) as usize * self.region.width() as usize
+            + (pixel[0] - self.region.min[0]) as usize;
+        let p = &mut self.pixels[i];
+        p.count += 1;
+        let fits = sample.rgb.iter().all(|v| v.abs() < MAX_VALUE) && sample.depth < MAX_VALUE;
+        if !fits {
+            p.dropped += 1;
+            let at = (pixel, index);
+            let order = |(p, i): ([u32; 2], u32)| (p[1], p[0], i);
+            if self.first_dropped.is_none_or(|first| order(at) < order(first)) {
+                self.first_dropped = Some(at);
+            }
+            return;
+        }
+        for c in 0..3 {
+            p.value[c].add(sample.rgb[c]);
+            p.square[c].add(sample.rgb[c]);
+            p.albedo[c].add(sample.albedo[c]);
+            p.normal[c].add(sample.normal[c]);
+        }
+        p.depth.add(sample.depth);
+    }
+}
+
+/// The sums of a picture or of a crop of it.
+#[derive(Clone, Debug)]
+pub struct Film {
+    /// Size of the whole picture in pixels.
+    pub size: [u32; 2],
+    /// The part of it that is rendered.
+    pub crop: Region,
+    pub(crate) tiles: Vec<FilmTile>,
+}
+
+/// Samples that a film refused.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dropped {
+    /// How many samples were not finite, or of 2^32 or more.
+    pub count: u64,
+    /// Where the first was: pixel of the whole picture, sample index.
+    pub first: Option<([u32; 2], u32)>,
+}
+
+/// A film's layers as numbers, row by row from the top; each as large as the crop.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Layers {
+    /// Width of the crop.
+    pub width: usize,
+    /// Height of the crop.
+    pub height: usize,
+    /// Mean radiance, linear RGB.
+    pub rgb: Vec<[f32; 3]>,
+    /// Variance of that mean, estimated from the samples' spread; 0 for a single sample.
+    pub variance: Vec<[f32; 3]>,
+    /// Mean albedo of the first surface.
+    pub albedo: Vec<[f32; 3]>,
+    /// Mean shading normal of the first surface.
+    pub normal: Vec<[f32; 3]>,
+    /// Mean distance to the first surface.
+    pub depth: Vec<f32>,
+    /// Samples taken.
+    pub samples: Vec<u32>,
+}
+
+impl Film {
+    /// An empty film for the part `crop` of a picture.
+    pub fn new(size: [u32; 2], crop: Region) -> Self {
+        let mut tiles = Vec::new();
+        for ty in crop.min[1] / TILE..crop.max[1].div_ceil(TILE) {
+            for tx in crop.min[0] / TILE..crop.max[0].div_ceil(TILE) {
+                let tile = Region { min: [tx * TILE, ty * TILE], max: [(tx + 1) * TILE, (ty + 1) * TILE] };
+                let region = tile.intersection(crop);
+                if region.area() > 0 {
+                    tiles.push(FilmTile::new(region));
+                }
+            }
+        }
+        Self { size, crop, tiles }
+    }
+
+    /// Bytes that a film of this many pixels takes.
+    pub fn bytes_for(pixels: usize) -> usize {
+        pixels * size_of::<Pixel>()
+    }
+
+    /// Samples that were dropped, and where the first was.
+    pub fn dropped(&self) -> Dropped {
+        let count = self.tiles.iter().flat_map(|t| &t.pixels).map(|p| u64::from(p.dropped)).sum();
+        let first = self.tiles.iter().filter_map(|t| t.first_dropped).min_by_key(|(p, i)| (p[1], p[0], *i));
+        Dropped { count, first }
+    }
+
+    /// The means and variances so far.
+    pub fn layers(&self) -> Layers {
+        let (w, h) = (self.crop.width() as usize, self.crop.height() as usize);
+        let n = w * h;
+        let mut out = Layers {
+            width: w,
+            height: h,
+            rgb: vec![[0.0; 3]; n],
+            variance: vec![[0.0; 3]; n],
+            albedo: vec![[0.0; 3]; n],
+            normal: vec![[0.0; 3]; n],
+            depth: vec![0.0; n],
+            samples: vec![0; n],
+        };
+        for tile in &self.tiles {
+            for (k, p) in tile.pixels.iter().enumerate() {
+                let tw = tile.region.width() as usize;
+                let x = (tile.region.min[0] - self.crop.min[0]) as usize + k % tw;
+                let y = (tile.region.min[1] - self.crop.min[1]) as usize + k / tw;
+                let i = y * w + x;
+                let count = f64::from(p.count.max(1));
+                for c in 0..3 {
+                    let mean = p.value[c].to_f64() / count;
+                    out.rgb[i][c] = mean as f32;
+                    let spread = p.square[c].to_f64() / count - mean * mean;
+                    if p.count > 1 && spread > 0.0 {
+                        out.variance[i][c] = (spread / (count - 1.0)) as f32;
+                    }
+                    out.albedo[i][c] = (p.albedo[c].to_f64() / count) as f32;
+                    out.normal[i][c] = (p.normal[c].to_f64() / count) as f32;
+                }
+                out.depth[i] = (p.depth.to_f64() / count) as f32;
+                out.samples[i] = p.count;
+            }
+        }
+        out
+    }
+
+    /// A fingerprint of the picture, see [`hash_of`].
+    pub fn hash(&self) -> String {
+        hash_of(&self.layers().rgb)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn whole(w: u32, h: u32) -> Region {
+        Region { min: [0, 0], max: [w, h] }
+    }
+
+    fn grey(v: f32) -> Sample {
+        Sample { rgb: [v; 3], ..Sample::default() }
+    }
+
+    #[test]
+    fn sums_do_not_depend_on_order() {
+        let values: Vec<f32> =
+            (0..1000_u32).map(|i| (i * 7919 % 1000) as f32 * 1e-3 + 1e4 * (i % 2) as f32).collect();
+        let render = |order: &mut dyn Iterator<Item = f32>| {
+            let mut f = Film::new([1, 1], whole(1, 1));
+            for (i, v) in order.enumerate() {
+                f.tiles[0].add([0, 0], i as u32, &grey(v));
+            }
+            f.hash()
+        };
+        assert_eq!(render(&mut values.iter().copied()), render(&mut values.iter().rev().copied()));
+    }
+
+    #[test]
+    fn mean_and_variance_of_the_mean() {
+        let mut f = Film::new([1, 1], whole(1, 1));
+        for (i, v) in [1.0, 2.0, 3.0, 4.0].into_iter().enumerate() {
+            f.tiles[0].add([0, 0], i as u32, &grey(v));
+        }
+        let l = f.layers();
+        assert_eq!(l.rgb[0], [2.5; 3]);
+        // Sample variance 5/3, of the mean of four: 5/12.
+        assert!((l.variance[0][0] - 5.0 / 12.0).abs() < 1e-7);
+        assert_eq!(l.samples[0], 4);
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_dropped_counted_and_located() {
+        let mut f = Film::new([20, 20], whole(20, 20));
+        let tile =
+            f.tiles.iter().position(|t| t.region.min == [16, 0]).expect("second tile of the first row");
+        f.tiles[tile].add([17, 3], 0, &grey(1.0));
+        f.tiles[tile].add([17, 3], 1, &grey(f32::NAN));
+        f.tiles[tile].add([17, 2], 7, &grey(f32::INFINITY));
+        assert_eq!(f.dropped(), Dropped { count: 2, first: Some(([17, 2], 7)) });
+        // A dropped sample still counts in N.
+        assert_eq!(f.layers().rgb[3 * 20 + 17], [0.5; 3]);
+    }
+
+    #[test]
+    fn tiles_cover_a_crop_once() {
+        let crop = Region { min: [5, 15], max: [40, 33] };
+        let f = Film::new([64, 64], crop);
+        assert_eq!(f.tiles.iter().map(|t| t.region.area()).sum::<usize>(), crop.area());
+    }
+}

@@ -1,0 +1,230 @@
+//! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
+
+use super::{Integrator, ShadowRay, Wave};
+use crate::film::Sample;
+use crate::material::{Bsdf, Transport};
+use crate::shape::offset::End;
+use crate::stopwatch::Phase;
+use crate::surface::Surface;
+use crate::world::World;
+use straal_color::Light;
+use straal_math::lowdisc::Purpose;
+use straal_math::{Ray, Vec3, ops};
+
+/// Paths whose vertices are worked on together: their surfaces and BSDFs stay in the first-level cache between
+/// the paragraphs of a step.
+const BLOCK: usize = 32;
+
+/// The path tracer's settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathTracer {
+    /// Largest number of edges of a path, the camera's included: 1 sees emitters, 2 is direct light.
+    pub max_depth: u32,
+    /// Paths of this many edges and more are ended by roulette.
+    pub roulette_depth: u32,
+}
+
+impl Default for PathTracer {
+    fn default() -> Self {
+        Self { max_depth: u32::MAX, roulette_depth: 5 }
+    }
+}
+
+/// What a path carries.
+#[derive(Clone, Copy, Debug)]
+pub struct State {
+    /// Share of the light at the ray's end that reaches the film.
+    beta: Light,
+    /// The previous vertex.
+    from: Vec3,
+    /// Density by which the ray's direction was drawn there, in solid angle; unused after a delta lobe.
+    pdf: f32,
+    /// Whether that was a delta lobe (or the camera), which light sampling can't reach.
+    delta: bool,
+    /// Edges so far, the ray's included.
+    depth: u32,
+    /// Product of squared relative indices passed: roulette looks at the light's energy, not its radiance.
+    eta_squared: f32,
+}
+
+/// A path's vertex on a surface where scattering is computed.
+#[derive(Clone, Copy)]
+struct Vertex<'w> {
+    path: u32,
+    surface: Surface,
+    bsdf: Bsdf<'w>,
+    /// Direction back along the path, in the shading frame.
+    wo: Vec3,
+}
+
+impl Integrator for PathTracer {
+    type State = State;
+
+    fn start(&self) -> State {
+        State {
+            beta: Light::rgb([1.0; 3]),
+            from: Vec3::ZERO,
+            pdf: 0.0,
+            delta: true,
+            depth: 1,
+            eta_squared: 1.0,
+        }
+    }
+
+    fn step(&self, world: &World, wave: &mut Wave<'_, State>) {
+        let mut vertices: [Option<Vertex<'_>>; BLOCK] = [None; BLOCK];
+        for block in wave.order.chunks(BLOCK) {
+            let vertices = &mut vertices[..block.len()];
+            for (slot, &path) in vertices.iter_mut().zip(block) {
+                *slot = self.arrive(world, wave, path);
+            }
+            wave.stopwatch.lap(Phase::Shading);
+            for vertex in vertices.iter().flatten() {
+                self.light(world, wave, vertex);
+            }
+            wave.stopwatch.lap(Phase::Lights);
+            for vertex in vertices.iter().flatten() {
+                self.scatter(wave, vertex);
+            }
+            wave.stopwatch.lap(Phase::Shading);
+        }
+    }
+}
+
+impl PathTracer {
+    /// Adds the light emitted where the ray arrives; gives the vertex if the path may go on from there.
+    #[inline]
+    fn arrive<'w>(&self, world: &'w World, wave: &mut Wave<'_, State>, index: u32) -> Option<Vertex<'w>> {
+        let (path, ray) = (&mut wave.paths[index as usize], &wave.rays[index as usize]);
+        let sample = &mut wave.samples[path.sample as usize];
+        let state = path.state;
+        path.alive = false;
+
+        // The environment, for what leaves the scene.
+        let hit = &wave.hits[index as usize];
+        if !hit.is_hit() {
+            for (emitter, environment) in world.environments() {
+                let weight = if state.delta {
+                    1.0
+                } else {
+                    balance(state.pdf, world.lights.pmf(emitter) * environment.pdf_from(ray.d))
+                };
+                sample.light += state.beta * environment.radiance_from(ray.d) * weight;
+            }
+            return None;
+        }
+
+        // Emission of the surface.
+        let surface = world.surface(ray, hit);
+        if let Some(emitter) = surface.emitter {
+            let light = &world.emitters[emitter as usize];
+            let radiance = light.radiance_at(&surface.point, -ray.d);
+            if !radiance.is_black() {
+                let weight = if state.delta {
+                    1.0
+                } else {
+                    let p = world.light_pdf(emitter, state.from, hit, &surface);
+                    balance(state.pdf, p)
+                };
+                sample.light += state.beta * radiance * weight;
+            }
+        }
+
+        // The BSDF, and the guides of the first vertex.
+        let bsdf = world.bsdf(&surface);
+        let wo = surface.frame.to_local(-ray.d);
+        if state.depth == 1 {
+            sample.guides = Sample {
+                rgb: [0.0; 3],
+                albedo: bsdf.albedo().to_rgb(),
+                normal: surface.point.n.to_array(),
+                depth: hit.t,
+            };
+        }
+        (state.depth < self.max_depth && !matches!(bsdf, Bsdf::Black)).then_some(Vertex {
+            path: index,
+            surface,
+            bsdf,
+            wo,
+        })
+    }
+
+    /// Next-event estimation: asks for a shadow ray to a point on a light.
+    #[inline]
+    fn light(&self, world: &World, wave: &mut Wave<'_, State>, vertex: &Vertex<'_>) {
+        if vertex.bsdf.is_delta() {
+            return;
+        }
+        let path = &wave.paths[vertex.path as usize];
+        let surface = &vertex.surface;
+
+        // A light, and a point on it.
+        let choice = wave.pattern.d1(&path.name, Purpose::LightChoice);
+        let Some(pick) = world.lights.pick(choice) else { return };
+        let u = wave.pattern.d2(&path.name, Purpose::LightPoint);
+        let Some(light) = world.sample_light(pick.index, surface.point.p, u) else { return };
+
+        // What it would bring, weighed against the chance that the BSDF finds it.
+        let wi = surface.frame.to_local(light.wi);
+        let (value, pdf) = vertex.bsdf.eval_pdf(vertex.wo, wi, Transport::Radiance);
+        if value.is_black() {
+            return;
+        }
+        let light_pdf = pick.pmf * light.pdf;
+        let weight = if light.delta { 1.0 } else { balance(light_pdf, pdf) };
+        let contribution = path.state.beta * value * light.radiance * (weight / light_pdf);
+        if contribution.is_black() {
+            return;
+        }
+        wave.shadow_rays.push(light.shadow_ray(&End::from(&surface.point)));
+        wave.shadows.push(ShadowRay { light: contribution, sample: path.sample });
+    }
+
+    /// Draws the next direction, or ends the path.
+    #[inline]
+    fn scatter(&self, wave: &mut Wave<'_, State>, vertex: &Vertex<'_>) {
+        let path = &mut wave.paths[vertex.path as usize];
+        let surface = &vertex.surface;
+
+        let lobe = wave.pattern.d1(&path.name, Purpose::Lobe);
+        let u = wave.pattern.d2(&path.name, Purpose::Direction);
+        let Some(s) = vertex.bsdf.sample(vertex.wo, lobe, u, Transport::Radiance) else { return };
+        let mut beta = path.state.beta * s.weight;
+        let eta_squared = path.state.eta_squared * s.eta * s.eta;
+
+        // Roulette: paths that carry little end with a chance that keeps the mean.
+        if path.state.depth >= self.roulette_depth {
+            let survive = ops::min(beta.max_lane() * eta_squared, 0.95);
+            if wave.pattern.d1(&path.name, Purpose::Roulette) >= survive {
+                return;
+            }
+            beta *= 1.0 / survive;
+        }
+        if beta.is_black() {
+            return;
+        }
+
+        let wi = surface.frame.to_world(s.wi);
+        let ray = &mut wave.rays[vertex.path as usize];
+        *ray = Ray { o: surface.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
+        path.name = path.name.child(0);
+        path.state = State {
+            beta,
+            from: surface.point.p,
+            pdf: s.pdf,
+            delta: s.delta,
+            depth: path.state.depth + 1,
+            eta_squared,
+        };
+        path.alive = true;
+    }
+}
+
+/// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn
+/// with density `b` (Veach 1997, section 9.2.4).
+#[inline(always)]
+fn balance(a: f32, b: f32) -> f32 {
+    // By the ratio: squares of densities leave the range of single precision.
+    let r = b / a;
+    1.0 / (1.0 + r * r)
+}

@@ -1,0 +1,75 @@
+//! What a render is asked for, apart from the world.
+
+use straal_math::lowdisc::Pattern;
+
+/// A rectangle of pixels, ends exclusive, in coordinates of the whole picture (y down from the top).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// Least column and row.
+    pub min: [u32; 2],
+    /// One past the greatest column and row.
+    pub max: [u32; 2],
+}
+
+impl Region {
+    /// The whole of a picture.
+    pub const fn whole(size: [u32; 2]) -> Self {
+        Self { min: [0, 0], max: size }
+    }
+
+    /// Columns.
+    pub const fn width(&self) -> u32 {
+        self.max[0].saturating_sub(self.min[0])
+    }
+
+    /// Rows.
+    pub const fn height(&self) -> u32 {
+        self.max[1].saturating_sub(self.min[1])
+    }
+
+    /// Pixels.
+    pub const fn area(&self) -> usize {
+        self.width() as usize * self.height() as usize
+    }
+
+    /// What both have in common.
+    pub fn intersection(&self, o: Self) -> Self {
+        let pick = |f: fn(u32, u32) -> u32, a: [u32; 2], b: [u32; 2]| [f(a[0], b[0]), f(a[1], b[1])];
+        Self { min: pick(Ord::max, self.min, o.min), max: pick(Ord::min, self.max, o.max) }
+    }
+}
+
+/// How a picture is sampled and on how many threads; none but `size`, `pattern` and `seed` changes the value of a
+/// sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Width and height of the whole picture in pixels.
+    pub size: [u32; 2],
+    /// The part to render.
+    pub crop: Region,
+    /// Where sample positions and all other random numbers come from.
+    pub pattern: Pattern,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Worker threads; 0 for all cores.
+    pub threads: usize,
+    /// Paths that travel together.
+    pub batch: usize,
+    /// Renders the tiles in an order shuffled by this seed: for tests, since it must change nothing.
+    pub shuffle_tiles: Option<u64>,
+}
+
+impl Settings {
+    /// The whole of a picture of the given size, with the default pattern on all cores.
+    pub fn new(size: [u32; 2]) -> Self {
+        Self {
+            size,
+            crop: Region::whole(size),
+            pattern: Pattern::Sobol,
+            seed: 0,
+            threads: 0,
+            batch: 1024,
+            shuffle_tiles: None,
+        }
+    }
+}

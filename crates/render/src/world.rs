@@ -1,0 +1,170 @@
+//! The world: a scene ready for rays. Flat arrays and indices, read-only while rays fly.
+
+use crate::camera::Camera;
+use crate::filter::Filter;
+use crate::light::{Emitter, LightSample, LightTable};
+use crate::material::{Bsdf, Materials, TexturePoint};
+use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, TriangleMesh};
+use crate::surface::Surface;
+use straal_accel as accel;
+use straal_accel::Hit;
+use straal_color::Light;
+use straal_math::{Frame, Ray, Vec3};
+
+/// No material of its own: the innermost instance that has one gives it.
+pub(crate) const INHERIT: u32 = u32::MAX;
+
+/// What a geometry of the search structure is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    /// Index into [`Geometry::meshes`].
+    Mesh(u32),
+    /// First index into [`Geometry::shapes`].
+    Shapes(u32),
+}
+
+/// How a geometry of the search structure looks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    pub kind: Kind,
+    /// Index into the world's materials, or [`INHERIT`].
+    pub material: u32,
+    /// Index into [`World::emitters`].
+    pub emitter: Option<u32>,
+    /// Front and back are swapped.
+    pub flip: bool,
+}
+
+/// A scene ready for rays.
+pub struct World {
+    /// Who looks.
+    pub camera: Camera,
+    /// How samples lie around a pixel.
+    pub filter: Filter,
+    /// All surfaces.
+    pub geometry: Geometry,
+    /// What finds them.
+    pub accel: accel::Scene,
+    /// Materials; the first is that of surfaces without one.
+    pub materials: Materials,
+    /// All that emits light.
+    pub emitters: Vec<Emitter>,
+    /// Which emitter to sample.
+    pub lights: LightTable,
+    /// By geometry of the search structure.
+    pub(crate) looks: Vec<Look>,
+    /// By instance of the search structure: a material for what has none inside, or [`INHERIT`].
+    pub(crate) instance_materials: Vec<u32>,
+    /// Emitters that surround the scene.
+    pub(crate) environments: Vec<u32>,
+}
+
+impl World {
+    /// What each ray hits first.
+    pub fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.accel.closest(&self.geometry, rays, hits);
+    }
+
+    /// The share of light that passes along each ray, in four lanes: all or nothing, since every material stops a
+    /// shadow ray, glass as well (its light is found by paths that go through it). `blocked` is scratch.
+    pub fn transmittance(&self, rays: &[Ray], blocked: &mut Vec<bool>, out: &mut Vec<Light>) {
+        blocked.clear();
+        blocked.resize(rays.len(), false);
+        self.accel.occluded(&self.geometry, rays, blocked);
+        out.clear();
+        out.extend(blocked.iter().map(|&b| if b { Light::ZERO } else { Light::ONE }));
+    }
+
+    /// The surface at a hit of this very ray.
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let look = &self.looks[hit.geometry as usize];
+        let mut point = if hit.chain.is_empty() {
+            self.local_surface(look, ray, hit)
+        } else {
+            self.instanced_surface(look, ray, hit)
+        };
+        if look.flip {
+            // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
+            point.n = -point.n;
+        }
+        let frame = Frame::from_normal(point.n);
+        Surface { point, frame, material: self.material_of(hit), emitter: look.emitter }
+    }
+
+    #[inline]
+    fn local_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match look.kind {
+            Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].surface(hit.primitive, hit.u, hit.v),
+            Kind::Shapes(first) => {
+                let h = ShapeHit { t: hit.t, u: hit.u, v: hit.v };
+                self.geometry.surface(first + hit.primitive, ray, &h)
+            }
+        }
+    }
+
+    /// Into the object and back out, level by level.
+    #[cold]
+    fn instanced_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
+        let point = self.local_surface(look, &local, hit);
+        transforms().rev().fold(point, |p, m| p.to_world(m))
+    }
+
+    #[inline]
+    fn material_of(&self, hit: &Hit) -> u32 {
+        let own = self.looks[hit.geometry as usize].material;
+        if own != INHERIT {
+            return own;
+        }
+        let inherited = hit.chain.iter().rev().map(|id| self.instance_materials[id as usize]);
+        inherited.into_iter().find(|&m| m != INHERIT).unwrap_or(0)
+    }
+
+    /// How light scatters there.
+    #[inline]
+    pub fn bsdf(&self, surface: &Surface) -> Bsdf<'_> {
+        let at = TexturePoint { uv: surface.point.uv, p: surface.point.p };
+        self.materials.bsdf(surface.material, &at)
+    }
+
+    /// Number of groups of [`World::material_group`] without the last, that of misses.
+    pub(crate) fn material_count(&self) -> usize {
+        self.materials.list.len()
+    }
+
+    /// Hits of one group are shaded one after the other.
+    #[inline]
+    pub(crate) fn material_group(&self, hit: &Hit) -> usize {
+        if hit.is_hit() { self.material_of(hit) as usize } else { self.materials.list.len() }
+    }
+
+    /// Emitters that surround the scene, with their indices.
+    #[inline]
+    pub fn environments(&self) -> impl Iterator<Item = (u32, &Emitter)> {
+        self.environments.iter().map(|&i| (i, &self.emitters[i as usize]))
+    }
+
+    /// A point on a light or a direction towards it.
+    #[inline]
+    pub fn sample_light(&self, emitter: u32, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+        self.emitters[emitter as usize].sample(&self.geometry, p, u)
+    }
+
+    /// The density with which light sampling at `p`, its choice of light included, would have found the emitting
+    /// surface that a ray hit.
+    #[inline]
+    pub fn light_pdf(&self, emitter: u32, p: Vec3, hit: &Hit, surface: &Surface) -> f32 {
+        let light = &self.emitters[emitter as usize];
+        self.lights.pmf(emitter) * light.pdf_at(&self.geometry, p, hit.primitive, &surface.point)
+    }
+
+    /// Bytes held by what grows with the scene: surfaces and their search structure.
+    pub fn memory_bytes(&self) -> usize {
+        let vertex =
+            |m: &TriangleMesh| m.normals.len() * size_of::<Vec3>() + m.uvs.len() * size_of::<[f32; 2]>();
+        let meshes: usize = self.geometry.meshes.iter().map(vertex).sum();
+        self.accel.memory_bytes() + meshes + self.geometry.shapes.len() * size_of::<Shape>()
+    }
+}

@@ -1,0 +1,329 @@
+//! A scene with all that was asked for it: compiled, ready to render.
+
+use crate::picture::{Look, Picture};
+use straal_accel::{Isa, Structure};
+use straal_color::Tone;
+use straal_formats::load::Loaded;
+use straal_math::lowdisc::Pattern;
+use straal_render::compile::{self, CompileError, Custom};
+use straal_render::driver::{Render, RenderError};
+use straal_render::film::{Film, MAX_SAMPLES};
+use straal_render::integrator::PathTracer;
+use straal_render::settings::{Region, Settings};
+use straal_render::stopwatch::{Clock, Times};
+use straal_render::world::World;
+use straal_scene::desc;
+use straal_scene::value::Depth;
+
+/// What a caller wants otherwise than the scene says; `None` leaves it to the scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overrides {
+    /// Samples per pixel.
+    pub spp: Option<u32>,
+    /// Width and height of the whole picture.
+    pub size: Option<[u32; 2]>,
+    /// The part to render: x0, y0, x1, y1 in pixels, ends exclusive.
+    pub crop: Option<[u32; 4]>,
+    /// Seed of all random numbers.
+    pub seed: Option<u64>,
+    /// Which pattern they follow.
+    pub pattern: Option<Pattern>,
+    /// Largest number of edges of a path.
+    pub max_depth: Option<u32>,
+    /// Worker threads; all cores when absent.
+    pub threads: Option<usize>,
+    /// Search structure.
+    pub accel: Option<Structure>,
+    /// Instruction set of the search kernels; the best there is when absent.
+    pub isa: Option<Isa>,
+    /// Paths that travel together.
+    pub batch: Option<usize>,
+    /// Shuffles the order of tiles by this seed.
+    pub shuffle_tiles: Option<u64>,
+}
+
+/// Why a job can't be done.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// What was asked for makes no sense for this scene.
+    #[error("{0}")]
+    Request(String),
+    /// The description has no world.
+    #[error(transparent)]
+    Compile(#[from] CompileError),
+    /// The render couldn't start.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+}
+
+/// A compiled scene and its settings.
+pub struct Job {
+    /// The scene ready for rays.
+    pub world: World,
+    /// How it is sampled.
+    pub settings: Settings,
+    /// Samples per pixel to take.
+    pub spp: u32,
+    /// How light is gathered.
+    pub integrator: PathTracer,
+    /// A fingerprint of the scene's texts and files.
+    pub scene_hash: String,
+    look: Look,
+    structure: Structure,
+}
+
+/// What a caller lends to a render: a say in when it ends, and a clock.
+pub struct Control<'a> {
+    /// Called between passes; a pass adds the same number of samples to every pixel.
+    pub progress: &'a mut dyn FnMut(&Progress) -> Verdict,
+    /// To tell where the time goes; without it [`Outcome::times`] has ray counts only.
+    pub clock: Option<Clock>,
+    /// Whether to go on for as long as `progress` says, past the samples that the scene asks for.
+    pub open_ended: bool,
+    keep_on: bool,
+}
+
+impl Control<'_> {
+    /// Renders all samples, says nothing.
+    pub fn to_the_end() -> Control<'static> {
+        // A closure that captures nothing takes no memory, so that leaking it leaks nothing.
+        Control::new(Box::leak(Box::new(|_: &Progress| Verdict::GoOn)))
+    }
+}
+
+impl<'a> Control<'a> {
+    /// Renders until all samples are taken or `progress` ends it.
+    pub fn new(progress: &'a mut dyn FnMut(&Progress) -> Verdict) -> Self {
+        Self { progress, clock: None, open_ended: false, keep_on: true }
+    }
+}
+
+/// Whether a render goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// With the next pass.
+    GoOn,
+    /// The picture so far is the result.
+    Stop,
+}
+
+/// How far a render has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Samples per pixel taken, all replicates together.
+    pub samples: u64,
+    /// Samples per pixel to take in all.
+    pub of: u64,
+    /// Pixels of the crop.
+    pub pixels: u64,
+    /// Rays traced so far, and time where a clock was lent.
+    pub times: Times,
+}
+
+/// What a render leaves.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The picture with its layers and story.
+    pub picture: Picture,
+    /// Samples per pixel taken.
+    pub samples: u32,
+    /// Passes they were taken in.
+    pub passes: u32,
+    /// Whether all samples asked for were taken.
+    pub complete: bool,
+    /// Rays, and time by phase where a clock was lent.
+    pub times: Times,
+    /// Worker threads.
+    pub threads: usize,
+    /// Samples that were not numbers or beyond the film's range, and where the first was: pixel, sample index.
+    pub dropped: straal_render::film::Dropped,
+}
+
+/// Samples a pixel in each pass. It only decides how often a render can be stopped: samples have names, and the
+/// film's sums don't depend on their order.
+const PASS: u32 = 4;
+
+impl Job {
+    /// Compiles a loaded scene with what the caller wants otherwise.
+    pub fn new(loaded: Loaded, wish: Overrides) -> Result<Self, Error> {
+        Self::with_custom(loaded, wish, &Custom::default())
+    }
+
+    /// The same with a program's own shapes and materials.
+    pub fn with_custom(loaded: Loaded, wish: Overrides, custom: &Custom) -> Result<Self, Error> {
+        let scene = &loaded.scene;
+        let size = wish.size.unwrap_or(scene.film.size);
+        let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
+        let pixels = crop.area();
+        if size.contains(&0) || pixels > 1 << 28 {
+            return Err(Error::Request(format!(
+                "a picture of {} x {} pixels can't be rendered",
+                size[0], size[1]
+            )));
+        }
+        let pattern = wish.pattern.unwrap_or(match scene.sampler.kind {
+            desc::SamplerKind::Sobol => Pattern::Sobol,
+            desc::SamplerKind::Random => Pattern::Random,
+        });
+        let structure = wish.accel.unwrap_or(match scene.accel.structure {
+            desc::Structure::Bvh => Structure::Bvh,
+            desc::Structure::Brute => Structure::Brute,
+        });
+        let spp = wish.spp.unwrap_or(scene.sampler.spp);
+        if spp == 0 || spp > MAX_SAMPLES {
+            return Err(Error::Request(format!(
+                "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
+            )));
+        }
+        let desc::Integrator::Path(path) = &scene.integrator;
+        let integrator = PathTracer {
+            max_depth: wish.max_depth.unwrap_or(match path.max_depth {
+                Depth::Unlimited => u32::MAX,
+                Depth::Edges(n) => n,
+            }),
+            roulette_depth: path.roulette_depth,
+        };
+        let search = straal_accel::Options { structure, isa: wish.isa.unwrap_or_else(Isa::detect) };
+        let world = compile::compile(scene, &loaded.assets, custom, size, &search)?;
+        let threads = wish.threads.unwrap_or(0);
+        let settings = Settings {
+            size,
+            crop,
+            pattern,
+            seed: wish.seed.unwrap_or(scene.sampler.seed),
+            threads,
+            batch: wish.batch.unwrap_or(1024),
+            shuffle_tiles: wish.shuffle_tiles,
+        };
+        let tone = match scene.film.tone {
+            desc::Tone::Clamp => Tone::Clamp,
+            desc::Tone::Filmic => Tone::Filmic,
+        };
+        let look = Look { exposure: scene.film.exposure as f32, tone };
+        Ok(Self { world, settings, spp, integrator, scene_hash: hex(&loaded.hash[..16]), look, structure })
+    }
+
+    /// How the scene wants its picture developed.
+    pub fn look(&self) -> Look {
+        self.look
+    }
+
+    /// The search structure in use.
+    pub fn structure(&self) -> Structure {
+        self.structure
+    }
+
+    /// Renders the picture.
+    pub fn render(&self, control: &mut Control<'_>) -> Result<Outcome, Error> {
+        let of = if control.open_ended { MAX_SAMPLES } else { self.spp };
+        let mut progress = Progress { of: u64::from(of), ..self.progress() };
+        let run = self.film(self.settings.seed, of, control, &mut progress)?;
+        let layers = run.film.layers();
+        let mut picture = Picture::new(&run.film, layers);
+        picture.story = self.story(run.samples);
+        picture.story.push(("straal.passes".into(), run.passes.to_string()));
+        picture.story.push(("straal.film_hash".into(), run.film.hash()));
+        Ok(Outcome {
+            picture,
+            samples: run.samples,
+            passes: run.passes,
+            complete: control.open_ended || run.samples == of,
+            times: run.times,
+            threads: run.threads,
+            dropped: run.film.dropped(),
+        })
+    }
+
+    /// What all pictures of this job tell about themselves.
+    pub(crate) fn story(&self, samples: u32) -> Vec<(String, String)> {
+        let s = &self.settings;
+        let depth = match self.integrator.max_depth {
+            u32::MAX => "unlimited".to_string(),
+            n => n.to_string(),
+        };
+        [
+            ("version", crate::VERSION.to_string()),
+            ("scene_hash", self.scene_hash.clone()),
+            ("seed", s.seed.to_string()),
+            ("samples", samples.to_string()),
+            (
+                "sampler",
+                match s.pattern {
+                    Pattern::Sobol => "sobol",
+                    Pattern::Random => "random",
+                }
+                .to_string(),
+            ),
+            ("integrator", "path".to_string()),
+            ("max_depth", depth),
+            ("roulette_depth", self.integrator.roulette_depth.to_string()),
+            ("size", format!("{}x{}", s.size[0], s.size[1])),
+            ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
+        ]
+        .into_iter()
+        .map(|(k, v)| (format!("straal.{k}"), v))
+        .collect()
+    }
+
+    pub(crate) fn progress(&self) -> Progress {
+        Progress { pixels: self.settings.crop.area() as u64, ..Progress::default() }
+    }
+
+    /// One film of `spp` samples with a seed of its own.
+    pub(crate) fn film(
+        &self,
+        seed: u64,
+        spp: u32,
+        control: &mut Control<'_>,
+        progress: &mut Progress,
+    ) -> Result<Run, Error> {
+        let settings = Settings { seed, ..self.settings.clone() };
+        let mut render = Render::new(&self.world, self.integrator, settings, control.clock.clone())?;
+        let (before, times) = (progress.samples, progress.times);
+        let mut passes = 0;
+        while render.samples_done() < spp && control.keep_on {
+            // A short first pass gives a picture, and a forecast, at once.
+            let pass = if passes == 0 { 1 } else { PASS };
+            render.advance(pass.min(spp - render.samples_done()));
+            passes += 1;
+            progress.samples = before + u64::from(render.samples_done());
+            progress.times = times;
+            progress.times += render.times();
+            control.keep_on = (control.progress)(progress) == Verdict::GoOn;
+        }
+        Ok(Run {
+            samples: render.samples_done(),
+            passes,
+            times: render.times(),
+            threads: render.threads(),
+            film: render.into_film(),
+        })
+    }
+}
+
+/// A film and how it came about.
+pub(crate) struct Run {
+    pub film: Film,
+    pub samples: u32,
+    pub passes: u32,
+    pub times: Times,
+    pub threads: usize,
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+/// The crop that was asked for, or the scene's, or the whole; it must lie inside the picture and not be empty.
+fn crop(size: [u32; 2], wish: Option<[u32; 4]>, scene: Option<[u32; 4]>) -> Result<Region, Error> {
+    let Some([x0, y0, x1, y1]) = wish.or(scene) else { return Ok(Region::whole(size)) };
+    if x0 >= x1 || y0 >= y1 || x1 > size[0] || y1 > size[1] {
+        return Err(Error::Request(format!(
+            "the crop {x0},{y0},{x1},{y1} is not a part of a picture of {} x {} pixels (left, top, right, bottom; \
+             the last two exclusive)",
+            size[0], size[1]
+        )));
+    }
+    Ok(Region { min: [x0, y0], max: [x1, y1] })
+}

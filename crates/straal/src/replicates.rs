@@ -1,0 +1,117 @@
+//! Replicates: the same picture from independent seeds, so that its variance is measured and not modelled.
+
+use crate::job::{Control, Error, Job, Outcome};
+use crate::picture::Picture;
+use straal_render::film::{Dropped, Layers};
+use straal_render::stopwatch::Times;
+
+/// Distance of the replicates' seeds: odd, and far from what people type.
+const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+
+impl Job {
+    /// Renders `replicates` independently seeded sets of the job's samples; the picture is their mean, its variance
+    /// layer the variance *of that mean*, estimated from their spread with `replicates` - 1 degrees of freedom.
+    ///
+    /// The first replicate is the picture that [`Job::render`] gives. A render that is stopped keeps its whole
+    /// replicates only; with fewer than two there is no variance, and it is 0.
+    pub fn render_replicates(&self, replicates: u32, control: &mut Control<'_>) -> Result<Outcome, Error> {
+        let mut progress = self.progress();
+        progress.of = u64::from(self.spp) * u64::from(replicates);
+        let mut sums: Option<Sums> = None;
+        let (mut times, mut passes, mut threads, mut dropped) = (Times::default(), 0, 0, Dropped::default());
+        let mut whole = 0;
+        let mut partial = None;
+        for r in 0..replicates {
+            let seed = self.settings.seed.wrapping_add(u64::from(r).wrapping_mul(SEED_STEP));
+            let run = self.film(seed, self.spp, control, &mut progress)?;
+            passes += run.passes;
+            threads = run.threads;
+            times += run.times;
+            let d = run.film.dropped();
+            dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
+            let layers = run.film.layers();
+            if run.samples < self.spp {
+                partial = Some(Picture::new(&run.film, layers));
+                break;
+            }
+            whole += 1;
+            sums.get_or_insert_with(|| Sums::new(Picture::new(&run.film, Layers::default()))).add(&layers);
+        }
+        let samples = self.spp * whole;
+        let mut picture = match (sums, partial) {
+            (Some(sums), _) => sums.picture(whole),
+            (None, Some(picture)) => picture,
+            (None, None) => return Err(Error::Request("0 replicates: there must be at least 1".into())),
+        };
+        picture.story = self.story(samples);
+        picture.story.push(("straal.replicates".into(), whole.to_string()));
+        picture.story.push(("straal.passes".into(), passes.to_string()));
+        picture.story.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
+        Ok(Outcome { picture, samples, passes, complete: whole == replicates, times, threads, dropped })
+    }
+}
+
+/// Sums over replicates in double precision, in the order of the replicates.
+struct Sums {
+    frame: Picture,
+    rgb: Vec<[f64; 3]>,
+    /// Sum of squared differences from the mean so far (Welford 1962): small variances of bright pixels survive.
+    spread: Vec<[f64; 3]>,
+    albedo: Vec<[f64; 3]>,
+    normal: Vec<[f64; 3]>,
+    depth: Vec<f64>,
+    samples: Vec<u32>,
+    count: f64,
+}
+
+impl Sums {
+    fn new(frame: Picture) -> Self {
+        let n = frame.crop.area();
+        Self {
+            frame,
+            rgb: vec![[0.0; 3]; n],
+            spread: vec![[0.0; 3]; n],
+            albedo: vec![[0.0; 3]; n],
+            normal: vec![[0.0; 3]; n],
+            depth: vec![0.0; n],
+            samples: vec![0; n],
+            count: 0.0,
+        }
+    }
+
+    fn add(&mut self, l: &Layers) {
+        self.count += 1.0;
+        for i in 0..self.rgb.len() {
+            for c in 0..3 {
+                let v = f64::from(l.rgb[i][c]);
+                let before = v - self.rgb[i][c];
+                self.rgb[i][c] += before / self.count;
+                self.spread[i][c] += before * (v - self.rgb[i][c]);
+                self.albedo[i][c] += f64::from(l.albedo[i][c]);
+                self.normal[i][c] += f64::from(l.normal[i][c]);
+            }
+            self.depth[i] += f64::from(l.depth[i]);
+            self.samples[i] += l.samples[i];
+        }
+    }
+
+    fn picture(self, replicates: u32) -> Picture {
+        let n = f64::from(replicates);
+        let round = |v: &[f64; 3]| v.map(|x| x as f32);
+        let mean = |v: &[f64; 3]| v.map(|x| (x / n) as f32);
+        let of_mean = |v: &[f64; 3]| {
+            if replicates < 2 { [0.0; 3] } else { v.map(|x| (x / (n * (n - 1.0))) as f32) }
+        };
+        let layers = Layers {
+            width: self.frame.crop.width() as usize,
+            height: self.frame.crop.height() as usize,
+            rgb: self.rgb.iter().map(round).collect(),
+            variance: self.spread.iter().map(of_mean).collect(),
+            albedo: self.albedo.iter().map(mean).collect(),
+            normal: self.normal.iter().map(mean).collect(),
+            depth: self.depth.iter().map(|d| (d / n) as f32).collect(),
+            samples: self.samples,
+        };
+        Picture { layers, ..self.frame }
+    }
+}

@@ -1,0 +1,84 @@
+//! The same bits whatever the threads, batches, tiles, crops, passes and instruction sets.
+
+mod common;
+
+use straal::{Overrides, Picture};
+use straal_accel::{Isa, Structure};
+
+const SCENES: [&str; 4] = [
+    "scenes/embedded.yaml",
+    "scenes/cornell-box.yaml",
+    "scenes/glass-and-mirror.yaml",
+    "scenes/teapots.yaml",
+];
+
+fn small() -> Overrides {
+    Overrides { size: Some([50, 37]), spp: Some(3), ..Overrides::default() }
+}
+
+fn hash(scene: &str, wish: Overrides) -> String {
+    common::render(scene, wish).picture.tells("film_hash").expect("a film hash").to_owned()
+}
+
+/// Every variant of the way to the picture must give the plain way's hash.
+fn all_equal(variants: &[(&str, Overrides)]) {
+    for scene in SCENES {
+        let plain = hash(scene, small());
+        for (name, wish) in variants {
+            assert_eq!(hash(scene, wish.clone()), plain, "{scene} with {name}");
+        }
+    }
+}
+
+#[test]
+fn threads_batches_and_tiles() {
+    all_equal(&[
+        ("1 thread", Overrides { threads: Some(1), ..small() }),
+        ("2 threads", Overrides { threads: Some(2), ..small() }),
+        ("7 threads", Overrides { threads: Some(7), ..small() }),
+        ("batches of 1", Overrides { batch: Some(1), ..small() }),
+        ("batches of 7", Overrides { batch: Some(7), ..small() }),
+        ("batches of 1024", Overrides { batch: Some(1024), ..small() }),
+        ("shuffled tiles", Overrides { shuffle_tiles: Some(42), threads: Some(7), ..small() }),
+    ]);
+}
+
+#[test]
+fn instruction_sets() {
+    let sets = Isa::ALL.into_iter().filter(|isa| isa.is_available());
+    let variants: Vec<_> = sets.map(|isa| (isa.name(), Overrides { isa: Some(isa), ..small() })).collect();
+    assert!(!variants.is_empty());
+    all_equal(&variants);
+}
+
+#[test]
+fn structures() {
+    // Brute force can't do a thousand teapots in a test.
+    for scene in ["scenes/cornell-box.yaml"] {
+        let brute = Overrides { accel: Some(Structure::Brute), ..small() };
+        assert_eq!(hash(scene, brute), hash(scene, small()), "{scene}");
+    }
+}
+
+#[test]
+fn a_crop_is_cut_from_the_whole() {
+    for scene in SCENES {
+        let whole = common::render(scene, small()).picture;
+        let [x0, y0, x1, y1] = [11, 5, 34, 30];
+        let crop = common::render(scene, Overrides { crop: Some([x0, y0, x1, y1]), ..small() }).picture;
+        for y in y0..y1 {
+            for x in x0..x1 {
+                let at = |p: &Picture, x: u32, y: u32| {
+                    let i = y as usize * p.layers.width + x as usize;
+                    (p.layers.rgb[i].map(f32::to_bits), p.layers.normal[i].map(f32::to_bits))
+                };
+                assert_eq!(at(&crop, x - x0, y - y0), at(&whole, x, y), "{scene}, pixel {x},{y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn seeds_differ() {
+    assert_ne!(hash(SCENES[0], Overrides { seed: Some(1), ..small() }), hash(SCENES[0], small()));
+}
