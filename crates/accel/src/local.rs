@@ -10,9 +10,9 @@ pub(crate) struct LocalRay {
     /// 1 / d, kept finite so that 0 times it is never NaN.
     pub inv: Vec3,
     /// 1 where `inv` is negative, else 0: which of a box' two planes on each axis comes first.
-    pub neg: [usize; 3],
+    pub neg: [u8; 3],
     /// The axes x, y, z of the sheared space of `triangle.rs`.
-    pub axes: [usize; 3],
+    pub axes: [u8; 3],
     /// The origin along `axes`.
     pub origin: [f32; 3],
     /// Shear and scale: d[x] / d[z], d[y] / d[z], 1 / d[z].
@@ -40,7 +40,7 @@ impl LocalRay {
         // which would be mispredicted for every other ray.
         let (o, d) = (r.o.to_array(), r.d.to_array());
         let (ax, ay, az) = (d[0].abs(), d[1].abs(), d[2].abs());
-        let over_x = usize::from(ay > ax) | 2 * usize::from(az > ax && az > ay);
+        let over_x = usize::from(ay > ax) | (usize::from(az > ax && az > ay) << 1);
         let z = if over_x > 2 { 2 } else { over_x };
         let back = usize::from(d[z] < 0.0);
         let (x, y) = (NEXT[z + back], NEXT[z + 1 - back]);
@@ -48,8 +48,8 @@ impl LocalRay {
         Some(Self {
             ray: Ray { t_min, t_max, ..*r },
             inv,
-            neg: [usize::from(inv.x < 0.0), usize::from(inv.y < 0.0), usize::from(inv.z < 0.0)],
-            axes: [x, y, z],
+            neg: [u8::from(inv.x < 0.0), u8::from(inv.y < 0.0), u8::from(inv.z < 0.0)],
+            axes: [x as u8, y as u8, z as u8],
             origin: [o[x], o[y], o[z]],
             shear: [d[x] * scale, d[y] * scale, scale],
         })

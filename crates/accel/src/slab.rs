@@ -39,8 +39,8 @@ pub(crate) fn triangle_bounds(v: &[Vec3; 3]) -> Bounds {
 #[inline(always)]
 pub(crate) fn entry(b: &Bounds, r: &LocalRay) -> Option<f32> {
     let planes = [[b.min.x, b.max.x], [b.min.y, b.max.y], [b.min.z, b.max.z]];
-    let near = |i: usize| (planes[i][r.neg[i]] - r.ray.o[i]) * r.inv[i];
-    let far = |i: usize| (planes[i][1 - r.neg[i]] - r.ray.o[i]) * r.inv[i];
+    let near = |i: usize| (planes[i][usize::from(r.neg[i] & 1)] - r.ray.o[i]) * r.inv[i];
+    let far = |i: usize| (planes[i][usize::from(r.neg[i] & 1 ^ 1)] - r.ray.o[i]) * r.inv[i];
     let enter = ops::max(ops::max(near(0), near(1)), near(2));
     let exit = ops::min(ops::min(far(0), far(1)), far(2)) * EXIT;
     (ops::max(enter, r.ray.t_min) <= ops::min(exit, r.ray.t_max)).then_some(enter)

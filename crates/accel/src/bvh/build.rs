@@ -5,7 +5,7 @@
 //! ranges are split first; the small ones that remain are independent tasks, whose results are joined in their order.
 //! All limits depend on the input alone, so that any number of threads builds the same tree.
 
-use super::{Block, Bvh, Child, ChildKind, Node, WIDTH};
+use super::{Block, Bvh, Child, Node, WIDTH};
 use crate::structure::{Prim, PrimKind};
 use rayon::prelude::*;
 use straal_math::Vec3;
@@ -177,14 +177,9 @@ pub(super) fn build(prims: &[Prim], vertices: &Vertices<'_>) -> Bvh {
     top.blocks.reserve_exact(parts.iter().map(|(_, p)| p.blocks.len()).sum());
     for (task, (child, mut part)) in tasks.iter().zip(parts) {
         let (nodes, blocks) = (top.nodes.len() as u32, top.blocks.len() as u32);
-        let moved = |c: Child| match c.kind() {
-            ChildKind::Node(i) => Child::node(i + nodes),
-            ChildKind::Block(i) => Child::block(i + blocks),
-            ChildKind::Object(_) => c,
-        };
-        top.nodes[task.node].children[task.slot] = moved(child);
+        top.nodes[task.node].children[task.slot] = child.moved(nodes, blocks);
         for node in &mut part.nodes {
-            node.children = node.children.map(moved);
+            node.children = node.children.map(|c| c.moved(nodes, blocks));
         }
         top.nodes.append(&mut part.nodes);
         top.blocks.append(&mut part.blocks);

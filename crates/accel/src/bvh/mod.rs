@@ -29,6 +29,14 @@ impl Node {
     };
 }
 
+#[cfg(test)]
+impl Node {
+    /// A node of boxes alone, to test kernels.
+    pub fn of_planes(planes: [[f32; WIDTH]; 6]) -> Self {
+        Self { planes, ..Self::EMPTY }
+    }
+}
+
 /// What a box contains: the highest two bits tell the kind, the others are an index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
@@ -56,6 +64,15 @@ impl Child {
 
     const fn object(i: u32) -> Self {
         Self(i | Self::LEAF | Self::OBJECT)
+    }
+
+    /// The same, where `nodes` and `blocks` stand before its own.
+    const fn moved(self, nodes: u32, blocks: u32) -> Self {
+        match self.kind() {
+            ChildKind::Node(i) => Self::node(i + nodes),
+            ChildKind::Block(i) => Self::block(i + blocks),
+            ChildKind::Object(_) => self,
+        }
     }
 
     #[inline(always)]

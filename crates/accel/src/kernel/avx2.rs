@@ -28,7 +28,7 @@ impl Kernel for Avx2 {
         let mut out = Children::NONE;
         // SAFETY: see the head of the file. Eight numbers are written to an array of eight.
         unsafe {
-            let [x, y, z] = r.neg;
+            let [x, y, z] = r.neg.map(usize::from);
             let enter = _mm256_max_ps(plane(r, node, 0, x), plane(r, node, 1, y));
             let enter = _mm256_max_ps(enter, plane(r, node, 2, z));
             let enter = _mm256_max_ps(enter, _mm256_set1_ps(r.ray.t_min));
@@ -79,7 +79,7 @@ unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize) -> __m256 {
 unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3]) -> [__m256; 3] {
     // SAFETY: the caller's promise; eight numbers are read from arrays of eight.
     unsafe {
-        let [x, y, z] = r.axes;
+        let [x, y, z] = r.axes.map(usize::from);
         let x = _mm256_loadu_ps(vertex[x % 3].as_ptr());
         let y = _mm256_loadu_ps(vertex[y % 3].as_ptr());
         let z = _mm256_loadu_ps(vertex[z % 3].as_ptr());

@@ -67,7 +67,7 @@ impl Kernel for Avx512 {
 unsafe fn crossing(r: &LocalRay, node: &Node, axis: usize) -> __m512 {
     // SAFETY: the caller's promise; eight numbers are read from arrays of eight.
     unsafe {
-        let side = r.neg[axis];
+        let side = usize::from(r.neg[axis]);
         let near = _mm256_loadu_ps(node.planes[2 * axis + (side & 1)].as_ptr());
         let far = _mm256_loadu_ps(node.planes[2 * axis + (side & 1 ^ 1)].as_ptr());
         let both = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(near), far);

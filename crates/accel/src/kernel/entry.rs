@@ -11,6 +11,7 @@ macro_rules! entry_points {
             best: &mut $crate::Hit,
         ) {
             $(#[target_feature(enable = $feature)])?
+            #[inline(never)] // its frame is large, and must not become part of its caller's
             fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes, const COUNT: bool>(
                 q: &mut $crate::query::Query<'_, K, S, COUNT>,
                 at: &$crate::structure::Place<'_>,
@@ -32,6 +33,7 @@ macro_rules! entry_points {
             at: &$crate::structure::Place<'_>,
         ) -> bool {
             $(#[target_feature(enable = $feature)])?
+            #[inline(never)] // its frame is large, and must not become part of its caller's
             fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes, const COUNT: bool>(
                 q: &mut $crate::query::Query<'_, K, S, COUNT>,
                 at: &$crate::structure::Place<'_>,
@@ -53,6 +55,7 @@ macro_rules! entry_points {
             hits: &mut [$crate::Hit],
         ) {
             $(#[target_feature(enable = $feature)])?
+            #[inline(never)] // its frame is large, and must not become part of its caller's
             fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
                 kernel: K,
                 scene: &$crate::Scene,
@@ -77,6 +80,7 @@ macro_rules! entry_points {
             blocked: &mut [bool],
         ) {
             $(#[target_feature(enable = $feature)])?
+            #[inline(never)] // its frame is large, and must not become part of its caller's
             fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
                 kernel: K,
                 scene: &$crate::Scene,

@@ -18,7 +18,6 @@ use crate::{
     bvh::{Block, Node},
     hit::{Cost, Hit},
     input::Shapes,
-    isa::Isa,
     local::LocalRay,
     query::Query,
     scene::Scene,
@@ -112,6 +111,7 @@ macro_rules! with_kernel {
     ($isa:expr, $k:ident => $body:expr) => {{
         #[cfg(target_arch = "x86_64")]
         {
+            use crate::isa::Isa;
             if $isa == Isa::Avx512
                 && let Some($k) = avx512::Avx512::new()
             {
@@ -128,16 +128,42 @@ macro_rules! with_kernel {
                 return $body;
             }
         }
+        // Whoever has none of these.
+        let _: crate::isa::Isa = $isa;
         let $k = scalar::Scalar;
         $body
     }};
 }
 
 pub(crate) fn closest<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+    fn few<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+        let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = q.closest(&scene.groups[0], ray);
+        }
+    }
+    let n = if rays.len() < hits.len() { rays.len() } else { hits.len() };
+    let (rays, hits) = (&rays[..n], &mut hits[..n]);
+    if n < MANY {
+        with_kernel!(scene.isa(), k => few(k, scene, shapes, rays, hits));
+        return;
+    }
     with_kernel!(scene.isa(), k => k.closest_slice(scene, shapes, rays, hits))
 }
 
 pub(crate) fn occluded<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
+    fn few<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
+        let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            *blocked = q.occluded(&scene.groups[0], ray);
+        }
+    }
+    let n = if rays.len() < blocked.len() { rays.len() } else { blocked.len() };
+    let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
+    if n < MANY {
+        with_kernel!(scene.isa(), k => few(k, scene, shapes, rays, blocked));
+        return;
+    }
     with_kernel!(scene.isa(), k => k.occluded_slice(scene, shapes, rays, blocked))
 }
 
@@ -157,22 +183,16 @@ pub(crate) fn occluded_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) 
     with_kernel!(scene.isa(), k => counted(k, scene, shapes, ray))
 }
 
-/// Slices shorter than this go one ray at a time: setting up many in flight wouldn't pay.
+/// Slices shorter than this go one ray at a time: setting up many in flight wouldn't pay. They also stay out of the
+/// functions that make room for many, since touching so much stack takes longer than a search.
 const MANY: usize = 8;
 
 /// `Kernel::closest_slice` without the change of instruction set.
 #[inline(always)]
 fn closest_rays<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
-    let n = rays.len().min(hits.len());
-    let (rays, hits, group) = (&rays[..n], &mut hits[..n], &scene.groups[0]);
+    let group = &scene.groups[0];
     let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
-    if n >= MANY {
-        each!(&group.searcher, s => s.closest_many(&mut q, group, rays, hits));
-        return;
-    }
-    for (ray, hit) in rays.iter().zip(hits) {
-        *hit = q.closest(group, ray);
-    }
+    each!(&group.searcher, s => s.closest_many(&mut q, group, rays, hits));
 }
 
 /// `Kernel::occluded_slice` without the change of instruction set.
@@ -184,14 +204,10 @@ fn occluded_rays<K: Kernel, S: Shapes>(
     rays: &[Ray],
     blocked: &mut [bool],
 ) {
-    let n = rays.len().min(blocked.len());
-    let (rays, blocked, group) = (&rays[..n], &mut blocked[..n], &scene.groups[0]);
+    let group = &scene.groups[0];
     let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
-    if n >= MANY {
-        each!(&group.searcher, s => s.occluded_many(&mut q, group, rays, blocked));
-        return;
-    }
-    for (ray, blocked) in rays.iter().zip(blocked) {
-        *blocked = q.occluded(group, ray);
-    }
+    each!(&group.searcher, s => s.occluded_many(&mut q, group, rays, blocked));
 }
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests;

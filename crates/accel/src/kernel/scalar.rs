@@ -21,8 +21,8 @@ impl Kernel for Scalar {
             (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
         };
         for lane in 0..WIDTH {
-            let near = |axis: usize| plane(axis, r.neg[axis], lane);
-            let far = |axis: usize| plane(axis, 1 - r.neg[axis], lane);
+            let near = |axis: usize| plane(axis, usize::from(r.neg[axis]), lane);
+            let far = |axis: usize| plane(axis, usize::from(r.neg[axis]) ^ 1, lane);
             let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.ray.t_min);
             let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)) * EXIT, limit);
             if enter <= exit {

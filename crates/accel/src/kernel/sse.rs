@@ -29,7 +29,7 @@ impl Kernel for Sse {
         for half in [0, 4] {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
-                let [x, y, z] = r.neg;
+                let [x, y, z] = r.neg.map(usize::from);
                 let enter = _mm_max_ps(plane(r, node, 0, x, half), plane(r, node, 1, y, half));
                 let enter = _mm_max_ps(enter, plane(r, node, 2, z, half));
                 let enter = _mm_max_ps(enter, _mm_set1_ps(r.ray.t_min));
@@ -113,7 +113,7 @@ unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize
 unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [__m128; 3] {
     // SAFETY: the caller's promise; four numbers are read from within arrays of eight.
     unsafe {
-        let [x, y, z] = r.axes;
+        let [x, y, z] = r.axes.map(usize::from);
         let x = _mm_loadu_ps(vertex[x % 3].as_ptr().add(half));
         let y = _mm_loadu_ps(vertex[y % 3].as_ptr().add(half));
         let z = _mm_loadu_ps(vertex[z % 3].as_ptr().add(half));

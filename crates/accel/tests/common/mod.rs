@@ -62,7 +62,7 @@ pub fn soup(r: &mut Random, n: usize) -> Vec<[Vec3; 3]> {
     for i in 0..n {
         let at = r.point();
         let t = match r.below(12) {
-            0 | 1 | 2 => [at, at + r.point() * 0.2, at + r.point() * 0.2],
+            0..=2 => [at, at + r.point() * 0.2, at + r.point() * 0.2],
             3 => [r.grid(), r.grid(), r.grid()],
             4 if i > 0 => out[r.below(i)],
             5 if i > 0 => {
@@ -140,8 +140,8 @@ pub fn rays(r: &mut Random, triangles: &[[Vec3; 3]], n: usize) -> Vec<Ray> {
             3 => ray.t_max = f32::NAN,
             4 => (ray.t_min, ray.t_max) = (1.0, 0.5),
             5 => ray.d = Vec3::new(1e-42, -1e-42, 0.0),
-            6 => ray.d = ray.d * 1e30,
-            7 => ray.o = ray.o * 1e30,
+            6 => ray.d *= 1e30,
+            7 => ray.o *= 1e30,
             _ => {}
         }
         out.push(ray);

@@ -1,0 +1,101 @@
+//! Each vector kernel gives the scalar kernel's bits.
+
+use super::*;
+use straal_math::Vec3;
+
+/// Numbers of all sizes, with zeros and repetitions.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 >> 33
+    }
+
+    fn number(&mut self) -> f32 {
+        let x = (self.bits() % 65536) as f32 / 32768.0 - 1.0;
+        match self.bits() % 8 {
+            0 => 0.0,
+            1 => (x * 4.0).floor() * 0.25,
+            2 => x * 1e4,
+            3 => x * 1e-6,
+            _ => x,
+        }
+    }
+
+    fn ray(&mut self) -> Option<LocalRay> {
+        let o = Vec3::new(self.number(), self.number(), self.number());
+        let mut ray = Ray::new(o, Vec3::new(self.number(), self.number(), self.number()));
+        ray.t_min = [0.0, 0.0, -1.0, 0.25][self.bits() as usize % 4];
+        LocalRay::new(&ray)
+    }
+}
+
+fn same_as_scalar<K: Kernel>(kernel: K) {
+    let mut r = Random(11);
+    let (mut entered, mut hit, mut zero) = (0, 0, 0);
+    for _ in 0..20_000 {
+        let mut planes = [[0.0; 8]; 6];
+        for lane in 0..8 {
+            for axis in 0..3 {
+                let (a, b) = (r.number(), r.number());
+                let (a, b) = if a <= b { (a, b) } else { (b, a) };
+                // Some slots are empty.
+                let empty = lane >= 6 && r.bits().is_multiple_of(2);
+                planes[2 * axis][lane] = if empty { f32::INFINITY } else { a };
+                planes[2 * axis + 1][lane] = if empty { f32::NEG_INFINITY } else { b };
+            }
+        }
+        let node = Node::of_planes(planes);
+        let mut v = [[[0.0; 8]; 3]; 3];
+        for x in v.iter_mut().flatten().flatten() {
+            *x = r.number();
+        }
+        for x in v.iter_mut().flatten() {
+            x[7] = f32::NAN;
+        }
+        let block = Block { v, id: [0; 8] };
+        let Some(ray) = r.ray() else { continue };
+        let limit = [f32::MAX, 1.0, 3.0][r.bits() as usize % 3];
+
+        let (want, got) = (scalar::Scalar.node(&ray, &node, limit), kernel.node(&ray, &node, limit));
+        assert_eq!(got.mask, want.mask);
+        let (want_lanes, got_lanes) =
+            (scalar::Scalar.block(&ray, &block, limit), kernel.block(&ray, &block, limit));
+        assert_eq!((got_lanes.hit, got_lanes.zero), (want_lanes.hit, want_lanes.zero));
+        for lane in 0..8 {
+            if want.mask >> lane & 1 == 1 {
+                assert_eq!(got.keys[lane], want.keys[lane]);
+            }
+            if want_lanes.hit >> lane & 1 == 1 {
+                let bits = |l: &Lanes| [l.t, l.det, l.e1, l.e2].map(|x| x[lane].to_bits());
+                assert_eq!(bits(&got_lanes), bits(&want_lanes));
+            }
+        }
+        entered += want.mask.count_ones();
+        hit += want_lanes.hit.count_ones();
+        zero += want_lanes.zero.count_ones();
+    }
+    assert!(entered > 2000 && hit > 500 && zero > 100, "{entered} {hit} {zero}: the test says little");
+}
+
+#[test]
+fn sse_is_scalar() {
+    if let Some(kernel) = sse::Sse::new() {
+        same_as_scalar(kernel);
+    }
+}
+
+#[test]
+fn avx2_is_scalar() {
+    if let Some(kernel) = avx2::Avx2::new() {
+        same_as_scalar(kernel);
+    }
+}
+
+#[test]
+fn avx512_is_scalar() {
+    if let Some(kernel) = avx512::Avx512::new() {
+        same_as_scalar(kernel);
+    }
+}
