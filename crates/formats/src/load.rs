@@ -11,7 +11,8 @@ use straal_scene::diagnostic::start_of;
 use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
 
-use crate::{Limits, ReadError, image, mesh_file, studio, yaml};
+use crate::mesh_file::{self, MeshFile};
+use crate::{Limits, ReadError, image, studio, yaml};
 
 /// How a scene is loaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,7 +83,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), d: &mut d };
     let assets = reader.assets(&scene, &paths);
     let hash = hash(&scene, &reader.hashes);
-    if !gives_light(&scene, &assets) {
+    if !d.has_errors() && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }
@@ -147,7 +148,7 @@ fn locate(scene: &Scene, base: &Path, limits: &Limits, d: &mut Diagnostics) -> B
 }
 
 /// Only plain files are read: a device could go on for ever.
-fn check_file(path: &Path, most: u64) -> Result<(), String> {
+pub(crate) fn check_file(path: &Path, most: u64) -> Result<(), String> {
     let data = std::fs::metadata(path).map_err(|e| reason(&e))?;
     if data.is_dir() {
         return Err("it is a folder".to_owned());
@@ -234,9 +235,8 @@ impl Reader<'_> {
     /// A mesh; an empty one after a complaint.
     fn mesh(&mut self, file: &FileRef, path: &Path) -> (MeshAsset, [u8; 32]) {
         let Some(bytes) = self.bytes(file, path) else { return Default::default() };
-        let hash = blake3::hash(&bytes).into();
         match mesh_file::read(path, &bytes, self.limits) {
-            Ok((asset, warnings)) => {
+            Ok(MeshFile { asset, warnings, hash }) => {
                 for warning in warnings {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
@@ -313,17 +313,16 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     };
     check_file(path, options.files.max_bytes).map_err(|p| fail(p, similar(path)))?;
     let bytes = std::fs::read(path).map_err(|e| fail(reason(&e), None))?;
-    let (asset, complaints) =
-        mesh_file::read(path, &bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
+    let read = mesh_file::read(path, &bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
     let name = path.display().to_string();
-    let scene = studio::around(&name, &asset).map_err(|problem| fail(problem, None))?;
+    let scene = studio::around(&name, &read.asset).map_err(|problem| fail(problem, None))?;
     let mut warnings = Diagnostics::default();
-    for complaint in complaints {
+    for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }
     let mut assets = Assets::default();
-    assets.meshes.insert(name.clone(), asset);
+    assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let hash = hash(&scene, &BTreeMap::from([(file_name, blake3::hash(&bytes).into())]));
+    let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
     Ok(Loaded { scene, assets, warnings, hash })
 }

@@ -4,13 +4,13 @@ use std::borrow::Cow;
 
 use serde_json::{Map, Value as Json};
 
-use crate::desc::Scene;
+use crate::desc::{Light, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::limit::Limit;
 use crate::schema::{Definitions, Properties};
 use crate::span::Span;
 use crate::suggest;
-use crate::tree::{Datum, Entry, Tree};
+use crate::tree::{Datum, Entry, Tree, shown};
 use crate::validate;
 
 /// A type of the scene language.
@@ -97,7 +97,7 @@ impl Decoder {
     }
 
     /// Where to point for a value: what is left out has no extent, so its key is shown.
-    fn place(&self, tree: &Tree) -> Span {
+    pub fn place(&self, tree: &Tree) -> Span {
         match self.path.last() {
             Some((_, key)) if tree.value == Datum::Null && tree.span.start == tree.span.end => *key,
             _ => tree.span,
@@ -119,8 +119,8 @@ impl Decoder {
             return None;
         };
         if !limit.allows(v) {
-            let shown = if v.is_finite() { limit.to_string() } else { "finite".to_owned() };
-            let message = format!("`{}` must be {shown}, found {v}", self.key());
+            let range = if v.is_finite() { limit.to_string() } else { "finite".to_owned() };
+            let message = format!("`{}` must be {range}, found {}", self.key(), shown(v));
             self.push(Diagnostic::error(tree.span, message));
             return None;
         }
@@ -132,7 +132,7 @@ impl Decoder {
         let v = self.number(tree, limit)?;
         const EXACT: f64 = 9_007_199_254_740_992.0;
         if v < 0.0 || v.floor() != v || v > EXACT {
-            let message = format!("`{}` must be a whole number from 0 up, found {v}", self.key());
+            let message = format!("`{}` must be a whole number, found {}", self.key(), shown(v));
             self.push(Diagnostic::error(tree.span, message));
             return None;
         }
@@ -331,6 +331,15 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
     let mut decoder = Decoder::new(diagnostics, strictness);
     let scene = Scene::read(tree, Limit::FINITE, &mut decoder);
     let mut diagnostics = decoder.diagnostics;
+    let (at, nothing) = match tree.entry("world") {
+        Some(e) => (e.key.span, e.value.value == Datum::Null || e.value.value == Datum::Sequence(Vec::new())),
+        None => (Span { end: tree.span.start, ..tree.span }, matches!(tree.value, Datum::Mapping(_) | Datum::Null)),
+    };
+    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
+    if nothing && !lit_by_all {
+        let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
+        diagnostics.push(Diagnostic::error(at, "the world is empty: there is nothing to see").help(help));
+    }
     validate::validate(&scene, &mut diagnostics);
     (scene, diagnostics)
 }

@@ -195,12 +195,15 @@ impl Describe for Color {
             Datum::Sequence(items) if items.len() == 3 => {
                 Self(std::array::from_fn(|i| f64::read(&items[i], limit, d)))
             }
-            Datum::String(s) => Self::from_hex(s).unwrap_or_else(|| {
-                d.expected("a colour", tree);
+            Datum::String(s) if Self::from_hex(s).is_some() => Self::from_hex(s).unwrap_or_default(),
+            Datum::Null => {
+                let message = format!("`{}` must be a colour, found nothing", d.key());
+                let help = "put '#rrggbb' in quotes: without them `#` begins a comment";
+                d.push(Diagnostic::error(d.place(tree), message).help(help));
                 Self::blank()
-            }),
+            }
             _ => {
-                d.expected("a colour: a number, `[r, g, b]` or '#rrggbb'", tree);
+                d.expected("a colour (a number, `[r, g, b]` or '#rrggbb')", tree);
                 Self::blank()
             }
         }

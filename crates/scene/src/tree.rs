@@ -37,11 +37,17 @@ pub struct Entry {
     pub value: Tree,
 }
 
+/// A number as people write it: very large and small ones with an exponent.
+pub fn shown(v: f64) -> String {
+    let size = v.abs();
+    if v.is_finite() && size != 0.0 && !(1e-4..1e16).contains(&size) { format!("{v:e}") } else { v.to_string() }
+}
+
 impl Tree {
-    /// The value of a key, when this is a mapping that has it.
-    pub fn get(&self, key: &str) -> Option<&Tree> {
+    /// A key and its value, when this is a mapping that has it.
+    pub fn entry(&self, key: &str) -> Option<&Entry> {
         match &self.value {
-            Datum::Mapping(entries) => entries.iter().find(|e| e.key.value == key).map(|e| &e.value),
+            Datum::Mapping(entries) => entries.iter().find(|e| e.key.value == key),
             _ => None,
         }
     }
@@ -52,7 +58,7 @@ impl Tree {
         match &self.value {
             Datum::Null => "nothing".to_owned(),
             Datum::Bool(b) => format!("`{b}`"),
-            Datum::Number(n) => format!("the number {n}"),
+            Datum::Number(n) => format!("the number {}", shown(*n)),
             Datum::String(s) if s.chars().nth(LONGEST).is_none() && !s.contains(char::is_control) => {
                 format!("the text `{s}`")
             }

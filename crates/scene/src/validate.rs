@@ -13,8 +13,8 @@ use crate::value::{FileRef, Name};
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
 
-/// Complains of names that lead nowhere, objects that contain themselves or nest too deep, placements that have no
-/// inverse together, and a world with nothing to see.
+/// Complains of names that lead nowhere, objects that contain themselves or nest too deep, and placements that have no
+/// inverse together.
 pub fn validate(scene: &Scene, d: &mut Diagnostics) {
     let mut walk = Walk { scene, d };
     for node in scene.objects.iter().map(|(_, object)| object).chain(&scene.world) {
@@ -22,11 +22,6 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
         walk.placement(node, &Affine::IDENTITY);
     }
     walk.nesting();
-    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
-    if scene.world.is_empty() && !lit_by_all && !walk.d.has_errors() {
-        let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
-        walk.d.push(Diagnostic::error(Span::NONE, "the world is empty: there is nothing to see").help(help));
-    }
 }
 
 impl Node {
@@ -235,7 +230,7 @@ impl Walk<'_> {
     }
 
     fn cycle(&mut self, edge: Edge) {
-        let Some((name, _)) = self.scene.objects.iter().nth(edge.to) else { return };
+        let Some((name, _)) = self.scene.objects.at(edge.to) else { return };
         let message = format!("object `{}` contains itself", name.value);
         let label = format!("`{}` is defined here", name.value);
         self.d.push(Diagnostic::error(edge.span, message).related(name.span, label));

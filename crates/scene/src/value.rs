@@ -129,6 +129,11 @@ impl<T> Named<T> {
         self.index.get(name).copied()
     }
 
+    /// The thing at a place in the order of the file.
+    pub fn at(&self, position: usize) -> Option<(&Name, &T)> {
+        self.entries.get(position).map(|(n, t)| (n, t))
+    }
+
     /// All, in the order of the file.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (&Name, &T)> {
         self.entries.iter().map(|(n, t)| (n, t))

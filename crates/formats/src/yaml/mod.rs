@@ -94,6 +94,8 @@ fn syntax(span: Span, info: &str) -> Diagnostic {
         "look for a missing comma or closing bracket just before this"
     } else if info.contains("mapping values are not allowed") || info.contains("simple key") {
         "check the indentation, and that each `:` is followed by a space"
+    } else if info.contains("anchor") {
+        "an alias `*name` repeats what `&name` stands before, further up"
     } else if info.contains("quoted scalar") {
         "look for a missing closing quote"
     } else {

@@ -161,7 +161,7 @@ pub(super) fn triangle(s: &Triangle, keys: &Keys<'_>, d: &mut Decoder) {
 /// Complains of the first index that is out of range.
 fn indices(key: &str, all: impl Iterator<Item = u32>, count: usize, keys: &Keys<'_>, d: &mut Decoder) {
     if let Some(bad) = { all }.find(|&i| i as usize >= count) {
-        let message = format!("`{key}` names point {bad}, but there are {count}, counted from 0");
+        let message = format!("`{key}` names point {bad}, but there are only {count}, counted from 0");
         d.push(Diagnostic::error(keys.key_span(key), message));
     }
 }
@@ -178,7 +178,7 @@ pub(super) fn mesh(m: &TriangleMesh, keys: &Keys<'_>, d: &mut Decoder) {
     indices("triangles", m.triangles.iter().flatten().copied(), m.positions.len(), keys, d);
     for (key, count) in [("normals", m.normals.len()), ("uvs", m.uvs.len())] {
         if count != 0 && count != m.positions.len() {
-            let message = format!("`{key}` has {count} entries, but `positions` has {}", m.positions.len());
+            let message = format!("`{key}` lists {count} for the {} of `positions`", m.positions.len());
             d.push(Diagnostic::error(keys.key_span(key), message));
         }
     }
