@@ -17,3 +17,4 @@ pub mod yaml;
 pub use limits::Limits;
 pub use load::{Loaded, Options, load, load_bytes, load_str};
 pub use read_error::{Place, ReadError};
+pub use straal_scene::Diagnostics;

@@ -137,9 +137,11 @@ fn locate(scene: &Scene, base: &Path, limits: &Limits, d: &mut Diagnostics) -> B
         }
         let path = base.join(&file.value);
         if let Err(problem) = check_file(&path, limits.max_bytes) {
-            let message = format!("cannot read `{}`: {problem}", file.value);
+            let message = format!("cannot read `{}`: {problem}", suggest::brief(file));
             let help = if d.is_full() { None } else { similar(&path) };
-            let looked = format!("files are looked for in the scene's folder: {}", path.display());
+            let place = base.display().to_string();
+            let place = if place.is_empty() { "." } else { &place };
+            let looked = format!("files are looked for in the scene's folder, `{place}`");
             d.push(Diagnostic::error(file.span, message).help(help.unwrap_or(looked)));
         }
         paths.insert(file.value.clone(), path);
@@ -270,7 +272,7 @@ impl Reader<'_> {
         match std::fs::read(path) {
             Ok(bytes) => Some(bytes),
             Err(e) => {
-                let message = format!("cannot read `{}`: {}", file.value, reason(&e));
+                let message = format!("cannot read `{}`: {}", suggest::brief(file), reason(&e));
                 self.d.push(Diagnostic::error(file.span, message));
                 None
             }
@@ -278,7 +280,7 @@ impl Reader<'_> {
     }
 
     fn fail(&mut self, file: &FileRef, e: &ReadError) {
-        self.d.push(Diagnostic::error(file.span, format!("cannot read `{}`: {e}", file.value)));
+        self.d.push(Diagnostic::error(file.span, format!("cannot read `{}`: {e}", suggest::brief(file))));
     }
 }
 

@@ -106,7 +106,7 @@ impl Decoder {
 
     /// Reads with `key` as the key that messages name.
     pub fn under<T>(&mut self, key: &str, span: Span, read: impl FnOnce(&mut Self) -> T) -> T {
-        self.path.push((key.to_owned(), span));
+        self.path.push((suggest::brief(key).into_owned(), span));
         let value = read(self);
         self.path.pop();
         value
@@ -201,7 +201,7 @@ impl Decoder {
         if let Some(kind) = kinds.iter().find(|k| *k == key) {
             return Some(Choice { kind, span, payload });
         }
-        let message = format!("unknown `{key}` in `{}`", self.key());
+        let message = format!("unknown `{}` in `{}`", suggest::brief(key), self.key());
         let all = format!("it can be {}", suggest::list(kinds.iter().copied()));
         let near = suggest::did_you_mean(key, kinds.iter().copied());
         self.push(Diagnostic::error(span, message).help(near.unwrap_or(all)));
@@ -242,13 +242,13 @@ impl Choice<'_> {
 
 /// The complaint of two keys where one kind must be chosen.
 fn several(first: &Entry, second: &Entry, kinds: &[&str]) -> Diagnostic {
-    let message =
-        format!("`{}` and `{}` stand together where one is expected", first.key.value, second.key.value);
+    let (a, b) = (suggest::brief(&first.key.value), suggest::brief(&second.key.value));
+    let message = format!("`{a}` and `{b}` stand together where one is expected");
     let known = |e: &Entry| kinds.contains(&e.key.value.as_str());
     let help = if known(first) && known(second) {
         "begin each with a `- ` of its own".to_owned()
     } else if known(first) {
-        format!("indent `{}` to make it a key of `{}`", second.key.value, first.key.value)
+        format!("indent `{b}` to make it a key of `{a}`")
     } else {
         format!("it can be {}", suggest::list(kinds.iter().copied()))
     };
@@ -312,7 +312,9 @@ impl<'a> Keys<'a> {
             if self.known.contains(&key) {
                 continue;
             }
-            let message = format!("unknown key `{key}` in `{}`", d.key()).replace("`the scene`", "the scene");
+            let shown = suggest::brief(key);
+            let message =
+                format!("unknown key `{shown}` in `{}`", d.key()).replace("`the scene`", "the scene");
             let help = suggest::did_you_mean(key, absent.iter().copied())
                 .unwrap_or_else(|| format!("the keys are {}", suggest::list(self.known.iter().copied())));
             let complaint = if d.strictness.lenient {
@@ -333,7 +335,10 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
     let mut diagnostics = decoder.diagnostics;
     let (at, nothing) = match tree.entry("world") {
         Some(e) => (e.key.span, e.value.value == Datum::Null || e.value.value == Datum::Sequence(Vec::new())),
-        None => (Span { end: tree.span.start, ..tree.span }, matches!(tree.value, Datum::Mapping(_) | Datum::Null)),
+        None => (
+            Span { end: tree.span.start, ..tree.span },
+            matches!(tree.value, Datum::Mapping(_) | Datum::Null),
+        ),
     };
     let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
     if nothing && !lit_by_all {

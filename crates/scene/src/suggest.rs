@@ -1,5 +1,7 @@
 //! "Did you mean": the nearest of the words that would have been right.
 
+use std::borrow::Cow;
+
 /// The candidate nearest to `word`, when it is near enough to be a slip of the hand.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     const LONGEST: usize = 40;
@@ -25,12 +27,27 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 
 /// "did you mean `x`?" for the nearest candidate.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    nearest(word, candidates).map(|c| format!("did you mean `{c}`?"))
+    nearest(word, candidates).map(|c| format!("did you mean `{}`?", brief(c)))
 }
 
 /// Words as a message lists them.
 pub fn list<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
-    words.into_iter().map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
+    words.into_iter().map(|w| format!("`{}`", brief(w))).collect::<Vec<_>>().join(", ")
+}
+
+/// A word of a file as a message shows it: cut where it is long, on one line.
+pub fn brief(word: &str) -> Cow<'_, str> {
+    const LONGEST: usize = 60;
+    let cut = word.char_indices().nth(LONGEST).map(|(i, _)| i);
+    if cut.is_none() && !word.contains(char::is_control) {
+        return Cow::Borrowed(word);
+    }
+    let start = &word[..cut.unwrap_or(word.len())];
+    let mut shown: String = start.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if cut.is_some() {
+        shown += "...";
+    }
+    Cow::Owned(shown)
 }
 
 /// Case, `-` and `_` don't tell words apart.

@@ -1,6 +1,7 @@
 //! A text format's values with their places: what every reader of scenes makes first.
 
 use crate::span::{Span, Spanned};
+use crate::suggest::brief;
 
 /// A value and where it stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,7 +41,11 @@ pub struct Entry {
 /// A number as people write it: very large and small ones with an exponent.
 pub fn shown(v: f64) -> String {
     let size = v.abs();
-    if v.is_finite() && size != 0.0 && !(1e-4..1e16).contains(&size) { format!("{v:e}") } else { v.to_string() }
+    if v.is_finite() && size != 0.0 && !(1e-4..1e16).contains(&size) {
+        format!("{v:e}")
+    } else {
+        v.to_string()
+    }
 }
 
 impl Tree {
@@ -54,15 +59,11 @@ impl Tree {
 
     /// What this is, as messages call it.
     pub fn kind(&self) -> String {
-        const LONGEST: usize = 40;
         match &self.value {
             Datum::Null => "nothing".to_owned(),
             Datum::Bool(b) => format!("`{b}`"),
             Datum::Number(n) => format!("the number {}", shown(*n)),
-            Datum::String(s) if s.chars().nth(LONGEST).is_none() && !s.contains(char::is_control) => {
-                format!("the text `{s}`")
-            }
-            Datum::String(_) => "a text".to_owned(),
+            Datum::String(s) => format!("the text `{}`", brief(s)),
             Datum::Sequence(v) if v.len() == 1 => "a list of 1".to_owned(),
             Datum::Sequence(v) => format!("a list of {}", v.len()),
             Datum::Mapping(_) => "a mapping of keys to values".to_owned(),

@@ -147,7 +147,7 @@ impl Walk<'_> {
         }
         let names = || self.scene.objects.iter().map(|(n, _)| n.value.as_str());
         let help = self.near(of, names()).unwrap_or_else(|| available("objects", names()));
-        let message = format!("there is no object named `{}`", of.value);
+        let message = format!("there is no object named `{}`", suggest::brief(of));
         self.d.push(Diagnostic::error(of.span, message).help(help));
     }
 
@@ -163,7 +163,7 @@ impl Walk<'_> {
                 available("materials", names())
             }
         });
-        let message = format!("there is no material named `{}`", name.value);
+        let message = format!("there is no material named `{}`", suggest::brief(name));
         self.d.push(Diagnostic::error(name.span, message).help(help));
     }
 
@@ -231,8 +231,8 @@ impl Walk<'_> {
 
     fn cycle(&mut self, edge: Edge) {
         let Some((name, _)) = self.scene.objects.at(edge.to) else { return };
-        let message = format!("object `{}` contains itself", name.value);
-        let label = format!("`{}` is defined here", name.value);
+        let message = format!("object `{}` contains itself", suggest::brief(name));
+        let label = format!("`{}` is defined here", suggest::brief(name));
         self.d.push(Diagnostic::error(edge.span, message).related(name.span, label));
     }
 

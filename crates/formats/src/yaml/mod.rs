@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use saphyr_parser::{Event, Parser, ScalarStyle, Span as Marks, Tag};
 use straal_scene::diagnostic::start_of;
 use straal_scene::tree::{Datum, Entry, Tree};
-use straal_scene::{Diagnostic, Diagnostics, FileId, Span, Spanned};
+use straal_scene::{Diagnostic, Diagnostics, FileId, Span, Spanned, suggest};
 
 /// How much a text may ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +67,10 @@ pub fn read(file: FileId, limits: &Limits, d: &mut Diagnostics) -> Option<Tree> 
             Err(e) => {
                 let at = builder.offsets.byte(e.marker().index());
                 let end = at + text[at..].chars().next().map_or(0, char::len_utf8);
-                builder.d.push(syntax(span(file, at, end), e.info()));
+                let at = span(file, at, end);
+                // The parser looks ahead, and has a limit of its own.
+                let deep = e.info().contains("recursion limit");
+                builder.d.push(if deep { too_deep(at, limits) } else { syntax(at, e.info()) });
                 return None;
             }
         }
@@ -84,6 +87,10 @@ fn span(file: FileId, start: usize, end: usize) -> Span {
 /// What YAML 1.2 (5.1) leaves out of its character set, as far as it is a control character.
 fn is_forbidden(c: char) -> bool {
     c.is_control() && !matches!(c, '\t' | '\n' | '\r' | '\u{85}')
+}
+
+fn too_deep(at: Span, limits: &Limits) -> Diagnostic {
+    Diagnostic::error(at, format!("lists and mappings nest deeper than {} levels", limits.depth))
 }
 
 fn syntax(span: Span, info: &str) -> Diagnostic {
@@ -172,9 +179,10 @@ impl Builder<'_> {
         match event {
             Event::Scalar(text, style, anchor, tag) => {
                 let at = self.span(marks);
-                self.spend(1 + text.len() / 32, at)?;
+                let nodes = 1 + text.len() / 32;
+                self.spend(nodes, at)?;
                 let value = self.scalar(text.into_owned(), style, tag.as_deref(), at);
-                self.value(Tree { value, span: at }, anchor, 1)
+                self.value(Tree { value, span: at }, anchor, nodes)
             }
             Event::SequenceStart(anchor, tag) => {
                 self.begin(marks, anchor, tag.as_deref(), Inside::Sequence(Vec::new()))
@@ -211,8 +219,7 @@ impl Builder<'_> {
         let at = self.span(marks);
         self.spend(1, at)?;
         if self.open.len() >= self.limits.depth {
-            let message = format!("lists and mappings nest deeper than {} levels", self.limits.depth);
-            return Err(Box::new(Diagnostic::error(at, message)));
+            return Err(Box::new(too_deep(at, &self.limits)));
         }
         let tag = tag.map(|t| format!("{}{}", t.handle, t.suffix));
         self.open.push(Open { start: *marks, anchor, tag, inside, nodes: 1 });
@@ -257,8 +264,7 @@ impl Builder<'_> {
         self.spend(nodes, at)?;
         let Some((tree, _)) = self.anchors.get(&anchor) else { return Ok(()) };
         if self.open.len() + depth(tree) > self.limits.depth {
-            let message = format!("lists and mappings nest deeper than {} levels", self.limits.depth);
-            return Err(Box::new(Diagnostic::error(at, message)));
+            return Err(Box::new(too_deep(at, &self.limits)));
         }
         let tree = tree.clone();
         self.value(tree, 0, nodes)
@@ -306,7 +312,7 @@ impl Builder<'_> {
     }
 
     fn tag(&mut self, tag: &str, at: Span) {
-        let message = format!("the tag `{tag}` has no place here");
+        let message = format!("the tag `{}` has no place here", suggest::brief(tag));
         self.d.push(Diagnostic::error(at, message).help("leave the tag out"));
     }
 }
@@ -334,7 +340,10 @@ fn key_of(tree: Tree, seen: &mut HashMap<String, Span>, d: &mut Diagnostics, tex
         }
     };
     if let Some(&first) = seen.get(&key) {
-        d.push(Diagnostic::error(at, format!("duplicate key `{key}`")).related(first, "the first is here"));
+        d.push(
+            Diagnostic::error(at, format!("duplicate key `{}`", suggest::brief(&key)))
+                .related(first, "the first is here"),
+        );
         return None;
     }
     seen.insert(key.clone(), at);

@@ -193,7 +193,7 @@ pub(super) fn bezier(b: &Bezier, keys: &Keys<'_>, d: &mut Decoder) {
         if !BUILTIN_PATCHES.contains(&name.value.as_str()) {
             let all = format!("there is {}", suggest::list(BUILTIN_PATCHES.iter().copied()));
             let near = suggest::did_you_mean(name, BUILTIN_PATCHES.iter().copied());
-            let message = format!("no patches named `{}` are built in", name.value);
+            let message = format!("no patches named `{}` are built in", suggest::brief(name));
             d.push(Diagnostic::error(name.span, message).help(near.unwrap_or(all)));
         }
         return;
