@@ -269,4 +269,51 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn rays_that_leave_a_triangle_do_not_hit_it_again() {
+        use super::super::bezier::{teapot, tessellate};
+        use super::super::offset_origin;
+        use straal_accel::{Geometry, GeometryKind, Group, Hit, Input, Options, Scene};
+        use straal_math::Ray;
+
+        let mut rng = Rng(23);
+        for (scale, away) in [(1e-3, 0.0), (1.0, 0.0), (1.0, 1e3), (1e5, 1e5)] {
+            let map = Affine::scale(DVec3::splat(scale))
+                .then(&Affine::rotate(DVec3::ONE, 33.0).unwrap())
+                .then(&Affine::translate(DVec3::new(0.6, -1.0, 0.3) * away));
+            let mesh = tessellate(&teapot(), 6).transformed(&map).unwrap();
+            let (positions, indices) = (mesh.positions.clone(), mesh.indices.clone());
+            let kind = GeometryKind::Triangles { positions, indices };
+            let input = Input {
+                groups: vec![Group { geometries: vec![0], instances: vec![] }],
+                geometries: vec![Geometry { kind, mask: u32::MAX }],
+            };
+            let scene = Scene::build(input, &(), &Options::default()).unwrap();
+            let bounds = scene.bounds();
+            let mut hits = 0;
+            for _ in 0..3000 {
+                let o = bounds.center() + rng.direction() * (5.0 * scale as f32);
+                let d = bounds.center() + rng.cube() * scale as f32 - o;
+                let mut hit = [Hit::MISS];
+                scene.closest(&(), &[Ray::new(o, d)], &mut hit);
+                if hit[0].primitive == u32::MAX {
+                    continue;
+                }
+                hits += 1;
+                let s = mesh.surface(hit[0].primitive, hit[0].u, hit[0].v);
+                for _ in 0..4 {
+                    let w = rng.direction();
+                    if w.dot(s.ng).abs() < 1e-4 {
+                        continue; // the normal's own rounding decides
+                    }
+                    let mut again = [Hit::MISS];
+                    let ray = Ray::new(offset_origin(s.p, s.p_err, s.ng, w), w);
+                    scene.closest(&(), &[ray], &mut again);
+                    assert_ne!(again[0].primitive, hit[0].primitive, "scale {scale}: {s:?} {w:?}");
+                }
+            }
+            assert!(hits > 500, "{hits}");
+        }
+    }
 }

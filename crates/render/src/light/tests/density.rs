@@ -12,6 +12,9 @@ fn directions_have_the_density_that_is_told() {
         // Surroundings look the same from everywhere.
         let views = if entry.emitter.is_environment() { &VIEWS[..1] } else { &VIEWS };
         for (i, &p) in views.iter().enumerate() {
+            if i == 1 && lit > 0 {
+                continue; // for those that only shine downwards
+            }
             let sample = |u: [f32; 4]| entry.emitter.sample(&entry.geometry, p, [u[0], u[1]]);
             // Many cells, because the rims of lights cross them, and finer rings where the light is.
             let fine = SphereGrid { rings: 48, sectors: 48, ..SphereGrid::default() };
