@@ -13,6 +13,7 @@
 //! can be used by themselves: `straal_accel` for ray search, `straal_color` for light, `straal_render` for the rest.
 #![forbid(unsafe_code)]
 
+pub mod compare;
 pub mod job;
 pub mod picture;
 pub mod replicates;
