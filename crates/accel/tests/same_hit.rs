@@ -171,6 +171,41 @@ fn none_escapes_a_closed_mesh() {
     }
 }
 
+/// The padding of boxes must cover the roundings of a triangle test far from the ray's origin.
+#[test]
+fn none_slips_through_a_far_floor() {
+    let n = 24;
+    let mut r = Random(12);
+    let corner = |x: usize, z: usize| Vec3::new(x as f32 * 0.37 - 4.0, 0.1, z as f32 * 0.41 - 5.0);
+    let mut triangles = Vec::new();
+    for x in 0..n {
+        for z in 0..n {
+            let [a, b, c, d] = [corner(x, z), corner(x + 1, z), corner(x + 1, z + 1), corner(x, z + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    let scene = Scene::build(world(vec![mesh(&triangles)]), &(), &Options::default()).unwrap();
+    for distance in [1e-3, 1.0, 1e3, 1e5] {
+        let rays: Vec<Ray> = (0..20_000)
+            .map(|i| {
+                let mut o = r.direction() * distance;
+                o.y = o.y.abs() + 0.101;
+                // Seams between the boxes of neighbours, and anywhere.
+                let seam = corner(1 + r.below(n - 1), 1 + r.below(n - 1));
+                let other = corner(1 + r.below(n - 1), 1 + r.below(n - 1));
+                let to = [seam, Vec3::new(seam.x, seam.y, other.z), seam * 0.3 + other * 0.7][i % 3];
+                Ray::new(o, to - o)
+            })
+            .collect();
+        let mut hits = vec![Hit::MISS; rays.len()];
+        scene.closest(&(), &rays, &mut hits);
+        let slipped = hits.iter().filter(|h| !h.is_hit()).count();
+        assert_eq!(slipped, 0, "from {distance}");
+        let off = hits.iter().map(|h| (h.t - 1.0).abs()).fold(0.0, |a, b| if b > a { b } else { a });
+        assert!(off < 1e-3, "t should be near 1, was off by {off}");
+    }
+}
+
 #[test]
 fn threads_do_not_matter() {
     let mut r = Random(10);
