@@ -154,7 +154,21 @@ impl Pattern {
         }
     }
 
-    /// Four numbers. The first two are those that [`Self::d2`] gives.
+    /// Three numbers. The first two are those that [`Self::d2`] gives; cheaper than one number and two.
+    #[inline]
+    pub fn d3(self, name: &SampleName, purpose: Purpose) -> [f32; 3] {
+        let stream = name.stream(purpose);
+        match self {
+            Self::Random => {
+                let r = random(stream, name, 0);
+                let s = random(stream, name, 1);
+                [r as u32, (r >> 32) as u32, s as u32].map(to_unit)
+            }
+            Self::Sobol => sobol::d3(stream, name.reversed_index).map(to_unit),
+        }
+    }
+
+    /// Four numbers. The first three are those that [`Self::d3`] gives.
     #[inline]
     pub fn d4(self, name: &SampleName, purpose: Purpose) -> [f32; 4] {
         let stream = name.stream(purpose);

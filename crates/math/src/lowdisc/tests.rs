@@ -24,9 +24,11 @@ fn numbers_are_in_the_unit_interval() {
         for index in 0..4096 {
             let name = SampleName::new(7, [3, 5], index);
             assert_eq!(name.index(), index);
-            for u in pattern.d4(&name, Purpose::Film) {
-                assert!((0.0..1.0).contains(&u));
-            }
+            let four = pattern.d4(&name, Purpose::Film);
+            assert!(four.iter().all(|u| (0.0..1.0).contains(u)));
+            assert_eq!(pattern.d3(&name, Purpose::Film), four[..3]);
+            assert_eq!(pattern.d2(&name, Purpose::Film), four[..2]);
+            assert_eq!(pattern.d1(&name, Purpose::Film), four[0]);
         }
     }
 }

@@ -39,18 +39,17 @@ pub fn clamp(x: f32, lo: f32, hi: f32) -> f32 {
 /// The polynomial c0 + c1 z + c2 z² + ..., its even and odd powers summed side by side.
 #[inline(always)]
 fn poly<const N: usize>(z: f64, c: [f64; N]) -> f64 {
+    const { assert!(N >= 2) };
     let zz = z * z;
-    let (mut even, mut odd) = (0.0, 0.0);
-    let mut i = N;
-    while i > 0 {
-        i -= 1;
-        if i & 1 == 0 {
-            even = even * zz + c[i];
-        } else {
-            odd = odd * zz + c[i];
-        }
+    // The two highest coefficients start the two sums.
+    let (mut high, mut low) = (c[N - 1], c[N - 2]);
+    let mut i = N - 2;
+    while i >= 2 {
+        high = high * zz + c[i - 1];
+        low = low * zz + c[i - 2];
+        i -= 2;
     }
-    even + odd * z
+    if i == 1 { (high * z + low) * z + c[0] } else { high * z + low }
 }
 
 /// The nearest whole number (ties to even) and, in its low bits, the same as an integer; |x| < 2^50.
