@@ -11,10 +11,11 @@ use straal_math::{Bounds, Vec3, ops};
 /// sheared vertices in `triangle.rs`, which move with their distance from the origin, as a crossing does.
 pub(crate) const EXIT: f32 = 1.0 + 16.0 * f32::EPSILON;
 
-/// Half the rest of the roundings moves with the size of a primitive: boxes grow by this part of their longest edge.
+/// Where a primitive is large beside its distance, the roundings of its vertices move with its size instead: boxes grow
+/// by this part of their longest edge on each side.
 const PAD_EXTENT: f32 = 8.0 * f32::EPSILON;
 
-/// And by this part of the coordinate, so that the sum is rounded outwards.
+/// They also grow by this part of each coordinate, so that the sum is rounded outwards.
 const PAD_COORDINATE: f32 = f32::EPSILON;
 
 /// A primitive's own box, padded so that every hit the primitive's routine finds lies inside.

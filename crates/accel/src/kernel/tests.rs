@@ -36,14 +36,15 @@ fn same_as_scalar<K: Kernel>(kernel: K) {
     let (mut entered, mut hit, mut zero) = (0, 0, 0);
     for _ in 0..20_000 {
         let mut planes = [[0.0; 8]; 6];
-        for lane in 0..8 {
-            for axis in 0..3 {
+        for axis in planes.chunks_mut(2) {
+            let (low, high) = axis.split_at_mut(1);
+            for (lane, (low, high)) in low[0].iter_mut().zip(&mut high[0]).enumerate() {
                 let (a, b) = (r.number(), r.number());
-                let (a, b) = if a <= b { (a, b) } else { (b, a) };
                 // Some slots are empty.
-                let empty = lane >= 6 && r.bits().is_multiple_of(2);
-                planes[2 * axis][lane] = if empty { f32::INFINITY } else { a };
-                planes[2 * axis + 1][lane] = if empty { f32::NEG_INFINITY } else { b };
+                (*low, *high) = match lane >= 6 && r.bits().is_multiple_of(2) {
+                    true => (f32::INFINITY, f32::NEG_INFINITY),
+                    false => (if a < b { a } else { b }, if a < b { b } else { a }),
+                };
             }
         }
         let node = Node::of_planes(planes);
