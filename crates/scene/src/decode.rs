@@ -202,10 +202,18 @@ impl Decoder {
             return Some(Choice { kind, span, payload });
         }
         let message = format!("unknown `{}` in `{}`", suggest::brief(key), self.key());
-        let all = format!("it can be {}", suggest::list(kinds.iter().copied()));
-        let near = suggest::did_you_mean(key, kinds.iter().copied());
-        self.push(Diagnostic::error(span, message).help(near.unwrap_or(all)));
+        let help = self.help(key, kinds, "it can be", kinds);
+        self.push(Diagnostic::error(span, message).maybe_help(help));
         None
+    }
+
+    /// Which of the words that would be right is near, or `otherwise` and all words; nothing when nobody would see it.
+    fn help(&self, word: &str, right: &[&str], otherwise: &str, all: &[&str]) -> Option<String> {
+        if self.diagnostics.is_full() {
+            return None;
+        }
+        let near = suggest::did_you_mean(word, right.iter().copied());
+        near.or_else(|| Some(format!("{otherwise} {}", suggest::list(all.iter().copied()))))
     }
 }
 
@@ -315,14 +323,13 @@ impl<'a> Keys<'a> {
             let shown = suggest::brief(key);
             let message =
                 format!("unknown key `{shown}` in `{}`", d.key()).replace("`the scene`", "the scene");
-            let help = suggest::did_you_mean(key, absent.iter().copied())
-                .unwrap_or_else(|| format!("the keys are {}", suggest::list(self.known.iter().copied())));
+            let near = d.help(key, &absent, "the keys are", &self.known);
             let complaint = if d.strictness.lenient {
                 Diagnostic::warning(entry.key.span, message)
             } else {
                 Diagnostic::error(entry.key.span, message)
             };
-            d.push(complaint.help(help));
+            d.push(complaint.maybe_help(near));
         }
     }
 }
