@@ -149,7 +149,7 @@ pub fn compare(a: Estimate<'_>, b: Estimate<'_>, tails: Tails) -> Result<Compari
     }
     let values = Values { a, b };
     let dof = [a.dof, b.dof];
-    let ratio = values.noise_ratio(size[0] * size[1]);
+    let ratio = values.noise_ratio();
     // What is sure is compared as such, and left out of the tests: its small differences are no noise.
     let mut unsure = [Sums::default(); 3];
     let mut totals = [[0.0; 3]; 2];
@@ -157,40 +157,33 @@ pub fn compare(a: Estimate<'_>, b: Estimate<'_>, tails: Tails) -> Result<Compari
     let mut exact = Exact::default();
     let mut relmse = RelMse::default();
     let mut non_finite = 0;
-    for top in (0..size[1]).step_by(BLOCK) {
-        for left in (0..size[0]).step_by(BLOCK) {
-            let mut block = [Sums::default(); 3];
-            for y in top..size[1].min(top + BLOCK) {
-                for x in left..size[0].min(left + BLOCK) {
-                    let Some(pixel) = values.at(y * size[0] + x) else {
-                        non_finite += 1;
-                        continue;
-                    };
-                    relmse.add(&pixel);
-                    for (k, &value) in pixel.iter().enumerate() {
-                        totals[0][k] += value[0];
-                        totals[1][k] += value[1];
-                        if let [a, b, 0.0, 0.0] = value {
-                            exact.add(a, b);
-                            continue;
-                        }
-                        block[k].add(value);
-                        match value {
-                            // Where one picture found nothing its variance isn't zero but unknown.
-                            [_, _, 0.0, _] | [_, _, _, 0.0] => {}
-                            _ => {
-                                let mut alone = Sums::default();
-                                alone.add(value);
-                                pixels.add(k, [x, y], alone.borrowing(ratio).welch(dof));
-                            }
-                        }
-                    }
+    for corner in block_corners(size) {
+        let mut block = [Sums::default(); 3];
+        for [x, y] in pixels_of_block(corner, size) {
+            let Some(pixel) = values.at(y * size[0] + x) else {
+                non_finite += 1;
+                continue;
+            };
+            relmse.add(&pixel);
+            for (k, &value) in pixel.iter().enumerate() {
+                totals[0][k] += value[0];
+                totals[1][k] += value[1];
+                if let [a, b, 0.0, 0.0] = value {
+                    exact.add(a, b);
+                    continue;
+                }
+                block[k].add(value);
+                // Where one picture found nothing its variance isn't zero but unknown.
+                if value[2] > 0.0 && value[3] > 0.0 {
+                    let mut alone = Sums::default();
+                    alone.add(value);
+                    pixels.add(k, [x, y], alone.borrowing(ratio).welch(dof));
                 }
             }
-            for (k, sums) in block.iter().enumerate() {
-                blocks.add(k, [left, top], sums.borrowing(ratio).welch(dof));
-                unsure[k].merge(sums);
-            }
+        }
+        for (k, sums) in block.iter().enumerate() {
+            blocks.add(k, corner, sums.borrowing(ratio).welch(dof));
+            unsure[k].merge(sums);
         }
     }
     let count = (size[0] * size[1] - non_finite).max(1) as f64;
@@ -273,15 +266,35 @@ impl Values<'_> {
         pixel.as_flattened().iter().all(|v| v.is_finite()).then_some(pixel)
     }
 
-    /// How many times the variance of B that of A is: the median over the values of which neither picture is sure;
-    /// `None` where there are none.
-    fn noise_ratio(&self, count: usize) -> Option<f64> {
-        let pixels = (0..count).filter_map(|index| self.at(index));
-        let mut ratios: Vec<f64> = pixels.flatten().map(|[_, _, va, vb]| va / vb).collect();
+    /// How many times the variance of B that of A is: the median over blocks and channels, of the blocks where both
+    /// have noise; `None` where there are none. Over blocks, since the variance that a single pixel shows is far too
+    /// low in most pixels when the noise comes from rare paths, and the more so in the picture with fewer samples.
+    fn noise_ratio(&self) -> Option<f64> {
+        let size = [self.a.image.width, self.a.image.height];
+        let mut ratios = Vec::new();
+        for corner in block_corners(size) {
+            let mut block = [Sums::default(); 3];
+            for pixel in pixels_of_block(corner, size).filter_map(|[x, y]| self.at(y * size[0] + x)) {
+                for (sums, value) in block.iter_mut().zip(pixel) {
+                    sums.add(value);
+                }
+            }
+            ratios.extend(block.iter().map(|sums| sums.variance[0] / sums.variance[1]));
+        }
         ratios.retain(|ratio| *ratio > 0.0 && ratio.is_finite());
         let middle = ratios.len() / 2;
         (!ratios.is_empty()).then(|| *ratios.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
+}
+
+/// The first column and row of every block.
+fn block_corners([width, height]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+    (0..height).step_by(BLOCK).flat_map(move |y| (0..width).step_by(BLOCK).map(move |x| [x, y]))
+}
+
+fn pixels_of_block([x0, y0]: [usize; 2], [width, height]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+    let columns = x0..width.min(x0 + BLOCK);
+    (y0..height.min(y0 + BLOCK)).flat_map(move |y| columns.clone().map(move |x| [x, y]))
 }
 
 /// Sums over the pixels of a block or of the picture, of one channel.

@@ -167,7 +167,7 @@ fn skewed_noise_needs_the_other_pictures_variance() {
     let (a, va) = render(&truth, Noise::HitOrMiss(20.0), 4, 5);
     let (b, vb) = render(&truth, Noise::HitOrMiss(20.0), 32, 6);
     let values = Values { a: Estimate::new(&a, Some(&va)), b: Estimate::new(&b, Some(&vb)) };
-    let ratio = values.noise_ratio(WIDTH * HEIGHT);
+    let ratio = values.noise_ratio();
     assert!((6.0..10.0).contains(&ratio.unwrap()), "{ratio:?}");
     let (mut plain, mut borrowing) = (Tests::default(), Tests::default());
     for i in 0..WIDTH * HEIGHT {
