@@ -1,7 +1,8 @@
 //! Readers and writers: scene files, meshes and images.
 //!
 //! A reader takes the bytes of a file and gives back plain data or a [`ReadError`] that a person can act on; it
-//! never panics, and never allocates more than a small multiple of the bytes that it was given.
+//! never panics, and never allocates for data that a file only promises: no more than its bytes could hold, as
+//! they are encoded, and no more than the [`Limits`].
 #![forbid(unsafe_code)]
 
 pub mod atomic;
