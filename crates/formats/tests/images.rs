@@ -108,6 +108,14 @@ fn png_is_srgb_with_text() {
     assert_eq!(image.pixels[3], [1.0; 3]);
     let holds = |part: &[u8]| bytes.windows(part.len()).any(|window| window == part);
     assert!(holds(b"sRGB") && holds(b"iTXtstraal seed") && holds("7 größe".as_bytes()));
+
+    let told = png::read_metadata(&bytes, &Limits::default()).unwrap();
+    assert_eq!((told.size, told.texts.as_slice()), ((3, 2), metadata.as_slice()));
+    for cut in 0..bytes.len() {
+        // A cut before the pixels is an error, one after them can't be told; neither panics.
+        let _ = png::read_metadata(&bytes[..cut], &Limits::default());
+    }
+    assert!(png::read_metadata(&bytes[..20], &Limits::default()).is_err());
 }
 
 /// A 4 x 2 picture of one colour in each of the eight orientations: the red pixel ends up where it belongs.

@@ -60,6 +60,26 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
     Ok(Image { width: width as usize, height: height as usize, pixels })
 }
 
+/// Width, height and the texts (`iTXt`, by keyword in the order of the file) of a PNG, without its pixels. Only what
+/// stands before the pixels is found, which is where [`write()`] puts it.
+pub fn read_metadata(bytes: &[u8], limits: &Limits) -> Result<Metadata, ReadError> {
+    limits.check_bytes(bytes)?;
+    let told = |error: png::DecodingError| ReadError::file(format!("the PNG file is damaged: {error}"));
+    let reader = png::Decoder::new(Cursor::new(bytes)).read_info().map_err(told)?;
+    let texts = reader.info().utf8_text.iter();
+    let texts = texts.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
+    Ok(Metadata { size: reader.info().size(), texts: texts.collect() })
+}
+
+/// What a PNG tells about itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Metadata {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Keywords and texts.
+    pub texts: Vec<(String, String)>,
+}
+
 /// Writes a PNG.
 pub fn write<W: Write>(writer: W, picture: &Encoded<'_>) -> io::Result<()> {
     let wrong = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_string());
