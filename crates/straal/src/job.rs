@@ -115,6 +115,8 @@ pub struct Progress {
     pub samples: u64,
     /// Samples per pixel to take in all.
     pub of: u64,
+    /// Samples per pixel that the next pass will add; 0 after the last.
+    pub next: u64,
     /// Pixels of the crop.
     pub pixels: u64,
     /// Rays traced so far, and time where a clock was lent.
@@ -214,6 +216,11 @@ impl Job {
         self.structure
     }
 
+    /// The instruction set of the search kernels in use.
+    pub fn isa(&self) -> Isa {
+        self.world.accel.isa()
+    }
+
     /// Renders the picture.
     pub fn render(&self, control: &mut Control<'_>) -> Result<Outcome, Error> {
         let of = if control.open_ended { MAX_SAMPLES } else { self.spp };
@@ -282,12 +289,14 @@ impl Job {
         let mut render = Render::new(&self.world, self.integrator, settings, control.clock.clone())?;
         let (before, times) = (progress.samples, progress.times);
         let mut passes = 0;
-        while render.samples_done() < spp && control.keep_on {
-            // A short first pass gives a picture, and a forecast, at once.
-            let pass = if passes == 0 { 1 } else { PASS };
-            render.advance(pass.min(spp - render.samples_done()));
+        // A short first pass gives a picture, and a forecast, at once.
+        let mut next = 1.min(spp);
+        while next > 0 && control.keep_on {
+            render.advance(next);
             passes += 1;
+            next = PASS.min(spp - render.samples_done());
             progress.samples = before + u64::from(render.samples_done());
+            progress.next = u64::from(next);
             progress.times = times;
             progress.times += render.times();
             control.keep_on = (control.progress)(progress) == Verdict::GoOn;
