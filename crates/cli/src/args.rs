@@ -1,0 +1,298 @@
+//! What was typed. What it means is worked out in [`crate::settings`].
+
+use crate::exit;
+use crate::quantity::{self, Crop, Size};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::time::Duration;
+use straal_accel::{Isa, Structure};
+use straal_color::Tone;
+use straal_math::lowdisc::Pattern;
+
+/// The whole command line.
+#[derive(Debug, Parser)]
+#[command(
+    name = "straal",
+    version,
+    about = "A physically based renderer that shows its work",
+    long_about = "straal turns a scene file into a picture by following light, and tells what it did.\n\n\
+        Try it without any file: `straal render` renders a scene that it brings along.",
+    after_help = "`straal help COMMAND` tells all about a command, with examples.",
+    after_long_help = exit::TABLE,
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
+pub struct CommandLine {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to a picture
+    #[command(long_about = RENDER_ABOUT)]
+    Render(Box<RenderArgs>),
+    /// Check a scene without rendering it
+    #[command(long_about = CHECK_ABOUT)]
+    Check(CheckArgs),
+    /// Print the JSON Schema of the scene language
+    Schema,
+    /// Compare two pictures of the same scene statistically
+    #[command(long_about = DIFF_ABOUT)]
+    Diff(DiffArgs),
+    /// Print what a picture tells about itself
+    Info(InfoArgs),
+}
+
+const RENDER_ABOUT: &str = "\
+Renders a scene to a picture.
+
+SCENE is a file in the scene language (.yaml, .json) or a bare mesh (.ply, .obj), which gets a floor, a camera and a \
+light by itself. What is said here wins over what the scene says.
+
+The same scene and settings give the same bits, whatever the number of threads, the instruction set or the crop. \
+Rendering goes in passes over the whole picture; a render that is ended by --time or by Ctrl-C leaves the very \
+picture that --spp of as many samples gives. A second Ctrl-C ends at once and writes nothing.";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  straal render                                 the scene that straal brings along, to straal.png
+  straal render bunny.ply                       a look at a mesh, to bunny.png
+  straal render scene.yaml -o a.exr -o a.png    all layers for compositing, and one to look at
+  straal render scene.yaml --time 90s           as good as it gets in a minute and a half
+  straal render scene.yaml --spp 4 --size 320x180 --crop 100,50,200,120
+  straal render scene.yaml --json --quiet | jq .film_hash
+  straal render scene.yaml -o a.exr --spp 16 --replicates 16
+                                                a picture that knows its own variance, for `straal diff`";
+
+/// `straal render`
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES, after_long_help = format!("{RENDER_EXAMPLES}\n\n{}", exit::TABLE))]
+pub struct RenderArgs {
+    /// The scene or mesh; an embedded scene when absent
+    pub scene: Option<PathBuf>,
+
+    /// Where the picture goes: .exr (linear, all layers), .png or .pfm; may be given several times. When absent, the
+    /// scene's name with .png in the current folder
+    #[arg(short, long = "output", value_name = "PICTURE")]
+    pub output: Vec<PathBuf>,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+
+    /// Render passes until the time is up, such as 90s, 2m, 1h30m or 500ms, counted from the start of the command;
+    /// with --spp, whichever ends first
+    #[arg(long, value_parser = quantity::duration)]
+    pub time: Option<Duration>,
+
+    /// Width and height of the whole picture, such as 640x360
+    #[arg(long, value_name = "WxH", value_parser = quantity::size)]
+    pub size: Option<Size>,
+
+    /// Render a part of the picture only: left, top, right, bottom in pixels, the last two exclusive
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = quantity::crop)]
+    pub crop: Option<Crop>,
+
+    /// Largest number of edges of a path: 1 sees emitters, 2 is direct light
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_depth: Option<u32>,
+
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+
+    /// Pattern of the random numbers
+    #[arg(long, value_name = "PATTERN", value_parser = pattern())]
+    pub sampler: Option<Pattern>,
+
+    /// Render R independently seeded sets of --spp samples; the picture is their mean, and its variance is measured
+    /// from their spread
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(2..), conflicts_with = "time")]
+    pub replicates: Option<u32>,
+
+    /// Brighten (or, below 0, darken) a PNG by stops: each doubles the light
+    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = quantity::exposure)]
+    pub exposure: Option<f32>,
+
+    /// What becomes of what is brighter than white in a PNG
+    #[arg(long, value_name = "CURVE", value_parser = tone())]
+    pub tone: Option<Tone>,
+
+    /// Worker threads; all cores when absent
+    #[arg(long, value_name = "N", value_parser = quantity::threads)]
+    pub threads: Option<usize>,
+
+    /// Structure in which rays are searched; changes the speed only
+    #[arg(long, value_name = "STRUCTURE", value_parser = structure())]
+    pub accel: Option<Structure>,
+
+    /// Instruction set of the search; changes the speed only. The best that the processor has when absent
+    #[arg(long, value_name = "SET", value_parser = isa())]
+    pub isa: Option<Isa>,
+
+    /// Paths that travel together; changes the speed only
+    #[arg(long, value_name = "N", value_parser = quantity::batch)]
+    pub batch: Option<usize>,
+
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+
+    /// Print one JSON object on standard output at the end: pictures, hashes, times, costs, complaints
+    #[arg(long)]
+    pub json: bool,
+
+    /// Take unknown keys of the scene for warnings
+    #[arg(long)]
+    pub lenient: bool,
+}
+
+const CHECK_ABOUT: &str = "\
+Checks a scene without rendering it: reads all its files, tells everything that is wrong with them in one go, and \
+forecasts how much memory a render takes.";
+
+/// `straal check`
+#[derive(Debug, Args)]
+#[command(after_long_help = exit::TABLE)]
+pub struct CheckArgs {
+    /// The scene or mesh
+    pub scene: PathBuf,
+
+    /// Print one JSON object on standard output instead
+    #[arg(long)]
+    pub json: bool,
+
+    /// Take unknown keys for warnings
+    #[arg(long)]
+    pub lenient: bool,
+}
+
+const DIFF_ABOUT: &str = "\
+Tells whether two pictures of the same scene differ by more than chance: by Welch's t-test at every pixel and on 8 x \
+8 blocks of pixels, corrected for the number of tests.
+
+The noise of A comes from its layer `variance`, which every EXR of straal has (best measured with --replicates). The \
+noise of B comes from --variance, else from B's own layer `variance`.";
+
+const DIFF_EXAMPLES: &str = "\
+Examples:
+  straal diff mine.exr reference.exr --variance reference-variance.exr
+  straal diff before.exr after.exr --json | jq .relmse";
+
+/// `straal diff`
+#[derive(Debug, Args)]
+#[command(after_help = DIFF_EXAMPLES, after_long_help = format!("{DIFF_EXAMPLES}\n\n{}", exit::TABLE))]
+pub struct DiffArgs {
+    /// The picture to judge
+    pub a: PathBuf,
+
+    /// The picture to judge it by
+    pub b: PathBuf,
+
+    /// A picture of the variance of B
+    #[arg(long, value_name = "PICTURE")]
+    pub variance: Option<PathBuf>,
+
+    /// Judge pictures with rare bright pixels: by the mean of the picture and by blocks only
+    #[arg(long)]
+    pub heavy_tails: bool,
+
+    /// Print one JSON object on standard output instead
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `straal info`
+#[derive(Debug, Args)]
+#[command(after_long_help = exit::TABLE)]
+pub struct InfoArgs {
+    /// An EXR or PNG picture
+    pub picture: PathBuf,
+
+    /// Print one JSON object instead
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A parser of names that lists them in the help and, for a wrong one, suggests the nearest.
+fn named<T: Clone + Send + Sync + 'static>(all: Vec<(&'static str, T)>) -> impl TypedValueParser<Value = T> {
+    let names: Vec<_> = all.iter().map(|(name, _)| *name).collect();
+    PossibleValuesParser::new(names).try_map(move |typed| {
+        let found = all.iter().find(|(name, _)| *name == typed);
+        found.map(|(_, value)| value.clone()).ok_or("no such name")
+    })
+}
+
+fn pattern() -> impl TypedValueParser<Value = Pattern> {
+    named(vec![("sobol", Pattern::Sobol), ("random", Pattern::Random)])
+}
+
+fn tone() -> impl TypedValueParser<Value = Tone> {
+    named(vec![("clamp", Tone::Clamp), ("filmic", Tone::Filmic)])
+}
+
+fn structure() -> impl TypedValueParser<Value = Structure> {
+    named(Structure::ALL.map(|s| (s.name(), s)).to_vec())
+}
+
+fn isa() -> impl TypedValueParser<Value = Isa> {
+    named(Isa::ALL.map(|i| (i.name(), i)).to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn render(words: &str) -> Result<RenderArgs, clap::Error> {
+        let words = ["straal", "render"].into_iter().chain(words.split_whitespace());
+        match CommandLine::try_parse_from(words)?.command {
+            Command::Render(args) => Ok(*args),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_definition_is_consistent() {
+        CommandLine::command().debug_assert();
+    }
+
+    #[test]
+    fn all_that_can_be_said_of_a_render() {
+        let a = render(
+            "scene.yaml -o a.exr -o a.png --spp 16 --time 1m30s --threads 3 --crop 1,2,3,4 --size 640x360 --seed 7 \
+             --max-depth 5 --sampler random --accel brute --isa sse --batch 7 --exposure -1.5 --tone filmic -q \
+             --json --lenient",
+        )
+        .unwrap();
+        assert_eq!(a.scene, Some("scene.yaml".into()));
+        assert_eq!(a.output, [PathBuf::from("a.exr"), "a.png".into()]);
+        assert_eq!((a.spp, a.time), (Some(16), Some(Duration::from_secs(90))));
+        assert_eq!((a.threads, a.seed, a.max_depth, a.batch), (Some(3), Some(7), Some(5), Some(7)));
+        assert_eq!((a.size, a.crop), (Some(Size([640, 360])), Some(Crop([1, 2, 3, 4]))));
+        assert_eq!((a.sampler, a.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
+        assert_eq!((a.accel, a.isa), (Some(Structure::Brute), Some(Isa::Sse)));
+        assert_eq!(a.exposure, Some(-1.5));
+        assert!(a.quiet && a.json && a.lenient && a.replicates.is_none());
+    }
+
+    #[test]
+    fn nonsense_is_refused_with_a_hint() {
+        for (words, hint) in [
+            ("--sampler sobel", "a similar value exists: 'sobol'"),
+            ("--spp 0", "0 is not in 1.."),
+            ("--replicates 1", "1 is not in 2.."),
+            ("--replicates 4 --time 3s", "cannot be used with"),
+            ("--samplers sobol", "a similar argument exists: '--sampler'"),
+            ("--time 90", "write 90s"),
+        ] {
+            let error = render(words).unwrap_err();
+            assert_eq!(error.exit_code(), 2);
+            assert!(error.to_string().contains(hint), "{words}: {error}");
+        }
+    }
+}

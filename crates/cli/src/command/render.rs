@@ -1,0 +1,113 @@
+//! `straal render`
+
+use super::{print, refused};
+use crate::args::RenderArgs;
+use crate::complaint;
+use crate::exit::{Exit, Failure};
+use crate::interrupt::Interrupt;
+use crate::out;
+use crate::progress::{Pace, Teller};
+use crate::report::Report;
+use crate::settings::RenderSettings;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+use straal::job::Verdict;
+use straal::picture::SaveError;
+use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
+
+/// Renders a scene; `start` is when the command began.
+pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
+    let settings = RenderSettings::new(args)?;
+    let interrupt = Interrupt::listen();
+    let loaded = load(&settings)?;
+    let warnings = loaded.warnings.clone();
+    if !settings.quiet {
+        out::say(&complaint::show(&warnings, out::has_colours()));
+        if settings.look_is_lost() {
+            out::say("warning: --exposure and --tone change PNG pictures only, and none is written\n");
+        }
+    }
+    let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
+
+    let rendering = Instant::now();
+    let outcome = render(&job, &settings, &interrupt, start).map_err(|e| refused(e, &warnings))?;
+    let render_seconds = rendering.elapsed().as_secs_f64();
+
+    let look = settings.look(job.look());
+    for path in &settings.outputs {
+        interrupt.whole(|| outcome.picture.save(path, &look)).map_err(|e| not_saved(&e))?;
+    }
+    let report = Report {
+        pictures: &settings.outputs,
+        job: &job,
+        outcome: &outcome,
+        warnings: &warnings,
+        interrupted: interrupt.is_asked(),
+        seconds: start.elapsed().as_secs_f64(),
+        render_seconds,
+        cpu_seconds: None,
+        peak_memory_bytes: None,
+    }
+    .measured();
+    if !settings.quiet {
+        out::say(&report.tell());
+    }
+    if settings.json {
+        print(&format!("{:#}\n", report.as_json()))?;
+    }
+    Ok(if report.interrupted { Exit::Interrupted } else { Exit::Fine })
+}
+
+fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
+    let options = LoadOptions { lenient: settings.lenient, ..LoadOptions::default() };
+    match &settings.scene {
+        Some(path) => straal::load(path, &options),
+        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),
+    }
+    .map_err(Failure::scene)
+}
+
+/// Renders until all samples are taken, the time is up or Ctrl-C is pressed.
+fn render(
+    job: &Job,
+    settings: &RenderSettings,
+    interrupt: &Interrupt,
+    start: Instant,
+) -> Result<Outcome, straal::Error> {
+    let rendering = Instant::now();
+    let open_ended = settings.time.is_some() && settings.overrides.spp.is_none();
+    let of = u64::from(job.spp) * u64::from(settings.replicates.unwrap_or(1));
+    let pace = Pace {
+        of: (!open_ended).then_some(of),
+        limit: settings.time.map(|t| t.saturating_sub(rendering - start).as_secs_f64()),
+        ..Pace::default()
+    };
+    let mut teller = Teller::new(rendering, pace, settings.quiet);
+    interrupt.render_begins(teller.announcer());
+    teller.announcer().say(&begins(job));
+    let mut after_pass = |progress: &Progress| {
+        let pace = teller.pass(progress);
+        if interrupt.is_asked() || !pace.has_time_for(progress.next) { Verdict::Stop } else { Verdict::GoOn }
+    };
+    let mut control = Control::new(&mut after_pass);
+    control.clock = Some(Arc::new(move || u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)));
+    control.open_ended = open_ended;
+    let outcome = match settings.replicates {
+        Some(replicates) => job.render_replicates(replicates, &mut control),
+        None => job.render(&mut control),
+    };
+    teller.end();
+    outcome
+}
+
+/// What is said when the first ray flies.
+fn begins(job: &Job) -> String {
+    let region = &job.settings.crop;
+    let (width, height) = (region.width(), region.height());
+    format!("rendering {width} x {height} pixels, searching by {} on {}", job.structure(), job.isa())
+}
+
+fn not_saved(error: &SaveError) -> Failure {
+    Failure::system(error.to_string())
+}

@@ -1,0 +1,181 @@
+//! Quantities as they are typed on the command line, and as people read them.
+
+use std::time::Duration;
+
+/// Width and height in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size(pub [u32; 2]);
+
+/// Left, top, right and bottom in pixels, the last two exclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop(pub [u32; 4]);
+
+/// The longest time that can be asked for: a year, far inside of what clocks can count.
+const LONGEST: f64 = 365.0 * 86400.0;
+
+/// A time such as `90s`, `1.5h`, `1h30m` or `500ms`.
+pub fn duration(typed: &str) -> Result<Duration, String> {
+    const HINT: &str = "write a number with a unit: 500ms, 90s, 2m, 1h30m";
+    let mut seconds = 0.0;
+    let mut rest = typed.trim();
+    if rest.is_empty() {
+        return Err(HINT.into());
+    }
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        let (number, tail) = rest.split_at(digits);
+        let letters = tail.find(|c: char| !c.is_alphabetic()).unwrap_or(tail.len());
+        let (unit, tail) = tail.split_at(letters);
+        let number: f64 = number.parse().map_err(|_| HINT.to_string())?;
+        seconds += number
+            * match unit {
+                "ms" => 1e-3,
+                "s" => 1.0,
+                "m" | "min" => 60.0,
+                "h" => 3600.0,
+                "" => {
+                    return Err(format!(
+                        "{typed} of what? write {typed}s for seconds or {typed}m for minutes"
+                    ));
+                }
+                _ => return Err(format!("unknown unit `{unit}`; {HINT}")),
+            };
+        rest = tail.trim_start();
+    }
+    if seconds > LONGEST {
+        return Err("longer than a year".into());
+    }
+    if seconds <= 0.0 {
+        return Err("no time at all".into());
+    }
+    Ok(Duration::from_secs_f64(seconds))
+}
+
+/// A size such as `640x360`.
+pub fn size(typed: &str) -> Result<Size, String> {
+    let numbers: Option<Vec<u32>> = typed.split(['x', 'X', '×']).map(|n| n.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[width, height]) if width > 0 && height > 0 => Ok(Size([width, height])),
+        _ => Err("write width and height in pixels, such as 640x360".into()),
+    }
+}
+
+/// A crop such as `100,50,200,120`.
+pub fn crop(typed: &str) -> Result<Crop, String> {
+    let numbers: Option<Vec<u32>> = typed.split(',').map(|n| n.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Crop([x0, y0, x1, y1])),
+        Some(&[_, _, _, _]) => Err("empty: left must be less than right, and top less than bottom".into()),
+        _ => Err("write left,top,right,bottom in pixels, such as 100,50,200,120".into()),
+    }
+}
+
+/// Stops of exposure; beyond the bounds every picture is black or white.
+pub fn exposure(typed: &str) -> Result<f32, String> {
+    match typed.parse::<f32>() {
+        Ok(stops) if (-64.0..=64.0).contains(&stops) => Ok(stops),
+        _ => Err("write a number of stops from -64 to 64".into()),
+    }
+}
+
+/// A number of threads.
+pub fn threads(typed: &str) -> Result<usize, String> {
+    within(typed, 1, 4096)
+}
+
+/// A number of paths in a batch.
+pub fn batch(typed: &str) -> Result<usize, String> {
+    within(typed, 1, 1 << 20)
+}
+
+fn within(typed: &str, least: usize, most: usize) -> Result<usize, String> {
+    match typed.parse() {
+        Ok(n) if (least..=most).contains(&n) => Ok(n),
+        _ => Err(format!("write a whole number from {least} to {most}")),
+    }
+}
+
+/// A time as people read it: `4.2 s`, `3 min 20 s`, `1 h 02 min`.
+pub fn tell_duration(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match whole {
+        0..10 => format!("{seconds:.1} s"),
+        10..60 => format!("{whole} s"),
+        60..3600 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole / 60 % 60),
+    }
+}
+
+/// An amount of memory as people read it, in powers of 1000.
+pub fn tell_bytes(bytes: u64) -> String {
+    let amount = bytes as f64;
+    match bytes {
+        0..1_000 => format!("{bytes} B"),
+        1_000..1_000_000 => format!("{:.1} kB", amount / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.1} MB", amount / 1e6),
+        _ => format!("{:.2} GB", amount / 1e9),
+    }
+}
+
+/// A number with its noun: `1 sample`, `3 samples`.
+pub fn count(n: u64, noun: &str) -> String {
+    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_are_read() {
+        for (typed, milliseconds) in [
+            ("90s", 90_000),
+            ("2m", 120_000),
+            ("2min", 120_000),
+            ("1h", 3_600_000),
+            ("500ms", 500),
+            ("1h30m", 5_400_000),
+            ("1.5h", 5_400_000),
+            ("1m 30s", 90_000),
+            (".5s", 500),
+        ] {
+            assert_eq!(duration(typed), Ok(Duration::from_millis(milliseconds)), "{typed}");
+        }
+        for typed in
+            ["", "s", "90", "-3s", "3 days", "1h30", "0s", "1..2s", "9999999999h", "1e3s", "∞s", "nans"]
+        {
+            assert!(duration(typed).is_err(), "{typed}");
+        }
+    }
+
+    #[test]
+    fn sizes_and_crops_are_read() {
+        assert_eq!(size("640x360"), Ok(Size([640, 360])));
+        for typed in ["", "640", "640x", "0x3", "640x360x2", "-1x2", "1.5x2"] {
+            assert!(size(typed).is_err(), "{typed}");
+        }
+        assert_eq!(crop("1, 2,30,40"), Ok(Crop([1, 2, 30, 40])));
+        for typed in ["", "1,2,3", "1,2,1,4", "3,2,1,4", "1,2,3,4,5", "-1,2,3,4"] {
+            assert!(crop(typed).is_err(), "{typed}");
+        }
+    }
+
+    #[test]
+    fn numbers_have_bounds() {
+        assert_eq!(exposure("-1.5"), Ok(-1.5));
+        assert!(exposure("nan").is_err() && exposure("inf").is_err() && exposure("65").is_err());
+        assert_eq!((threads("1"), batch("1024")), (Ok(1), Ok(1024)));
+        assert!(threads("0").is_err() && threads("5000").is_err() && batch("0").is_err());
+    }
+
+    #[test]
+    fn quantities_are_told() {
+        let told: Vec<_> = [0.04, 9.4, 9.6, 59.4, 59.7, 200.0, 3725.0].map(tell_duration).into();
+        assert_eq!(told, ["0.0 s", "9.4 s", "10 s", "59 s", "1 min 00 s", "3 min 20 s", "1 h 02 min"]);
+        assert_eq!(
+            [999, 1500, 2_000_000, 3_210_000_000].map(tell_bytes),
+            ["999 B", "1.5 kB", "2.0 MB", "3.21 GB"]
+        );
+        assert_eq!((count(1, "sample"), count(0, "sample")), ("1 sample".into(), "0 samples".into()));
+    }
+}

@@ -1,0 +1,166 @@
+//! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
+//! ray is traced found out.
+
+use crate::args::RenderArgs;
+use crate::exit::Failure;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use straal::picture::Format;
+use straal::{Look, Overrides};
+use straal_color::Tone;
+
+/// What is to be rendered, how, and where to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// The file; `None` for the embedded scene.
+    pub scene: Option<PathBuf>,
+    /// Where the picture goes; at least one place.
+    pub outputs: Vec<PathBuf>,
+    /// What wins over the scene.
+    pub overrides: Overrides,
+    /// The time that all of it may take.
+    pub time: Option<Duration>,
+    /// Independent sets of samples.
+    pub replicates: Option<u32>,
+    /// Stops, in place of the scene's.
+    pub exposure: Option<f32>,
+    /// Tone curve, in place of the scene's.
+    pub tone: Option<Tone>,
+    /// Whether only errors are told.
+    pub quiet: bool,
+    /// Whether the result is told to a script.
+    pub json: bool,
+    /// Whether unknown keys are warnings.
+    pub lenient: bool,
+}
+
+impl RenderSettings {
+    /// What the arguments mean, or why they can't be followed. The disk is looked at, nothing is written.
+    pub fn new(args: RenderArgs) -> Result<Self, Failure> {
+        if let Some(isa) = args.isa.filter(|isa| !isa.is_available()) {
+            let help = format!("without --isa the best there is is taken: {}", straal_accel::Isa::detect());
+            return Err(Failure::input(format!("this processor has no {isa}")).help(help));
+        }
+        let outputs = match args.output {
+            none if none.is_empty() => vec![default_output(args.scene.as_deref())],
+            given => given,
+        };
+        for (i, path) in outputs.iter().enumerate() {
+            check_output(path)?;
+            if outputs[..i].contains(path) {
+                return Err(Failure::input(format!("{} is named twice", path.display())));
+            }
+        }
+        if args.scene.as_deref().is_some_and(|scene| outputs.iter().any(|o| is_same_file(o, scene))) {
+            return Err(Failure::input("the picture would replace the scene"));
+        }
+        Ok(Self {
+            scene: args.scene,
+            outputs,
+            overrides: Overrides {
+                spp: args.spp,
+                size: args.size.map(|s| s.0),
+                crop: args.crop.map(|c| c.0),
+                seed: args.seed,
+                pattern: args.sampler,
+                max_depth: args.max_depth,
+                threads: args.threads,
+                accel: args.accel,
+                isa: args.isa,
+                batch: args.batch,
+                shuffle_tiles: None,
+            },
+            time: args.time,
+            replicates: args.replicates,
+            exposure: args.exposure,
+            tone: args.tone,
+            quiet: args.quiet,
+            json: args.json,
+            lenient: args.lenient,
+        })
+    }
+
+    /// How a scene's look is shown.
+    pub fn look(&self, scene: Look) -> Look {
+        Look { exposure: self.exposure.unwrap_or(scene.exposure), tone: self.tone.unwrap_or(scene.tone) }
+    }
+
+    /// Whether a look was asked for that none of the pictures has.
+    pub fn look_is_lost(&self) -> bool {
+        let has_png = self.outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Png)));
+        (self.exposure.is_some() || self.tone.is_some()) && !has_png
+    }
+}
+
+/// The scene's name with .png, in the current folder.
+fn default_output(scene: Option<&Path>) -> PathBuf {
+    let stem = scene.and_then(Path::file_stem).unwrap_or("straal".as_ref());
+    let mut name = stem.to_owned();
+    name.push(".png");
+    name.into()
+}
+
+/// Whether a picture can go there, as far as that can be told without writing.
+fn check_output(path: &Path) -> Result<(), Failure> {
+    Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
+    if path.is_dir() {
+        return Err(Failure::input(format!("{} is a folder", path.display())));
+    }
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            let message = format!("there is no folder {} for {}", folder.display(), path.display());
+            Err(Failure::input(message).help(format!("make it first: mkdir -p {}", folder.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::{Command, CommandLine};
+    use clap::Parser;
+
+    fn settings(words: &str) -> Result<RenderSettings, Failure> {
+        let words = ["straal", "render"].into_iter().chain(words.split_whitespace());
+        match CommandLine::try_parse_from(words).unwrap().command {
+            Command::Render(args) => RenderSettings::new(*args),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn pictures_are_called_after_the_scene() {
+        assert_eq!(settings("").unwrap().outputs, [PathBuf::from("straal.png")]);
+        assert_eq!(settings("some/where/bunny.v2.ply").unwrap().outputs, [PathBuf::from("bunny.v2.png")]);
+        assert_eq!(settings("a.yaml -o b.EXR").unwrap().outputs, [PathBuf::from("b.EXR")]);
+    }
+
+    #[test]
+    fn what_can_not_be_written_is_told_first() {
+        for (words, complaint) in [
+            ("-o a.jpg", "can't tell the format of a.jpg: the name must end in .exr, .png or .pfm"),
+            ("-o a", "can't tell the format of a: the name must end in .exr, .png or .pfm"),
+            ("-o no/such/folder/a.png", "there is no folder no/such/folder for no/such/folder/a.png"),
+            ("-o a.png -o b.exr -o a.png", "a.png is named twice"),
+        ] {
+            let failure = settings(words).unwrap_err();
+            assert_eq!((failure.exit, failure.message.as_str()), (crate::exit::Exit::Input, complaint));
+        }
+    }
+
+    #[test]
+    fn a_look_is_the_scenes_unless_said_otherwise() {
+        let scene = Look { exposure: 1.0, tone: Tone::Filmic };
+        assert_eq!(settings("").unwrap().look(scene), scene);
+        let s = settings("--exposure -2 -o a.exr").unwrap();
+        assert_eq!(s.look(scene), Look { exposure: -2.0, tone: Tone::Filmic });
+        assert!(s.look_is_lost());
+        assert!(!settings("--tone clamp -o a.exr -o a.png").unwrap().look_is_lost());
+        assert!(!settings("-o a.exr").unwrap().look_is_lost());
+    }
+}
