@@ -11,6 +11,7 @@ pub use hash::hash_of;
 
 use crate::settings::Region;
 use fixed::{Guide, Square, Value};
+use straal_math::ops;
 
 /// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
 pub const TILE: u32 = 16;
@@ -63,7 +64,7 @@ impl FilmTile {
             + (pixel[0] - self.region.min[0]) as usize;
         let p = &mut self.pixels[i];
         p.count += 1;
-        let fits = sample.rgb.iter().all(|v| v.abs() < MAX_VALUE) && sample.depth < MAX_VALUE;
+        let fits = sample.rgb.iter().all(|v| v.abs() < MAX_VALUE);
         if !fits {
             p.dropped += 1;
             let at = (pixel, index);
@@ -79,7 +80,8 @@ impl FilmTile {
             p.albedo[c].add(sample.albedo[c]);
             p.normal[c].add(sample.normal[c]);
         }
-        p.depth.add(sample.depth);
+        // A plane's horizon may be farther than the film can hold: the guide says as far as it can.
+        p.depth.add(ops::clamp(sample.depth, 0.0, MAX_VALUE));
     }
 }
 

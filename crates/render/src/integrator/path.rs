@@ -15,12 +15,15 @@ use straal_math::{Ray, Vec3, ops};
 /// the paragraphs of a step.
 const BLOCK: usize = 32;
 
+/// Edges after which roulette is played whatever the settings: a path between perfect mirrors must end.
+const PATIENCE: u32 = 1000;
+
 /// The path tracer's settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathTracer {
     /// Largest number of edges of a path, the camera's included: 1 sees emitters, 2 is direct light.
     pub max_depth: u32,
-    /// Paths of this many edges and more are ended by roulette.
+    /// Paths of this many edges and more may be ended by roulette; of 1000 and more in any case.
     pub roulette_depth: u32,
 }
 
@@ -193,7 +196,7 @@ impl PathTracer {
         let eta_squared = path.state.eta_squared * s.eta * s.eta;
 
         // Roulette: paths that carry little end with a chance that keeps the mean.
-        if path.state.depth >= self.roulette_depth {
+        if path.state.depth >= self.roulette_depth || path.state.depth >= PATIENCE {
             let survive = ops::min(beta.max_lane() * eta_squared, 0.95);
             if wave.pattern.d1(&path.name, Purpose::Roulette) >= survive {
                 return;

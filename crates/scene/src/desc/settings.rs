@@ -57,7 +57,7 @@ describe! {
         /// Which pattern.
         kind: SamplerKind = SamplerKind::Sobol,
         /// Samples per pixel.
-        spp: u32 [Limit::within(1.0, 16_777_216.0)] = 64,
+        spp: u32 [Limit::within(1.0, 262_144.0)] = 64,
         /// Another seed gives other noise.
         seed: u64 = 0,
     }
