@@ -23,15 +23,40 @@ where
     write_io(path, fill).map_err(|source| WriteError { path: path.to_path_buf(), source })
 }
 
-fn write_io(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
-    // A link is followed, so that the file it names is replaced and not the link.
-    let path = &path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-    if path.file_name().is_none() || path.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+/// Whether [`write()`] could make its file, found out by making an empty one that goes away again: better to learn it
+/// before an hour of rendering than after.
+pub fn check(path: &Path) -> Result<(), WriteError> {
+    check_io(path).map_err(|source| WriteError { path: path.to_path_buf(), source })
+}
+
+fn check_io(path: &Path) -> io::Result<()> {
+    match Target::of(path)? {
+        // To open a pipe and close it again would tell its reader that nothing comes.
+        Target::Device(_) => Ok(()),
+        Target::File(path) => temporary_beside(&path).map(drop),
     }
-    if path.exists() && !path.is_file() {
-        return fill_device(path, fill);
+}
+
+/// What a name stands for.
+enum Target {
+    /// A file that is there, or can be.
+    File(PathBuf),
+    /// What can't be replaced by a file: a pipe or a device such as `/dev/null`.
+    Device(PathBuf),
+}
+
+impl Target {
+    fn of(path: &Path) -> io::Result<Self> {
+        // A link is followed, so that the file it names is replaced and not the link.
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+        if path.file_name().is_none() || path.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+        }
+        Ok(if path.exists() && !path.is_file() { Self::Device(path) } else { Self::File(path) })
     }
+}
+
+fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -44,17 +69,25 @@ fn write_io(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let temporary = builder.tempfile_in(folder)?;
+    builder.tempfile_in(folder)
+}
+
+fn write_io(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
+    let path = match Target::of(path)? {
+        Target::Device(path) => return fill_device(&path, fill),
+        Target::File(path) => path,
+    };
+    let temporary = temporary_beside(&path)?;
     let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file());
     fill(&mut writer)?;
     writer.flush()?;
     drop(writer);
     temporary.as_file().sync_all()?;
-    temporary.persist(path).map_err(|failed| failed.error)?;
+    temporary.persist(&path).map_err(|failed| failed.error)?;
     Ok(())
 }
 
-/// Writes straight into what can't be replaced by a file: a pipe or a device such as `/dev/null`.
+/// Writes straight into a pipe or a device.
 fn fill_device(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
     let device = File::options().write(true).open(path)?;
     let mut writer = BufWriter::with_capacity(1 << 16, &device);
@@ -98,8 +131,19 @@ mod tests {
         let error = write(&missing, |_| Ok(())).unwrap_err();
         assert_eq!(error.path, missing);
         assert_eq!(error.source.kind(), io::ErrorKind::NotFound);
-        let error = write(folder.path(), |_| Ok(())).unwrap_err();
-        assert!(error.to_string().ends_with("it is a folder"), "{error}");
+        assert_eq!(check(&missing).unwrap_err().source.kind(), io::ErrorKind::NotFound);
+        for error in [write(folder.path(), |_| Ok(())).unwrap_err(), check(folder.path()).unwrap_err()] {
+            assert!(error.to_string().ends_with("it is a folder"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_check_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        check(&folder.path().join("picture.pfm")).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+        #[cfg(unix)]
+        check(Path::new("/dev/null")).unwrap();
     }
 
     #[cfg(unix)]
