@@ -111,7 +111,7 @@ pub struct RenderArgs {
 
     /// Render R independently seeded sets of --spp samples; the picture is their mean, and its variance is measured
     /// from their spread
-    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(2..), conflicts_with = "time")]
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(2..=10_000), conflicts_with = "time")]
     pub replicates: Option<u32>,
 
     /// Brighten (or, below 0, darken) a PNG by stops: each doubles the light
@@ -285,7 +285,7 @@ mod tests {
         for (words, hint) in [
             ("--sampler sobel", "a similar value exists: 'sobol'"),
             ("--spp 0", "0 is not in 1.."),
-            ("--replicates 1", "1 is not in 2.."),
+            ("--replicates 1", "1 is not in 2..=10000"),
             ("--replicates 4 --time 3s", "cannot be used with"),
             ("--samplers sobol", "a similar argument exists: '--sampler'"),
             ("--time 90", "write 90s"),

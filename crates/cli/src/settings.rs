@@ -8,6 +8,7 @@ use std::time::Duration;
 use straal::picture::Format;
 use straal::{Look, Overrides};
 use straal_color::Tone;
+use straal_formats::atomic;
 
 /// What is to be rendered, how, and where to.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +36,7 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// What the arguments mean, or why they can't be followed. The disk is looked at, nothing is written.
+    /// What the arguments mean, or why they can't be followed. Nothing stays on the disk.
     pub fn new(args: RenderArgs) -> Result<Self, Failure> {
         if let Some(isa) = args.isa.filter(|isa| !isa.is_available()) {
             let help = format!("without --isa the best there is is taken: {}", straal_accel::Isa::detect());
@@ -100,7 +101,7 @@ fn default_output(scene: Option<&Path>) -> PathBuf {
     name.into()
 }
 
-/// Whether a picture can go there, as far as that can be told without writing.
+/// Whether a picture can go there.
 fn check_output(path: &Path) -> Result<(), Failure> {
     Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
     if path.is_dir() {
@@ -111,7 +112,7 @@ fn check_output(path: &Path) -> Result<(), Failure> {
             let message = format!("there is no folder {} for {}", folder.display(), path.display());
             Err(Failure::input(message).help(format!("make it first: mkdir -p {}", folder.display())))
         }
-        _ => Ok(()),
+        _ => atomic::check(path).map_err(|e| Failure::system(e.to_string())),
     }
 }
 

@@ -64,6 +64,21 @@ fn the_first_ends_with_the_picture_so_far() {
     assert_eq!(whole["film_hash"], report["film_hash"]);
 }
 
+#[test]
+fn a_replicate_that_is_not_whole_is_better_than_nothing() {
+    let folder = Folder::with_scene(BALL);
+    let run = Running::start(&folder, "render scene.yaml -o a.exr --spp 200000 --replicates 2 --json")
+        .until("rendering")
+        .press_ctrl_c()
+        .end();
+    assert_eq!(run.code, Some(130), "{run:?}");
+    let report = run.json();
+    let samples = report["samples"].as_u64().unwrap();
+    assert!(samples >= 1 && report["complete"].as_bool() == Some(false), "{run:?}");
+    let story = folder.json("info a.exr")["metadata"].clone();
+    assert_eq!(story["straal.samples"], samples.to_string());
+}
+
 /// Brute force against a teapot of 50,000 triangles: the first pass alone would take minutes.
 #[test]
 fn the_second_ends_at_once() {

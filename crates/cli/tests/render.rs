@@ -157,6 +157,18 @@ fn what_can_not_be_written_is_told() {
     assert_eq!(run.code, Some(3), "{run:?}");
     assert!(run.err.contains("can't write full.png"), "{run:?}");
     assert_eq!(run.json()["exit_code"], 3);
+    // Nobody, not even the administrator, can make files there.
+    let run = folder.straal("render scene.yaml -o /proc/picture.png");
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert!(run.err.contains("can't write /proc/picture.png") && !run.err.contains("rendering"), "{run:?}");
+}
+
+#[test]
+fn replicates_are_their_mean_and_tell_their_number() {
+    let folder = Folder::with_scene(BALL);
+    let report = folder.json("render scene.yaml -o a.exr --replicates 3");
+    assert_eq!((report["samples"].as_u64(), report["complete"].as_bool()), (Some(12), Some(true)));
+    assert_eq!(folder.json("info a.exr")["metadata"]["straal.replicates"], "3");
 }
 
 #[test]

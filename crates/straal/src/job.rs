@@ -115,7 +115,7 @@ pub struct Progress {
     pub samples: u64,
     /// Samples per pixel to take in all.
     pub of: u64,
-    /// Samples per pixel that the next pass will add; 0 after the last.
+    /// Samples per pixel that the next pass will add; 0 after the last of a picture or replicate.
     pub next: u64,
     /// Pixels of the crop.
     pub pixels: u64,

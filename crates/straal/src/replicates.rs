@@ -31,16 +31,15 @@ impl Job {
             dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
             let layers = run.film.layers();
             if run.samples < self.spp {
-                partial = Some(Picture::new(&run.film, layers));
+                partial = Some((Picture::new(&run.film, layers), run.samples));
                 break;
             }
             whole += 1;
             sums.get_or_insert_with(|| Sums::new(Picture::new(&run.film, Layers::default()))).add(&layers);
         }
-        let samples = self.spp * whole;
-        let mut picture = match (sums, partial) {
-            (Some(sums), _) => sums.picture(whole),
-            (None, Some(picture)) => picture,
+        let (mut picture, samples) = match (sums, partial) {
+            (Some(sums), _) => (sums.picture(whole), self.spp.saturating_mul(whole)),
+            (None, Some(partial)) => partial,
             (None, None) => return Err(Error::Request("0 replicates: there must be at least 1".into())),
         };
         picture.story = self.story(samples);
