@@ -12,17 +12,15 @@ const LONGEST_LINE: usize = 1000;
 
 /// All complaints, each with the line it points at, and their number when there are several.
 pub fn show(diagnostics: &Diagnostics, colours: bool) -> String {
-    let mut text = String::new();
-    for d in &diagnostics.list {
-        text += &one(diagnostics, d, colours);
-        text += "\n\n";
-    }
+    let each: Vec<String> = diagnostics.list.iter().map(|d| one(diagnostics, d, colours) + "\n").collect();
+    let mut text = each.join("\n");
     let errors = diagnostics.errors() as u64;
     let warnings = (diagnostics.list.len() + diagnostics.dropped) as u64 - errors;
     if diagnostics.dropped > 0 {
-        text += &format!("... and {} more\n", diagnostics.dropped);
+        text += &format!("\n... and {} more\n", diagnostics.dropped);
     }
     if errors + warnings > 1 {
+        text += "\n";
         let told: Vec<String> = [(errors, "error"), (warnings, "warning")]
             .into_iter()
             .filter(|(n, _)| *n > 0)

@@ -108,7 +108,10 @@ fn check_output(path: &Path) -> Result<(), Failure> {
         return Err(Failure::input(format!("{} is a folder", path.display())));
     }
     match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+        Some(folder) if folder.exists() && !folder.is_dir() => {
+            Err(Failure::input(format!("{} is not a folder", folder.display())))
+        }
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
             let message = format!("there is no folder {} for {}", folder.display(), path.display());
             Err(Failure::input(message).help(format!("make it first: mkdir -p {}", folder.display())))
         }
@@ -146,6 +149,7 @@ mod tests {
         for (words, complaint) in [
             ("-o a.jpg", "can't tell the format of a.jpg: the name must end in .exr, .png or .pfm"),
             ("-o a", "can't tell the format of a: the name must end in .exr, .png or .pfm"),
+            ("-o Cargo.toml/a.png", "Cargo.toml is not a folder"),
             ("-o no/such/folder/a.png", "there is no folder no/such/folder for no/such/folder/a.png"),
             ("-o a.png -o b.exr -o a.png", "a.png is named twice"),
         ] {
