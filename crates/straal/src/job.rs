@@ -76,7 +76,7 @@ pub struct Job {
 /// What a caller lends to a render: a say in when it ends, and a clock.
 pub struct Control<'a> {
     /// Called between passes; a pass adds the same number of samples to every pixel.
-    pub progress: &'a mut dyn FnMut(&Progress) -> Verdict,
+    pub progress: Option<&'a mut dyn FnMut(&Progress) -> Verdict>,
     /// To tell where the time goes; without it [`Outcome::times`] has ray counts only.
     pub clock: Option<Clock>,
     /// Whether to go on for as long as `progress` says, past the samples that the scene asks for.
@@ -84,18 +84,17 @@ pub struct Control<'a> {
     keep_on: bool,
 }
 
-impl Control<'_> {
+impl Control<'static> {
     /// Renders all samples, says nothing.
-    pub fn to_the_end() -> Control<'static> {
-        // A closure that captures nothing takes no memory, so that leaking it leaks nothing.
-        Control::new(Box::leak(Box::new(|_: &Progress| Verdict::GoOn)))
+    pub fn to_the_end() -> Self {
+        Self { progress: None, clock: None, open_ended: false, keep_on: true }
     }
 }
 
 impl<'a> Control<'a> {
     /// Renders until all samples are taken or `progress` ends it.
     pub fn new(progress: &'a mut dyn FnMut(&Progress) -> Verdict) -> Self {
-        Self { progress, clock: None, open_ended: false, keep_on: true }
+        Self { progress: Some(progress), clock: None, open_ended: false, keep_on: true }
     }
 }
 
@@ -299,7 +298,7 @@ impl Job {
             progress.next = u64::from(next);
             progress.times = times;
             progress.times += render.times();
-            control.keep_on = (control.progress)(progress) == Verdict::GoOn;
+            control.keep_on = control.progress.as_mut().is_none_or(|say| say(progress) == Verdict::GoOn);
         }
         Ok(Run {
             samples: render.samples_done(),

@@ -18,9 +18,12 @@ pub mod job;
 pub mod picture;
 pub mod replicates;
 
-pub use job::{Control, Error, Job, Outcome, Overrides, Progress};
+pub use job::{Control, Error, Job, Outcome, Overrides, Progress, Verdict};
 pub use picture::{Look, Picture};
+pub use straal_accel::{Isa, Structure};
+pub use straal_color::Tone;
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
+pub use straal_math::lowdisc::Pattern;
 pub use straal_render::settings::Region;
 pub use straal_render::stopwatch::{Clock, Phase, Times};
 
