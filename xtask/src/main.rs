@@ -1,2 +1,72 @@
-//! The command `straal`.
-fn main() {}
+//! Chores of the project, one word each: `cargo xtask gallery`, `cargo xtask references`, `cargo xtask keys`.
+#![forbid(unsafe_code)]
+// A chore talks to whoever runs it.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod book;
+mod gallery;
+mod keys;
+mod references;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Why a chore couldn't be done.
+type Failure = Box<dyn std::error::Error>;
+
+const USAGE: &str = "\
+usage: cargo xtask CHORE [NAME...]
+
+  gallery      render the scenes of scenes/ (or those named) to book/src/images
+  references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
+  keys         write the book's list of all keys of the scene language";
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let Some((chore, names)) = words.split_first() else {
+        eprintln!("{USAGE}");
+        return ExitCode::from(2);
+    };
+    let done = match chore.as_str() {
+        "gallery" => gallery::run(names),
+        "references" => references::run(names),
+        "keys" => keys::run(),
+        _ => {
+            eprintln!("there is no chore `{chore}`\n\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(e) => {
+            eprintln!("error: {e}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The project's folder.
+fn root() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+}
+
+/// The scene files of a folder of the project, by name without extension, in alphabetical order; all of them, or those
+/// that are named.
+fn scenes(folder: &str, names: &[String]) -> Result<Vec<(String, PathBuf)>, Failure> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(root().join(folder))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|e| e == "yaml")
+            && let Some(name) = path.file_stem().and_then(|s| s.to_str())
+        {
+            all.push((name.to_owned(), path));
+        }
+    }
+    all.sort();
+    if let Some(unknown) = names.iter().find(|n| all.iter().all(|(name, _)| name != *n)) {
+        return Err(format!("there is no scene `{unknown}` in {folder}").into());
+    }
+    all.retain(|(name, _)| names.is_empty() || names.contains(name));
+    Ok(all)
+}
