@@ -1,0 +1,104 @@
+//! The scenes of `tests/scenes`, whose every pixel a formula gives, with every sampler and integrator that there is.
+//!
+//! The mean of the picture may be off by 4.5 of its standard errors (once in 150,000 comparisons by chance) and the
+//! relative tolerance that the file names, which covers single precision. Sobol points scatter less than their
+//! spread within a pixel says, so that for them the test is only stricter in truth than by its numbers.
+
+use std::path::{Path, PathBuf};
+use straal::job::{Job, Overrides};
+use straal::{Control, LoadOptions};
+use straal_math::lowdisc::Pattern;
+
+/// Standard errors that the mean may be off by.
+const SIGMAS: f64 = 4.5;
+
+struct Expected {
+    rgb: [f64; 3],
+    tolerance: f64,
+}
+
+/// What the first comment lines of a file say.
+fn expected(path: &Path) -> Expected {
+    let text = std::fs::read_to_string(path).unwrap();
+    let says = |key: &str| {
+        let found = text.lines().take_while(|l| l.starts_with('#')).find_map(|l| l.strip_prefix(&format!("# {key}: ")));
+        found.unwrap_or_else(|| panic!("{} says no `# {key}:`", path.display())).trim().to_owned()
+    };
+    let number = |s: &str| s.trim().parse::<f64>().unwrap_or_else(|e| panic!("{}: {s}: {e}", path.display()));
+    let expect = says("expect");
+    let rgb = match expect.strip_prefix('[').and_then(|s| s.strip_suffix(']')) {
+        Some(list) => {
+            let numbers: Vec<f64> = list.split(',').map(number).collect();
+            numbers.try_into().unwrap_or_else(|_| panic!("{}: three numbers", path.display()))
+        }
+        None => [number(&expect); 3],
+    };
+    assert!(!says("how").is_empty());
+    Expected { rgb, tolerance: number(&says("tolerance")) }
+}
+
+fn scenes() -> Vec<PathBuf> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/scenes");
+    let mut all: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    all.retain(|p| p.extension().is_some_and(|e| e == "yaml"));
+    all.sort();
+    all
+}
+
+/// The picture's mean and its standard error, by channel.
+fn render(path: &Path, pattern: Pattern) -> [(f64, f64); 3] {
+    let loaded = straal::load(path, &LoadOptions::default()).unwrap_or_else(|d| panic!("{}: {d:?}", path.display()));
+    let wish = Overrides { pattern: Some(pattern), seed: Some(1), ..Overrides::default() };
+    let job = Job::new(loaded, wish).unwrap();
+    let outcome = job.render(&mut Control::to_the_end()).unwrap();
+    assert_eq!(outcome.dropped.count, 0, "{}: samples that are no numbers", path.display());
+    let layers = &outcome.picture.layers;
+    let n = layers.rgb.len() as f64;
+    std::array::from_fn(|c| {
+        let mean: f64 = layers.rgb.iter().map(|p| f64::from(p[c])).sum::<f64>() / n;
+        let variance: f64 = layers.variance.iter().map(|p| f64::from(p[c])).sum::<f64>() / (n * n);
+        (mean, variance.sqrt())
+    })
+}
+
+/// How a picture is off, if it is.
+fn fault(rendered: [(f64, f64); 3], expected: &Expected) -> Option<String> {
+    let off = rendered.iter().zip(expected.rgb).find(|((mean, error), want)| {
+        // Written so that NaN is a fault.
+        !((mean - want).abs() <= SIGMAS * error + expected.tolerance * want.abs())
+    });
+    off.map(|((mean, error), want)| format!("{mean} +- {error}, expected {want}"))
+}
+
+fn all_agree(pattern: Pattern) {
+    let scenes = scenes();
+    assert!(scenes.len() >= 40, "{} scenes", scenes.len());
+    let faults: Vec<String> = scenes
+        .iter()
+        .filter_map(|path| {
+            let found = fault(render(path, pattern), &expected(path))?;
+            Some(format!("{}: {found}", path.file_name().unwrap_or_default().display()))
+        })
+        .collect();
+    assert!(faults.is_empty(), "{pattern:?}, seed 1:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn closed_forms_with_sobol_points() {
+    all_agree(Pattern::Sobol);
+}
+
+#[test]
+fn closed_forms_with_random_numbers() {
+    all_agree(Pattern::Random);
+}
+
+#[test]
+fn the_test_can_fail() {
+    let path = scenes().into_iter().find(|p| p.ends_with("rectangle-light.yaml")).unwrap();
+    let right = expected(&path);
+    let rendered = render(&path, Pattern::Sobol);
+    assert_eq!(fault(rendered, &right), None);
+    let wrong = Expected { rgb: right.rgb.map(|v| 1.01 * v), tolerance: right.tolerance };
+    assert!(fault(rendered, &wrong).is_some());
+}
