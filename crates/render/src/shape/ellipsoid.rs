@@ -73,11 +73,17 @@ impl Ellipsoid {
         AreaSample { point: self.towards(q), pdf_area: self.density(q) }
     }
 
+    /// The cone to the unit sphere, seen from a point of its own space; `None` inside or on it.
+    fn cone(&self, o: DVec3) -> Option<Cone> {
+        let row = |i: usize| self.inverse.rows[i][..3].iter().map(|v| v.abs()).sum::<f64>();
+        Cone::new(-o, 1.0, (row(0) + row(1) + row(2)) * self.size())
+    }
+
     /// From outside, directions in the cone that the unit sphere fills in its own space, uniformly there; from inside,
     /// points by area.
     pub fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
         let o = self.inverse.point(p.as_dvec3());
-        let Some(cone) = Cone::new(-o, 1.0) else {
+        let Some(cone) = self.cone(o) else {
             return by_solid_angle(p, self.sample_area(u));
         };
         let s = cone.sample(u);
@@ -89,7 +95,7 @@ impl Ellipsoid {
 
     /// The density of [`Self::sample_from`].
     pub fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
-        match Cone::new(-self.inverse.point(p.as_dvec3()), 1.0) {
+        match self.cone(self.inverse.point(p.as_dvec3())) {
             Some(cone) => {
                 let w = (hit.p - p).as_dvec3().try_normalize().unwrap_or(DVec3::Y);
                 finite_or_zero((cone.pdf() * self.narrowing(w)) as f32)

@@ -86,7 +86,9 @@ impl Sphere {
     }
 
     fn cone(&self, p: Vec3) -> Option<Cone> {
-        Cone::new(self.center.as_dvec3() - p.as_dvec3(), f64::from(self.radius))
+        let (center, p, radius) = (self.center.as_dvec3(), p.as_dvec3(), f64::from(self.radius));
+        let reach = center.to_array().into_iter().fold(radius, |sum, c| sum + c.abs());
+        Cone::new(center - p, radius, reach)
     }
 }
 
@@ -105,13 +107,18 @@ pub(super) struct ConeSample {
 }
 
 impl Cone {
-    /// The cone to a sphere whose center is at `to`, seen from the origin; `None` inside.
-    pub fn new(to: DVec3, radius: f64) -> Option<Self> {
+    /// The cone to a sphere whose center is at `to`, seen from the origin; `None` inside, or too near to tell: a point
+    /// of the sphere itself, which sees its inside, is rounded to either side of it. `reach` bounds the coordinates
+    /// that are rounded.
+    pub fn new(to: DVec3, radius: f64, reach: f64) -> Option<Self> {
+        /// A few units in the last place of single precision.
+        const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
         let distance = to.length();
-        let sin = radius / distance;
-        if sin >= 1.0 || sin.is_nan() {
+        // Written so that NaN is inside.
+        if !(distance > radius + ROUNDING * reach) {
             return None;
         }
+        let sin = radius / distance;
         let sin2 = sin * sin;
         // 1 - cos = sin² / (1 + cos): no cancellation, however far the sphere is.
         let one_minus_cos_max = sin2 / (1.0 + (1.0 - sin2).sqrt());
