@@ -1,4 +1,4 @@
-//! Chores of the project, one word each: `cargo xtask gallery`, `cargo xtask keys`.
+//! Chores of the project, one word each: `cargo xtask gallery`, `cargo xtask references`, `cargo xtask keys`.
 #![forbid(unsafe_code)]
 // A chore talks to whoever runs it.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
@@ -6,6 +6,7 @@
 mod book;
 mod gallery;
 mod keys;
+mod references;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -16,8 +17,9 @@ type Failure = Box<dyn std::error::Error>;
 const USAGE: &str = "\
 usage: cargo xtask CHORE [NAME...]
 
-  gallery   render the scenes of scenes/ (or those named) to book/src/images
-  keys      write the book's list of all keys of the scene language";
+  gallery      render the scenes of scenes/ (or those named) to book/src/images
+  references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
+  keys         write the book's list of all keys of the scene language";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -27,6 +29,7 @@ fn main() -> ExitCode {
     };
     let done = match chore.as_str() {
         "gallery" => gallery::run(names),
+        "references" => references::run(names),
         "keys" => keys::run(),
         _ => {
             eprintln!("there is no chore `{chore}`\n\n{USAGE}");

@@ -1,0 +1,76 @@
+//! Full-size comparison with the reference pictures, which another renderer made of the same scenes.
+//!
+//! They lie in the folder `shared` beside the project, or where `STRAAL_SHARED` says: `reference/NAME/mean.exr` and
+//! `var.exr`, the variance of that mean from 16 seeds.
+
+use crate::{Failure, root, scenes};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use straal::compare::{Comparison, Estimate, Tails, compare};
+use straal::{Control, Job, LoadOptions, Overrides};
+use straal_formats::{Limits, image};
+use straal_scene::Image;
+
+/// Independently seeded pictures of each scene, so that its variance is measured.
+const REPLICATES: u32 = 16;
+
+/// Samples a pixel in each.
+const SPP: u32 = 16;
+
+/// Renders the scenes of `scenes/reference`, or those named, and compares; whether all agree.
+pub fn run(names: &[String]) -> Result<bool, Failure> {
+    let shared = std::env::var_os("STRAAL_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
+    let folder = shared.join("reference");
+    if !folder.exists() {
+        println!("skipped: no shared data ({})", folder.display());
+        // Where the data must be, its absence is a failure.
+        return Ok(std::env::var("CI").ok().as_deref() != Some("true"));
+    }
+    println!(
+        "{:18} {:>8} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>7}  judged by",
+        "scene", "z red", "green", "blue", "relMSE", "median", "pixels >", "blocks >", "seconds"
+    );
+    let mut all_agree = true;
+    for (name, path) in scenes("scenes/reference", names)? {
+        let started = Instant::now();
+        let text = std::fs::read_to_string(&path)?;
+        let heavy = text.lines().any(|l| l == "# judge: heavy tails");
+        let found = judge(&path, &folder.join(&name), if heavy { Tails::Heavy } else { Tails::Light })?;
+        println!(
+            "{name:18} {:>8.2} {:>8.2} {:>8.2} {:>10.2e} {:>10.2e} {:>9} {:>9} {:>7.1}  {}{}",
+            found.mean_z[0],
+            found.mean_z[1],
+            found.mean_z[2],
+            found.relmse.unwrap_or(found.relmse_biased),
+            found.relmse_median,
+            found.pixels.beyond,
+            found.blocks.beyond,
+            started.elapsed().as_secs_f64(),
+            if heavy { "mean and blocks" } else { "pixels and blocks" },
+            if found.differs { ": DIFFERS" } else { "" },
+        );
+        for reason in &found.reasons {
+            println!("    {reason}");
+        }
+        all_agree &= !found.differs;
+    }
+    Ok(all_agree)
+}
+
+/// Renders a scene and compares it with the picture in a folder.
+fn judge(scene: &Path, reference: &Path, tails: Tails) -> Result<Comparison, Failure> {
+    let loaded = straal::load(scene, &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {}`", scene.display()))?;
+    let job = Job::new(loaded, Overrides { spp: Some(SPP), ..Overrides::default() })?;
+    let ours = job.render_replicates(REPLICATES, &mut Control::to_the_end())?.picture.layers;
+    let picture = |pixels| Image { width: ours.width, height: ours.height, pixels };
+    let (mean, variance) = (picture(ours.rgb.clone()), picture(ours.variance.clone()));
+    let (their_mean, their_variance) = (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);
+    let a = Estimate { dof: f64::from(REPLICATES - 1), ..Estimate::new(&mean, Some(&variance)) };
+    Ok(compare(a, Estimate::new(&their_mean, Some(&their_variance)), tails)?)
+}
+
+fn read(path: &Path) -> Result<Image, Failure> {
+    let bytes = std::fs::read(path).map_err(|e| format!("can't read {}: {e}", path.display()))?;
+    image::read(&bytes, &Limits::default()).map_err(|e| format!("can't read {}: {e}", path.display()).into())
+}
