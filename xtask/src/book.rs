@@ -36,8 +36,8 @@ fn every_snippet_is_in_its_file() {
         for include in between(&text, "{{#include ", "}}") {
             let (file, anchor) = include.split_once(':').map_or((include, None), |(f, a)| (f, Some(a)));
             let path = page.parent().unwrap().join(file);
-            let included = fs::read_to_string(&path)
-                .unwrap_or_else(|e| panic!("{}: {include}: {e}", page.display()));
+            let included =
+                fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {include}: {e}", page.display()));
             if let Some(anchor) = anchor {
                 assert!(has_anchor(&included, anchor), "{}: no anchor {anchor} in {file}", page.display());
             }

@@ -14,10 +14,13 @@ const WIDTH: u32 = 480;
 pub fn run(names: &[String]) -> Result<bool, Failure> {
     for (name, path) in scenes("scenes", names)? {
         let text = std::fs::read_to_string(&path)?;
-        let missing = text.lines().filter_map(|l| l.split_once("file: ")).map(|(_, rest)| {
-            let file = rest.split([',', ' ', '}']).next().unwrap_or(rest);
-            path.with_file_name(file)
-        });
+        let missing =
+            text.lines().filter(|l| !l.starts_with('#')).filter_map(|l| l.split_once("file: ")).map(
+                |(_, rest)| {
+                    let file = rest.split([',', ' ', '}']).next().unwrap_or(rest);
+                    path.with_file_name(file)
+                },
+            );
         if let Some(file) = missing.into_iter().find(|f| !f.exists()) {
             println!("{name}: skipped, there is no {}", file.display());
             continue;

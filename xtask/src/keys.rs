@@ -88,7 +88,12 @@ fn kind(t: &Value) -> String {
         return format!("`{word}`");
     }
     if let Some(words) = t["enum"].as_array() {
-        return words.iter().filter_map(Value::as_str).map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ");
+        return words
+            .iter()
+            .filter_map(Value::as_str)
+            .map(|w| format!("`{w}`"))
+            .collect::<Vec<_>>()
+            .join(", ");
     }
     match t["type"].as_str() {
         Some("array") => {

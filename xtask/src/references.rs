@@ -65,7 +65,8 @@ fn judge(scene: &Path, reference: &Path, tails: Tails) -> Result<Comparison, Fai
     let ours = job.render_replicates(REPLICATES, &mut Control::to_the_end())?.picture.layers;
     let picture = |pixels| Image { width: ours.width, height: ours.height, pixels };
     let (mean, variance) = (picture(ours.rgb.clone()), picture(ours.variance.clone()));
-    let (their_mean, their_variance) = (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);
+    let (their_mean, their_variance) =
+        (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);
     let a = Estimate { dof: f64::from(REPLICATES - 1), ..Estimate::new(&mean, Some(&variance)) };
     Ok(compare(a, Estimate::new(&their_mean, Some(&their_variance)), tails)?)
 }

@@ -114,8 +114,7 @@ impl Cone {
         /// A few units in the last place of single precision.
         const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
         let distance = to.length();
-        // Written so that NaN is inside.
-        if !(distance > radius + ROUNDING * reach) {
+        if distance <= radius + ROUNDING * reach || distance.is_nan() {
             return None;
         }
         let sin = radius / distance;
