@@ -135,6 +135,7 @@ mod tests {
     #[test]
     fn the_book_lists_the_keys_that_there_are() {
         let kept = std::fs::read_to_string(root().join(FILE)).unwrap();
-        assert_eq!(kept, page(&straal_scene::schema()), "out of date: run `cargo xtask keys`");
+        // A page of text on each side would help nobody.
+        assert!(kept == page(&straal_scene::schema()), "out of date: run `cargo xtask keys`");
     }
 }
