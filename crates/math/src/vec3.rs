@@ -91,7 +91,18 @@ macro_rules! vec3 {
             /// The vector divided by its length, or `None` when that is 0 or not finite.
             #[inline]
             pub fn try_normalize(self) -> Option<Self> {
-                // Scaled first, so that neither tiny nor huge vectors lose their direction to the square.
+                // Above this what a square loses to underflow is below the sum's rounding.
+                const LEAST: $t = <$t>::MIN_POSITIVE / <$t>::EPSILON;
+                let square = self.length_squared();
+                if square > LEAST && square < 1.0 / LEAST {
+                    return Some(self * (1.0 / square.sqrt()));
+                }
+                self.try_normalize_scaled()
+            }
+
+            /// Scaled first, so that neither tiny nor huge vectors lose their direction to the square.
+            #[cold]
+            fn try_normalize_scaled(self) -> Option<Self> {
                 let m = self.abs().max_element();
                 if !(m > 0.0 && m < <$t>::INFINITY) {
                     return None;

@@ -130,8 +130,8 @@ impl<'a> Build<'a> {
                 if s.surface.flip != (m.determinant() < 0.0) {
                     (a, b) = (b, a);
                 }
-                let disc = Disc { center: m.point(s.center).as_vec3(), a: a.as_vec3(), b: b.as_vec3() };
-                self.shape(&s.surface, place, Shape::Disc(disc), false)
+                let disc = Disc::new(m.point(s.center).as_vec3(), a.as_vec3(), b.as_vec3());
+                self.shape(&s.surface, place, Shape::Disc(Box::new(disc)), false)
             }
             Node::Rectangle(s) => {
                 let m = shape_transform(&s.surface, place)?;
@@ -140,8 +140,8 @@ impl<'a> Build<'a> {
                     (a, b) = (b, a);
                 }
                 let corner = m.point(s.corner).as_vec3();
-                let r = Parallelogram { corner, a: a.as_vec3(), b: b.as_vec3() };
-                self.shape(&s.surface, place, Shape::Parallelogram(r), false)
+                let r = Parallelogram::new(corner, a.as_vec3(), b.as_vec3());
+                self.shape(&s.surface, place, Shape::Parallelogram(Box::new(r)), false)
             }
             Node::Cylinder(s) => self.cylinder(s, place),
             Node::Box(s) => {
@@ -266,8 +266,8 @@ impl<'a> Build<'a> {
                 if s.surface.flip != (m.determinant() < 0.0) {
                     (a, b) = (b, a);
                 }
-                let cap = Disc { center: m.point(center).as_vec3(), a: a.as_vec3(), b: b.as_vec3() };
-                self.shape(&s.surface, place, Shape::Disc(cap), false)?;
+                let cap = Disc::new(m.point(center).as_vec3(), a.as_vec3(), b.as_vec3());
+                self.shape(&s.surface, place, Shape::Disc(Box::new(cap)), false)?;
             }
         }
         Ok(())

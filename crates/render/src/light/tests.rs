@@ -49,8 +49,8 @@ fn registry() -> Vec<Entry> {
     let squash = Affine::scale(DVec3::new(1.0, 0.3, 0.6)).then(&turn);
     let sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.3), radius: 0.7 };
     let (a, b) = (Vec3::new(1.5, 0.2, 0.0), Vec3::new(0.3, 0.1, -1.2));
-    let flat = Parallelogram { corner: Vec3::new(-0.7, -0.6, 0.5), a, b };
-    let disc = Disc { center: Vec3::new(0.2, 0.1, 0.0), a, b };
+    let flat = Parallelogram::new(Vec3::new(-0.7, -0.6, 0.5), a, b);
+    let disc = Disc::new(Vec3::new(0.2, 0.1, 0.0), a, b);
     let tube = Cylinder::between(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.9, 0.4, 0.2), 0.3).unwrap();
     let cuboid = TriangleMesh::cuboid(Vec3::new(-0.5, -0.2, -0.8), Vec3::new(0.6, 0.3, 0.7));
     // Mostly dark, with a lamp of one pixel, one on the wrap, and poles of their own.
@@ -66,9 +66,9 @@ fn registry() -> Vec<Entry> {
         shape("sphere", Shape::Sphere(sphere), Sides::Front),
         shape("sphere, inside", Shape::Sphere(sphere), Sides::Back),
         shape("ellipsoid", Shape::Ellipsoid(Box::new(Ellipsoid::new(squash).unwrap())), Sides::Both),
-        shape("disc", Shape::Disc(disc), Sides::Front),
-        shape("parallelogram", Shape::Parallelogram(flat), Sides::Both),
-        shape("parallelogram, back", Shape::Parallelogram(flat), Sides::Back),
+        shape("disc", Shape::Disc(Box::new(disc)), Sides::Front),
+        shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
+        shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
         shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
         mesh("cuboid", cuboid.clone(), Sides::Front),
         mesh("cuboid, both", cuboid.transformed(&squash).unwrap(), Sides::Both),
@@ -189,7 +189,7 @@ fn a_rectangle_gives_its_form_factor() {
     let factor = (term(a, b) + term(b, a)) / (2.0 * PI);
     let corner = Vec3::new(0.0, h as f32, 0.0);
     let (a, b) = (Vec3::X * w as f32, Vec3::Z * l as f32);
-    let down = Shape::Parallelogram(Parallelogram { corner, a, b });
+    let down = Shape::Parallelogram(Box::new(Parallelogram::new(corner, a, b)));
     let quad = TriangleMesh {
         positions: [corner, corner + a, corner + a + b, corner + b].into(),
         indices: [[0, 1, 2], [0, 2, 3]].into(),
@@ -213,8 +213,8 @@ fn spheres_and_discs_give_their_closed_form_irradiance() {
         let entry = shape("sphere", Shape::Sphere(Sphere { center, radius }), Sides::Front);
         let ratio = f64::from(radius) / f64::from(height);
         assert_agrees("sphere", irradiance(&entry, Vec3::ZERO, Vec3::Y), l * ratio * ratio);
-        let disc = Disc { center, a: Vec3::X * radius, b: Vec3::Z * radius };
-        let entry = shape("disc", Shape::Disc(disc), Sides::Front);
+        let disc = Disc::new(center, Vec3::X * radius, Vec3::Z * radius);
+        let entry = shape("disc", Shape::Disc(Box::new(disc)), Sides::Front);
         assert_agrees(
             "disc",
             irradiance(&entry, Vec3::ZERO, Vec3::Y),

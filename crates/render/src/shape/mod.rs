@@ -35,6 +35,7 @@ pub mod ellipsoid;
 pub mod mesh;
 pub mod offset;
 pub mod parallelogram;
+mod patch;
 pub mod plane;
 mod quadric;
 mod sampling;
@@ -60,9 +61,9 @@ pub enum Shape {
     /// Unbounded plane.
     Plane(Plane),
     /// Center and two half-axes: a disc, or any ellipse.
-    Disc(Disc),
+    Disc(Box<Disc>),
     /// Corner and two edges: a rectangle, or any parallelogram.
-    Parallelogram(Parallelogram),
+    Parallelogram(Box<Parallelogram>),
     /// An affine image of the open unit cylinder.
     Cylinder(Box<Cylinder>),
     /// A shape of the library's user: index into [`Geometry::custom`].
@@ -202,6 +203,7 @@ impl Geometry {
     }
 
     /// A point of the shape; `u` uniform in the unit square.
+    #[inline]
     pub fn sample_area(&self, shape: u32, u: [f32; 2]) -> Option<AreaSample> {
         let sample = match &self.shapes[shape as usize] {
             Shape::Sphere(s) => s.sample_area(u),
@@ -215,6 +217,7 @@ impl Geometry {
     }
 
     /// A direction from `p` towards the shape; `u` uniform in the unit square.
+    #[inline]
     pub fn sample_from(&self, shape: u32, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
         match &self.shapes[shape as usize] {
             Shape::Sphere(s) => s.sample_from(p, u),
@@ -229,8 +232,8 @@ impl Geometry {
         let by_area = match &self.shapes[shape as usize] {
             Shape::Sphere(s) => return s.pdf_from(p, hit),
             Shape::Ellipsoid(s) => return s.pdf_from(p, hit),
-            Shape::Disc(s) => 1.0 / s.area(),
-            Shape::Parallelogram(s) => 1.0 / s.area(),
+            Shape::Disc(s) => s.pdf_area(),
+            Shape::Parallelogram(s) => s.pdf_area(),
             Shape::Cylinder(s) => s.pdf_area(hit),
             Shape::Plane(_) | Shape::Custom(_) => 0.0,
         };
@@ -250,6 +253,7 @@ impl Shapes for Geometry {
 }
 
 /// A point sampled by area as a direction sampled by solid angle.
+#[inline]
 pub(crate) fn by_solid_angle(p: Vec3, s: AreaSample) -> Option<DirSample> {
     let wi = (s.point.p - p).try_normalize()?;
     let pdf = solid_angle_pdf(p, &s.point, s.pdf_area);
@@ -258,6 +262,7 @@ pub(crate) fn by_solid_angle(p: Vec3, s: AreaSample) -> Option<DirSample> {
 
 /// A density by area at `q` as density by solid angle seen from `p`: times distance² / |cos|; 0 where the surface is
 /// seen edge-on.
+#[inline]
 pub(crate) fn solid_angle_pdf(p: Vec3, q: &SurfacePoint, pdf_area: f32) -> f32 {
     let d = q.p - p;
     let d2 = d.length_squared();
@@ -276,11 +281,28 @@ pub(crate) mod exact {
     /// (each 2^-53), and far less than [`HALF_ULP`].
     pub const DOUBLE: f64 = 1.0 / (1u64 << 46) as f64;
 
+    /// Covers the rounding of what single precision can't hold to its full length.
+    const SUBNORMAL: f64 = f32::MIN_POSITIVE as f64;
+
     /// A point computed in double precision from quantities no larger than `size`, rounded, with its error bound.
     #[inline]
     pub fn rounded(p: DVec3, size: f64) -> (Vec3, Vec3) {
-        let bound = |x: f64| ((x.abs() * HALF_ULP + size * DOUBLE) as f32).next_up();
-        (p.as_vec3(), Vec3::new(bound(p.x), bound(p.y), bound(p.z)))
+        let pad = padding(size);
+        (p.as_vec3(), Vec3::new(bound(p.x, pad), bound(p.y, pad), bound(p.z, pad)))
+    }
+
+    /// What [`bound`] needs for a point computed in double precision from quantities no larger than `size`.
+    #[inline]
+    pub fn padding(size: f64) -> f64 {
+        size * DOUBLE + SUBNORMAL
+    }
+
+    /// Half a unit in the last place of `x` plus `pad`; no rounding makes it less.
+    #[inline]
+    pub fn bound(x: f64, pad: f64) -> f32 {
+        // The bound's own rounding, relative.
+        const SLACK: f64 = 1.0 + 4.0 * HALF_ULP;
+        (x.abs() * (HALF_ULP * SLACK) + pad * SLACK) as f32
     }
 
     /// The box around points that are off by at most `size` times [`DOUBLE`], rounded outwards.

@@ -14,21 +14,16 @@ const fn gamma(n: u32) -> f32 {
 }
 
 /// Where a ray in direction `w` may start that leaves a surface at `p`, known to `p_err`, with normal `ng` (either
-/// side): the nearest representable point off the error box on `w`'s side (Pharr, Jakob & Humphreys 2023, section
-/// 6.8.6: the box's extent along the normal, then each coordinate rounded away from the surface).
+/// side): a point off the error box on `w`'s side (Pharr, Jakob & Humphreys 2023, section 6.8.6: the box's extent along
+/// the normal, then each coordinate moved away from the surface by what its sum may have been rounded).
 #[inline]
 pub fn offset_origin(p: Vec3, p_err: Vec3, ng: Vec3, w: Vec3) -> Vec3 {
     let d = ng.abs().dot(p_err);
     let push = if w.dot(ng) < 0.0 { ng * -d } else { ng * d };
+    // A number's distance to the next is at most EPSILON of it, and sums of subnormal size are exact.
     let away = |x: f32, o: f32| {
         let y = x + o;
-        if o > 0.0 {
-            y.next_up()
-        } else if o < 0.0 {
-            y.next_down()
-        } else {
-            y
-        }
+        if o == 0.0 { y } else { y + (y.abs() * f32::EPSILON).copysign(o) }
     };
     Vec3::new(away(p.x, push.x), away(p.y, push.y), away(p.z, push.z))
 }
@@ -46,6 +41,7 @@ pub struct End {
 }
 
 impl From<&SurfacePoint> for End {
+    #[inline]
     fn from(s: &SurfacePoint) -> Self {
         Self { p: s.p, p_err: s.p_err, ng: s.ng }
     }

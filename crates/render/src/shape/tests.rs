@@ -98,12 +98,12 @@ fn cases() -> Vec<Case> {
             let plane = plane_equation(center, a.as_dvec3());
             add("plane", Shape::Plane(Plane { point: center, normal: a }), plane);
             let n = a.as_dvec3().cross(b.as_dvec3());
-            add("disc", Shape::Disc(Disc { center, a, b }), plane_equation(center, n));
+            add("disc", Shape::Disc(Box::new(Disc::new(center, a, b))), plane_equation(center, n));
             let corner = center - a * 0.5 - b * 0.5;
             let flat = plane_equation(corner, n);
-            add("parallelogram", Shape::Parallelogram(Parallelogram { corner, a, b }), flat);
-            let level = Parallelogram { corner: center, a: Vec3::Z * scale, b: Vec3::X * scale };
-            add("level", Shape::Parallelogram(level), plane_equation(center, DVec3::Y));
+            add("parallelogram", Shape::Parallelogram(Box::new(Parallelogram::new(corner, a, b))), flat);
+            let level = Parallelogram::new(center, Vec3::Z * scale, Vec3::X * scale);
+            add("level", Shape::Parallelogram(Box::new(level)), plane_equation(center, DVec3::Y));
         }
     }
     out
@@ -501,8 +501,8 @@ fn strange_rays_and_shapes_miss() {
     let shapes = vec![
         Shape::Sphere(Sphere { center: Vec3::splat(nan), radius: 1.0 }),
         Shape::Sphere(Sphere { center: Vec3::ZERO, radius: nan }),
-        Shape::Disc(Disc { center: Vec3::ZERO, a: Vec3::X, b: Vec3::X }),
-        Shape::Parallelogram(Parallelogram { corner: Vec3::ZERO, a: Vec3::ZERO, b: Vec3::ZERO }),
+        Shape::Disc(Box::new(Disc::new(Vec3::ZERO, Vec3::X, Vec3::X))),
+        Shape::Parallelogram(Box::new(Parallelogram::new(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO))),
         Shape::Plane(Plane { point: Vec3::ZERO, normal: Vec3::ZERO }),
     ];
     let geometry = Geometry { shapes, ..Geometry::default() };

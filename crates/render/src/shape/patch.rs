@@ -1,0 +1,68 @@
+//! What flat shapes with two axes share.
+
+use straal_math::{DVec3, Ray, Vec3};
+
+use super::exact::{at, bound, in_interval, padding, size};
+use super::plane::{meet, project};
+use super::{ShapeHit, SurfacePoint};
+
+/// A plane with coordinates: origin + x a + y b; in double precision, with what follows from it kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Patch {
+    /// Where x and y are 0.
+    pub origin: DVec3,
+    /// First axis.
+    pub a: DVec3,
+    /// Second axis.
+    pub b: DVec3,
+    /// Unit normal along a × b.
+    n: DVec3,
+    /// The scalar product of r = x a + y b with the first is x, with the second y. Not finite when the axes are parallel.
+    dual: [DVec3; 2],
+    /// For [`bound`].
+    pad: f64,
+}
+
+impl Patch {
+    pub fn new(origin: Vec3, a: Vec3, b: Vec3) -> Self {
+        let [origin, a, b] = [origin, a, b].map(Vec3::as_dvec3);
+        let cross = a.cross(b);
+        let n = cross.try_normalize().unwrap_or(DVec3::Y);
+        let dual = [b.cross(cross), cross.cross(a)].map(|v| v / cross.dot(cross));
+        Self { origin, a, b, n, dual, pad: padding(size(origin) + size(a) + size(b)) }
+    }
+
+    /// Area of the parallelogram between the axes.
+    pub fn area(&self) -> f64 {
+        self.a.cross(self.b).length()
+    }
+
+    /// Where the ray meets the plane in its interval, and x and y there.
+    #[inline(always)]
+    pub fn meet(&self, ray: &Ray) -> Option<(f32, [f64; 2])> {
+        let t = meet(ray, self.origin, self.n);
+        let hit = in_interval(ray, t)?;
+        let r = ray.o.as_dvec3() + ray.d.as_dvec3() * t - self.origin;
+        Some((hit, self.dual.map(|d| r.dot(d))))
+    }
+
+    /// The point of a hit of this ray, with the coordinates of the hit and the first axis as texture's.
+    #[inline(always)]
+    pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        self.point(project(at(ray, hit.t), self.origin, self.n), [hit.u, hit.v])
+    }
+
+    /// The point at x and y, with these and the first axis as texture's.
+    #[inline(always)]
+    pub fn point_at(&self, [x, y]: [f32; 2]) -> SurfacePoint {
+        self.point(self.origin + self.a * f64::from(x) + self.b * f64::from(y), [x, y])
+    }
+
+    #[inline(always)]
+    fn point(&self, q: DVec3, uv: [f32; 2]) -> SurfacePoint {
+        let bound = |x: f64| bound(x, self.pad);
+        let p_err = Vec3::new(bound(q.x), bound(q.y), bound(q.z));
+        let ng = self.n.as_vec3();
+        SurfacePoint { p: q.as_vec3(), p_err, ng, n: ng, uv, dpdu: self.a.as_vec3() }
+    }
+}
