@@ -52,7 +52,7 @@ pub struct Guide(i64);
 impl Guide {
     pub fn add(&mut self, v: f32) {
         let v = if v.is_nan() { 0.0 } else { straal_math::ops::clamp(v, -GUIDE_RANGE, GUIDE_RANGE) };
-        self.0 += (f64::from(v) * GUIDE_SCALE).round_ties_even() as i64;
+        self.0 += nearest(f64::from(v) * GUIDE_SCALE);
     }
 
     pub fn to_f64(self) -> f64 {
@@ -64,5 +64,12 @@ impl Guide {
 /// no fraction left to round.
 #[inline(always)]
 fn round(v: f64) -> i128 {
-    if v.abs() < (1_u64 << 62) as f64 { i128::from(v.round_ties_even() as i64) } else { v as i128 }
+    if v.abs() < (1_u64 << 62) as f64 { i128::from(nearest(v)) } else { v as i128 }
+}
+
+/// To the nearest integer, halves away from 0, for numbers below 2^63 of at most 48 significant bits (those of a
+/// single-precision number's square): adding a half changes none that is whole already.
+#[inline(always)]
+fn nearest(v: f64) -> i64 {
+    (v + 0.5_f64.copysign(v)) as i64
 }
