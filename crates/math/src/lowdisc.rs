@@ -85,11 +85,11 @@ pub enum Purpose {
     Wavelength = 2,
     /// Which light is asked.
     LightChoice = 3,
-    /// Where on that light; with four numbers, the last two may choose its part (a triangle of a mesh).
+    /// Where on that light; with three numbers, the last may choose the light.
     LightPoint = 4,
     /// Which lobe of a BSDF scatters.
     Lobe = 5,
-    /// Where that lobe scatters to.
+    /// Where that lobe scatters to; with three numbers, the last may choose the lobe.
     Direction = 6,
     /// Whether the path goes on.
     Roulette = 7,

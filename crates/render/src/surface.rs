@@ -1,8 +1,7 @@
 //! A hit as shading sees it.
 
 use crate::shape::SurfacePoint;
-use crate::shape::offset::offset_origin;
-use straal_math::{Frame, Vec3};
+use straal_math::Frame;
 
 /// The surface where a ray arrived, in world space.
 #[derive(Clone, Copy, Debug)]
@@ -15,12 +14,4 @@ pub struct Surface {
     pub material: u32,
     /// Index of the emitter in the world, if the surface glows.
     pub emitter: Option<u32>,
-}
-
-impl Surface {
-    /// Where a ray that leaves along `w` starts: off the surface by the error bound of the point, no more.
-    #[inline]
-    pub fn leave(&self, w: Vec3) -> Vec3 {
-        offset_origin(self.point.p, self.point.p_err, self.point.ng, w)
-    }
 }

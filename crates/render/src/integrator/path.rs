@@ -5,11 +5,10 @@ use crate::film::Sample;
 use crate::material::{Bsdf, Transport};
 use crate::shape::offset::End;
 use crate::stopwatch::Phase;
-use crate::surface::Surface;
 use crate::world::World;
 use straal_color::Light;
 use straal_math::lowdisc::Purpose;
-use straal_math::{Ray, Vec3, ops};
+use straal_math::{Frame, Ray, Vec3, ops};
 
 /// Paths whose vertices are worked on together: their surfaces and BSDFs stay in the first-level cache between
 /// the paragraphs of a step.
@@ -54,9 +53,12 @@ pub struct State {
 #[derive(Clone, Copy)]
 struct Vertex<'w> {
     path: u32,
-    surface: Surface,
+    /// The point, its error and geometric normal.
+    end: End,
+    /// About the shading normal.
+    frame: Frame,
     bsdf: Bsdf<'w>,
-    /// Direction back along the path, in the shading frame.
+    /// Direction back along the path, in the frame.
     wo: Vec3,
 }
 
@@ -146,7 +148,8 @@ impl PathTracer {
         }
         (state.depth < self.max_depth && !matches!(bsdf, Bsdf::Black)).then_some(Vertex {
             path: index,
-            surface,
+            end: End::from(&surface.point),
+            frame: surface.frame,
             bsdf,
             wo,
         })
@@ -159,16 +162,20 @@ impl PathTracer {
             return;
         }
         let path = &wave.paths[vertex.path as usize];
-        let surface = &vertex.surface;
 
         // A light, and a point on it.
-        let choice = wave.pattern.d1(&path.name, Purpose::LightChoice);
-        let Some(pick) = world.lights.pick(choice) else { return };
-        let u = wave.pattern.d2(&path.name, Purpose::LightPoint);
-        let Some(light) = world.sample_light(pick.index, surface.point.p, u) else { return };
+        let (pick, u) = match world.lights.only() {
+            Some(only) => (Some(only), wave.pattern.d2(&path.name, Purpose::LightPoint)),
+            None => {
+                let [u, v, choice] = wave.pattern.d3(&path.name, Purpose::LightPoint);
+                (world.lights.pick(choice), [u, v])
+            }
+        };
+        let Some(pick) = pick else { return };
+        let Some(light) = world.sample_light(pick.index, vertex.end.p, u) else { return };
 
         // What it would bring, weighed against the chance that the BSDF finds it.
-        let wi = surface.frame.to_local(light.wi);
+        let wi = vertex.frame.to_local(light.wi);
         let (value, pdf) = vertex.bsdf.eval_pdf(vertex.wo, wi, Transport::Radiance);
         if value.is_black() {
             return;
@@ -179,7 +186,7 @@ impl PathTracer {
         if contribution.is_black() {
             return;
         }
-        wave.shadow_rays.push(light.shadow_ray(&End::from(&surface.point)));
+        wave.shadow_rays.push(light.shadow_ray(&vertex.end));
         wave.shadows.push(ShadowRay { light: contribution, sample: path.sample });
     }
 
@@ -187,11 +194,9 @@ impl PathTracer {
     #[inline]
     fn scatter(&self, wave: &mut Wave<'_, State>, vertex: &Vertex<'_>) {
         let path = &mut wave.paths[vertex.path as usize];
-        let surface = &vertex.surface;
 
-        let lobe = wave.pattern.d1(&path.name, Purpose::Lobe);
-        let u = wave.pattern.d2(&path.name, Purpose::Direction);
-        let Some(s) = vertex.bsdf.sample(vertex.wo, lobe, u, Transport::Radiance) else { return };
+        let [u, v, lobe] = wave.pattern.d3(&path.name, Purpose::Direction);
+        let Some(s) = vertex.bsdf.sample(vertex.wo, lobe, [u, v], Transport::Radiance) else { return };
         let mut beta = path.state.beta * s.weight;
         let eta_squared = path.state.eta_squared * s.eta * s.eta;
 
@@ -207,13 +212,13 @@ impl PathTracer {
             return;
         }
 
-        let wi = surface.frame.to_world(s.wi);
+        let wi = vertex.frame.to_world(s.wi);
         let ray = &mut wave.rays[vertex.path as usize];
-        *ray = Ray { o: surface.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
+        *ray = Ray { o: vertex.end.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
         path.name = path.name.child(0);
         path.state = State {
             beta,
-            from: surface.point.p,
+            from: vertex.end.p,
             pdf: s.pdf,
             delta: s.delta,
             depth: path.state.depth + 1,

@@ -11,6 +11,8 @@ use crate::shape::Geometry;
 #[derive(Clone, Debug)]
 pub struct LightTable {
     table: Option<Table1>,
+    /// The emitter, where no other shines.
+    only: Option<u32>,
 }
 
 /// A chosen emitter.
@@ -35,7 +37,15 @@ impl LightTable {
         let shining = powers.iter().filter(|&&w| w > 0.0).count() as f64;
         let total: f64 = powers.iter().sum();
         let weight = |w: &f64| if *w > 0.0 { (0.5 / shining + 0.5 * (w / total)) as f32 } else { 0.0 };
-        Self { table: Table1::new(&powers.iter().map(weight).collect::<Vec<_>>()) }
+        let table = Table1::new(&powers.iter().map(weight).collect::<Vec<_>>());
+        let only = powers.iter().position(|&w| w > 0.0).filter(|_| shining == 1.0).map(|i| i as u32);
+        Self { table, only }
+    }
+
+    /// The pick that needs no number, where a single emitter shines; its `rest` is 0.
+    #[inline]
+    pub fn only(&self) -> Option<Pick> {
+        self.only.map(|index| Pick { index, pmf: 1.0, rest: 0.0 })
     }
 
     /// Picks by `u` in [0, 1); `None` when nothing shines.

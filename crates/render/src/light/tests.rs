@@ -435,5 +435,8 @@ fn lights_are_picked_by_power_and_evenly() {
         assert!((share - want).abs() <= 5.0 * (want / 1e5).sqrt(), "{i}: {share}");
     }
     assert!((rests / 1e5 - 0.5).abs() < 5.0 * 0.289 / 1e5_f64.sqrt());
+    assert_eq!(table.only(), None);
     assert_eq!(LightTable::new(&[], &geometry, 1.0).pick(0.0), None);
+    let one = LightTable::new(&emitters[1..3], &geometry, 1.0);
+    assert_eq!(one.only().map(|p| (p.index, p.pmf)), one.pick(0.3).map(|p| (p.index, p.pmf)));
 }

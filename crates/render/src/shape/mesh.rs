@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use straal_math::{Affine, DVec3, Frame, Vec3, warp};
 
-use super::exact::HALF_ULP;
+use super::exact::{HALF_ULP, SUBNORMAL, bound};
 use super::{AreaSample, SurfacePoint};
 
 /// An indexed triangle mesh. Every index is in range, and `normals` and `uvs` are empty or as long as `positions`:
@@ -110,6 +110,7 @@ impl TriangleMesh {
     /// The error bound is that of the point's rounding, and of a search in single precision that looks for this triangle
     /// from this point again: it works with corners relative to the ray's origin, which costs it some gamma(8) of
     /// their distance.
+    #[inline]
     pub fn surface(&self, primitive: u32, u: f32, v: f32) -> SurfacePoint {
         let index = self.indices[primitive as usize].map(|i| i as usize);
         let [p0, p1, p2] = index.map(|i| self.positions[i].as_dvec3());
@@ -117,10 +118,10 @@ impl TriangleMesh {
         let b0 = 1.0 - b1 - b2;
         let (e1, e2) = (p1 - p0, p2 - p0);
         let q = p0 + e1 * b1 + e2 * b2;
-        let spread = (p0 - q).abs() * b0.abs() + (p1 - q).abs() * b1.abs() + (p2 - q).abs() * b2.abs();
-        let search = spread.max_element() * (8.0 * HALF_ULP);
-        let bound = |x: f64| ((x.abs() * HALF_ULP + search) as f32).next_up();
-        let p_err = Vec3::new(bound(q.x), bound(q.y), bound(q.z));
+        // The corners' mean distance, by the weights: as the triangle inequality bounds it for each coordinate.
+        let spread = e1.abs() * (2.0 * b1 * (1.0 - b1)).abs() + e2.abs() * (2.0 * b2 * (1.0 - b2)).abs();
+        let pad = spread.max_element() * (8.0 * HALF_ULP) + SUBNORMAL;
+        let p_err = Vec3::new(bound(q.x, pad), bound(q.y, pad), bound(q.z, pad));
 
         let out = e1.cross(e2).try_normalize().unwrap_or(DVec3::Y).as_vec3();
         let ng = if self.flip { -out } else { out };
@@ -137,6 +138,7 @@ impl TriangleMesh {
     }
 
     /// Texture coordinates, and the edge direction along the first of them.
+    #[inline]
     fn texture(&self, index: [usize; 3], [u, v]: [f32; 2], [e1, e2]: [Vec3; 2]) -> ([f32; 2], Vec3) {
         if self.uvs.is_empty() {
             return ([u, v], e1);

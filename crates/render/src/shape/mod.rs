@@ -282,7 +282,7 @@ pub(crate) mod exact {
     pub const DOUBLE: f64 = 1.0 / (1u64 << 46) as f64;
 
     /// Covers the rounding of what single precision can't hold to its full length.
-    const SUBNORMAL: f64 = f32::MIN_POSITIVE as f64;
+    pub const SUBNORMAL: f64 = f32::MIN_POSITIVE as f64;
 
     /// A point computed in double precision from quantities no larger than `size`, rounded, with its error bound.
     #[inline]

@@ -40,6 +40,14 @@ pub struct End {
     pub ng: Vec3,
 }
 
+impl End {
+    /// Where a ray that leaves along `w` starts: off the surface by the error bound of the point.
+    #[inline]
+    pub fn leave(&self, w: Vec3) -> Vec3 {
+        offset_origin(self.p, self.p_err, self.ng, w)
+    }
+}
+
 impl From<&SurfacePoint> for End {
     #[inline]
     fn from(s: &SurfacePoint) -> Self {
