@@ -51,7 +51,11 @@ pub struct Guide(i64);
 
 impl Guide {
     pub fn add(&mut self, v: f32) {
-        let v = if v.is_nan() { 0.0 } else { straal_math::ops::clamp(v, -GUIDE_RANGE, GUIDE_RANGE) };
+        let v = match v {
+            _ if v.abs() <= GUIDE_RANGE => v,
+            _ if v.is_nan() => 0.0,
+            _ => GUIDE_RANGE.copysign(v),
+        };
         self.0 += nearest(f64::from(v) * GUIDE_SCALE);
     }
 

@@ -146,13 +146,10 @@ impl PathTracer {
                 depth: hit.t,
             };
         }
-        (state.depth < self.max_depth && !matches!(bsdf, Bsdf::Black)).then_some(Vertex {
-            path: index,
-            end: End::from(&surface.point),
-            frame: surface.frame,
-            bsdf,
-            wo,
-        })
+        if state.depth >= self.max_depth || matches!(bsdf, Bsdf::Black) {
+            return None;
+        }
+        Some(Vertex { path: index, end: End::from(&surface.point), frame: surface.frame, bsdf, wo })
     }
 
     /// Next-event estimation: asks for a shadow ray to a point on a light.
@@ -195,8 +192,13 @@ impl PathTracer {
     fn scatter(&self, wave: &mut Wave<'_, State>, vertex: &Vertex<'_>) {
         let path = &mut wave.paths[vertex.path as usize];
 
-        let [u, v, lobe] = wave.pattern.d3(&path.name, Purpose::Direction);
-        let Some(s) = vertex.bsdf.sample(vertex.wo, lobe, [u, v], Transport::Radiance) else { return };
+        let (u, lobe) = if vertex.bsdf.chooses_lobe() {
+            let [u, v, lobe] = wave.pattern.d3(&path.name, Purpose::Direction);
+            ([u, v], lobe)
+        } else {
+            (wave.pattern.d2(&path.name, Purpose::Direction), 0.0)
+        };
+        let Some(s) = vertex.bsdf.sample(vertex.wo, lobe, u, Transport::Radiance) else { return };
         let mut beta = path.state.beta * s.weight;
         let eta_squared = path.state.eta_squared * s.eta * s.eta;
 

@@ -71,6 +71,7 @@ impl Sides {
 
 impl AreaLight {
     /// See [`super::Emitter::sample`].
+    #[inline]
     pub fn sample(&self, geometry: &Geometry, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
         if self.radiance.is_black() {
             return None;
@@ -85,13 +86,11 @@ impl AreaLight {
                 by_solid_angle(p, s)?
             }
         };
-        self.sides.lit(s.point.ng, -s.wi).then_some(LightSample {
-            wi: s.wi,
-            radiance: self.radiance,
-            pdf: s.pdf,
-            delta: false,
-            target: Target::Point((&s.point).into()),
-        })
+        if !self.sides.lit(s.point.ng, -s.wi) {
+            return None;
+        }
+        let target = Target::Point((&s.point).into());
+        Some(LightSample { wi: s.wi, radiance: self.radiance, pdf: s.pdf, delta: false, target })
     }
 
     /// See [`super::Emitter::radiance_at`].

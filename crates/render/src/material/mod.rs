@@ -126,6 +126,12 @@ impl Bsdf<'_> {
         }
     }
 
+    /// Whether [`Self::sample`] reads the number that chooses a lobe.
+    #[inline]
+    pub fn chooses_lobe(&self) -> bool {
+        matches!(self, Self::Dielectric(_) | Self::Custom(_))
+    }
+
     /// Whether it has nothing but delta lobes: `eval` and `pdf` are 0 everywhere, asking lights is in vain.
     #[inline]
     pub fn is_delta(&self) -> bool {

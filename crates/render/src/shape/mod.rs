@@ -222,7 +222,10 @@ impl Geometry {
         match &self.shapes[shape as usize] {
             Shape::Sphere(s) => s.sample_from(p, u),
             Shape::Ellipsoid(s) => s.sample_from(p, u),
-            _ => by_solid_angle(p, self.sample_area(shape, u)?),
+            Shape::Parallelogram(s) => by_solid_angle(p, s.sample_area(u)),
+            Shape::Disc(s) => by_solid_angle(p, s.sample_area(u)),
+            Shape::Cylinder(s) => by_solid_angle(p, s.sample_area(u)),
+            Shape::Plane(_) | Shape::Custom(_) => None,
         }
     }
 
@@ -257,7 +260,8 @@ impl Shapes for Geometry {
 pub(crate) fn by_solid_angle(p: Vec3, s: AreaSample) -> Option<DirSample> {
     let wi = (s.point.p - p).try_normalize()?;
     let pdf = solid_angle_pdf(p, &s.point, s.pdf_area);
-    (pdf > 0.0 && pdf.is_finite()).then_some(DirSample { point: s.point, wi, pdf })
+    // Not where the density by area was 0 or infinite, either.
+    if pdf > 0.0 { Some(DirSample { point: s.point, wi, pdf }) } else { None }
 }
 
 /// A density by area at `q` as density by solid angle seen from `p`: times distance² / |cos|; 0 where the surface is
