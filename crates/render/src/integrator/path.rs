@@ -109,12 +109,13 @@ impl PathTracer {
         let hit = &wave.hits[index as usize];
         if !hit.is_hit() {
             for (emitter, environment) in world.environments() {
-                let weight = if state.delta {
-                    1.0
+                let (radiance, weight) = if state.delta {
+                    (environment.radiance_from(ray.d), 1.0)
                 } else {
-                    balance(state.pdf, world.lights.pmf(emitter) * environment.pdf_from(ray.d))
+                    let (radiance, pdf) = environment.radiance_pdf_from(ray.d);
+                    (radiance, balance(state.pdf, world.lights.pmf(emitter) * pdf))
                 };
-                sample.light += state.beta * environment.radiance_from(ray.d) * weight;
+                sample.light += state.beta * radiance * weight;
             }
             return None;
         }

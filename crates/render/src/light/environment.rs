@@ -142,9 +142,18 @@ impl ImageEnvironment {
 
     /// See [`super::Emitter::pdf_from`].
     pub fn pdf(&self, wi: Vec3) -> f32 {
-        let Some(cells) = &self.cells else { return 0.0 };
+        self.pdf_of(&self.place(wi))
+    }
+
+    /// See [`super::Emitter::radiance_pdf_from`].
+    pub fn radiance_pdf(&self, wi: Vec3) -> (Light, f32) {
         let place = self.place(wi);
-        self.density(cells.texel_pdf([place.column, place.row]), place.row)
+        (self.interpolate(&place), self.pdf_of(&place))
+    }
+
+    fn pdf_of(&self, place: &Place) -> f32 {
+        let pdf = |cells: &Table2| self.density(cells.texel_pdf([place.column, place.row]), place.row);
+        self.cells.as_ref().map_or(0.0, pdf)
     }
 
     /// What falls on the scene's disc from all sides.

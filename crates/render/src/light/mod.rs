@@ -139,6 +139,15 @@ impl Emitter {
         }
     }
 
+    /// [`Emitter::radiance_from`] and [`Emitter::pdf_from`] at once.
+    #[inline]
+    pub fn radiance_pdf_from(&self, wi: Vec3) -> (Light, f32) {
+        match self {
+            Self::Image(l) => l.radiance_pdf(wi),
+            _ => (self.radiance_from(wi), self.pdf_from(wi)),
+        }
+    }
+
     /// Whether the light is all around: what a ray that hits nothing sees.
     pub fn is_environment(&self) -> bool {
         matches!(self, Self::Constant(_) | Self::Image(_))

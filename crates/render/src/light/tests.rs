@@ -143,6 +143,7 @@ fn what_is_sampled_is_what_is_hit() {
                     Target::Direction => {
                         let (radiance, pdf) =
                             (entry.emitter.radiance_from(s.wi), entry.emitter.pdf_from(s.wi));
+                        assert_eq!(entry.emitter.radiance_pdf_from(s.wi), (radiance, pdf));
                         let off = (radiance - s.radiance).map(f32::abs).max_lane();
                         // A direction's rounding, 1e-7, times the steepest slope between pixels, 250 a radian.
                         assert!(off < 1e-4, "{}: {radiance:?} against {s:?}", entry.name);
