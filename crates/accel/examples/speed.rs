@@ -7,7 +7,7 @@
 mod common;
 
 use common::{Random, icosphere, world};
-use straal_accel::{Geometry, GeometryKind, Hit, Isa, Options, Scene, Structure};
+use straal_accel::{Flight, Geometry, GeometryKind, Hit, Isa, Options, Scene, Structure};
 use straal_math::{Frame, Ray, Vec3};
 
 fn main() {
@@ -31,7 +31,7 @@ fn main() {
             continue;
         }
         let start = cpu_seconds();
-        let options = Options { structure: Structure::Bvh, isa };
+        let options = Options { structure: Structure::Bvh, isa, flight: Flight::Many };
         let scene = Scene::build(input.clone(), &(), &options).expect("a sound mesh");
         let built = cpu_seconds() - start;
         if sets.is_empty() {

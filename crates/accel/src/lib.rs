@@ -34,5 +34,5 @@ mod triangle;
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;
-pub use scene::{Options, Scene};
+pub use scene::{Flight, Options, Scene};
 pub use structure::{Structure, UnknownName};

@@ -11,7 +11,7 @@ fn bits(h: &Hit) -> (u32, u32, u32, u32, u32, Chain) {
 }
 
 fn reference() -> Options {
-    Options { structure: Structure::Brute, isa: Isa::Scalar }
+    Options { structure: Structure::Brute, isa: Isa::Scalar, flight: Flight::One }
 }
 
 /// Compares everything with brute force, one ray at a time.

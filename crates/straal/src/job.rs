@@ -185,7 +185,11 @@ impl Job {
             }),
             roulette_depth: path.roulette_depth,
         };
-        let search = straal_accel::Options { structure, isa: wish.isa.unwrap_or_else(Isa::detect) };
+        let search = straal_accel::Options {
+            structure,
+            isa: wish.isa.unwrap_or_else(Isa::detect),
+            ..straal_accel::Options::default()
+        };
         let world = compile::compile(scene, &loaded.assets, custom, size, &search)?;
         let threads = wish.threads.unwrap_or(0);
         let settings = Settings {

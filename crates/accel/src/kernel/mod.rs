@@ -144,7 +144,7 @@ pub(crate) fn closest<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], hits: 
     }
     let n = if rays.len() < hits.len() { rays.len() } else { hits.len() };
     let (rays, hits) = (&rays[..n], &mut hits[..n]);
-    if n < MANY {
+    if n < MANY || !scene.many() {
         with_kernel!(scene.isa(), k => few(k, scene, shapes, rays, hits));
         return;
     }
@@ -160,7 +160,7 @@ pub(crate) fn occluded<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], block
     }
     let n = if rays.len() < blocked.len() { rays.len() } else { blocked.len() };
     let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
-    if n < MANY {
+    if n < MANY || !scene.many() {
         with_kernel!(scene.isa(), k => few(k, scene, shapes, rays, blocked));
         return;
     }

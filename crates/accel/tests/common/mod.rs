@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each test binary uses its own part
 
 use std::sync::Arc;
-use straal_accel::{Geometry, GeometryKind, Group, Input, Isa, Options, ShapeHit, Shapes, Structure};
+use straal_accel::{Flight, Geometry, GeometryKind, Group, Input, Isa, Options, ShapeHit, Shapes, Structure};
 use straal_math::{Bounds, Ray, Vec3};
 
 /// A small generator (Steele et al. 2014, SplitMix64).
@@ -154,7 +154,9 @@ pub fn all_options() -> Vec<Options> {
     let mut out = Vec::new();
     for structure in Structure::ALL {
         for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
-            out.push(Options { structure, isa });
+            for flight in [Flight::One, Flight::Many] {
+                out.push(Options { structure, isa, flight });
+            }
         }
     }
     out
