@@ -15,14 +15,18 @@ const FOV: (f64, f64) = (30.0, 0.267_949_192_431_122_7);
 /// How much of the picture the mesh may fill.
 const FILL: f64 = 0.85;
 
-/// The box around the points of a mesh that are finite.
+/// The points of a mesh that are finite.
+fn points(asset: &MeshAsset) -> impl Iterator<Item = DVec3> {
+    let finite = asset.mesh.positions.iter().filter(|p| p.iter().all(|v| v.is_finite()));
+    finite.map(|p| DVec3::from_array(p.map(f64::from)))
+}
+
+/// The box around them.
 fn bounds(asset: &MeshAsset) -> Option<(DVec3, DVec3)> {
-    let mut found: Option<(DVec3, DVec3)> = None;
-    for p in asset.mesh.positions.iter().filter(|p| p.iter().all(|v| v.is_finite())) {
-        let p = DVec3::from_array(p.map(f64::from));
-        found = Some(found.map_or((p, p), |(min, max)| (min.min(p), max.max(p))));
-    }
-    found
+    let grow = |found: Option<(DVec3, DVec3)>, p: DVec3| {
+        Some(found.map_or((p, p), |(min, max)| (min.min(p), max.max(p))))
+    };
+    points(asset).fold(None, grow)
 }
 
 /// The scene around a mesh, which goes by `name` in its assets; what is wrong when there is nothing to see.
@@ -65,7 +69,7 @@ pub fn around(name: &str, asset: &MeshAsset) -> Result<Scene, String> {
     };
     let lamp = |towards: DVec3, size: f64, radiance: f64| softbox(center, radius, towards, size, radiance);
     Ok(Scene {
-        camera: Camera::Perspective(frame(min, max, film.size)),
+        camera: Camera::Perspective(frame(center, points(asset), film.size)),
         film,
         sampler: Sampler::default(),
         integrator: Integrator::default(),
@@ -75,12 +79,12 @@ pub fn around(name: &str, asset: &MeshAsset) -> Result<Scene, String> {
         world: vec![
             Node::Mesh(mesh),
             Node::Plane(floor),
-            lamp(DVec3::new(-2.5, 3.5, 3.0), 1.6, 9.0),
-            lamp(DVec3::new(4.0, 2.0, 2.0), 1.6, 2.5),
-            lamp(DVec3::new(1.0, 3.5, -3.5), 1.2, 7.0),
+            lamp(DVec3::new(-2.5, 3.5, 3.0), 1.6, 6.0),
+            lamp(DVec3::new(4.0, 2.0, 2.0), 1.6, 1.6),
+            lamp(DVec3::new(1.0, 3.5, -3.5), 1.2, 5.0),
         ],
         lights: vec![Light::Environment(Environment {
-            radiance: Some(Value::Constant(Color::grey(0.35))),
+            radiance: Some(Value::Constant(Color::grey(0.3))),
             ..Environment::default()
         })],
     })
@@ -112,18 +116,15 @@ fn softbox(center: DVec3, radius: f64, towards: DVec3, size: f64, radiance: f64)
     })
 }
 
-/// A camera to the front, right and above that has all corners of the box in view.
-fn frame(min: DVec3, max: DVec3, size: [u32; 2]) -> Perspective {
-    let center = (min + max) * 0.5;
+/// A camera to the front, right and above that looks at the middle and has all points in view.
+fn frame(center: DVec3, points: impl Iterator<Item = DVec3>, size: [u32; 2]) -> Perspective {
     let w = DVec3::new(0.5, 0.38, 1.0).normalize();
     let u = DVec3::Y.cross(w).normalize();
     let v = w.cross(u);
     let tan_y = FILL * FOV.1;
     let tan_x = tan_y * f64::from(size[0]) / f64::from(size[1]);
     let mut distance = 0.0;
-    for corner in 0..8 {
-        let side = |bit: usize, a: f64, b: f64| if corner >> bit & 1 == 0 { a } else { b };
-        let p = DVec3::new(side(0, min.x, max.x), side(1, min.y, max.y), side(2, min.z, max.z)) - center;
+    for p in points.map(|p| p - center) {
         for needed in [p.dot(u).abs() / tan_x, p.dot(v).abs() / tan_y] {
             if p.dot(w) + needed > distance {
                 distance = p.dot(w) + needed;

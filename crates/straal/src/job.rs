@@ -141,6 +141,9 @@ pub struct Outcome {
     pub dropped: straal_render::film::Dropped,
 }
 
+/// Largest picture or crop in pixels: its film takes 11 GB.
+const MAX_PIXELS: usize = 1 << 26;
+
 /// Samples a pixel in each pass. It only decides how often a render can be stopped: samples have names, and the
 /// film's sums don't depend on their order.
 const PASS: u32 = 4;
@@ -157,10 +160,10 @@ impl Job {
         let size = wish.size.unwrap_or(scene.film.size);
         let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
         let pixels = crop.area();
-        if size.contains(&0) || pixels > 1 << 28 {
+        if size.contains(&0) || pixels > MAX_PIXELS {
             return Err(Error::Request(format!(
-                "a picture of {} x {} pixels can't be rendered",
-                size[0], size[1]
+                "{pixels} pixels can't be rendered at once: it must be from 1 to {MAX_PIXELS}; a larger picture \
+                 can be rendered in crops"
             )));
         }
         let pattern = wish.pattern.unwrap_or(match scene.sampler.kind {
