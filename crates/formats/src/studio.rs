@@ -79,12 +79,12 @@ pub fn around(name: &str, asset: &MeshAsset) -> Result<Scene, String> {
         world: vec![
             Node::Mesh(mesh),
             Node::Plane(floor),
-            lamp(DVec3::new(-2.5, 3.5, 3.0), 1.6, 6.0),
-            lamp(DVec3::new(4.0, 2.0, 2.0), 1.6, 1.6),
-            lamp(DVec3::new(1.0, 3.5, -3.5), 1.2, 5.0),
+            lamp(DVec3::new(-2.5, 3.5, 3.0), 1.6, 4.5),
+            lamp(DVec3::new(4.0, 2.0, 2.0), 1.6, 0.8),
+            lamp(DVec3::new(1.0, 3.5, -3.5), 1.2, 4.0),
         ],
         lights: vec![Light::Environment(Environment {
-            radiance: Some(Value::Constant(Color::grey(0.3))),
+            radiance: Some(Value::Constant(Color::grey(0.2))),
             ..Environment::default()
         })],
     })
