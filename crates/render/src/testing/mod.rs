@@ -5,6 +5,8 @@
 mod chi_square;
 mod gamma;
 mod sphere;
+#[cfg(test)]
+mod warps;
 
 pub use chi_square::{ChiSquare, Outcome};
 pub use gamma::{chi_square_p, gamma_q, ln_gamma};
