@@ -209,7 +209,15 @@ impl Job {
             desc::Tone::Filmic => Tone::Filmic,
         };
         let look = Look { exposure: scene.film.exposure as f32, tone };
-        Ok(Self { world, settings, spp, integrator, scene_hash: hex(&loaded.hash[..16]), look, structure })
+        Ok(Self {
+            world,
+            settings,
+            spp,
+            integrator,
+            scene_hash: scene_hash(&loaded, custom),
+            look,
+            structure,
+        })
     }
 
     /// How the scene wants its picture developed.
@@ -326,8 +334,13 @@ pub(crate) struct Run {
     pub threads: usize,
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|b| format!("{b:02x}")).collect()
+/// The scene's hash in hexadecimal, 16 bytes of it; where a program brought shapes or materials, with the fingerprints
+/// of these behind it.
+fn scene_hash(loaded: &Loaded, custom: &Custom) -> String {
+    let scene: String = loaded.hash[..16].iter().map(|b| format!("{b:02x}")).collect();
+    let shapes = custom.shapes.iter().map(|(s, _)| s.fingerprint());
+    let all: Vec<u64> = shapes.chain(custom.materials.iter().map(|(_, m)| m.fingerprint())).collect();
+    all.iter().fold(scene, |text, f| format!("{text}-{f:016x}"))
 }
 
 /// The crop that was asked for, or the scene's, or the whole; it must lie inside the picture and not be empty.

@@ -45,7 +45,7 @@ impl CompileError {
 pub struct Custom {
     /// Shapes that stand in the world, each with a material (by the scene's name for it).
     pub shapes: Vec<(Arc<dyn CustomShape>, String)>,
-    /// Materials, by names that the description and `shapes` may use.
+    /// Materials by name, for `shapes` and for what the description makes of the material it has by that name.
     pub materials: Vec<(String, Arc<dyn CustomMaterial>)>,
 }
 
