@@ -53,14 +53,14 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
         (false, true) => Sides::Back,
         (false, false) => Sides::Front,
     };
-    Emitter::Area(AreaLight { surface, radiance: colour(g.radiance), sides })
+    Emitter::Area(AreaLight { surface, radiance: colour(g.radiance).into(), sides })
 }
 
 fn emitter(light: &Light, assets: &Assets) -> Result<Emitter, CompileError> {
     Ok(match light {
         Light::Point(l) => Emitter::Point(PointLight {
             position: l.position.as_vec3(),
-            intensity: colour(l.intensity.constant()),
+            intensity: colour(l.intensity.constant()).into(),
         }),
         Light::Directional(l) => Emitter::Directional(
             DirectionalLight::new(l.direction.as_vec3(), colour(l.irradiance.constant()))
@@ -86,7 +86,7 @@ fn emitter(light: &Light, assets: &Assets) -> Result<Emitter, CompileError> {
 fn environment(l: &desc::Environment, assets: &Assets) -> Result<Emitter, CompileError> {
     let Some(file) = &l.file else {
         let radiance = l.radiance.map_or(Default::default(), |r| r.constant());
-        let radiance = colour(radiance) * l.scale as f32;
+        let radiance = (colour(radiance) * l.scale as f32).into();
         return Ok(Emitter::Constant(ConstantEnvironment { radiance }));
     };
     let image = assets

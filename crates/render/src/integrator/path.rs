@@ -184,7 +184,9 @@ impl PathTracer {
         if contribution.is_black() {
             return;
         }
-        wave.shadow_rays.push(light.shadow_ray(&vertex.end));
+        let ray = &wave.rays[vertex.path as usize];
+        let towards = Ray { time: ray.time, mask: ray.mask, ..light.shadow_ray(&vertex.end) };
+        wave.shadow_rays.push(towards);
         wave.shadows.push(ShadowRay { light: contribution, sample: path.sample });
     }
 

@@ -1,5 +1,6 @@
 //! Surfaces that shine.
 
+use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::{Vec3, table::Table1};
 
@@ -12,7 +13,7 @@ pub struct AreaLight {
     /// What shines.
     pub surface: LitSurface,
     /// Radiance in W/(m² sr).
-    pub radiance: Light,
+    pub radiance: Value<Light>,
     /// From which sides.
     pub sides: Sides,
 }
@@ -69,11 +70,22 @@ impl Sides {
     }
 }
 
+/// Where the radiance of a point is looked up.
+fn at(point: &SurfacePoint) -> TexturePoint {
+    TexturePoint { uv: point.uv, p: point.p }
+}
+
 impl AreaLight {
+    /// The most that any point sends: black only when all are.
+    fn strongest(&self) -> Light {
+        let Value::Constant(radiance) = self.radiance;
+        radiance
+    }
+
     /// See [`super::Emitter::sample`].
     #[inline]
     pub fn sample(&self, geometry: &Geometry, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
-        if self.radiance.is_black() {
+        if self.strongest().is_black() {
             return None;
         }
         let s = match &self.surface {
@@ -90,18 +102,19 @@ impl AreaLight {
             return None;
         }
         let target = Target::Point((&s.point).into());
-        Some(LightSample { wi: s.wi, radiance: self.radiance, pdf: s.pdf, delta: false, target })
+        let radiance = self.radiance.eval(&at(&s.point));
+        Some(LightSample { wi: s.wi, radiance, pdf: s.pdf, delta: false, target })
     }
 
     /// See [`super::Emitter::radiance_at`].
     #[inline]
-    pub fn radiance(&self, ng: Vec3, wo: Vec3) -> Light {
-        if self.sides.lit(ng, wo) { self.radiance } else { Light::ZERO }
+    pub fn radiance(&self, hit: &SurfacePoint, wo: Vec3) -> Light {
+        if self.sides.lit(hit.ng, wo) { self.radiance.eval(&at(hit)) } else { Light::ZERO }
     }
 
     /// See [`super::Emitter::pdf_at`].
     pub fn pdf(&self, geometry: &Geometry, p: Vec3, primitive: u32, hit: &SurfacePoint) -> f32 {
-        if self.radiance.is_black() || !self.sides.lit(hit.ng, p - hit.p) {
+        if self.strongest().is_black() || !self.sides.lit(hit.ng, p - hit.p) {
             return 0.0;
         }
         match &self.surface {
@@ -122,6 +135,6 @@ impl AreaLight {
             LitSurface::Mesh { area, .. } => *area,
         };
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
-        sides * std::f64::consts::PI * area * strength(self.radiance)
+        sides * std::f64::consts::PI * area * strength(self.strongest())
     }
 }

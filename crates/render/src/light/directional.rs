@@ -1,5 +1,6 @@
 //! Parallel light.
 
+use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::Vec3;
 
@@ -9,21 +10,22 @@ use super::{LightSample, Target, strength};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalLight {
     wi: Vec3,
-    irradiance: Light,
+    irradiance: Value<Light>,
 }
 
 impl DirectionalLight {
     /// Light that travels in a direction (of any length) and puts `irradiance`, in W/m², on a surface that faces it;
     /// `None` when the direction is none.
-    pub fn new(direction: Vec3, irradiance: Light) -> Option<Self> {
-        Some(Self { wi: (-direction).try_normalize()?, irradiance })
+    pub fn new(direction: Vec3, irradiance: impl Into<Value<Light>>) -> Option<Self> {
+        Some(Self { wi: (-direction).try_normalize()?, irradiance: irradiance.into() })
     }
 
     /// See [`super::Emitter::sample`].
     pub fn sample(&self) -> Option<LightSample> {
-        (!self.irradiance.is_black()).then_some(LightSample {
+        let radiance = self.irradiance.eval(&TexturePoint::default());
+        (!radiance.is_black()).then_some(LightSample {
             wi: self.wi,
-            radiance: self.irradiance,
+            radiance,
             pdf: 1.0,
             delta: true,
             target: Target::Direction,
@@ -32,6 +34,6 @@ impl DirectionalLight {
 
     /// What falls on the scene's disc.
     pub fn power(&self, disc: f64) -> f64 {
-        disc * strength(self.irradiance)
+        disc * strength(self.irradiance.eval(&TexturePoint::default()))
     }
 }

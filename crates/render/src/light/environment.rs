@@ -1,5 +1,6 @@
 //! Light from all around: one radiance, or a picture.
 
+use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::{Affine, DVec3, Vec3, ops, table::Table2, warp};
 use straal_scene::Image;
@@ -10,15 +11,21 @@ use super::{LightSample, Target, strength};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstantEnvironment {
     /// Radiance in W/(m² sr).
-    pub radiance: Light,
+    pub radiance: Value<Light>,
 }
 
 impl ConstantEnvironment {
+    /// See [`super::Emitter::radiance_from`].
+    pub fn light(&self) -> Light {
+        self.radiance.eval(&TexturePoint::default())
+    }
+
     /// See [`super::Emitter::sample`].
     pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
-        (!self.radiance.is_black()).then_some(LightSample {
+        let radiance = self.light();
+        (!radiance.is_black()).then_some(LightSample {
             wi: warp::uniform_sphere(u),
-            radiance: self.radiance,
+            radiance,
             pdf: warp::uniform_sphere_pdf(),
             delta: false,
             target: Target::Direction,
@@ -27,12 +34,12 @@ impl ConstantEnvironment {
 
     /// See [`super::Emitter::pdf_from`].
     pub fn pdf(&self) -> f32 {
-        if self.radiance.is_black() { 0.0 } else { warp::uniform_sphere_pdf() }
+        if self.light().is_black() { 0.0 } else { warp::uniform_sphere_pdf() }
     }
 
     /// What falls on the scene's disc from all sides.
     pub fn power(&self, disc: f64) -> f64 {
-        4.0 * std::f64::consts::PI * disc * strength(self.radiance)
+        4.0 * std::f64::consts::PI * disc * strength(self.light())
     }
 }
 

@@ -104,7 +104,7 @@ impl Emitter {
     #[inline]
     pub fn radiance_at(&self, hit: &SurfacePoint, wo: Vec3) -> Light {
         match self {
-            Self::Area(l) => l.radiance(hit.ng, wo),
+            Self::Area(l) => l.radiance(hit, wo),
             _ => Light::ZERO,
         }
     }
@@ -123,7 +123,7 @@ impl Emitter {
     #[inline]
     pub fn radiance_from(&self, wi: Vec3) -> Light {
         match self {
-            Self::Constant(l) => l.radiance,
+            Self::Constant(l) => l.light(),
             Self::Image(l) => l.radiance(wi),
             _ => Light::ZERO,
         }

@@ -1,5 +1,6 @@
 //! The point light.
 
+use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::Vec3;
 
@@ -12,18 +13,23 @@ pub struct PointLight {
     /// Where it is.
     pub position: Vec3,
     /// Radiant intensity in W/sr.
-    pub intensity: Light,
+    pub intensity: Value<Light>,
 }
 
 impl PointLight {
+    /// Where its intensity is looked up.
+    fn place(&self) -> TexturePoint {
+        TexturePoint { uv: [0.0; 2], p: self.position }
+    }
+
     /// See [`super::Emitter::sample`].
     pub fn sample(&self, p: Vec3) -> Option<LightSample> {
-        towards(self.position, p, |_| self.intensity)
+        towards(self.position, p, |_| self.intensity.eval(&self.place()))
     }
 
     /// See [`super::Emitter::power`].
     pub fn power(&self) -> f64 {
-        4.0 * std::f64::consts::PI * strength(self.intensity)
+        4.0 * std::f64::consts::PI * strength(self.intensity.eval(&self.place()))
     }
 }
 

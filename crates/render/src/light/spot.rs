@@ -1,5 +1,6 @@
 //! The spot light.
 
+use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::{Vec3, ops};
 
@@ -10,7 +11,7 @@ use super::{LightSample, point::towards, strength};
 pub struct SpotLight {
     position: Vec3,
     axis: Vec3,
-    intensity: Light,
+    intensity: Value<Light>,
     falloff: Falloff,
     /// Angles from the axis in radians, `beam` <= `cutoff`, and their cosines.
     beam: f32,
@@ -42,16 +43,21 @@ pub struct Cone {
 }
 
 impl SpotLight {
+    /// Where its intensity is looked up.
+    fn place(&self) -> TexturePoint {
+        TexturePoint { uv: [0.0; 2], p: self.position }
+    }
+
     /// A spot of an intensity (on its axis, in W/sr); `None` when the axis has no direction. A beam wider than the
     /// cutoff is cut off.
-    pub fn new(position: Vec3, intensity: Light, cone: &Cone) -> Option<Self> {
+    pub fn new(position: Vec3, intensity: impl Into<Value<Light>>, cone: &Cone) -> Option<Self> {
         let axis = cone.axis.try_normalize()?;
         let beam = if cone.beam < cone.cutoff { cone.beam } else { cone.cutoff };
         let cosine = |degrees: f64| ops::sin_cos_degrees(degrees).1 as f32;
         Some(Self {
             position,
             axis,
-            intensity,
+            intensity: intensity.into(),
             falloff: cone.falloff,
             beam: beam.to_radians() as f32,
             cutoff: cone.cutoff.to_radians() as f32,
@@ -62,7 +68,7 @@ impl SpotLight {
 
     /// See [`super::Emitter::sample`].
     pub fn sample(&self, p: Vec3) -> Option<LightSample> {
-        towards(self.position, p, |wi| self.intensity * self.share(-wi))
+        towards(self.position, p, |wi| self.intensity.eval(&self.place()) * self.share(-wi))
     }
 
     /// How much of the full intensity goes in direction `w`.
@@ -88,6 +94,6 @@ impl SpotLight {
     /// The full beam, and half of what is between it and the cutoff.
     pub fn power(&self) -> f64 {
         let cosines = 0.5 * (f64::from(self.cos_beam) + f64::from(self.cos_cutoff));
-        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(self.intensity)
+        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(self.intensity.eval(&self.place()))
     }
 }

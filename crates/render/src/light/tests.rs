@@ -23,13 +23,13 @@ struct Entry {
 fn shape(name: &'static str, shape: Shape, sides: Sides) -> Entry {
     let geometry = Geometry { shapes: vec![shape], ..Geometry::default() };
     let surface = LitSurface::Shape(0);
-    Entry { name, geometry, emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE, sides }) }
+    Entry { name, geometry, emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), sides }) }
 }
 
 fn mesh(name: &'static str, mesh: TriangleMesh, sides: Sides) -> Entry {
     let geometry = Geometry { meshes: vec![mesh], ..Geometry::default() };
     let surface = LitSurface::mesh(&geometry, 0);
-    Entry { name, geometry, emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE, sides }) }
+    Entry { name, geometry, emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), sides }) }
 }
 
 fn image(width: usize, height: usize, f: impl Fn(usize, usize) -> [f32; 3]) -> Image {
@@ -75,7 +75,7 @@ fn registry() -> Vec<Entry> {
         Entry {
             name: "constant",
             geometry: Geometry::default(),
-            emitter: Emitter::Constant(ConstantEnvironment { radiance: RADIANCE }),
+            emitter: Emitter::Constant(ConstantEnvironment { radiance: RADIANCE.into() }),
         },
         surroundings("image", &studio, &Affine::IDENTITY),
         surroundings("image, turned", &studio, &turn),
@@ -231,7 +231,7 @@ fn spheres_and_discs_give_their_closed_form_irradiance() {
 #[test]
 fn an_even_environment_gives_pi_times_its_radiance() {
     let even = image(8, 4, |_, _| [4.0, 6.0, 1.0]); // halved by the scale
-    let constant = Emitter::Constant(ConstantEnvironment { radiance: RADIANCE });
+    let constant = Emitter::Constant(ConstantEnvironment { radiance: RADIANCE.into() });
     let constant = Entry { name: "constant", geometry: Geometry::default(), emitter: constant };
     for entry in [constant, surroundings("even image", &even, &Affine::IDENTITY)] {
         let want = PI * f64::from(RADIANCE[0]);
@@ -289,7 +289,7 @@ fn delta_lights_give_their_irradiance() {
         assert_eq!((e.pdf_from(Vec3::Y), e.radiance_from(Vec3::Y)), (0.0, Light::ZERO));
         s.map_or(0.0, |s| s.radiance[0])
     };
-    let point = Emitter::Point(PointLight { position, intensity });
+    let point = Emitter::Point(PointLight { position, intensity: intensity.into() });
     assert_eq!(at(&point, Vec3::ZERO), 2.0);
     assert_eq!(at(&point, Vec3::new(0.0, -2.0, 0.0)), 0.5);
     assert_eq!(at(&point, position), 0.0);
@@ -361,7 +361,7 @@ fn power_is_what_leaves_in_all_directions() {
         let cone = Cone { axis: Vec3::X, beam: cutoff, cutoff, falloff: Falloff::Linear };
         SpotLight::new(Vec3::ZERO, RADIANCE, &cone).unwrap().power()
     };
-    let point = PointLight { position: Vec3::ZERO, intensity: RADIANCE }.power();
+    let point = PointLight { position: Vec3::ZERO, intensity: RADIANCE.into() }.power();
     assert!((spot(180.0) / point - 1.0).abs() < 1e-6 && (spot(90.0) / point - 0.5).abs() < 1e-6);
 }
 
@@ -369,8 +369,8 @@ fn power_is_what_leaves_in_all_directions() {
 fn black_lights_are_never_sampled() {
     for mut entry in registry() {
         match &mut entry.emitter {
-            Emitter::Area(l) => l.radiance = Light::ZERO,
-            Emitter::Constant(l) => l.radiance = Light::ZERO,
+            Emitter::Area(l) => l.radiance = Light::ZERO.into(),
+            Emitter::Constant(l) => l.radiance = Light::ZERO.into(),
             _ => continue,
         }
         assert_eq!(entry.emitter.power(&entry.geometry, 1.0), 0.0);
@@ -416,7 +416,8 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
 
 #[test]
 fn lights_are_picked_by_power_and_evenly() {
-    let at = |i: f32| Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]) });
+    let at =
+        |i: f32| Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into() });
     let emitters = [at(1.0), at(0.0), at(3.0), at(f32::NAN), at(4.0)];
     let geometry = Geometry::default();
     let table = LightTable::new(&emitters, &geometry, 1.0);
