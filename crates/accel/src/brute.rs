@@ -5,7 +5,7 @@ use crate::{
     input::Shapes,
     kernel::Kernel,
     query::Query,
-    structure::{Place, Prim, PrimKind, Search},
+    structure::{Place, Prim, PrimKind, Search, Stats},
 };
 
 /// A group's bounded primitives, in no order.
@@ -27,13 +27,7 @@ impl Search for Brute {
         best: &mut Hit,
     ) {
         for &prim in &self.prims {
-            match prim {
-                PrimKind::Triangle(id) => {
-                    q.count_block(1);
-                    q.triangle_closest(at, id, &q.scene.vertices(at.group, id), best);
-                }
-                PrimKind::Object(i) => q.object_closest(at, i, best),
-            }
+            q.prim_closest(at, prim, best);
         }
     }
 
@@ -42,13 +36,16 @@ impl Search for Brute {
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
     ) -> bool {
-        self.prims.iter().any(|&prim| match prim {
-            PrimKind::Triangle(id) => {
-                q.count_block(1);
-                q.triangle_occluded(at, id, &q.scene.vertices(at.group, id))
-            }
-            PrimKind::Object(i) => q.object_occluded(at, i),
-        })
+        self.prims.iter().any(|&prim| q.prim_occluded(at, prim))
+    }
+
+    fn stats(&self) -> Stats {
+        Stats {
+            leaves: 1,
+            references: self.prims.len(),
+            sah_cost: self.prims.len() as f64,
+            ..Stats::default()
+        }
     }
 
     fn memory_bytes(&self) -> usize {

@@ -111,10 +111,14 @@ impl Hit {
 /// What a search cost: the number of tests made for one ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Nodes opened (each up to eight box tests at once in the wide tree).
+    /// Nodes opened or cells entered.
     pub nodes: u32,
+    /// Boxes tested, of nodes' children and of single primitives; a node of the wide tree tests up to eight at once.
+    pub boxes: u32,
     /// Blocks of up to eight triangles tested.
     pub blocks: u32,
     /// Triangles, shapes and instances tested.
     pub primitives: u32,
+    /// Tests of a primitive that a mailbox found done already.
+    pub duplicates: u32,
 }

@@ -35,4 +35,4 @@ pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;
 pub use scene::{Flight, Options, Scene};
-pub use structure::{Structure, UnknownName};
+pub use structure::{Stats, Structure, UnknownName};

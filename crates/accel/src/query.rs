@@ -7,7 +7,7 @@ use crate::{
     local::LocalRay,
     scene::{GroupData, Object, ObjectKind, Scene},
     slab,
-    structure::{Place, Search, each},
+    structure::{Place, PrimKind, Search, each},
     triangle,
 };
 use straal_math::{Ray, Vec3, ops};
@@ -63,11 +63,48 @@ impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
             || each!(&at.group.searcher, s => s.occluded(self, at))
     }
 
-    /// Counts a node.
+    /// Counts a node, or a cell, and how many boxes are tested in it.
     #[inline(always)]
-    pub fn count_node(&mut self) {
+    pub fn count_node(&mut self, boxes: u32) {
         if COUNT {
             self.cost.nodes += 1;
+            self.cost.boxes += boxes;
+        }
+    }
+
+    /// Counts a test that a mailbox made needless.
+    #[inline(always)]
+    pub fn count_duplicate(&mut self) {
+        if COUNT {
+            self.cost.duplicates += 1;
+        }
+    }
+
+    /// Tests a primitive of any kind, one by itself.
+    #[inline(always)]
+    pub fn prim_closest(&mut self, at: &Place<'_>, prim: PrimKind, best: &mut Hit) {
+        match prim {
+            PrimKind::Triangle(id) => {
+                if COUNT {
+                    self.cost.primitives += 1;
+                }
+                self.triangle_closest(at, id, &self.scene.vertices(at.group, id), best);
+            }
+            PrimKind::Object(i) => self.object_closest(at, i, best),
+        }
+    }
+
+    /// Whether a primitive of any kind is hit.
+    #[inline(always)]
+    pub fn prim_occluded(&mut self, at: &Place<'_>, prim: PrimKind) -> bool {
+        match prim {
+            PrimKind::Triangle(id) => {
+                if COUNT {
+                    self.cost.primitives += 1;
+                }
+                self.triangle_occluded(at, id, &self.scene.vertices(at.group, id))
+            }
+            PrimKind::Object(i) => self.object_occluded(at, i),
         }
     }
 

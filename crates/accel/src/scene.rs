@@ -7,7 +7,7 @@ use crate::{
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
     isa::Isa,
     kernel, slab,
-    structure::{Prim, PrimKind, Search, Searcher, Structure, each},
+    structure::{Prim, PrimKind, Search, Searcher, Stats, Structure, each},
     triangle,
 };
 use straal_math::{Bounds, Ray, Transform, Vec3};
@@ -68,6 +68,8 @@ pub(crate) struct GroupData {
     pub searcher: Searcher,
     /// Around all that is bounded.
     bounds: Bounds,
+    /// Whether the world reaches it.
+    is_built: bool,
 }
 
 /// Where a mesh' triangles start among the group's.
@@ -99,6 +101,7 @@ impl GroupData {
             unbounded: Vec::new(),
             searcher: Searcher::Bvh(Bvh::EMPTY),
             bounds: Bounds::EMPTY,
+            is_built: false,
         }
     }
 
@@ -159,6 +162,12 @@ impl Scene {
         self.groups.iter().map(group).sum::<usize>()
             + size_of_val(self.instances.as_slice())
             + size_of_val(self.masks.as_slice())
+    }
+
+    /// What the structures of the groups that the world reaches are made of, by group; `None` for the others.
+    pub fn stats(&self) -> Vec<Option<Stats>> {
+        let reached = |g: &GroupData| g.is_built.then(|| each!(&g.searcher, s => s.stats()));
+        self.groups.iter().map(reached).collect()
     }
 
     /// How many primitives were left out because they can never be hit: with a coordinate that isn't finite, triangles
@@ -236,7 +245,7 @@ impl Scene {
         shapes: &S,
         options: &Options,
     ) -> Result<(GroupData, usize), BuildError> {
-        let mut data = GroupData::empty();
+        let mut data = GroupData { is_built: true, ..GroupData::empty() };
         let mut prims = Vec::new();
         let mut dropped = 0;
         let mut ids = group.geometries.clone();

@@ -126,6 +126,25 @@ pub(crate) trait Search: Sized {
     }
 
     fn memory_bytes(&self) -> usize;
+
+    /// What a report says of the structure; it walks the whole of it.
+    fn stats(&self) -> Stats;
+}
+
+/// What a structure is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stats {
+    /// Inner nodes.
+    pub nodes: usize,
+    /// Leaves or cells, the empty ones included.
+    pub leaves: usize,
+    /// Primitives in all leaves; more than there are where a primitive may be in several.
+    pub references: usize,
+    /// Steps from the root to the deepest leaf.
+    pub depth: u32,
+    /// What a random line through the root's box costs, in tests of one primitive, by the surface area heuristic with the
+    /// structure's own costs (Goldsmith and Salmon 1987; MacDonald and Booth 1990).
+    pub sah_cost: f64,
 }
 
 /// Where a search stands: a ray in a group's space, and the instances passed on the way.

@@ -4,11 +4,12 @@
 
 mod build;
 mod many;
+mod stats;
 mod traverse;
 mod validate;
 
 use crate::structure::Prim;
-use straal_math::Vec3;
+use straal_math::{Bounds, Vec3};
 
 /// Boxes in a node, triangles in a block.
 pub(crate) const WIDTH: usize = 8;
@@ -27,6 +28,19 @@ impl Node {
         let (least, most) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         Self { planes: [least, most, least, most, least, most], children: [Child(0); WIDTH] }
     };
+}
+
+impl Node {
+    /// Boxes in it, for counting.
+    fn count(&self) -> u32 {
+        self.planes[0].iter().map(|&x| u32::from(x < f32::INFINITY)).sum()
+    }
+
+    /// The box of a child.
+    fn bounds(&self, lane: usize) -> Bounds {
+        let p = |plane: usize| self.planes[plane][lane];
+        Bounds { min: Vec3::new(p(0), p(2), p(4)), max: Vec3::new(p(1), p(3), p(5)) }
+    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::{
     kernel::{Children, Kernel, stack::Stacks},
     query::Query,
     scene::GroupData,
-    structure::{Place, Search},
+    structure::{Place, Search, Stats},
     triangle,
 };
 use straal_math::{Ray, ops};
@@ -129,8 +129,10 @@ impl Search for Bvh {
         loop {
             match child.kind() {
                 ChildKind::Node(i) => {
-                    q.count_node();
                     let node = &self.nodes[i as usize];
+                    if COUNT {
+                        q.count_node(node.count());
+                    }
                     let found = q.kernel.node(at.ray, node, best.t);
                     if let Some(next) = nearest_first(node, &found, |todo| stack.push(0, todo)) {
                         child = next;
@@ -163,8 +165,10 @@ impl Search for Bvh {
         loop {
             let found = match child.kind() {
                 ChildKind::Node(i) => {
-                    q.count_node();
                     let node = &self.nodes[i as usize];
+                    if COUNT {
+                        q.count_node(node.count());
+                    }
                     let mut mask = q.kernel.node(at.ray, node, at.ray.ray.t_max).mask;
                     if mask != 0 {
                         child = node.children[take(&mut mask)];
@@ -212,5 +216,9 @@ impl Search for Bvh {
 
     fn memory_bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice())
+    }
+
+    fn stats(&self) -> Stats {
+        self.tree_stats()
     }
 }

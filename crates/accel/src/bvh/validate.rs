@@ -38,8 +38,7 @@ impl Bvh {
                 ChildKind::Node(i) => {
                     let node = &self.nodes[i as usize];
                     for lane in 0..WIDTH {
-                        let p = |plane: usize| node.planes[plane][lane];
-                        let b = Bounds { min: Vec3::new(p(0), p(2), p(4)), max: Vec3::new(p(1), p(3), p(5)) };
+                        let b = node.bounds(lane);
                         if b.is_empty() {
                             continue;
                         }

@@ -1,0 +1,54 @@
+//! What a report says of a tree.
+
+use super::{Bvh, Child, ChildKind, WIDTH};
+use crate::structure::Stats;
+use straal_math::Bounds;
+
+impl Bvh {
+    pub(super) fn tree_stats(&self) -> Stats {
+        let mut out = Stats::default();
+        let Some(root) = self.root else { return out };
+        let area = |b: &Bounds| {
+            let e = b.extent().as_dvec3();
+            e.x * e.y + e.y * e.z + e.z * e.x
+        };
+        let whole = match root.kind() {
+            ChildKind::Node(i) => {
+                let node = &self.nodes[i as usize];
+                area(&(0..WIDTH).fold(Bounds::EMPTY, |b, lane| b.union(node.bounds(lane))))
+            }
+            _ => 1.0,
+        };
+        // A child, how likely a line through the root's box meets its box, and its depth.
+        let mut stack: Vec<(Child, f64, u32)> = vec![(root, 1.0, 0)];
+        while let Some((child, chance, depth)) = stack.pop() {
+            out.depth = out.depth.max(depth);
+            match child.kind() {
+                ChildKind::Object(_) => {
+                    out.leaves += 1;
+                    out.references += 1;
+                    out.sah_cost += chance;
+                }
+                ChildKind::Block(i) => {
+                    let n = self.blocks[i as usize].count();
+                    out.leaves += 1;
+                    out.references += n as usize;
+                    out.sah_cost += chance * f64::from(n);
+                }
+                ChildKind::Node(i) => {
+                    out.nodes += 1;
+                    out.sah_cost += chance;
+                    let node = &self.nodes[i as usize];
+                    for lane in 0..WIDTH {
+                        let b = node.bounds(lane);
+                        if !b.is_empty() {
+                            let chance = if whole > 0.0 { area(&b) / whole } else { 1.0 };
+                            stack.push((node.children[lane], chance, depth + 1));
+                        }
+                    }
+                }
+            }
+        }
+        out
+    }
+}
