@@ -102,6 +102,12 @@ impl Hit {
         }
     }
 
+    /// Whether what lies in a chain and is named by (geometry, primitive) comes before this at the same t.
+    #[inline]
+    pub(crate) fn comes_after(&self, chain: &Chain, (geometry, primitive): (u32, u32)) -> bool {
+        (*chain, geometry, primitive) < self.rank()
+    }
+
     #[inline]
     fn rank(&self) -> (Chain, u32, u32) {
         (self.chain, self.geometry, self.primitive)

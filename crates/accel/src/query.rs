@@ -120,38 +120,29 @@ impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
     /// Tests one triangle by the canonical routine.
     #[inline(always)]
     pub fn triangle_closest(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3], best: &mut Hit) {
-        if let Some(tuv) = triangle::intersect(v, at.ray, best.t) {
-            self.triangle_hit(at, id, v, tuv, best);
+        if let Some([t, u, v_]) = triangle::intersect(v, at.ray, best.t)
+            && let Some(t) = self.triangle_counts(at, id, v, t)
+        {
+            let (geometry, primitive) = at.group.locate(id);
+            best.offer(&Hit { t, u, v: v_, geometry, primitive, chain: *at.chain });
         }
     }
 
     /// Whether one triangle is hit, by the canonical routine.
     #[inline(always)]
     pub fn triangle_occluded(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3]) -> bool {
-        triangle::intersect(v, at.ray, at.ray.ray.t_max).is_some() && self.triangle_blocks(at, id, v)
+        triangle::intersect(v, at.ray, at.ray.ray.t_max)
+            .is_some_and(|[t, ..]| self.triangle_counts(at, id, v, t).is_some())
     }
 
-    /// Offers a triangle of which the canonical routine, or a kernel doing the same, returned `t`, `u`, `v`.
+    /// Whether a triangle that the canonical routine found hit at `t` counts, and the t of its hit.
     #[inline(always)]
-    pub fn triangle_hit(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3], tuv: [f32; 3], best: &mut Hit) {
-        let Some(entry) = slab::entry(&slab::triangle_bounds(v), at.ray) else { return };
-        let (geometry, primitive) = at.group.locate(id);
-        if !self.sees(at, geometry) {
-            return;
+    pub fn triangle_counts(&self, at: &Place<'_>, id: u32, v: &[Vec3; 3], t: f32) -> Option<f32> {
+        let mask = at.ray.ray.mask;
+        if mask & at.group.all_masks == 0 && mask & self.scene.geometry_mask(at.group.locate(id).0) == 0 {
+            return None;
         }
-        let [t, u, v] = tuv;
-        best.offer(&Hit { t: not_before(t, entry), u, v, geometry, primitive, chain: *at.chain });
-    }
-
-    /// Whether a triangle that the canonical routine found hit in the ray's interval blocks it.
-    #[inline(always)]
-    pub fn triangle_blocks(&mut self, at: &Place<'_>, id: u32, v: &[Vec3; 3]) -> bool {
-        slab::entry(&slab::triangle_bounds(v), at.ray).is_some() && self.sees(at, at.group.locate(id).0)
-    }
-
-    #[inline(always)]
-    fn sees(&self, at: &Place<'_>, geometry: u32) -> bool {
-        self.scene.geometry_mask(geometry) & at.ray.ray.mask != 0
+        slab::entry(&slab::triangle_bounds(v), at.ray).map(|entry| not_before(t, entry))
     }
 
     /// The entry into an object's box if the ray can see the object and crosses the box.

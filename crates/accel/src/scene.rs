@@ -19,7 +19,7 @@ pub struct Options {
     pub structure: Structure,
     /// The instruction set of the kernels.
     pub isa: Isa,
-    /// How many rays of a slice are searched at a time.
+    /// How the rays of a slice are searched.
     pub flight: Flight,
 }
 
@@ -30,21 +30,15 @@ impl Default for Options {
     }
 }
 
-/// How many rays of a slice are searched at a time. It changes nothing but the speed.
+/// How the rays of a slice are searched. It changes nothing but the speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Flight {
-    /// Many where the structure is too large for the cache, else one.
-    #[default]
-    Auto,
     /// One after the other.
     One,
-    /// Many, taking turns, so that one computes while the others wait for memory.
+    /// Many side by side, so that one computes while others wait; those that go the same way as a packet.
+    #[default]
     Many,
 }
-
-/// Structures of more bytes than this keep many rays in flight. Measured with `examples/speed.rs`: taking turns cost 7
-/// to 26 % on a bunny of 5 MB, and won up to 2.6 times on a sphere of 85 MB.
-const CACHED: usize = 16 << 20;
 
 /// Everything that can be hit, ready to be searched. Read-only, and shared between threads.
 pub struct Scene {
@@ -66,6 +60,8 @@ pub(crate) struct GroupData {
     /// Objects without a box.
     pub unbounded: Vec<u32>,
     pub searcher: Searcher,
+    /// The bits that the masks of all its meshes have.
+    pub all_masks: u32,
     /// Around all that is bounded.
     bounds: Bounds,
     /// Whether the world reaches it.
@@ -100,9 +96,15 @@ impl GroupData {
             objects: Vec::new(),
             unbounded: Vec::new(),
             searcher: Searcher::Bvh(Bvh::EMPTY),
+            all_masks: u32::MAX,
             bounds: Bounds::EMPTY,
             is_built: false,
         }
+    }
+
+    /// The longest edge of the box around all that is bounded.
+    pub fn extent(&self) -> f32 {
+        self.bounds.extent().max_element()
     }
 
     /// Geometry and triangle index of the group's n-th triangle.
@@ -142,7 +144,6 @@ impl Scene {
             scene.groups[g] = data;
             scene.dropped += dropped;
         }
-        scene.many |= options.flight == Flight::Auto && scene.memory_bytes() > CACHED;
         Ok(scene)
     }
 
@@ -181,7 +182,7 @@ impl Scene {
         self.isa
     }
 
-    /// Whether slices are searched with many rays in flight.
+    /// Whether the rays of a slice are searched together.
     pub(crate) fn many(&self) -> bool {
         self.many
     }
@@ -261,6 +262,7 @@ impl Scene {
                         return Err(BuildError::TooMany { what: "triangles in a group" });
                     }
                     data.meshes.push(MeshStart { geometry, first });
+                    data.all_masks &= self.masks[geometry as usize];
                     prims.reserve(indices.len());
                     for (i, index) in indices.iter().enumerate() {
                         let v = index.map(|i| positions[i as usize]);

@@ -49,7 +49,7 @@ impl Edges {
 
     /// Whether no two signs differ; false when anything is NaN.
     #[inline(always)]
-    fn inside(&self) -> bool {
+    pub fn inside(&self) -> bool {
         let [u, v, w] = self.e;
         (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0)
     }

@@ -284,3 +284,49 @@ fn names_round_trip() {
     assert_eq!(e, "unknown instruction set 'avx3': expected one of scalar, neon, sse, avx2, avx512");
     assert!("tree".parse::<Structure>().is_err());
 }
+
+/// Rays that go side by side are searched as packets, which must not show.
+#[test]
+fn bundles_of_rays() {
+    let mut r = Random(14);
+    let triangles = soup(&mut r, 200);
+    let (positions, indices) = icosphere(2);
+    let ball = Geometry { kind: GeometryKind::Triangles { positions, indices }, mask: 2 };
+    let shapes = Spheres((0..40).map(|_| (r.point(), r.signed().abs() * 0.1)).collect());
+    let spheres = Geometry { kind: GeometryKind::Shapes { first: 0, count: 40 }, mask: 3 };
+    let mut input = world(vec![mesh(&triangles), ball, spheres]);
+    input.groups.push(Group { geometries: vec![1, 2], instances: vec![] });
+    let instances =
+        (0..5).map(|_| Instance { group: 1, transform: place(&mut r, 0.2), mask: u32::MAX }).collect();
+    input.groups[0].instances = instances;
+    let mut rays = Vec::new();
+    for bundle in 0..20 {
+        let (o, at) = (r.point() * [2.0, 30.0, 1e4][bundle % 3], r.point());
+        for _ in 0..[64, 64, 70, 200][bundle % 4] {
+            // From one point, or towards one: a camera's rays, and a lamp's. Some along an axis.
+            let (o, at) = match bundle % 5 {
+                0 | 1 => (o, at + r.point() * 0.1),
+                2 | 3 => (o + r.point() * 0.05, at),
+                _ => {
+                    (Vec3::new(at.x + r.signed() * 0.02, at.y + r.signed() * 0.02, -3.0), at + Vec3::Z * 3.0)
+                }
+            };
+            let d = if bundle % 5 == 4 { Vec3::Z } else { at - o };
+            let mut ray = Ray::new(o, d);
+            match r.below(20) {
+                0 => ray.t_max = 1.0,
+                1 => ray.t_min = 0.5,
+                2 => ray.mask = 1,
+                _ => {}
+            }
+            rays.push(ray);
+        }
+    }
+    let hits = all_agree(&input, &shapes, &rays);
+    let hit = hits.iter().filter(|h| h.is_hit()).count();
+    assert!(
+        hit * 4 > rays.len() && hit < rays.len(),
+        "{hit} of {} rays hit: the test says little",
+        rays.len()
+    );
+}

@@ -15,7 +15,7 @@ use straal_math::Vec3;
 const MAX_SAH_DEPTH: u32 = 40;
 
 /// What a search's stack must hold: seven more on each level, of at most `MAX_SAH_DEPTH` + 31.
-pub(super) const STACK: usize = 7 * (MAX_SAH_DEPTH as usize + 31) + 1;
+pub(crate) const STACK: usize = 7 * (MAX_SAH_DEPTH as usize + 31) + 1;
 
 /// Bins on each axis.
 const BINS: usize = 32;
@@ -357,6 +357,10 @@ impl Bins {
     }
 }
 
+fn blocks(n: u32) -> f32 {
+    n.div_ceil(8) as f32
+}
+
 /// Where the sum of area times number of primitives is least; `None` when bins can't separate them.
 fn best_plane(refs: &[Ref], span: &Span) -> Option<Plane> {
     let low = [span.centers.lo[0], span.centers.lo[1], span.centers.lo[2]];
@@ -386,7 +390,7 @@ fn best_plane(refs: &[Ref], span: &Span) -> Option<Plane> {
             let b = &bins.bounds[axis][bin];
             bounds.grow(&b.lo, &b.hi);
             count += bins.count[axis][bin];
-            right_cost[bin] = if count == 0 { 0.0 } else { bounds.half_area() * count as f32 };
+            right_cost[bin] = if count == 0 { 0.0 } else { bounds.half_area() * blocks(count) };
         }
         let (mut bounds, mut count) = (Box4::EMPTY, 0);
         for (bin, right_cost) in right_cost.iter().enumerate().skip(1) {
@@ -396,7 +400,7 @@ fn best_plane(refs: &[Ref], span: &Span) -> Option<Plane> {
             if count == 0 || count as usize == refs.len() {
                 continue;
             }
-            let cost = bounds.half_area() * count as f32 + right_cost;
+            let cost = bounds.half_area() * blocks(count) + right_cost;
             if best.is_none_or(|(c, _)| cost < c) {
                 best = Some((cost, Plane { axis, bin, low: low[axis], scale: scale[axis] }));
             }

@@ -1,79 +1,190 @@
 //! Searching the tree with many rays in flight.
 //!
-//! One ray waits most of the time: for a node to arrive from memory, and for one test to end before the next can be
-//! chosen. So several rays take turns, one node or leaf each, and what a ray needs at its next turn is prefetched while
-//! the others have theirs. Each ray's own search is that of `traverse.rs`, step by step.
+//! One ray waits most of the time: for a node to arrive from memory, for one test to end before the next can be chosen,
+//! and for a branch that was guessed wrongly. So many rays are searched side by side. They stand in queues by what they
+//! visit next: a node, a block, an object, or nothing more. A queue is worked through from one end to the other: what
+//! is done for one ray doesn't depend on the ray before, and which queue the ray goes to is computed, not branched on, so
+//! that the processor works on several at a time. What a ray visits next is prefetched when it is put in its queue.
 
-use super::{
-    Bvh, Child, ChildKind, build,
-    traverse::{Todo, nearest_first, take},
-};
+use super::{Bvh, Child, STACK, class, near::Near};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
-    kernel::{Kernel, stack::Stacks},
+    kernel::{Children, Kernel, stack::Stack},
     local::LocalRay,
     query::Query,
     scene::GroupData,
     structure::Place,
 };
-use straal_math::{Ray, ops};
+use straal_math::{Ray, Vec3};
 
-/// Rays in flight.
-const FLIGHT: usize = 16;
+/// Rays in flight. Enough that the first of a queue has its node from memory when the last was prefetched.
+const FLIGHT: usize = 32;
 
 /// A ray in flight.
 #[derive(Clone, Copy)]
 struct Flight {
     ray: LocalRay,
+    near: Near,
+    /// A hit that isn't a triangle of this tree.
     best: Hit,
-    /// What is visited at the next turn.
+    /// What is visited next.
     child: Child,
     /// Its place in the slice.
     index: usize,
 }
 
+/// Rays that do the same next.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Queue {
+    len: u32,
+    lanes: [u8; FLIGHT],
+}
+
+impl Queue {
+    const EMPTY: Self = Self { len: 0, lanes: [0; FLIGHT] };
+
+    #[inline(always)]
+    fn push(&mut self, lane: u8) {
+        // There are no more rays than places.
+        self.lanes[self.len as usize % FLIGHT] = lane;
+        self.len += 1;
+    }
+
+    /// The lanes, taken out.
+    #[inline(always)]
+    fn take(&mut self) -> Self {
+        let out = *self;
+        self.len = 0;
+        out
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> &[u8] {
+        let len = self.len as usize;
+        &self.lanes[..if len < FLIGHT { len } else { FLIGHT }]
+    }
+}
+
 impl Bvh {
     /// Calls `done` with each ray's place and hit; when `ANY`, with any hit of the ray.
     #[inline(always)]
-    pub(super) fn many<K: Kernel, S: Shapes, const ANY: bool>(
+    pub(super) fn many<K: Kernel, S: Shapes, const ANY: bool, const PREFETCH: bool>(
         &self,
         q: &mut Query<'_, K, S, false>,
         group: &GroupData,
         rays: &[Ray],
-        mut done: impl FnMut(usize, &Hit),
+        mut done: impl FnMut(usize, Hit),
     ) {
-        let Some(idle) = LocalRay::new(&Ray::new(straal_math::Vec3::ZERO, straal_math::Vec3::X)) else {
-            return;
-        };
-        let mut flights = [Flight { ray: idle, best: Hit::MISS, child: Child::node(0), index: 0 }; FLIGHT];
-        let mut stacks = Stacks::<Todo, { build::STACK }, FLIGHT>::new();
-        let mut next = 0;
-        let mut flying = 0;
-        while flying < FLIGHT
-            && self.launch::<K, S, ANY>(q, group, rays, &mut next, &mut flights[flying], &mut done)
-        {
-            flying += 1;
+        let (idle_ray, _) = LocalRay::prepare(&Ray::new(Vec3::ZERO, Vec3::X));
+        let near = Near::new(&Hit::limit(0.0));
+        let idle = Flight { ray: idle_ray, near, best: Hit::MISS, child: Child::DONE, index: usize::MAX };
+        let mut flights = [idle; FLIGHT];
+        let mut stacks = Stack::many::<FLIGHT>();
+        let mut queues = [Queue::EMPTY; 4];
+        for lane in 0..FLIGHT {
+            queues[class::DONE].push(lane as u8);
         }
-        while flying > 0 {
-            let mut lane = 0;
-            while lane < flying {
-                let f = &mut flights[lane];
-                if self.turn::<K, S, ANY>(q, group, f, lane, &mut stacks) {
-                    lane += 1;
-                    continue;
+        let mut found = [Children::NONE; FLIGHT];
+        let mut staged =
+            Staged { rays: [idle_ray; FLIGHT], is_valid: [false; FLIGHT], next: 0, len: 0, taken: 0 };
+        loop {
+            for &lane in queues[class::DONE].take().lanes() {
+                let f = &mut flights[usize::from(lane) % FLIGHT];
+                if f.index != usize::MAX {
+                    done(f.index, f.near.hit(&Place { group, ray: &f.ray, chain: &Chain::EMPTY }, &f.best));
+                    f.index = usize::MAX;
                 }
-                done(f.index, &f.best.finished());
-                stacks.clear(lane);
-                if self.launch::<K, S, ANY>(q, group, rays, &mut next, f, &mut done) {
-                    lane += 1;
-                } else {
-                    // The last takes its place, stack and all.
-                    flying -= 1;
-                    flights[lane] = flights[flying];
-                    stacks.swap(lane, flying);
+                if self.launch::<K, S, ANY>(q, group, rays, &mut staged, f, &mut done) {
+                    stacks[usize::from(lane) % FLIGHT].reset();
+                    self.enqueue::<K, PREFETCH>(q.kernel, f, lane, &mut queues);
                 }
             }
+            // Two short loops rather than a long one: more rays of each fit into what the processor looks ahead.
+            let nodes = queues[class::NODE].take();
+            for (&lane, found) in nodes.lanes().iter().zip(&mut found) {
+                let f = &flights[usize::from(lane) % FLIGHT];
+                let node = &self.nodes[f.child.index()];
+                match ANY {
+                    true => found.mask = q.kernel.entered(&f.ray, node),
+                    false => *found = q.kernel.node(&f.ray, node, f.near.limit),
+                }
+            }
+            for (&lane, found) in nodes.lanes().iter().zip(&found) {
+                let f = &mut flights[usize::from(lane) % FLIGHT];
+                let stack = &mut stacks[usize::from(lane) % FLIGHT];
+                let node = &self.nodes[f.child.index()];
+                f.child = match ANY {
+                    true => q.kernel.descend_any(node, found.mask, stack),
+                    false => q.kernel.descend(node, found, stack),
+                };
+                self.enqueue::<K, PREFETCH>(q.kernel, f, lane, &mut queues);
+            }
+            let mut crossed = [Queue::EMPTY; 2];
+            for &lane in queues[class::BLOCK].take().lanes() {
+                let f = &flights[usize::from(lane) % FLIGHT];
+                let inside = q.kernel.inside(&f.ray, &self.blocks[f.child.index()]);
+                crossed[usize::from(inside != 0)].push(lane);
+            }
+            for &lane in crossed[0].lanes() {
+                let f = &mut flights[usize::from(lane) % FLIGHT];
+                f.child = stacks[usize::from(lane) % FLIGHT].pop();
+                self.enqueue::<K, PREFETCH>(q.kernel, f, lane, &mut queues);
+            }
+            for &lane in crossed[1].lanes() {
+                let f = &mut flights[usize::from(lane) % FLIGHT];
+                let stack = &mut stacks[usize::from(lane) % FLIGHT];
+                let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
+                let block = &self.blocks[f.child.index()];
+                if ANY {
+                    if Self::block_occluded(q, &at, block) {
+                        f.best.geometry = 0;
+                        stack.reset();
+                    }
+                } else if Self::block_closest(q, &at, block, &mut f.near, &f.best) {
+                    stack.keep_within(f.near.key());
+                }
+                f.child = stack.pop();
+                self.enqueue::<K, PREFETCH>(q.kernel, f, lane, &mut queues);
+            }
+            for &lane in queues[class::OBJECT].take().lanes() {
+                let f = &mut flights[usize::from(lane) % FLIGHT];
+                let stack = &mut stacks[usize::from(lane) % FLIGHT];
+                let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
+                let object = f.child.index() as u32;
+                if ANY {
+                    if q.object_occluded(&at, object) {
+                        f.best.geometry = 0;
+                        stack.reset();
+                    }
+                } else {
+                    f.near.settle(&at, &mut f.best);
+                    q.object_closest(&at, object, &mut f.best);
+                    f.near = Near::new(&f.best);
+                    stack.keep_within(f.near.key());
+                }
+                f.child = stack.pop();
+                self.enqueue::<K, PREFETCH>(q.kernel, f, lane, &mut queues);
+            }
+            if queues.iter().all(|q| q.len == 0) {
+                return;
+            }
+        }
+    }
+
+    /// Puts a ray into the queue of what it visits next, and begins to load that.
+    #[inline(always)]
+    fn enqueue<K: Kernel, const PREFETCH: bool>(
+        &self,
+        kernel: K,
+        f: &Flight,
+        lane: u8,
+        queues: &mut [Queue; 4],
+    ) {
+        queues[f.child.class()].push(lane);
+        if PREFETCH {
+            kernel.prefetch(&self.nodes, &self.blocks, f.child);
         }
     }
 
@@ -84,97 +195,66 @@ impl Bvh {
         q: &mut Query<'_, K, S, false>,
         group: &GroupData,
         rays: &[Ray],
-        next: &mut usize,
+        staged: &mut Staged,
         f: &mut Flight,
-        done: &mut impl FnMut(usize, &Hit),
+        done: &mut impl FnMut(usize, Hit),
     ) -> bool {
-        while let Some(ray) = rays.get(*next) {
-            let index = *next;
-            *next += 1;
-            let Some(ray) = LocalRay::new(ray) else {
-                done(index, &Hit::MISS);
+        loop {
+            if staged.next == staged.len && !staged.refill(rays) {
+                return false;
+            }
+            let (at, index) = (staged.next % FLIGHT, staged.taken - staged.len + staged.next);
+            staged.next += 1;
+            if !staged.is_valid[at] {
+                done(index, Hit::MISS);
                 continue;
-            };
-            let mut best = Hit::limit(ray.ray.t_max);
-            let at = Place { group, ray: &ray, chain: &Chain::EMPTY };
-            for &object in &group.unbounded {
-                q.object_closest(&at, object, &mut best);
+            }
+            f.ray = staged.rays[at];
+            f.best = Hit::limit(f.ray.ray.t_max);
+            if !group.unbounded.is_empty() {
+                let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
+                for &object in &group.unbounded {
+                    q.object_closest(&at, object, &mut f.best);
+                }
             }
             match self.root {
-                Some(child) if !(ANY && best.is_hit()) => {
-                    *f = Flight { ray, best, child, index };
+                Some(child) if !(ANY && f.best.is_hit()) => {
+                    f.near = Near::new(&f.best);
+                    f.child = child;
+                    f.index = index;
                     return true;
                 }
-                _ => done(index, &best.finished()),
+                _ => done(index, f.best.finished()),
             }
         }
-        false
-    }
-
-    /// Visits one node or leaf; false when the ray's search is over.
-    #[inline(always)]
-    fn turn<K: Kernel, S: Shapes, const ANY: bool>(
-        &self,
-        q: &mut Query<'_, K, S, false>,
-        group: &GroupData,
-        f: &mut Flight,
-        lane: usize,
-        stacks: &mut Stacks<Todo, { build::STACK }, FLIGHT>,
-    ) -> bool {
-        let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
-        let mut found = None;
-        match f.child.kind() {
-            ChildKind::Node(i) => {
-                let node = &self.nodes[i as usize];
-                let children = q.kernel.node(&f.ray, node, f.best.t);
-                if ANY {
-                    let mut mask = children.mask;
-                    if mask != 0 {
-                        found = Some(node.children[take(&mut mask)]);
-                        while mask != 0 {
-                            stacks.push(lane, Todo { entry: 0, child: node.children[take(&mut mask)] });
-                        }
-                    }
-                } else {
-                    found = nearest_first(node, &children, |todo| stacks.push(lane, todo));
-                }
-            }
-            ChildKind::Block(i) => {
-                let block = &self.blocks[i as usize];
-                if !ANY {
-                    Self::block_closest(q, &at, block, &mut f.best);
-                } else if Self::block_occluded(q, &at, block) {
-                    f.best.geometry = 0;
-                    return false;
-                }
-            }
-            ChildKind::Object(i) => {
-                if !ANY {
-                    q.object_closest(&at, i, &mut f.best);
-                } else if q.object_occluded(&at, i) {
-                    f.best.geometry = 0;
-                    return false;
-                }
-            }
-        }
-        f.child = match found {
-            Some(child) => child,
-            None => {
-                let limit = ops::max(f.best.t, 0.0);
-                loop {
-                    match stacks.pop(lane) {
-                        None => return false,
-                        Some(todo) if f32::from_bits(todo.entry) <= limit => break todo.child,
-                        Some(_) => {}
-                    }
-                }
-            }
-        };
-        match f.child.kind() {
-            ChildKind::Node(i) => q.kernel.prefetch(&self.nodes[i as usize]),
-            ChildKind::Block(i) => q.kernel.prefetch(&self.blocks[i as usize]),
-            ChildKind::Object(_) => {}
-        }
-        true
     }
 }
+
+/// Rays made ready to be launched, many at a time.
+struct Staged {
+    rays: [LocalRay; FLIGHT],
+    is_valid: [bool; FLIGHT],
+    /// The first that isn't launched.
+    next: usize,
+    /// How many there are.
+    len: usize,
+    /// How many of the slice were staged.
+    taken: usize,
+}
+
+impl Staged {
+    /// Stages the next rays of the slice; false when there are none.
+    #[inline(always)]
+    fn refill(&mut self, rays: &[Ray]) -> bool {
+        let rest = &rays[self.taken..];
+        self.len = if rest.len() < FLIGHT { rest.len() } else { FLIGHT };
+        self.taken += self.len;
+        self.next = 0;
+        for ((ray, local), valid) in rest.iter().zip(&mut self.rays).zip(&mut self.is_valid) {
+            (*local, *valid) = LocalRay::prepare(ray);
+        }
+        self.len > 0
+    }
+}
+
+const _: () = assert!(STACK < 1 << 16);

@@ -4,6 +4,8 @@
 
 mod build;
 mod many;
+mod near;
+mod packet;
 mod stats;
 mod traverse;
 mod validate;
@@ -13,6 +15,8 @@ use straal_math::{Bounds, Vec3};
 
 /// Boxes in a node, triangles in a block.
 pub(crate) const WIDTH: usize = 8;
+
+pub(crate) use build::STACK;
 
 /// Eight boxes and what is inside each: four cache lines.
 #[derive(Clone, Copy)]
@@ -62,11 +66,23 @@ pub(crate) enum ChildKind {
     Node(u32),
     Block(u32),
     Object(u32),
+    Done,
+}
+
+/// The two highest bits of a child.
+pub(crate) mod class {
+    pub const NODE: usize = 0;
+    pub const DONE: usize = 1;
+    pub const BLOCK: usize = 2;
+    pub const OBJECT: usize = 3;
 }
 
 impl Child {
     const LEAF: u32 = 1 << 31;
     const OBJECT: u32 = 1 << 30;
+
+    /// The end of a search.
+    pub const DONE: Self = Self(Self::OBJECT);
 
     const fn node(i: u32) -> Self {
         Self(i)
@@ -80,27 +96,48 @@ impl Child {
         Self(i | Self::LEAF | Self::OBJECT)
     }
 
+    /// This if `other_wins` is 0, the other if it is 1: computed, so that nothing is guessed.
+    #[inline(always)]
+    pub const fn or_else(self, other: Self, other_wins: usize) -> Self {
+        let mask = 0_u32.wrapping_sub(other_wins as u32);
+        Self(self.0 ^ (self.0 ^ other.0) & mask)
+    }
+
+    /// Whether it is a leaf of any kind: 0 or 1.
+    #[inline(always)]
+    pub const fn leaf(self) -> usize {
+        (self.0 >> 31) as usize
+    }
+
     /// The same, where `nodes` and `blocks` stand before its own.
     const fn moved(self, nodes: u32, blocks: u32) -> Self {
         match self.kind() {
             ChildKind::Node(i) => Self::node(i + nodes),
             ChildKind::Block(i) => Self::block(i + blocks),
-            ChildKind::Object(_) => self,
+            ChildKind::Object(_) | ChildKind::Done => self,
         }
     }
 
+    /// The number in the class.
     #[inline(always)]
-    const fn is_node(self) -> bool {
-        self.0 & Self::LEAF == 0
+    pub const fn index(self) -> usize {
+        (self.0 & (Self::OBJECT - 1)) as usize
+    }
+
+    /// One of [`class`].
+    #[inline(always)]
+    pub const fn class(self) -> usize {
+        (self.0 >> 30) as usize
     }
 
     #[inline(always)]
     const fn kind(self) -> ChildKind {
         let i = self.0 & (Self::OBJECT - 1);
-        match (self.is_node(), self.0 & Self::OBJECT == 0) {
-            (true, _) => ChildKind::Node(i),
-            (false, true) => ChildKind::Block(i),
-            (false, false) => ChildKind::Object(i),
+        match self.class() {
+            class::NODE => ChildKind::Node(i),
+            class::BLOCK => ChildKind::Block(i),
+            class::OBJECT => ChildKind::Object(i),
+            _ => ChildKind::Done,
         }
     }
 }
@@ -130,6 +167,9 @@ impl Block {
     }
 }
 
+/// Trees of more bytes than this are prefetched from: smaller ones stay in the second-level cache, or nearly so.
+const CACHED: usize = 1 << 20;
+
 /// The tree.
 pub(crate) struct Bvh {
     /// `None` when there is nothing to hit.
@@ -140,6 +180,11 @@ pub(crate) struct Bvh {
 
 impl Bvh {
     pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new() };
+
+    /// Whether nodes are likely to be waited for.
+    fn is_large(&self) -> bool {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice()) > CACHED
+    }
 
     /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.
     pub fn build(prims: &[Prim], vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {

@@ -24,6 +24,7 @@ impl Bvh {
         while let Some((child, chance, depth)) = stack.pop() {
             out.depth = out.depth.max(depth);
             match child.kind() {
+                ChildKind::Done => {}
                 ChildKind::Object(_) => {
                     out.leaves += 1;
                     out.references += 1;

@@ -1,49 +1,66 @@
 //! Searching the tree with one ray.
 
-use super::{Block, Bvh, Child, ChildKind, Node, WIDTH, build};
+use super::{Block, Bvh, ChildKind, Node, WIDTH, near::Near, packet::PACKET};
 use crate::{
     hit::Hit,
     input::Shapes,
-    kernel::{Children, Kernel, stack::Stacks},
+    kernel::{Kernel, stack::Stack},
+    local::LocalRay,
     query::Query,
     scene::GroupData,
     structure::{Place, Search, Stats},
     triangle,
 };
-use straal_math::{Ray, ops};
-
-/// A subtree to be visited, with the bits of an entry that isn't later than the true one (and not below 0).
-#[derive(Clone, Copy)]
-pub(super) struct Todo {
-    pub entry: u32,
-    pub child: Child,
-}
+use straal_math::Ray;
 
 impl Bvh {
+    /// Offers what a block has to the nearest hit; tells whether that moved.
     #[inline(always)]
     pub(super) fn block_closest<K: Kernel, S: Shapes, const COUNT: bool>(
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
         block: &Block,
-        best: &mut Hit,
-    ) {
+        near: &mut Near,
+        best: &Hit,
+    ) -> bool {
         if COUNT {
             q.count_block(block.count());
         }
-        let lanes = q.kernel.block(at.ray, block, best.t);
+        let lanes = q.kernel.block(at.ray, block, near.t);
+        let mut moved = false;
         let mut mask = lanes.hit;
         while mask != 0 {
             let lane = take(&mut mask);
             let (t, det) = (lanes.t[lane], lanes.det[lane]);
-            let tuv = [t, lanes.e1[lane] / det, lanes.e2[lane] / det];
-            if t <= best.t {
-                q.triangle_hit(at, block.id[lane], &block.vertices(lane), tuv, best);
+            if t <= near.t {
+                let tuv = [t, lanes.e1[lane] / det, lanes.e2[lane] / det];
+                moved |= Self::offer(q, at, block, lane, tuv, near, best);
             }
         }
         let mut mask = lanes.zero;
         while mask != 0 {
             let lane = take(&mut mask);
-            q.triangle_closest(at, block.id[lane], &block.vertices(lane), best);
+            if let Some(tuv) = triangle::intersect(&block.vertices(lane), at.ray, near.t) {
+                moved |= Self::offer(q, at, block, lane, tuv, near, best);
+            }
+        }
+        moved
+    }
+
+    #[inline(always)]
+    fn offer<K: Kernel, S: Shapes, const COUNT: bool>(
+        q: &Query<'_, K, S, COUNT>,
+        at: &Place<'_>,
+        block: &Block,
+        lane: usize,
+        tuv: [f32; 3],
+        near: &mut Near,
+        best: &Hit,
+    ) -> bool {
+        let id = block.id[lane];
+        match q.triangle_counts(at, id, &block.vertices(lane), tuv[0]) {
+            Some(t) => near.offer(at, id, [t, tuv[1], tuv[2]], best),
+            None => false,
         }
     }
 
@@ -63,13 +80,89 @@ impl Bvh {
             let v = block.vertices(lane);
             let found =
                 lanes.hit >> lane & 1 == 1 || triangle::intersect(&v, at.ray, at.ray.ray.t_max).is_some();
-            if found && q.triangle_blocks(at, block.id[lane], &v) {
+            if found && q.triangle_counts(at, block.id[lane], &v, 0.0).is_some() {
                 return true;
             }
         }
         false
     }
+
+    /// Searches a slice, in packets where its rays make some.
+    #[inline(always)]
+    fn slice<K: Kernel, S: Shapes, const ANY: bool>(
+        &self,
+        q: &mut Query<'_, K, S, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        mut done: impl FnMut(usize, Hit),
+    ) {
+        // From here on nothing is done.
+        let mut rest = 0;
+        let mut start = 0;
+        let mut failures = 0;
+        while start < rays.len() {
+            let end = if rays.len() - start < PACKET { rays.len() } else { start + PACKET };
+            let window = &rays[start..end];
+            let is_done = failures < PATIENCE
+                && self.packet::<K, S, ANY>(q, group, window, |i, hit| done(start + i, hit));
+            if is_done {
+                self.one_by_one::<K, S, ANY>(q, group, &rays[rest..start], |i, hit| done(rest + i, hit));
+                rest = end;
+            } else {
+                failures += 1;
+            }
+            start = end;
+        }
+        self.one_by_one::<K, S, ANY>(q, group, &rays[rest..], |i, hit| done(rest + i, hit));
+    }
+
+    #[inline(always)]
+    fn one_by_one<K: Kernel, S: Shapes, const ANY: bool>(
+        &self,
+        q: &mut Query<'_, K, S, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        done: impl FnMut(usize, Hit),
+    ) {
+        match (rays.is_empty(), self.is_large()) {
+            (true, _) => {}
+            (_, true) => self.many::<K, S, ANY, true>(q, group, rays, done),
+            (_, false) => self.many::<K, S, ANY, false>(q, group, rays, done),
+        }
+    }
+
+    /// The nearest child that is entered; the others are pushed, the farthest first.
+    #[inline(always)]
+    fn nearest_first<K: Kernel>(
+        kernel: K,
+        ray: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Stack,
+    ) -> Option<super::Child> {
+        let found = kernel.node(ray, node, limit);
+        let mut mask = found.mask;
+        if mask == 0 {
+            return None;
+        }
+        let first = take(&mut mask);
+        if mask == 0 {
+            return Some(node.children[first]);
+        }
+        let second = take(&mut mask);
+        if mask == 0 {
+            let (a, b) = (found.keys[first], found.keys[second]);
+            let (near, far) = if a < b { (first, second) } else { (second, first) };
+            stack.push(found.keys[far], node.children[far]);
+            return Some(node.children[near]);
+        }
+        kernel.push_sorted(node, &found, stack);
+        Some(stack.pop())
+    }
 }
+
+/// How many packets of a slice may fail until no more are tried.
+const PATIENCE: u32 = 8;
 
 /// The lowest lane of a set, taken out of it.
 #[inline(always)]
@@ -77,43 +170,6 @@ pub(super) fn take(mask: &mut u32) -> usize {
     let lane = mask.trailing_zeros() as usize % WIDTH;
     *mask &= mask.wrapping_sub(1);
     lane
-}
-
-/// Takes the nearest of the entered children and pushes the others, the farthest first.
-#[inline(always)]
-pub(super) fn nearest_first(node: &Node, found: &Children, mut push: impl FnMut(Todo)) -> Option<Child> {
-    let todo = |key: u32| Todo { entry: key & !7, child: node.children[(key & 7) as usize] };
-    let mut mask = found.mask;
-    if mask == 0 {
-        return None;
-    }
-    let first = take(&mut mask);
-    if mask == 0 {
-        return Some(node.children[first]);
-    }
-    let (a, b) = (found.keys[first], found.keys[take(&mut mask)]);
-    let (near, far) = if a < b { (a, b) } else { (b, a) };
-    if mask == 0 {
-        push(todo(far));
-        return Some(node.children[(near & 7) as usize]);
-    }
-    let mut sorted = [0; WIDTH];
-    (sorted[0], sorted[1]) = (far, near);
-    let mut count = 2;
-    while mask != 0 {
-        let key = found.keys[take(&mut mask)];
-        let mut i = count % WIDTH;
-        while i > 0 && sorted[i - 1] < key {
-            sorted[i] = sorted[i - 1];
-            i -= 1;
-        }
-        sorted[i] = key;
-        count += 1;
-    }
-    for &key in &sorted[..(count - 1) % WIDTH] {
-        push(todo(key));
-    }
-    Some(node.children[(sorted[(count - 1) % WIDTH] & 7) as usize])
 }
 
 impl Search for Bvh {
@@ -125,7 +181,8 @@ impl Search for Bvh {
         best: &mut Hit,
     ) {
         let Some(mut child) = self.root else { return };
-        let mut stack = Stacks::<Todo, { build::STACK }, 1>::new();
+        let mut near = Near::new(best);
+        let mut stack = Stack::new();
         loop {
             match child.kind() {
                 ChildKind::Node(i) => {
@@ -133,25 +190,24 @@ impl Search for Bvh {
                     if COUNT {
                         q.count_node(node.count());
                     }
-                    let found = q.kernel.node(at.ray, node, best.t);
-                    if let Some(next) = nearest_first(node, &found, |todo| stack.push(0, todo)) {
+                    if let Some(next) = Self::nearest_first(q.kernel, at.ray, node, near.limit, &mut stack) {
                         child = next;
                         continue;
                     }
                 }
-                ChildKind::Block(i) => Self::block_closest(q, at, &self.blocks[i as usize], best),
-                ChildKind::Object(i) => q.object_closest(at, i, best),
-            }
-            // Nothing is skipped but what is entered strictly beyond the best t; entries below 0 were raised to 0.
-            let limit = ops::max(best.t, 0.0);
-            child = loop {
-                match stack.pop(0) {
-                    None => return,
-                    Some(todo) if f32::from_bits(todo.entry) <= limit => break todo.child,
-                    Some(_) => {}
+                ChildKind::Block(i) => {
+                    Self::block_closest(q, at, &self.blocks[i as usize], &mut near, best);
                 }
-            };
+                ChildKind::Object(i) => {
+                    near.settle(at, best);
+                    q.object_closest(at, i, best);
+                    near = Near::new(best);
+                }
+                ChildKind::Done => break,
+            }
+            child = stack.pop_within(near.key());
         }
+        near.settle(at, best);
     }
 
     #[inline(always)]
@@ -161,7 +217,7 @@ impl Search for Bvh {
         at: &Place<'_>,
     ) -> bool {
         let Some(mut child) = self.root else { return false };
-        let mut stack = Stacks::<Child, { build::STACK }, 1>::new();
+        let mut stack = Stack::new();
         loop {
             let found = match child.kind() {
                 ChildKind::Node(i) => {
@@ -169,7 +225,7 @@ impl Search for Bvh {
                     if COUNT {
                         q.count_node(node.count());
                     }
-                    let mut mask = q.kernel.node(at.ray, node, at.ray.ray.t_max).mask;
+                    let mut mask = q.kernel.entered(at.ray, node);
                     if mask != 0 {
                         child = node.children[take(&mut mask)];
                         while mask != 0 {
@@ -181,14 +237,12 @@ impl Search for Bvh {
                 }
                 ChildKind::Block(i) => Self::block_occluded(q, at, &self.blocks[i as usize]),
                 ChildKind::Object(i) => q.object_occluded(at, i),
+                ChildKind::Done => return false,
             };
             if found {
                 return true;
             }
-            match stack.pop(0) {
-                Some(next) => child = next,
-                None => return false,
-            }
+            child = stack.pop();
         }
     }
 
@@ -200,7 +254,7 @@ impl Search for Bvh {
         rays: &[Ray],
         hits: &mut [Hit],
     ) {
-        self.many::<K, S, false>(q, group, rays, |i, hit| hits[i] = *hit);
+        self.slice::<K, S, false>(q, group, rays, |i, hit| hits[i] = hit);
     }
 
     #[inline(always)]
@@ -211,7 +265,7 @@ impl Search for Bvh {
         rays: &[Ray],
         blocked: &mut [bool],
     ) {
-        self.many::<K, S, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
+        self.slice::<K, S, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
     }
 
     fn memory_bytes(&self) -> usize {

@@ -29,6 +29,7 @@ impl Bvh {
                 Some(_) => Ok(()),
             };
             match child.kind() {
+                ChildKind::Done => return Err("a child that ends a search".into()),
                 ChildKind::Object(i) => take((true, i))?,
                 ChildKind::Block(i) => {
                     for &id in self.blocks[i as usize].id.iter().filter(|&&id| id != u32::MAX) {

@@ -4,9 +4,9 @@
 //!
 //! Safety: an [`Avx2`] is made only where the processor has AVX2, BMI1 and BMI2, which all functions here need.
 
-use super::{Children, Kernel, Lanes, entry::entry_points};
+use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points, stack::Stack};
 use crate::{
-    bvh::{Block, Node},
+    bvh::{Block, Child, Node},
     local::LocalRay,
     slab::EXIT,
 };
@@ -28,20 +28,50 @@ impl Kernel for Avx2 {
         let mut out = Children::NONE;
         // SAFETY: see the head of the file. Eight numbers are written to an array of eight.
         unsafe {
-            let [x, y, z] = r.neg.map(usize::from);
-            let enter = _mm256_max_ps(plane(r, node, 0, x), plane(r, node, 1, y));
-            let enter = _mm256_max_ps(enter, plane(r, node, 2, z));
-            let enter = _mm256_max_ps(enter, _mm256_set1_ps(r.ray.t_min));
-            let exit = _mm256_min_ps(plane(r, node, 0, x ^ 1), plane(r, node, 1, y ^ 1));
-            let exit = _mm256_min_ps(exit, plane(r, node, 2, z ^ 1));
-            let exit = _mm256_min_ps(_mm256_mul_ps(exit, _mm256_set1_ps(EXIT)), _mm256_set1_ps(limit));
-            out.mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32;
-            let bits = _mm256_castps_si256(_mm256_max_ps(enter, _mm256_setzero_ps()));
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), bits), lanes);
+            let (enter, exit) = interval(r, node, limit);
+            let entered = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit);
+            out.mask = _mm256_movemask_ps(entered) as u32;
+            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
+            let keys = _mm256_blendv_epi8(none, keys(enter), _mm256_castps_si256(entered));
             _mm256_storeu_si256((&raw mut out.keys).cast(), keys);
         }
         out
+    }
+
+    #[inline(always)]
+    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
+        // SAFETY: see the head of the file.
+        unsafe {
+            let (enter, exit) = interval(r, node, r.ray.t_max);
+            _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32
+        }
+    }
+
+    #[inline(always)]
+    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child {
+        // SAFETY: see the head of the file. Eight numbers are read from an array of eight.
+        unsafe {
+            let keys = _mm256_loadu_si256((&raw const found.keys).cast());
+            descend_to(node, least(keys) & 7, found.mask, keys, stack)
+        }
+    }
+
+    #[inline(always)]
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child {
+        // SAFETY: see the head of the file.
+        unsafe { descend_to(node, mask.trailing_zeros() & 7, mask, _mm256_setzero_si256(), stack) }
+    }
+
+    #[inline(always)]
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack) {
+        // SAFETY: see the head of the file.
+        unsafe { push_sorted(node, found, stack) }
+    }
+
+    #[inline(always)]
+    fn inside(self, r: &LocalRay, block: &Block) -> u32 {
+        // SAFETY: `self` is the proof that the processor has AVX2.
+        unsafe { inside_avx2(r, block) }
     }
 
     #[inline(always)]
@@ -51,22 +81,156 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, what: &T) {
-        super::prefetch(what);
+    fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child) {
+        super::prefetch(nodes, blocks, child);
     }
 
     entry_points!("avx2,bmi1,bmi2,lzcnt,popcnt");
 }
 
-/// Where the ray crosses a plane of each box.
+/// Where the ray enters and leaves each box, no earlier than its start and no later than `limit`.
 ///
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize) -> __m256 {
-    // SAFETY: the caller's promise; eight numbers are read from an array of eight.
+pub(super) unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
+    // SAFETY: the caller's promise.
     unsafe {
-        let b = _mm256_loadu_ps(node.planes[2 * axis + (side & 1)].as_ptr());
+        let enter = _mm256_max_ps(plane(r, node, 0, r.near_row(0)), plane(r, node, 1, r.near_row(1)));
+        let enter = _mm256_max_ps(enter, plane(r, node, 2, r.near_row(2)));
+        let enter = _mm256_max_ps(enter, _mm256_set1_ps(r.enter));
+        let exit = _mm256_min_ps(plane(r, node, 0, r.far_row(0)), plane(r, node, 1, r.far_row(1)));
+        let exit = _mm256_min_ps(exit, plane(r, node, 2, r.far_row(2)));
+        let exit = _mm256_min_ps(_mm256_mul_ps(exit, _mm256_set1_ps(EXIT)), _mm256_set1_ps(limit));
+        (enter, exit)
+    }
+}
+
+/// [`Children::keys`] of entries.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn keys(enter: __m256) -> __m256i {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+        _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(enter)), lanes)
+    }
+}
+
+/// Eight keys in falling order: a sorting network of 19 comparators in six layers (Knuth, The Art of Computer
+/// Programming, vol. 3, section 5.3.4), each layer an exchange with a partner lane.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn sorted(k: __m256i) -> __m256i {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let exchange = |k, partner| (_mm256_max_epi32(k, partner), _mm256_min_epi32(k, partner));
+        let (high, low) = exchange(k, _mm256_shuffle_epi32::<0b01_00_11_10>(k)); // 0-2 1-3 4-6 5-7
+        let k = _mm256_blend_epi32::<0b1100_1100>(high, low);
+        let (high, low) = exchange(k, _mm256_permute4x64_epi64::<0b01_00_11_10>(k)); // 0-4 1-5 2-6 3-7
+        let k = _mm256_blend_epi32::<0b1111_0000>(high, low);
+        let (high, low) = exchange(k, _mm256_shuffle_epi32::<0b10_11_00_01>(k)); // 0-1 2-3 4-5 6-7
+        let k = _mm256_blend_epi32::<0b1010_1010>(high, low);
+        let (high, low) = exchange(k, _mm256_permute4x64_epi64::<0b11_01_10_00>(k)); // 2-4 3-5
+        let k = _mm256_blend_epi32::<0b0011_0000>(high, low);
+        let partner = _mm256_setr_epi32(0, 4, 2, 6, 1, 5, 3, 7);
+        let (high, low) = exchange(k, _mm256_permutevar8x32_epi32(k, partner)); // 1-4 3-6
+        let k = _mm256_blend_epi32::<0b0101_0000>(high, low);
+        let partner = _mm256_setr_epi32(0, 2, 1, 4, 3, 6, 5, 7);
+        let (high, low) = exchange(k, _mm256_permutevar8x32_epi32(k, partner)); // 1-2 3-4 5-6
+        _mm256_blend_epi32::<0b0101_0100>(high, low)
+    }
+}
+
+/// The least of eight keys.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn least(keys: __m256i) -> u32 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let k = _mm_min_epi32(_mm256_castsi256_si128(keys), _mm256_extracti128_si256::<1>(keys));
+        let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b01_00_11_10>(k));
+        let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b10_11_00_01>(k));
+        _mm_cvtsi128_si32(k) as u32
+    }
+}
+
+/// Steps down to the child in slot `first`, if `entered` has it, and pushes the others that it has.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn descend_to(node: &Node, first: u32, entered: u32, keys: __m256i, stack: &mut Stack) -> Child {
+    let others = entered & !(1 << first);
+    let any = (entered as usize + 255) >> 8;
+    let chosen = node.children[(first & 7) as usize];
+    // SAFETY: the caller's promise; eight numbers are read from arrays of eight, and eight of each stored, of which the
+    // first are the others by the table.
+    unsafe {
+        let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_FIRST[(others & 255) as usize].as_ptr().cast()));
+        let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+        let children = _mm256_permutevar8x32_epi32(children, order);
+        let keys = _mm256_permutevar8x32_epi32(keys, order);
+        stack.descend(any, chosen, others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+            _mm256_storeu_si256(k.cast(), keys);
+            _mm256_storeu_si256(c.cast(), children);
+        })
+    }
+}
+
+/// [`Kernel::push_sorted`], also for AVX-512.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn push_sorted(node: &Node, found: &Children, stack: &mut Stack) {
+    let mut keys = [0; 8];
+    // SAFETY: the caller's promise; eight numbers are read from an array of eight, and written to one.
+    unsafe {
+        let all = _mm256_loadu_si256((&raw const found.keys).cast());
+        let entered = _mm256_cmpgt_epi32(_mm256_set1_epi32(NOT_ENTERED as i32), all);
+        _mm256_storeu_si256((&raw mut keys).cast(), sorted(_mm256_and_si256(all, entered)));
+    }
+    for &key in &keys[..found.mask.count_ones() as usize & 15] {
+        stack.push(key, node.children[(key & 7) as usize]);
+    }
+}
+
+const _: () = assert!(size_of::<Child>() == size_of::<u32>());
+
+/// For each set of lanes, its members in rising order, then zeros.
+static SET_FIRST: [[u8; 8]; 256] = {
+    let mut out = [[0; 8]; 256];
+    let mut set = 0;
+    while set < 256 {
+        let (mut lane, mut count) = (0, 0);
+        while lane < 8 {
+            if set >> lane & 1 == 1 {
+                out[set][count] = lane as u8;
+                count += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    out
+};
+
+/// Where the ray crosses a plane of each box, which stands in one of a node's rows.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, row: usize) -> __m256 {
+    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of six rows of eight.
+    unsafe {
+        let b = _mm256_loadu_ps((&raw const node.planes).byte_add(row).cast());
         _mm256_mul_ps(_mm256_sub_ps(b, _mm256_set1_ps(r.ray.o[axis])), _mm256_set1_ps(r.inv[axis]))
     }
 }
@@ -77,15 +241,12 @@ unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize) -> __m256 {
 /// The processor must have AVX2.
 #[inline(always)]
 unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3]) -> [__m256; 3] {
-    // SAFETY: the caller's promise; eight numbers are read from arrays of eight.
+    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three rows of eight.
     unsafe {
-        let [x, y, z] = r.axes.map(usize::from);
-        let x = _mm256_loadu_ps(vertex[x % 3].as_ptr());
-        let y = _mm256_loadu_ps(vertex[y % 3].as_ptr());
-        let z = _mm256_loadu_ps(vertex[z % 3].as_ptr());
-        let x = _mm256_sub_ps(x, _mm256_set1_ps(r.origin[0]));
-        let y = _mm256_sub_ps(y, _mm256_set1_ps(r.origin[1]));
-        let z = _mm256_sub_ps(z, _mm256_set1_ps(r.origin[2]));
+        let row = |axis| _mm256_loadu_ps((&raw const *vertex).byte_add(r.vertex_row(axis)).cast());
+        let x = _mm256_sub_ps(row(0), _mm256_set1_ps(r.origin[0]));
+        let y = _mm256_sub_ps(row(1), _mm256_set1_ps(r.origin[1]));
+        let z = _mm256_sub_ps(row(2), _mm256_set1_ps(r.origin[2]));
         let x = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(r.shear[0]), z));
         let y = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(r.shear[1]), z));
         [x, y, z]
@@ -102,6 +263,56 @@ unsafe fn edge(p: &[__m256; 3], q: &[__m256; 3]) -> __m256 {
     unsafe { _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0])) }
 }
 
+/// Eight triangles as `triangle::edges` has one.
+struct Crossing {
+    a: [__m256; 3],
+    b: [__m256; 3],
+    c: [__m256; 3],
+    edges: [__m256; 3],
+    least: __m256,
+    most: __m256,
+}
+
+impl Crossing {
+    /// # Safety
+    /// The processor must have AVX2.
+    #[inline(always)]
+    unsafe fn new(r: &LocalRay, block: &Block) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let (a, b, c) = (sheared(r, &block.v[0]), sheared(r, &block.v[1]), sheared(r, &block.v[2]));
+            let edges @ [u, v, w] = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
+            let least = _mm256_min_ps(u, _mm256_min_ps(v, w));
+            let most = _mm256_max_ps(u, _mm256_max_ps(v, w));
+            Self { a, b, c, edges, least, most }
+        }
+    }
+
+    /// All bits of the lanes in which no two signs differ.
+    ///
+    /// # Safety
+    /// The processor must have AVX2.
+    #[inline(always)]
+    unsafe fn inside(&self) -> __m256 {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let zero = _mm256_setzero_ps();
+            let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(self.least, zero);
+            _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_LE_OQ>(self.most, zero))
+        }
+    }
+}
+
+/// [`Kernel::inside`], also for AVX-512.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn inside_avx2(r: &LocalRay, block: &Block) -> u32 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_movemask_ps(Crossing::new(r, block).inside()) as u32 }
+}
+
 /// [`Kernel::block`], also for AVX-512: blocks have eight triangles.
 ///
 /// # Safety
@@ -111,17 +322,13 @@ pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lane
     let mut out = Lanes::NONE;
     // SAFETY: the caller's promise; eight numbers are written to arrays of eight.
     unsafe {
-        let (a, b, c) = (sheared(r, &block.v[0]), sheared(r, &block.v[1]), sheared(r, &block.v[2]));
-        let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
-        let least = _mm256_min_ps(u, _mm256_min_ps(v, w));
-        let most = _mm256_max_ps(u, _mm256_max_ps(v, w));
-        let zero = _mm256_setzero_ps();
-        let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(least, zero);
-        let negative = _mm256_cmp_ps::<_CMP_LE_OQ>(most, zero);
-        let inside = _mm256_movemask_ps(_mm256_or_ps(positive, negative)) as u32;
+        let crossing = Crossing::new(r, block);
+        let inside = _mm256_movemask_ps(crossing.inside()) as u32;
         if inside == 0 {
             return out;
         }
+        let Crossing { a, b, c, edges: [u, v, w], least, most } = crossing;
+        let zero = _mm256_setzero_ps();
         let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);
         let on_edge = _mm256_or_ps(on_edge, _mm256_cmp_ps::<_CMP_EQ_OQ>(most, zero));
         out.zero = _mm256_movemask_ps(on_edge) as u32;

@@ -1,13 +1,18 @@
-//! Sixteen lanes of AVX-512 for boxes: near planes in the lower eight, far planes negated in the upper, so that one
-//! maximum serves both. Triangles, eight in a block, go by AVX2.
+//! AVX-512 in vectors of eight lanes: masks, and lanes packed by a mask, in place of tables. Its sixteen lanes (near planes
+//! in the lower half, far ones negated in the upper) take as long where the processor runs them in two halves, as Zen 4
+//! does.
 //!
 //! Safety: an [`Avx512`] is made only where the processor has AVX-512 F, DQ and VL, and all that AVX2 needs.
 
-use super::{Children, Kernel, Lanes, avx2::block_avx2, entry::entry_points};
+use super::{
+    Children, Kernel, Lanes, NOT_ENTERED,
+    avx2::{block_avx2, inside_avx2, interval, keys, least, push_sorted},
+    entry::entry_points,
+    stack::Stack,
+};
 use crate::{
-    bvh::{Block, Node},
+    bvh::{Block, Child, Node},
     local::LocalRay,
-    slab::EXIT,
 };
 use std::arch::x86_64::*;
 
@@ -21,28 +26,61 @@ impl Avx512 {
     }
 }
 
-/// The upper eight lanes.
-const UPPER: u16 = 0xff00;
-
 impl Kernel for Avx512 {
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;
         // SAFETY: see the head of the file. Eight numbers are written to an array of eight.
         unsafe {
-            let both = _mm512_max_ps(crossing(r, node, 0), crossing(r, node, 1));
-            let both = _mm512_max_ps(both, crossing(r, node, 2));
-            let both = _mm512_mul_ps(both, halves(1.0, EXIT));
-            let both = _mm512_max_ps(both, halves(r.ray.t_min, -limit));
-            let enter = _mm512_castps512_ps256(both);
-            let exit = _mm256_xor_ps(_mm512_extractf32x8_ps::<1>(both), _mm256_set1_ps(-0.0));
-            out.mask = u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit));
-            let bits = _mm256_castps_si256(_mm256_max_ps(enter, _mm256_setzero_ps()));
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let keys = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), bits), lanes);
-            _mm256_storeu_si256((&raw mut out.keys).cast(), keys);
+            let (enter, exit) = interval(r, node, limit);
+            let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
+            out.mask = u32::from(entered);
+            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
+            _mm256_storeu_si256(
+                (&raw mut out.keys).cast(),
+                _mm256_mask_mov_epi32(none, entered, keys(enter)),
+            );
         }
         out
+    }
+
+    #[inline(always)]
+    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
+        // SAFETY: see the head of the file.
+        unsafe {
+            let (enter, exit) = interval(r, node, r.ray.t_max);
+            u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit))
+        }
+    }
+
+    #[inline(always)]
+    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child {
+        // SAFETY: see the head of the file. Eight numbers are read from an array of eight.
+        unsafe {
+            let keys = _mm256_loadu_si256((&raw const found.keys).cast());
+            descend_to(node, least(keys) & 7, found.mask as __mmask8, keys, stack)
+        }
+    }
+
+    #[inline(always)]
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child {
+        // SAFETY: see the head of the file.
+        unsafe {
+            let first = mask.trailing_zeros() & 7;
+            descend_to(node, first, mask as __mmask8, _mm256_setzero_si256(), stack)
+        }
+    }
+
+    #[inline(always)]
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack) {
+        // SAFETY: an `Avx512` is made only where there is AVX2 too.
+        unsafe { push_sorted(node, found, stack) }
+    }
+
+    #[inline(always)]
+    fn inside(self, r: &LocalRay, block: &Block) -> u32 {
+        // SAFETY: an `Avx512` is made only where there is AVX2 too.
+        unsafe { inside_avx2(r, block) }
     }
 
     #[inline(always)]
@@ -52,36 +90,31 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, what: &T) {
-        super::prefetch(what);
+    fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child) {
+        super::prefetch(nodes, blocks, child);
     }
 
     entry_points!("avx512f,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt");
 }
 
-/// Where the ray crosses the near and, negated, the far plane of each box.
+/// Steps down to the child in slot `first`, if `entered` has it, and pushes the others that it has.
 ///
 /// # Safety
-/// The processor must have AVX-512 F and DQ.
+/// The processor must have AVX-512 F and VL.
 #[inline(always)]
-unsafe fn crossing(r: &LocalRay, node: &Node, axis: usize) -> __m512 {
-    // SAFETY: the caller's promise; eight numbers are read from arrays of eight.
+unsafe fn descend_to(node: &Node, first: u32, entered: __mmask8, keys: __m256i, stack: &mut Stack) -> Child {
+    let others = entered & !(1 << first);
+    let any = (usize::from(entered) + 255) >> 8;
+    let chosen = node.children[(first & 7) as usize];
+    // SAFETY: the caller's promise; eight numbers are read from an array of eight, and eight of each stored, of which the
+    // first are the others.
     unsafe {
-        let side = usize::from(r.neg[axis]);
-        let near = _mm256_loadu_ps(node.planes[2 * axis + (side & 1)].as_ptr());
-        let far = _mm256_loadu_ps(node.planes[2 * axis + (side & 1 ^ 1)].as_ptr());
-        let both = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(near), far);
-        let inv = halves(r.inv[axis], -r.inv[axis]);
-        _mm512_mul_ps(_mm512_sub_ps(both, _mm512_set1_ps(r.ray.o[axis])), inv)
+        let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+        let children = _mm256_maskz_compress_epi32(others, children);
+        let keys = _mm256_maskz_compress_epi32(others, keys);
+        stack.descend(any, chosen, others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+            _mm256_storeu_si256(k.cast(), keys);
+            _mm256_storeu_si256(c.cast(), children);
+        })
     }
-}
-
-/// One number in the lower, another in the upper lanes.
-///
-/// # Safety
-/// The processor must have AVX-512 F.
-#[inline(always)]
-unsafe fn halves(lower: f32, upper: f32) -> __m512 {
-    // SAFETY: the caller's promise.
-    unsafe { _mm512_mask_mov_ps(_mm512_set1_ps(lower), UPPER, _mm512_set1_ps(upper)) }
 }

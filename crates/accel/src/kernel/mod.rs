@@ -15,7 +15,7 @@ mod sse;
 pub(crate) mod stack;
 
 use crate::{
-    bvh::{Block, Node},
+    bvh::{Block, Child, Node},
     hit::{Cost, Hit},
     input::Shapes,
     local::LocalRay,
@@ -23,18 +23,30 @@ use crate::{
     scene::Scene,
     structure::{Place, Search, each},
 };
+use stack::Stack;
 use straal_math::Ray;
 
 /// Which of a node's children a ray enters.
+#[derive(Clone, Copy)]
 pub(crate) struct Children {
     /// One bit for each.
     pub mask: u32,
-    /// By slot, where the mask has it: bits of the entry (not below 0), the lowest three replaced by the slot.
+    /// By slot: bits of the entry, the lowest three replaced by the slot, so that keys are ordered as entries are;
+    /// [`NOT_ENTERED`] where the mask hasn't it.
     pub keys: [u32; 8],
 }
 
+/// After every key that occurs.
+const NOT_ENTERED: u32 = i32::MAX as u32;
+
 impl Children {
-    const NONE: Self = Self { mask: 0, keys: [0; 8] };
+    pub const NONE: Self = Self { mask: 0, keys: [NOT_ENTERED; 8] };
+}
+
+/// The greatest key of an entry of `limit`, which isn't below `LEAST_ENTRY`, or less.
+#[inline(always)]
+pub(crate) fn key_of_limit(limit: f32) -> u32 {
+    limit.to_bits() | 7
 }
 
 /// Which of a block's triangles are hit, and where.
@@ -64,11 +76,27 @@ pub(crate) trait Kernel: Copy {
     /// The boxes entered no later than `limit`.
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children;
 
+    /// The mask alone of the boxes entered in the ray's interval.
+    fn entered(self, r: &LocalRay, node: &Node) -> u32;
+
+    /// One step down: the nearest child that was found entered, while the others are pushed; if there is none, what is on
+    /// top of the stack.
+    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child;
+
+    /// The same with any child, and without keys.
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child;
+
+    /// Pushes the children that were found entered, the farthest first.
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack);
+
+    /// The triangles that the ray's line may cross. No other is hit.
+    fn inside(self, r: &LocalRay, block: &Block) -> u32;
+
     /// The triangles hit in [`t_min`, `limit`].
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes;
 
-    /// Starts to load what will be needed soon, where the instruction set can.
-    fn prefetch<T>(self, what: &T);
+    /// Starts to load what a child names, where the instruction set can.
+    fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child);
 
     /// `Query::closest_in`, compiled for the instruction set.
     fn closest_in<S: Shapes, const COUNT: bool>(
@@ -92,19 +120,66 @@ pub(crate) trait Kernel: Copy {
     fn occluded_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]);
 }
 
+/// [`Kernel::push_sorted`] of kernels without a sort of their own.
+#[inline(always)]
+fn push_by_insertion(node: &Node, found: &Children, stack: &mut Stack) {
+    let mut mask = found.mask;
+    let mut sorted = [0; 8];
+    let mut count = 0_usize;
+    while mask != 0 {
+        let key = found.keys[(mask.trailing_zeros() & 7) as usize];
+        mask &= mask - 1;
+        let mut i = count & 7;
+        while i > 0 && sorted[i - 1] < key {
+            sorted[i] = sorted[i - 1];
+            i -= 1;
+        }
+        sorted[i] = key;
+        count += 1;
+    }
+    for &key in &sorted[..count] {
+        stack.push(key, node.children[(key & 7) as usize]);
+    }
+}
+
+/// [`Kernel::descend`] of kernels that gain nothing by doing without branches.
+#[inline(always)]
+fn descend_sorted(node: &Node, found: &Children, stack: &mut Stack) -> Child {
+    push_by_insertion(node, found, stack);
+    stack.pop()
+}
+
+/// [`Kernel::descend_any`] of the same.
+#[inline(always)]
+fn descend_by_mask(node: &Node, mut mask: u32, stack: &mut Stack) -> Child {
+    while mask != 0 {
+        stack.push(0, node.children[(mask.trailing_zeros() & 7) as usize]);
+        mask &= mask - 1;
+    }
+    stack.pop()
+}
+
 /// [`Kernel::prefetch`] of all x86 kernels.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn prefetch<T>(what: &T) {
+fn prefetch(nodes: &[Node], blocks: &[Block], child: Child) {
     use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-    let start = (&raw const *what).cast::<i8>();
-    let mut offset = 0;
-    while offset < size_of::<T>() {
-        // SAFETY: the address is inside `what`, and a prefetch changes nothing. SSE is part of x86-64.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(offset)) };
-        offset += 64;
+    // Computed, since a branch on the class would be guessed wrongly. For an object or the end, some other place is
+    // loaded, which does no harm.
+    let leaf = child.leaf();
+    let from_nodes = blocks.as_ptr().addr().wrapping_sub(nodes.as_ptr().addr());
+    let size = size_of::<Node>() + leaf * (size_of::<Block>() - size_of::<Node>());
+    let offset = (from_nodes & 0_usize.wrapping_sub(leaf)).wrapping_add(child.index() * size);
+    let start = nodes.as_ptr().cast::<i8>().wrapping_add(offset);
+    for line in 0..LINES {
+        // SAFETY: a prefetch changes nothing, whatever the address. SSE is part of x86-64.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line * 64)) };
     }
 }
+
+/// Cache lines of the larger of node and block.
+#[cfg(target_arch = "x86_64")]
+const LINES: usize = size_of::<Block>() / 64;
 
 /// Does the same with whichever kernel the instruction set has.
 macro_rules! with_kernel {

@@ -1,8 +1,11 @@
 //! One lane at a time: what every machine has, and what the vector kernels are held against.
 
-use super::{Children, Kernel, Lanes, entry::entry_points};
+use super::{
+    Children, Kernel, Lanes, descend_by_mask, descend_sorted, entry::entry_points, push_by_insertion,
+    stack::Stack,
+};
 use crate::{
-    bvh::{Block, Node, WIDTH},
+    bvh::{Block, Child, Node, WIDTH},
     local::LocalRay,
     slab::EXIT,
     triangle,
@@ -23,14 +26,42 @@ impl Kernel for Scalar {
         for lane in 0..WIDTH {
             let near = |axis: usize| plane(axis, usize::from(r.neg[axis]), lane);
             let far = |axis: usize| plane(axis, usize::from(r.neg[axis]) ^ 1, lane);
-            let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.ray.t_min);
+            let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.enter);
             let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)) * EXIT, limit);
             if enter <= exit {
-                out.keys[lane] = ops::max(enter, 0.0).to_bits() & !7 | lane as u32;
+                out.keys[lane] = enter.to_bits() & !7 | lane as u32;
                 out.mask |= 1 << lane;
             }
         }
         out
+    }
+
+    #[inline(always)]
+    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
+        self.node(r, node, r.ray.t_max).mask
+    }
+
+    #[inline(always)]
+    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child {
+        descend_sorted(node, found, stack)
+    }
+
+    #[inline(always)]
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child {
+        descend_by_mask(node, mask, stack)
+    }
+
+    #[inline(always)]
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack) {
+        push_by_insertion(node, found, stack);
+    }
+
+    #[inline(always)]
+    fn inside(self, r: &LocalRay, block: &Block) -> u32 {
+        (0..WIDTH as u32)
+            .filter(|&lane| triangle::edges(&block.vertices(lane as usize), r).inside())
+            .map(|l| 1 << l)
+            .sum()
     }
 
     #[inline(always)]
@@ -55,7 +86,7 @@ impl Kernel for Scalar {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, _what: &T) {}
+    fn prefetch(self, _nodes: &[Node], _blocks: &[Block], _child: Child) {}
 
     entry_points!();
 }

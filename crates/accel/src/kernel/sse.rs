@@ -4,9 +4,12 @@
 //!
 //! Safety: an [`Sse`] is made only where the processor has SSE4.2.
 
-use super::{Children, Kernel, Lanes, entry::entry_points};
+use super::{
+    Children, Kernel, Lanes, NOT_ENTERED, descend_by_mask, descend_sorted, entry::entry_points,
+    push_by_insertion, stack::Stack,
+};
 use crate::{
-    bvh::{Block, Node},
+    bvh::{Block, Child, Node},
     local::LocalRay,
     slab::EXIT,
 };
@@ -32,15 +35,58 @@ impl Kernel for Sse {
                 let [x, y, z] = r.neg.map(usize::from);
                 let enter = _mm_max_ps(plane(r, node, 0, x, half), plane(r, node, 1, y, half));
                 let enter = _mm_max_ps(enter, plane(r, node, 2, z, half));
-                let enter = _mm_max_ps(enter, _mm_set1_ps(r.ray.t_min));
+                let enter = _mm_max_ps(enter, _mm_set1_ps(r.enter));
                 let exit = _mm_min_ps(plane(r, node, 0, x ^ 1, half), plane(r, node, 1, y ^ 1, half));
                 let exit = _mm_min_ps(exit, plane(r, node, 2, z ^ 1, half));
                 let exit = _mm_min_ps(_mm_mul_ps(exit, _mm_set1_ps(EXIT)), _mm_set1_ps(limit));
-                out.mask |= (_mm_movemask_ps(_mm_cmple_ps(enter, exit)) as u32) << half;
-                let bits = _mm_castps_si128(_mm_max_ps(enter, _mm_setzero_ps()));
+                let entered = _mm_cmple_ps(enter, exit);
+                out.mask |= (_mm_movemask_ps(entered) as u32) << half;
+                let bits = _mm_castps_si128(enter);
                 let lanes = _mm_add_epi32(_mm_setr_epi32(0, 1, 2, 3), _mm_set1_epi32(half as i32));
                 let key = _mm_or_si128(_mm_andnot_si128(_mm_set1_epi32(7), bits), lanes);
+                let none = _mm_set1_epi32(NOT_ENTERED as i32);
+                let key = _mm_blendv_epi8(none, key, _mm_castps_si128(entered));
                 _mm_storeu_si128(out.keys.as_mut_ptr().add(half).cast(), key);
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
+        self.node(r, node, r.ray.t_max).mask
+    }
+
+    #[inline(always)]
+    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child {
+        descend_sorted(node, found, stack)
+    }
+
+    #[inline(always)]
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child {
+        descend_by_mask(node, mask, stack)
+    }
+
+    #[inline(always)]
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack) {
+        push_by_insertion(node, found, stack);
+    }
+
+    #[inline(always)]
+    fn inside(self, r: &LocalRay, block: &Block) -> u32 {
+        let mut out = 0;
+        for half in [0, 4] {
+            // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
+            unsafe {
+                let a = sheared(r, &block.v[0], half);
+                let b = sheared(r, &block.v[1], half);
+                let c = sheared(r, &block.v[2], half);
+                let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
+                let least = _mm_min_ps(u, _mm_min_ps(v, w));
+                let most = _mm_max_ps(u, _mm_max_ps(v, w));
+                let zero = _mm_setzero_ps();
+                let inside = _mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(most, zero));
+                out |= (_mm_movemask_ps(inside) as u32) << half;
             }
         }
         out
@@ -85,8 +131,8 @@ impl Kernel for Sse {
     }
 
     #[inline(always)]
-    fn prefetch<T>(self, what: &T) {
-        super::prefetch(what);
+    fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child) {
+        super::prefetch(nodes, blocks, child);
     }
 
     entry_points!("sse4.2,popcnt");

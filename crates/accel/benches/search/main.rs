@@ -1,0 +1,252 @@
+//! Rays per CPU second, on one thread, beside Embree where it is installed: `cargo bench -p straal-accel`.
+//!
+//! Words behind `--` choose: names of meshes (`bunny`, `sphere`, `room`), of ray sets, `build`, `scale`; `isa=avx2` an
+//! instruction set; `rounds=9` how often each is timed. The library of Embree 4 is looked for on the system and in the
+//! Python package `embreex` (`pip install embreex`), or `EMBREE_LIB` names it.
+//!
+//! Contestants take turns within a round, and a ratio is the median over the rounds of the ratios within each, so that
+//! what else the machine does weighs on all alike.
+#![allow(clippy::print_stdout, clippy::disallowed_methods)] // a program that prints, and whose rays reach no pixel
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+mod embree;
+mod rays;
+mod scenes;
+
+use common::world;
+use embree::{Embree, Quality};
+use scenes::Mesh;
+use straal_accel::{Flight, Geometry, GeometryKind, Hit, Input, Isa, Options, Scene};
+use straal_math::Ray;
+
+/// What was asked for.
+struct Plan {
+    words: Vec<String>,
+    isa: Isa,
+    rounds: usize,
+}
+
+impl Plan {
+    fn new() -> Self {
+        let mut plan = Self { words: Vec::new(), isa: Isa::detect(), rounds: 5 };
+        for word in std::env::args().skip(1).filter(|w| !w.starts_with("--")) {
+            match word.split_once('=') {
+                Some(("isa", isa)) => plan.isa = isa.parse().expect("an instruction set"),
+                Some(("rounds", n)) => plan.rounds = n.parse().expect("a number"),
+                _ => plan.words.push(word),
+            }
+        }
+        plan
+    }
+
+    /// Whether one of a kind's names is wanted: all are when none of that kind was named.
+    fn wants(&self, kind: &[&str], name: &str) -> bool {
+        let named: Vec<&String> = self.words.iter().filter(|w| kind.contains(&w.as_str())).collect();
+        named.is_empty() || named.iter().any(|w| *w == name)
+    }
+}
+
+const MESHES: [&str; 3] = ["bunny", "sphere", "room"];
+const SETS: [&str; 7] = ["primary", "bounce", "shuffled", "second", "shadow", "segments", "misses"];
+const PARTS: [&str; 3] = ["search", "build", "scale"];
+
+fn main() {
+    let plan = Plan::new();
+    let embree = match Embree::open() {
+        Ok(e) => {
+            println!("Embree: {}", e.path.display());
+            Some(e)
+        }
+        Err(e) => {
+            println!("without Embree ({e}): pip install embreex, or name its library in EMBREE_LIB");
+            None
+        }
+    };
+    println!("straal: {}", plan.isa);
+    for name in MESHES.into_iter().filter(|name| plan.wants(&MESHES, name)) {
+        let mesh = match name {
+            "bunny" => scenes::bunny(),
+            "room" => Some(scenes::room()),
+            _ => Some(scenes::sphere("sphere", 8)),
+        };
+        let Some(mesh) = mesh else {
+            println!("\n{name}: skipped: no shared data");
+            continue;
+        };
+        println!("\n{name}: {} triangles", mesh.indices.len());
+        if plan.wants(&PARTS, "search") {
+            search(&plan, &mesh, embree.as_ref());
+        }
+        if plan.wants(&PARTS, "build") {
+            build(&plan, &mesh, embree.as_ref());
+        }
+    }
+    if plan.wants(&PARTS, "scale") {
+        scale(&plan);
+    }
+}
+
+fn input(mesh: &Mesh) -> Input {
+    let kind = GeometryKind::Triangles {
+        positions: mesh.positions.clone().into(),
+        indices: mesh.indices.clone().into(),
+    };
+    world(vec![Geometry { kind, mask: u32::MAX }])
+}
+
+/// A contestant's name and what it does with all rays of a set.
+type Contestant<'a> = (&'static str, Box<dyn FnMut() + 'a>);
+
+fn search(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
+    let options = |flight| Options { isa: plan.isa, flight, ..Options::default() };
+    let one = Scene::build(input(mesh), &(), &options(Flight::One)).expect("a sound mesh");
+    let many = Scene::build(input(mesh), &(), &options(Flight::Many)).expect("a sound mesh");
+    let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, cpu_seconds));
+    for set in rays::sets(&one, mesh).iter().filter(|s| plan.wants(&SETS, s.name)) {
+        let rays = set.rays.as_slice();
+        let (mut hits, mut blocked) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+        let (mut hits2, mut blocked2) = (hits.clone(), blocked.clone());
+        let (mut peer_hits, mut peer_blocked) = (vec![(0, 0.0); rays.len()], blocked.clone());
+        let mut packet_hits = peer_hits.clone();
+        let mut contestants: Vec<Contestant<'_>> = Vec::new();
+        if let Some(peer) = &peer {
+            contestants.push(match set.any {
+                true => ("embree", Box::new(|| peer.occluded(rays, &mut peer_blocked))),
+                false => ("embree", Box::new(|| peer.closest(rays, &mut peer_hits))),
+            });
+        }
+        contestants.push(("single", Box::new(|| trace(&one, set.any, rays, 1, &mut hits, &mut blocked))));
+        contestants
+            .push(("batches", Box::new(|| trace(&many, set.any, rays, 1024, &mut hits2, &mut blocked2))));
+        if let (Some(peer), "primary") = (&peer, set.name) {
+            contestants.push(("embree8", Box::new(|| peer.closest8(rays, &mut packet_hits))));
+        }
+        let times = duel(plan.rounds, &mut contestants);
+        let names: Vec<&str> = contestants.iter().map(|c| c.0).collect();
+        drop(contestants);
+        print!("  {:9}", set.name);
+        for (name, t) in names.iter().zip(&times) {
+            let rate = rays.len() as f64 / median(t.clone()) * 1e-6;
+            let ratio = median(times[0].iter().zip(t).map(|(a, b)| a / b).collect());
+            print!("  {name} {rate:6.2} ({ratio:.2} x)");
+        }
+        let costs = rays.iter().step_by(16).map(|r| match set.any {
+            true => one.occluded_counted(&(), r).1,
+            false => one.closest_counted(&(), r).1,
+        });
+        let (mut nodes, mut blocks, mut n) = (0, 0, 0);
+        for c in costs {
+            (nodes, blocks, n) = (nodes + c.nodes, blocks + c.blocks, n + 1);
+        }
+        let each = |x: u32| f64::from(x) / f64::from(n);
+        print!("  {:.1} nodes, {:.1} blocks a ray", each(nodes), each(blocks));
+        if peer.is_some() {
+            let differ = match set.any {
+                true => blocked.iter().zip(&peer_blocked).filter(|(a, b)| a != b).count(),
+                false => hits.iter().zip(&peer_hits).filter(|(a, b)| a.primitive != b.0).count(),
+            };
+            print!(", {differ} of {} unlike Embree's", rays.len());
+        }
+        println!();
+    }
+}
+
+fn trace(scene: &Scene, any: bool, rays: &[Ray], batch: usize, hits: &mut [Hit], blocked: &mut [bool]) {
+    if any {
+        for (r, b) in rays.chunks(batch).zip(blocked.chunks_mut(batch)) {
+            scene.occluded(&(), r, b);
+        }
+    } else {
+        for (r, h) in rays.chunks(batch).zip(hits.chunks_mut(batch)) {
+            scene.closest(&(), r, h);
+        }
+    }
+}
+
+/// CPU seconds of each contestant in each round.
+fn duel(rounds: usize, contestants: &mut [Contestant<'_>]) -> Vec<Vec<f64>> {
+    let mut times = vec![Vec::new(); contestants.len()];
+    for round in 0..=rounds {
+        for ((_, run), times) in contestants.iter_mut().zip(&mut times) {
+            let start = cpu_seconds();
+            run();
+            if round > 0 {
+                times.push(cpu_seconds() - start);
+            }
+        }
+    }
+    times
+}
+
+fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let triangles = mesh.indices.len() as f64;
+    let mut rows: Vec<(String, Vec<f64>, f64)> = Vec::new();
+    let mut add = |name: String, seconds: f64, bytes: f64| match rows.iter_mut().find(|r| r.0 == name) {
+        Some(row) => row.1.push(seconds),
+        None => rows.push((name, vec![seconds], bytes / triangles)),
+    };
+    for _ in 0..plan.rounds {
+        if let Some(e) = embree {
+            for (name, quality) in [
+                ("embree low", Quality::Low),
+                ("embree medium", Quality::Medium),
+                ("embree high", Quality::High),
+            ] {
+                let scene = e.build(&mesh.positions, &mesh.indices, quality, cpu_seconds);
+                add(name.to_owned(), scene.seconds, scene.bytes() as f64);
+            }
+        }
+        let input = input(mesh);
+        let options = Options { isa: plan.isa, ..Options::default() };
+        let start = cpu_seconds();
+        let scene = pool.install(|| Scene::build(input, &(), &options)).expect("a sound mesh");
+        add("straal".to_owned(), cpu_seconds() - start, scene.memory_bytes() as f64);
+    }
+    for (name, seconds, bytes) in rows {
+        println!("  build {name:14} {:.3} CPU s, {bytes:.1} bytes a triangle", median(seconds));
+    }
+}
+
+/// Bounces on spheres of 20 thousand to 5 million triangles.
+fn scale(plan: &Plan) {
+    println!("\nscale: bounces on the sphere");
+    for levels in 5..=9 {
+        let mesh = scenes::sphere("sphere", levels);
+        let options = Options { isa: plan.isa, ..Options::default() };
+        let scene = Scene::build(input(&mesh), &(), &options).expect("a sound mesh");
+        let sets = rays::sets(&scene, &mesh);
+        let rays = &sets[1].rays;
+        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut contestants: Vec<Contestant<'_>> =
+            vec![("", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
+        let seconds = median(duel(plan.rounds, &mut contestants).remove(0));
+        let (n, rate) = (mesh.indices.len(), rays.len() as f64 / seconds * 1e-6);
+        println!("  {n:8} triangles {rate:6.2} Mrays/s, times log2 n {:.1}", rate * (n as f64).log2());
+    }
+}
+
+fn median(mut v: Vec<f64>) -> f64 {
+    v.sort_by(f64::total_cmp);
+    v[v.len() / 2]
+}
+
+/// CPU time of all threads.
+#[allow(unsafe_code)]
+fn cpu_seconds() -> f64 {
+    #[repr(C)]
+    struct Timespec {
+        seconds: i64,
+        nanoseconds: i64,
+    }
+    unsafe extern "C" {
+        fn clock_gettime(clock: i32, time: *mut Timespec) -> i32;
+    }
+    /// `CLOCK_PROCESS_CPUTIME_ID` of Linux: what all threads took.
+    const PROCESS: i32 = 2;
+    let mut time = Timespec { seconds: 0, nanoseconds: 0 };
+    // SAFETY: the C library of every Unix has the function; it writes one `timespec`.
+    unsafe { clock_gettime(PROCESS, &raw mut time) };
+    time.seconds as f64 + time.nanoseconds as f64 * 1e-9
+}
