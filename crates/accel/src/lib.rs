@@ -19,21 +19,28 @@
 #![deny(unsafe_code)]
 
 mod brute;
+mod bsp;
 mod bvh;
 mod hit;
 mod input;
 mod isa;
+mod kd;
 mod kernel;
 mod local;
+mod octree;
+mod partition;
 mod query;
 mod scene;
 mod slab;
 mod structure;
 mod triangle;
 
+pub use bsp::BspParams;
 pub use bvh::params::{Build, BvhParams};
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;
+pub use kd::KdParams;
+pub use octree::OctreeParams;
 pub use scene::{Flight, Options, Scene};
 pub use structure::{Stats, Structure, UnknownName};

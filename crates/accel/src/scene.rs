@@ -2,11 +2,15 @@
 
 use crate::{
     brute::Brute,
+    bsp::BspTree,
     bvh::Bvh,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
     isa::Isa,
-    kernel, slab,
+    kd::KdTree,
+    kernel,
+    octree::Octree,
+    slab,
     structure::{Prim, PrimKind, Search, Searcher, Stats, Structure, each},
     triangle,
 };
@@ -321,6 +325,13 @@ impl Scene {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
             Structure::Bvh(params) => {
                 Searcher::Bvh(Bvh::build(&prims, &params, |id| self.vertices(&data, id)))
+            }
+            Structure::Kd(params) => {
+                Searcher::Kd(KdTree::build(&prims, &params, |id| self.vertices(&data, id)))
+            }
+            Structure::Octree(params) => Searcher::Octree(Octree::build(&prims, &params)),
+            Structure::Bsp(params) => {
+                Searcher::Bsp(BspTree::build(&prims, &params, |id| self.vertices(&data, id)))
             }
         };
         Ok((data, dropped))

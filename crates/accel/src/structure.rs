@@ -2,11 +2,14 @@
 
 use crate::{
     brute::Brute,
+    bsp::{BspParams, BspTree},
     bvh::{Bvh, params::BvhParams},
     hit::{Chain, Hit},
     input::Shapes,
+    kd::{KdParams, KdTree},
     kernel::Kernel,
     local::LocalRay,
+    octree::{Octree, OctreeParams},
     query::Query,
     scene::GroupData,
 };
@@ -21,6 +24,12 @@ pub enum Structure {
     Brute,
     /// A tree of boxes, eight wide, built by the surface area heuristic.
     Bvh(BvhParams),
+    /// Space cut in two by planes at right angles to the axes, where the surface area heuristic wants it.
+    Kd(KdParams),
+    /// Space cut in eight, again and again.
+    Octree(OctreeParams),
+    /// Space cut in two by the planes of the triangles.
+    Bsp(BspParams),
 }
 
 impl Default for Structure {
@@ -31,13 +40,22 @@ impl Default for Structure {
 
 impl Structure {
     /// One of each kind, with its default parameters.
-    pub const ALL: [Self; 2] = [Self::Brute, Self::Bvh(BvhParams::DEFAULT)];
+    pub const ALL: [Self; 5] = [
+        Self::Brute,
+        Self::Bvh(BvhParams::DEFAULT),
+        Self::Kd(KdParams::DEFAULT),
+        Self::Octree(OctreeParams::DEFAULT),
+        Self::Bsp(BspParams::DEFAULT),
+    ];
 
     /// The name of the kind as it is typed.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
             Self::Bvh(_) => "bvh",
+            Self::Kd(_) => "kd",
+            Self::Octree(_) => "octree",
+            Self::Bsp(_) => "bsp",
         }
     }
 }
@@ -170,6 +188,9 @@ pub(crate) struct Place<'a> {
 pub(crate) enum Searcher {
     Brute(Brute),
     Bvh(Bvh),
+    Kd(KdTree),
+    Octree(Octree),
+    Bsp(BspTree),
 }
 
 /// Does the same with whichever structure it is.
@@ -178,6 +199,9 @@ macro_rules! each {
         match $searcher {
             $crate::structure::Searcher::Brute($s) => $body,
             $crate::structure::Searcher::Bvh($s) => $body,
+            $crate::structure::Searcher::Kd($s) => $body,
+            $crate::structure::Searcher::Octree($s) => $body,
+            $crate::structure::Searcher::Bsp($s) => $body,
         }
     };
 }

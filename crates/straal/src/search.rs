@@ -1,6 +1,6 @@
 //! Search structures as people name them: from the scene's description, and from one word of a command line.
 
-use straal_accel::{self as accel, BvhParams};
+use straal_accel::{self as accel, BspParams, BvhParams, KdParams, OctreeParams};
 use straal_formats::yaml;
 use straal_scene::decode::{Decoder, Describe, Strictness};
 use straal_scene::desc;
@@ -85,6 +85,28 @@ pub fn structure_of(d: &desc::Structure) -> accel::Structure {
             };
             accel::Structure::Bvh(BvhParams { build, compact: p.compact })
         }
+        desc::Structure::Kd(p) => accel::Structure::Kd(KdParams {
+            traversal_cost: p.traversal_cost,
+            intersection_cost: p.intersection_cost,
+            empty_bonus: p.empty_bonus,
+            max_depth: p.max_depth,
+            leaf_size: p.leaf_size,
+            clip: p.clip,
+        }),
+        desc::Structure::Octree(p) => accel::Structure::Octree(OctreeParams {
+            max_depth: p.max_depth,
+            leaf_size: p.leaf_size,
+            traversal_cost: p.traversal_cost,
+            intersection_cost: p.intersection_cost,
+        }),
+        desc::Structure::Bsp(p) => accel::Structure::Bsp(BspParams {
+            candidates: p.candidates,
+            leaf_size: p.leaf_size,
+            max_depth: p.max_depth,
+            straddle_cost: p.straddle_cost,
+            traversal_cost: p.traversal_cost,
+            intersection_cost: p.intersection_cost,
+        }),
     }
 }
 
@@ -108,6 +130,8 @@ mod tests {
         let best = Structure::Bvh(BvhParams { build: Build::Best, compact: true });
         assert_eq!(parse("bvh:build=best,compact=true"), Ok(best));
         assert_eq!(parse(" bvh : compact = true , build = best "), Ok(best));
+        let kd = KdParams { traversal_cost: 1.5, max_depth: 20, ..KdParams::DEFAULT };
+        assert_eq!(parse("kd:traversal_cost=1.5,max_depth=20"), Ok(Structure::Kd(kd)));
     }
 
     #[test]
@@ -120,6 +144,7 @@ mod tests {
             ),
             ("bvh:build=quick", "unknown `quick` in `build`: it can be `fast`, `default`, `best`"),
             ("bvh:compact=yes", "`compact` must be `true` or `false`, found the text `yes`"),
+            ("octree:max_depth=25", "`max_depth` must be from 0 to 24, found 25"),
             ("bvh:compact", "`compact` is no parameter: expected key=value, with commas between"),
             ("bvh:", "`` is no parameter: expected key=value, with commas between"),
             ("bvh:compact=true,compact=false", "`compact` is given twice"),

@@ -1,6 +1,7 @@
 //! Search structures and their parameters.
 
 use crate::describe::describe;
+use crate::limit::Limit;
 
 describe! {
     /// How rays are searched. It never changes the picture.
@@ -15,6 +16,12 @@ describe! {
     pub enum Structure {
         /// Bounding volume hierarchy, eight wide.
         "bvh" => Bvh(WideBvh),
+        /// Space cut in two by planes at right angles to the axes, where the surface area heuristic wants it.
+        "kd" => Kd(KdTree),
+        /// A cube cut in eight at its middle, again and again.
+        "octree" => Octree(Octree),
+        /// Space cut in two by the planes of the scene's own triangles.
+        "bsp" => Bsp(BspTree),
         /// Every primitive for every ray: slow, and what the others are held against.
         "brute" => Brute,
     }
@@ -45,5 +52,55 @@ describe! {
         "default" => Default,
         /// As much as helps: for many rays.
         "best" => Best,
+    }
+}
+
+describe! {
+    /// A kd-tree, built by the exact surface area heuristic.
+    pub struct KdTree {
+        /// Cost of a step through a node, beside `intersection_cost`.
+        traversal_cost: f64 [Limit::NON_NEGATIVE] = 0.75,
+        /// Cost of the test of one primitive.
+        intersection_cost: f64 [Limit::POSITIVE] = 1.0,
+        /// Part of the cost that is remitted to a cut that leaves one side empty.
+        empty_bonus: f64 [Limit::UNIT] = 0.2,
+        /// Most levels; 0 for 8 + 1.3 log2 n.
+        max_depth: u32 [Limit::within(0.0, 64.0)] = 0,
+        /// Cells of so few primitives are left alone.
+        leaf_size: u32 [Limit::within(1.0, 65536.0)] = 1,
+        /// Whether a cut triangle counts with the box of its part in the cell alone.
+        clip: bool = false,
+    }
+}
+
+describe! {
+    /// An octree.
+    pub struct Octree {
+        /// Most levels below the root.
+        max_depth: u32 [Limit::within(0.0, 24.0)] = 12,
+        /// Cells of so few primitives are left alone.
+        leaf_size: u32 [Limit::within(1.0, 65536.0)] = 8,
+        /// Cost of a step through a node, beside `intersection_cost`; for the reported cost alone.
+        traversal_cost: f64 [Limit::NON_NEGATIVE] = 1.0,
+        /// Cost of the test of one primitive; for the reported cost alone.
+        intersection_cost: f64 [Limit::POSITIVE] = 1.0,
+    }
+}
+
+describe! {
+    /// A tree of planes at any angle.
+    pub struct BspTree {
+        /// How many triangles of a cell offer their planes for a cut.
+        candidates: u32 [Limit::within(0.0, 1024.0)] = 8,
+        /// Cells of so few primitives are left alone.
+        leaf_size: u32 [Limit::within(1.0, 65536.0)] = 4,
+        /// Most levels; 0 for 8 + 1.3 log2 n.
+        max_depth: u32 [Limit::within(0.0, 64.0)] = 0,
+        /// What a primitive on both sides of a plane weighs against one too many on one side.
+        straddle_cost: f64 [Limit::NON_NEGATIVE] = 4.0,
+        /// Cost of a step through a node, beside `intersection_cost`.
+        traversal_cost: f64 [Limit::NON_NEGATIVE] = 1.5,
+        /// Cost of the test of one primitive.
+        intersection_cost: f64 [Limit::POSITIVE] = 1.0,
     }
 }
