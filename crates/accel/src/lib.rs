@@ -20,6 +20,7 @@
 
 mod brute;
 mod bvh;
+mod grid;
 mod hit;
 mod input;
 mod isa;
@@ -32,6 +33,7 @@ mod structure;
 mod triangle;
 
 pub use bvh::params::{Build, BvhParams};
+pub use grid::GridParams;
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;

@@ -1,6 +1,10 @@
 //! Search structures and their parameters.
 
 use crate::describe::describe;
+use crate::limit::Limit;
+
+/// What a cost may be: only the ratio of costs matters.
+const COST: Limit = Limit { min: 0.0, max: 1e6, open: true };
 
 describe! {
     /// How rays are searched. It never changes the picture.
@@ -17,6 +21,8 @@ describe! {
         "bvh" => Bvh(WideBvh),
         /// Every primitive for every ray: slow, and what the others are held against.
         "brute" => Brute,
+        /// Equal cells.
+        "grid" => Grid(UniformGrid),
     }
 }
 
@@ -45,5 +51,22 @@ describe! {
         "default" => Default,
         /// As much as helps: for many rays.
         "best" => Best,
+    }
+}
+
+describe! {
+    /// Equal cells, of which a ray visits those on its way.
+    pub struct UniformGrid {
+        /// Along each axis, cells for each one that a grid with as many cells as primitives would have.
+        factor: f64 [Limit { min: 0.0, max: 64.0, open: true }] = 2.0,
+        /// Whether a ray remembers the primitives that it tested last, so that one in several cells is tested once.
+        mailboxes: bool = true,
+        /// Most cells, and most entries in the cells' lists beyond one for each primitive; where there would be more, the
+        /// factor is halved.
+        max_cells: u32 [Limit::within(1.0, 268_435_456.0)] = 33_554_432,
+        /// Cost of a step to the next cell.
+        traversal_cost: f64 [COST] = 0.5,
+        /// Cost of the test of a primitive, in the same unit.
+        intersection_cost: f64 [COST] = 1.0,
     }
 }
