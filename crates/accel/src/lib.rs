@@ -21,6 +21,7 @@
 mod brute;
 mod bsp;
 mod bvh;
+mod grid;
 mod hit;
 mod input;
 mod isa;
@@ -37,6 +38,7 @@ mod triangle;
 
 pub use bsp::BspParams;
 pub use bvh::params::{Build, BvhParams};
+pub use grid::GridParams;
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;

@@ -4,6 +4,7 @@ use crate::{
     brute::Brute,
     bsp::BspTree,
     bvh::Bvh,
+    grid::Grid,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
     isa::Isa,
@@ -215,12 +216,16 @@ impl Scene {
         kernel::occluded_counted(self, shapes, ray)
     }
 
-    /// Checks what searches rely on, for tests: every primitive in one leaf, inside the boxes above it.
+    /// Checks what searches rely on, for tests: every primitive where it can be found.
     pub fn validate(&self) -> Result<(), String> {
         for (i, g) in self.groups.iter().enumerate() {
-            if let Searcher::Bvh(bvh) = &g.searcher {
-                bvh.validate(&g.prim_bounds(self)).map_err(|e| format!("group {i}: {e}"))?;
-            }
+            let sound = match &g.searcher {
+                Searcher::Brute(_) => Ok(()),
+                Searcher::Bvh(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Kd(_) | Searcher::Octree(_) | Searcher::Bsp(_) => Ok(()),
+            };
+            sound.map_err(|e| format!("group {i}: {e}"))?;
         }
         Ok(())
     }
@@ -326,6 +331,7 @@ impl Scene {
             Structure::Bvh(params) => {
                 Searcher::Bvh(Bvh::build(&prims, &params, |id| self.vertices(&data, id)))
             }
+            Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),
             Structure::Kd(params) => {
                 Searcher::Kd(KdTree::build(&prims, &params, |id| self.vertices(&data, id)))
             }

@@ -4,6 +4,7 @@ use crate::{
     brute::Brute,
     bsp::{BspParams, BspTree},
     bvh::{Bvh, params::BvhParams},
+    grid::{Grid, GridParams},
     hit::{Chain, Hit},
     input::Shapes,
     kd::{KdParams, KdTree},
@@ -24,6 +25,8 @@ pub enum Structure {
     Brute,
     /// A tree of boxes, eight wide, built by the surface area heuristic.
     Bvh(BvhParams),
+    /// A uniform grid.
+    Grid(GridParams),
     /// Space cut in two by planes at right angles to the axes, where the surface area heuristic wants it.
     Kd(KdParams),
     /// Space cut in eight, again and again.
@@ -40,9 +43,10 @@ impl Default for Structure {
 
 impl Structure {
     /// One of each kind, with its default parameters.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Brute,
         Self::Bvh(BvhParams::DEFAULT),
+        Self::Grid(GridParams::DEFAULT),
         Self::Kd(KdParams::DEFAULT),
         Self::Octree(OctreeParams::DEFAULT),
         Self::Bsp(BspParams::DEFAULT),
@@ -53,6 +57,7 @@ impl Structure {
         match self {
             Self::Brute => "brute",
             Self::Bvh(_) => "bvh",
+            Self::Grid(_) => "grid",
             Self::Kd(_) => "kd",
             Self::Octree(_) => "octree",
             Self::Bsp(_) => "bsp",
@@ -106,6 +111,43 @@ pub(crate) enum PrimKind {
     Triangle(u32),
     /// Index into the group's objects: a shape or an instance.
     Object(u32),
+}
+
+impl PrimKind {
+    /// The same in 32 bits.
+    #[inline(always)]
+    pub const fn packed(self) -> Packed {
+        match self {
+            Self::Triangle(id) => Packed(id),
+            Self::Object(id) => Packed(id | Packed::OBJECT),
+        }
+    }
+}
+
+/// A [`PrimKind`] in 32 bits: numbers take 30 of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct Packed(u32);
+
+impl Packed {
+    const OBJECT: u32 = 1 << 31;
+
+    /// No primitive's.
+    pub const NONE: Self = Self(u32::MAX);
+
+    #[inline(always)]
+    pub const fn kind(self) -> PrimKind {
+        match self.0 & Self::OBJECT {
+            0 => PrimKind::Triangle(self.0),
+            _ => PrimKind::Object(self.0 & !Self::OBJECT),
+        }
+    }
+
+    /// A number that no other primitive of the group has.
+    #[inline(always)]
+    pub const fn number(self) -> u32 {
+        self.0
+    }
 }
 
 /// What every structure over a group's bounded primitives offers.
@@ -188,6 +230,7 @@ pub(crate) struct Place<'a> {
 pub(crate) enum Searcher {
     Brute(Brute),
     Bvh(Bvh),
+    Grid(Grid),
     Kd(KdTree),
     Octree(Octree),
     Bsp(BspTree),
@@ -199,6 +242,7 @@ macro_rules! each {
         match $searcher {
             $crate::structure::Searcher::Brute($s) => $body,
             $crate::structure::Searcher::Bvh($s) => $body,
+            $crate::structure::Searcher::Grid($s) => $body,
             $crate::structure::Searcher::Kd($s) => $body,
             $crate::structure::Searcher::Octree($s) => $body,
             $crate::structure::Searcher::Bsp($s) => $body,

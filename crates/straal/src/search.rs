@@ -1,6 +1,6 @@
 //! Search structures as people name them: from the scene's description, and from one word of a command line.
 
-use straal_accel::{self as accel, BspParams, BvhParams, KdParams, OctreeParams};
+use straal_accel::{self as accel, BspParams, BvhParams, GridParams, KdParams, OctreeParams};
 use straal_formats::yaml;
 use straal_scene::decode::{Decoder, Describe, Strictness};
 use straal_scene::desc;
@@ -85,6 +85,13 @@ pub fn structure_of(d: &desc::Structure) -> accel::Structure {
             };
             accel::Structure::Bvh(BvhParams { build, compact: p.compact })
         }
+        desc::Structure::Grid(p) => accel::Structure::Grid(GridParams {
+            factor: p.factor,
+            mailboxes: p.mailboxes,
+            max_cells: p.max_cells,
+            traversal_cost: p.traversal_cost,
+            intersection_cost: p.intersection_cost,
+        }),
         desc::Structure::Kd(p) => accel::Structure::Kd(KdParams {
             traversal_cost: p.traversal_cost,
             intersection_cost: p.intersection_cost,
@@ -129,6 +136,8 @@ mod tests {
     fn parameters_follow_the_name() {
         let best = Structure::Bvh(BvhParams { build: Build::Best, compact: true });
         assert_eq!(parse("bvh:build=best,compact=true"), Ok(best));
+        let grid = GridParams { factor: 4.0, mailboxes: false, ..GridParams::DEFAULT };
+        assert_eq!(parse("grid:factor=4,mailboxes=false"), Ok(Structure::Grid(grid)));
         assert_eq!(parse(" bvh : compact = true , build = best "), Ok(best));
         let kd = KdParams { traversal_cost: 1.5, max_depth: 20, ..KdParams::DEFAULT };
         assert_eq!(parse("kd:traversal_cost=1.5,max_depth=20"), Ok(Structure::Kd(kd)));
@@ -147,6 +156,7 @@ mod tests {
             ("octree:max_depth=25", "`max_depth` must be from 0 to 24, found 25"),
             ("bvh:compact", "`compact` is no parameter: expected key=value, with commas between"),
             ("bvh:", "`` is no parameter: expected key=value, with commas between"),
+            ("grid:factor=-1", "`factor` must be between 0 and 64, neither included, found -1"),
             ("bvh:compact=true,compact=false", "`compact` is given twice"),
         ] {
             assert_eq!(parse(text).unwrap_err().to_string(), complaint);

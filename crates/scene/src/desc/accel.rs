@@ -3,6 +3,9 @@
 use crate::describe::describe;
 use crate::limit::Limit;
 
+/// What a cost may be: only the ratio of costs matters.
+const COST: Limit = Limit { min: 0.0, max: 1e6, open: true };
+
 describe! {
     /// How rays are searched. It never changes the picture.
     pub struct Accel {
@@ -16,6 +19,8 @@ describe! {
     pub enum Structure {
         /// Bounding volume hierarchy, eight wide.
         "bvh" => Bvh(WideBvh),
+        /// Equal cells.
+        "grid" => Grid(UniformGrid),
         /// Space cut in two by planes at right angles to the axes, where the surface area heuristic wants it.
         "kd" => Kd(KdTree),
         /// A cube cut in eight at its middle, again and again.
@@ -56,12 +61,29 @@ describe! {
 }
 
 describe! {
+    /// Equal cells, of which a ray visits those on its way.
+    pub struct UniformGrid {
+        /// Along each axis, cells for each one that a grid with as many cells as primitives would have.
+        factor: f64 [Limit { min: 0.0, max: 64.0, open: true }] = 2.0,
+        /// Whether a ray remembers the primitives that it tested last, so that one in several cells is tested once.
+        mailboxes: bool = true,
+        /// Most cells, and most entries in the cells' lists beyond one for each primitive; where there would be more, the
+        /// factor is halved.
+        max_cells: u32 [Limit::within(1.0, 268_435_456.0)] = 33_554_432,
+        /// Cost of a step to the next cell.
+        traversal_cost: f64 [COST] = 0.5,
+        /// Cost of the test of a primitive, in the same unit.
+        intersection_cost: f64 [COST] = 1.0,
+    }
+}
+
+describe! {
     /// A kd-tree, built by the exact surface area heuristic.
     pub struct KdTree {
         /// Cost of a step through a node, beside `intersection_cost`.
-        traversal_cost: f64 [Limit::NON_NEGATIVE] = 0.75,
+        traversal_cost: f64 [COST] = 0.75,
         /// Cost of the test of one primitive.
-        intersection_cost: f64 [Limit::POSITIVE] = 1.0,
+        intersection_cost: f64 [COST] = 1.0,
         /// Part of the cost that is remitted to a cut that leaves one side empty.
         empty_bonus: f64 [Limit::UNIT] = 0.2,
         /// Most levels; 0 for 8 + 1.3 log2 n.
@@ -81,9 +103,9 @@ describe! {
         /// Cells of so few primitives are left alone.
         leaf_size: u32 [Limit::within(1.0, 65536.0)] = 8,
         /// Cost of a step through a node, beside `intersection_cost`; for the reported cost alone.
-        traversal_cost: f64 [Limit::NON_NEGATIVE] = 1.0,
+        traversal_cost: f64 [COST] = 1.0,
         /// Cost of the test of one primitive; for the reported cost alone.
-        intersection_cost: f64 [Limit::POSITIVE] = 1.0,
+        intersection_cost: f64 [COST] = 1.0,
     }
 }
 
@@ -97,10 +119,10 @@ describe! {
         /// Most levels; 0 for 8 + 1.3 log2 n.
         max_depth: u32 [Limit::within(0.0, 64.0)] = 0,
         /// What a primitive on both sides of a plane weighs against one too many on one side.
-        straddle_cost: f64 [Limit::NON_NEGATIVE] = 4.0,
+        straddle_cost: f64 [COST] = 4.0,
         /// Cost of a step through a node, beside `intersection_cost`.
-        traversal_cost: f64 [Limit::NON_NEGATIVE] = 1.5,
+        traversal_cost: f64 [COST] = 1.5,
         /// Cost of the test of one primitive.
-        intersection_cost: f64 [Limit::POSITIVE] = 1.0,
+        intersection_cost: f64 [COST] = 1.0,
     }
 }
