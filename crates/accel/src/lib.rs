@@ -21,6 +21,7 @@
 mod brute;
 mod bsp;
 mod bvh;
+mod bvh2;
 mod grid;
 mod hit;
 mod input;
@@ -38,6 +39,7 @@ mod triangle;
 
 pub use bsp::BspParams;
 pub use bvh::params::{Build, BvhParams};
+pub use bvh2::{Bvh2Params, Split};
 pub use grid::GridParams;
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};

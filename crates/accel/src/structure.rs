@@ -4,6 +4,7 @@ use crate::{
     brute::Brute,
     bsp::{BspParams, BspTree},
     bvh::{Bvh, params::BvhParams},
+    bvh2::{Bvh2, Bvh2Params},
     grid::{Grid, GridParams},
     hit::{Chain, Hit},
     input::Shapes,
@@ -25,6 +26,8 @@ pub enum Structure {
     Brute,
     /// A tree of boxes, eight wide, built by the surface area heuristic.
     Bvh(BvhParams),
+    /// A binary tree of boxes, built as the textbook builds it.
+    Bvh2(Bvh2Params),
     /// A uniform grid.
     Grid(GridParams),
     /// Space cut in two by planes at right angles to the axes, where the surface area heuristic wants it.
@@ -43,9 +46,10 @@ impl Default for Structure {
 
 impl Structure {
     /// One of each kind, with its default parameters.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Brute,
         Self::Bvh(BvhParams::DEFAULT),
+        Self::Bvh2(Bvh2Params::DEFAULT),
         Self::Grid(GridParams::DEFAULT),
         Self::Kd(KdParams::DEFAULT),
         Self::Octree(OctreeParams::DEFAULT),
@@ -57,6 +61,7 @@ impl Structure {
         match self {
             Self::Brute => "brute",
             Self::Bvh(_) => "bvh",
+            Self::Bvh2(_) => "bvh2",
             Self::Grid(_) => "grid",
             Self::Kd(_) => "kd",
             Self::Octree(_) => "octree",
@@ -230,6 +235,7 @@ pub(crate) struct Place<'a> {
 pub(crate) enum Searcher {
     Brute(Brute),
     Bvh(Bvh),
+    Bvh2(Bvh2),
     Grid(Grid),
     Kd(KdTree),
     Octree(Octree),
@@ -242,6 +248,7 @@ macro_rules! each {
         match $searcher {
             $crate::structure::Searcher::Brute($s) => $body,
             $crate::structure::Searcher::Bvh($s) => $body,
+            $crate::structure::Searcher::Bvh2($s) => $body,
             $crate::structure::Searcher::Grid($s) => $body,
             $crate::structure::Searcher::Kd($s) => $body,
             $crate::structure::Searcher::Octree($s) => $body,
