@@ -29,6 +29,7 @@ mod isa;
 mod kd;
 mod kernel;
 mod local;
+mod mailbox;
 mod octree;
 mod partition;
 mod query;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `max_depth` | most levels below the root |
 //! | `leaf_size` | cells of so few primitives aren't cut |
+//! | `mailboxes` | whether a ray remembers what it tested |
 //! | `traversal_cost` | C_t, a step through a node, for the reported cost |
 //! | `intersection_cost` | C_i, the test of one primitive, for the reported cost |
 //!
@@ -23,9 +24,10 @@ use crate::{
     hit::Hit,
     input::Shapes,
     kernel::{Kernel, stack::Stacks},
-    partition::{self, Budget, chance, crossing, early, half_area, late},
+    mailbox::Mailboxes,
+    partition::{self, Budget, Census, chance, crossing, early, half_area, late},
     query::Query,
-    structure::{Place, Prim, PrimKind, Search, Stats},
+    structure::{Packed, Place, Prim, Search, Stats},
 };
 use straal_math::{Bounds, Vec3, ops};
 
@@ -36,6 +38,8 @@ pub struct OctreeParams {
     pub max_depth: u32,
     /// Cells of so few primitives aren't cut.
     pub leaf_size: u32,
+    /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
+    pub mailboxes: bool,
     /// Cost of a step through a node, for the reported cost.
     pub traversal_cost: f64,
     /// Cost of the test of one primitive, for the reported cost.
@@ -45,7 +49,7 @@ pub struct OctreeParams {
 impl OctreeParams {
     /// Deep enough for an object a hundred times smaller than its scene.
     pub const DEFAULT: Self =
-        Self { max_depth: 12, leaf_size: 8, traversal_cost: 1.0, intersection_cost: 1.0 };
+        Self { max_depth: 12, leaf_size: 8, mailboxes: true, traversal_cost: 1.0, intersection_cost: 1.0 };
 }
 
 impl Default for OctreeParams {
@@ -74,7 +78,7 @@ pub(crate) struct Octree {
     bounds: Bounds,
     /// Never empty; the root is the first.
     nodes: Vec<Node>,
-    references: Vec<PrimKind>,
+    references: Vec<Packed>,
     params: OctreeParams,
 }
 
@@ -103,7 +107,7 @@ impl Octree {
         let Some((middle, eighths, shares)) = self.divide(prims, &cell, budget) else {
             let first = self.references.len() as u32;
             self.nodes[node] = Node::Leaf { first, count: cell.prims.len() as u32 };
-            self.references.extend(cell.prims.iter().map(|&i| prims[i as usize].kind));
+            self.references.extend(cell.prims.iter().map(|&i| prims[i as usize].kind.packed()));
             return;
         };
         drop(cell);
@@ -135,10 +139,7 @@ impl Octree {
         for &prim in &cell.prims {
             let b = &prims[prim as usize].bounds;
             for (i, part) in eighths.iter_mut().enumerate() {
-                let touches = |axis: usize| {
-                    if i >> axis & 1 == 0 { b.min[axis] <= middle[axis] } else { b.max[axis] >= middle[axis] }
-                };
-                if (0..3).all(touches) {
+                if touches(b, middle, i) {
                     part.prims.push(prim);
                 }
             }
@@ -151,13 +152,34 @@ impl Octree {
         Some((middle, eighths, shares))
     }
 
+    /// Every primitive in all leaves that its box touches.
+    pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
+        let mut census = Census::new(prims);
+        let mut stack = vec![(0_u32, prims.to_vec(), 0)];
+        while let Some((node, needed, depth)) = stack.pop() {
+            match self.nodes[node as usize] {
+                Node::Leaf { first, count } => {
+                    let leaf = &self.references[first as usize..][..count as usize];
+                    census.leaf(leaf, &needed, depth)?;
+                }
+                Node::Inner { middle, children } => {
+                    for i in 0..8 {
+                        let part = needed.iter().filter(|p| touches(&p.bounds, middle, i)).copied().collect();
+                        stack.push((children + i as u32, part, depth + 1));
+                    }
+                }
+            }
+        }
+        census.end()
+    }
+
     /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
     #[inline(always)]
     fn walk<K: Kernel, S: Shapes, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
-        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[PrimKind]) -> f32,
+        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
     ) {
         let Some((enter, exit)) = partition::interval(&self.bounds, at.ray) else { return };
         let negative = (0..3).fold(0, |bits, axis| bits | usize::from(at.ray.neg[axis]) << axis);
@@ -205,6 +227,15 @@ struct Cell {
     depth: u32,
 }
 
+/// Whether a box touches a part of a cell, whose set bits stand for the upper half on that axis.
+fn touches(b: &Bounds, middle: Vec3, bits: usize) -> bool {
+    (0..3).all(
+        |axis| {
+            if bits >> axis & 1 == 0 { b.min[axis] <= middle[axis] } else { b.max[axis] >= middle[axis] }
+        },
+    )
+}
+
 /// The cube around a box, its numbers finite.
 fn cube(b: &Bounds) -> Bounds {
     if b.is_empty() {
@@ -215,7 +246,7 @@ fn cube(b: &Bounds) -> Bounds {
     partition::finite(&Bounds { min: middle - Vec3::splat(half), max: middle + Vec3::splat(half) })
 }
 
-/// A part of a cell: a set bit stands for the upper half on that axis.
+/// A part of a cell.
 fn eighth(cell: &Bounds, middle: Vec3, bits: usize) -> Bounds {
     let mut out = *cell;
     for axis in 0..3 {
@@ -236,10 +267,9 @@ impl Search for Octree {
         at: &Place<'_>,
         best: &mut Hit,
     ) {
+        let mut tested = Mailboxes::new(self.params.mailboxes);
         self.walk(q, at, |q, leaf| {
-            for &prim in leaf {
-                q.prim_closest(at, prim, best);
-            }
+            tested.closest(q, at, leaf, best);
             best.t
         });
     }
@@ -250,9 +280,10 @@ impl Search for Octree {
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
     ) -> bool {
+        let mut tested = Mailboxes::new(self.params.mailboxes);
         let mut found = false;
         self.walk(q, at, |q, leaf| {
-            found = leaf.iter().any(|&prim| q.prim_occluded(at, prim));
+            found = tested.occluded(q, at, leaf);
             if found { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         found

@@ -32,7 +32,11 @@
 //! A primitive can lie in many leaves. Each subtree has a [`Budget`] of references, which it shares out to its children;
 //! where it doesn't suffice, the subtree ends in a leaf.
 
-use crate::local::LocalRay;
+use crate::{
+    local::LocalRay,
+    structure::{Packed, Prim},
+};
+use std::collections::BTreeMap;
 use straal_math::{Bounds, Vec3, ops};
 
 /// How far, relative to itself, a crossing is moved each way. `slab` moves exits by 16 units in the last place; the rest is
@@ -130,6 +134,35 @@ pub(crate) const MAX_DEPTH: u32 = 64;
 pub(crate) fn depth_limit(asked: u32, n: usize) -> u32 {
     let auto = 8.0 + 1.3 * ops::log2(n.max(1) as f32);
     if asked == 0 { auto as u32 } else { asked }.min(MAX_DEPTH)
+}
+
+/// Which primitives are in leaves, for `validate`.
+pub(crate) struct Census(BTreeMap<u32, bool>);
+
+impl Census {
+    pub fn new(prims: &[Prim]) -> Self {
+        Self(prims.iter().map(|p| (p.kind.packed().number(), false)).collect())
+    }
+
+    /// Takes note of a leaf, which has to have all of the `needed`.
+    pub fn leaf(&mut self, leaf: &[Packed], needed: &[Prim], depth: u32) -> Result<(), String> {
+        for prim in leaf {
+            *self.0.get_mut(&prim.number()).ok_or_else(|| format!("{:?} is unknown", prim.kind()))? = true;
+        }
+        match needed.iter().find(|p| !leaf.contains(&p.kind.packed())) {
+            Some(p) => Err(format!("{:?} is missing in a leaf at depth {depth}", p.kind)),
+            None if depth > MAX_DEPTH => Err(format!("depth {depth} is more than the stack can hold")),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether every primitive was in a leaf.
+    pub fn end(&self) -> Result<(), String> {
+        match self.0.values().filter(|seen| !**seen).count() {
+            0 => Ok(()),
+            n => Err(format!("{n} primitives are in no leaf")),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -225,7 +225,9 @@ impl Scene {
                 Searcher::Bvh(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Bvh2(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
-                Searcher::Kd(_) | Searcher::Octree(_) | Searcher::Bsp(_) => Ok(()),
+                Searcher::Kd(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Octree(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Bsp(s) => s.validate(&g.prim_bounds(self)),
             };
             sound.map_err(|e| format!("group {i}: {e}"))?;
         }

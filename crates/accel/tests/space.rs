@@ -11,31 +11,16 @@ fn options(structure: Structure) -> Options {
     Options { structure, isa: Isa::Scalar, flight: Flight::One }
 }
 
-/// Partitions with parameters that make them cut as far as they can, and with others.
-fn partitions() -> Vec<Structure> {
-    let kd = KdParams::DEFAULT;
-    let octree = OctreeParams::DEFAULT;
-    let bsp = BspParams::DEFAULT;
-    vec![
-        Structure::Kd(kd),
-        Structure::Kd(KdParams { traversal_cost: 0.01, empty_bonus: 0.9, max_depth: 64, leaf_size: 0, ..kd }),
-        Structure::Kd(KdParams { traversal_cost: 5.0, empty_bonus: 0.0, max_depth: 3, leaf_size: 4, ..kd }),
-        Structure::Kd(KdParams { clip: true, ..kd }),
-        Structure::Kd(KdParams { clip: true, traversal_cost: 0.01, max_depth: 64, leaf_size: 0, ..kd }),
-        Structure::Octree(octree),
-        Structure::Octree(OctreeParams { max_depth: 24, leaf_size: 0, ..octree }),
-        Structure::Octree(OctreeParams { max_depth: 1, ..octree }),
-        Structure::Bsp(bsp),
-        Structure::Bsp(BspParams { candidates: 0, leaf_size: 1, ..bsp }),
-        Structure::Bsp(BspParams {
-            candidates: 30,
-            leaf_size: 0,
-            max_depth: 64,
-            straddle_cost: 0.0,
-            traversal_cost: 0.0,
-            ..bsp
-        }),
-    ]
+/// All kinds, with several settings of their parameters.
+fn trees() -> Vec<Structure> {
+    let mut out = vec![
+        Structure::Kd(KdParams::DEFAULT),
+        Structure::Octree(OctreeParams::DEFAULT),
+        Structure::Bsp(BspParams::DEFAULT),
+    ];
+    out.extend(partitions());
+    out.extend(clipped());
+    out
 }
 
 fn hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
@@ -44,16 +29,17 @@ fn hits(scene: &Scene, rays: &[Ray]) -> Vec<Hit> {
     out
 }
 
-fn bits(h: &Hit) -> (u32, u32, u32, u32, u32) {
-    (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.geometry, h.primitive)
+/// Compares every tree with brute force; returns how many rays hit.
+fn trees_agree(triangles: &[[Vec3; 3]], rays: &[Ray]) -> usize {
+    agree(&trees(), triangles, rays)
 }
 
-/// Compares every partition with brute force; returns how many rays hit.
-fn all_agree(triangles: &[[Vec3; 3]], rays: &[Ray]) -> usize {
+fn agree(trees: &[Structure], triangles: &[[Vec3; 3]], rays: &[Ray]) -> usize {
     let input = world(vec![mesh(triangles)]);
     let expected = hits(&Scene::build(input.clone(), &(), &options(Structure::Brute)).unwrap(), rays);
-    for structure in partitions() {
+    for &structure in trees {
         let scene = Scene::build(input.clone(), &(), &options(structure)).unwrap();
+        scene.validate().unwrap();
         let found = hits(&scene, rays);
         let mut blocked = vec![false; rays.len()];
         scene.occluded(&(), rays, &mut blocked);
@@ -70,7 +56,7 @@ fn soups() {
     for (seed, n) in [(21, 2), (22, 8), (23, 30), (24, 100), (25, 400), (26, 1500)] {
         let mut r = Random(seed);
         let triangles = soup(&mut r, n);
-        let hit = all_agree(&triangles, &rays(&mut r, &triangles, 2000));
+        let hit = trees_agree(&triangles, &rays(&mut r, &triangles, 2000));
         assert!(n < 30 || (hit > 300 && hit < 1990), "{hit} of 2000 rays hit: the test says little");
     }
 }
@@ -87,7 +73,7 @@ fn lattices() {
             Ray::new(o, [axes[r.below(6)], to - o, to * 0.5 + r.grid() * 0.5 - o, r.grid()][i % 4])
         })
         .collect();
-    let hit = all_agree(&triangles, &rays);
+    let hit = trees_agree(&triangles, &rays);
     assert!(hit > 1000, "{hit}");
 }
 
@@ -109,7 +95,7 @@ fn slivers_edge_on() {
             Ray::new(o, [b - a, c - a, inside - o, inside + (b - a) * 0.1 - o][r.below(4)])
         })
         .collect();
-    let hit = all_agree(&triangles, &rays);
+    let hit = trees_agree(&triangles, &rays);
     assert!(hit > 500, "{hit}");
 }
 
@@ -117,7 +103,7 @@ fn slivers_edge_on() {
 /// determinant says of t would be any place along the sliver.
 #[test]
 fn slivers_in_a_crowd() {
-    for seed in 40..46 {
+    for seed in [3026, 3078, 3087] {
         let mut r = Random(seed);
         let mut triangles = Vec::new();
         for _ in 0..100 {
@@ -129,7 +115,7 @@ fn slivers_in_a_crowd() {
             let at = r.point() * 1.5;
             triangles.push([at, at + r.point() * 0.1, at + r.point() * 0.1]);
         }
-        let rays: Vec<Ray> = (0..3000)
+        let rays: Vec<Ray> = (0..4000)
             .map(|_| {
                 let [a, b, c] = triangles[r.below(100)];
                 let u = r.signed() * 0.5 + 0.5;
@@ -138,7 +124,7 @@ fn slivers_in_a_crowd() {
                 Ray::new(inside - d * 0.5, d)
             })
             .collect();
-        let hit = all_agree(&triangles, &rays);
+        let hit = agree(&partitions(), &triangles, &rays);
         assert!(hit > 1000, "{hit}");
     }
 }
@@ -157,7 +143,7 @@ fn far_origins() {
                 Ray::new(to - d * distance, if i % 2 == 0 { d } else { d * distance })
             })
             .collect();
-        all_agree(&triangles, &rays);
+        trees_agree(&triangles, &rays);
     }
 }
 
@@ -179,11 +165,11 @@ fn huge_next_to_tiny() {
             Ray::new(o, [r.direction(), t[0] - o, (t[1] + t[2]) * 0.5 - o][r.below(3)])
         })
         .collect();
-    let hit = all_agree(&triangles, &rays);
+    let hit = trees_agree(&triangles, &rays);
     assert!(hit > 1500, "{hit}");
     triangles.push([Vec3::new(3e38, -3e38, 0.0), Vec3::new(-3e38, -3e38, 0.0), Vec3::new(0.0, 3e38, 1.0)]);
     triangles.push([Vec3::splat(-3e38), Vec3::splat(3e38), Vec3::X]);
-    all_agree(&triangles, &rays);
+    trees_agree(&triangles, &rays);
 }
 
 #[test]
@@ -191,7 +177,7 @@ fn none_escapes_a_closed_mesh() {
     let (positions, indices) = icosphere(4);
     let kind = GeometryKind::Triangles { positions: positions.clone(), indices };
     let input = world(vec![Geometry { kind, mask: u32::MAX }]);
-    for structure in partitions() {
+    for structure in trees() {
         let scene = Scene::build(input.clone(), &(), &options(structure)).unwrap();
         let mut r = Random(31);
         let rays: Vec<Ray> = (0..20_000)
@@ -225,7 +211,7 @@ fn copies_stay_small() {
         })
         .collect();
     for (name, triangles) in [("same", same), ("middle", middle), ("star", star)] {
-        for structure in partitions() {
+        for structure in trees() {
             let scene = Scene::build(world(vec![mesh(&triangles)]), &(), &options(structure)).unwrap();
             let stats = scene.stats()[0].unwrap();
             assert!(stats.depth <= 64, "{name}, {structure:?}: {stats:?}");
@@ -242,9 +228,9 @@ fn copies_stay_small() {
 fn nothing_and_one() {
     let mut r = Random(33);
     let rays = rays(&mut r, &[[Vec3::X, Vec3::Y, Vec3::Z]], 500);
-    assert_eq!(all_agree(&[], &rays), 0);
-    assert!(all_agree(&[[Vec3::X, Vec3::Y, Vec3::Z]], &rays) > 20);
-    for structure in partitions() {
+    assert_eq!(trees_agree(&[], &rays), 0);
+    assert!(trees_agree(&[[Vec3::X, Vec3::Y, Vec3::Z]], &rays) > 20);
+    for structure in trees() {
         let scene = Scene::build(world(vec![]), &(), &options(structure)).unwrap();
         let stats = scene.stats()[0].unwrap();
         assert_eq!((stats.nodes, stats.leaves, stats.references, stats.sah_cost), (0, 1, 0, 0.0));

@@ -1,12 +1,12 @@
 //! Which planes cut a BSP tree.
 
 use super::{
-    BspParams, BspTree, Node,
+    BspParams, BspTree, Node, corners,
     plane::{Plane, Side},
 };
 use crate::{
     partition::{Budget, depth_limit},
-    structure::{Prim, PrimKind},
+    structure::{Packed, Prim, PrimKind},
 };
 use straal_math::{Bounds, DVec3, Vec3};
 
@@ -29,7 +29,7 @@ struct Builder<'a> {
     params: BspParams,
     max_depth: u32,
     nodes: Vec<Node>,
-    references: Vec<PrimKind>,
+    references: Vec<Packed>,
 }
 
 /// A plane with the primitives on both sides of it.
@@ -46,7 +46,7 @@ impl Builder<'_> {
         let chosen = self.choose(&cell, depth).and_then(|cut| Some((budget.share(cut.counts)?, cut)));
         let Some((shares, cut)) = chosen else {
             let first = self.references.len() as u32;
-            self.references.extend(cell.iter().map(|&i| self.prims[i as usize].kind));
+            self.references.extend(cell.iter().map(|&i| self.prims[i as usize].kind.packed()));
             self.nodes.push(Node::Leaf { first, count: cell.len() as u32 });
             return;
         };
@@ -136,6 +136,6 @@ impl Builder<'_> {
     }
 
     fn side(&self, plane: &Plane, prim: u32) -> Side {
-        plane.side(&self.prims[prim as usize].bounds.corners().map(|p| p.as_dvec3()))
+        plane.side(&corners(&self.prims[prim as usize].bounds))
     }
 }

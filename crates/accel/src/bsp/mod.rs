@@ -6,6 +6,7 @@
 //! | `leaf_size` | cells of so few primitives aren't cut |
 //! | `max_depth` | most levels; 0 for 8 + 1.3 log2 n |
 //! | `straddle_cost` | what a primitive on both sides weighs against one too many on one side |
+//! | `mailboxes` | whether a ray remembers what it tested |
 //! | `traversal_cost` | C_t, a step through an inner node |
 //! | `intersection_cost` | C_i, the test of one primitive |
 //!
@@ -37,13 +38,14 @@ use crate::{
     hit::Hit,
     input::Shapes,
     kernel::{Kernel, stack::Stacks},
-    partition::{self, MAX_DEPTH, chance},
+    mailbox::Mailboxes,
+    partition::{self, Census, MAX_DEPTH, chance},
     query::Query,
-    structure::{Place, Prim, PrimKind, Search, Stats},
+    structure::{Packed, Place, Prim, Search, Stats},
 };
 use cell::Cell;
-use plane::{Interval, Line, Plane};
-use straal_math::{Bounds, Vec3, ops};
+use plane::{Interval, Line, Plane, Side};
+use straal_math::{Bounds, DVec3, Vec3, ops};
 
 /// A node. Nodes lie in depth-first order: an inner node's front child comes right after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +62,7 @@ pub(crate) struct BspTree {
     bounds: Bounds,
     /// Never empty; the root is the first.
     nodes: Vec<Node>,
-    references: Vec<PrimKind>,
+    references: Vec<Packed>,
     params: BspParams,
 }
 
@@ -77,13 +79,35 @@ impl BspTree {
         build::build(prims, params, &vertices)
     }
 
+    /// Every primitive in all leaves that its box touches, no deeper than the stack allows.
+    pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
+        let mut census = Census::new(prims);
+        let mut stack = vec![(0_u32, prims.to_vec(), 0)];
+        while let Some((node, needed, depth)) = stack.pop() {
+            match &self.nodes[node as usize] {
+                Node::Leaf { first, count } => {
+                    let leaf = &self.references[*first as usize..][..*count as usize];
+                    census.leaf(leaf, &needed, depth)?;
+                }
+                Node::Inner { plane, back } => {
+                    let part = |not: Side| {
+                        needed.iter().filter(|p| plane.side(&corners(&p.bounds)) != not).copied().collect()
+                    };
+                    stack.push((node + 1, part(Side::Back), depth + 1));
+                    stack.push((*back, part(Side::Front), depth + 1));
+                }
+            }
+        }
+        census.end()
+    }
+
     /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
     #[inline(always)]
     fn walk<K: Kernel, S: Shapes, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
-        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[PrimKind]) -> f32,
+        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
     ) {
         let Some((enter, exit)) = partition::interval(&self.bounds, at.ray) else { return };
         let line = Line::new(at.ray);
@@ -125,6 +149,10 @@ impl BspTree {
     }
 }
 
+fn corners(b: &Bounds) -> [DVec3; 8] {
+    b.corners().map(|p| p.as_dvec3())
+}
+
 impl Search for BspTree {
     #[inline(always)]
     fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
@@ -133,10 +161,9 @@ impl Search for BspTree {
         at: &Place<'_>,
         best: &mut Hit,
     ) {
+        let mut tested = Mailboxes::new(self.params.mailboxes);
         self.walk(q, at, |q, leaf| {
-            for &prim in leaf {
-                q.prim_closest(at, prim, best);
-            }
+            tested.closest(q, at, leaf, best);
             best.t
         });
     }
@@ -147,9 +174,10 @@ impl Search for BspTree {
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
     ) -> bool {
+        let mut tested = Mailboxes::new(self.params.mailboxes);
         let mut found = false;
         self.walk(q, at, |q, leaf| {
-            found = leaf.iter().any(|&prim| q.prim_occluded(at, prim));
+            found = tested.occluded(q, at, leaf);
             if found { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         found

@@ -11,6 +11,8 @@ pub struct BspParams {
     pub max_depth: u32,
     /// What a primitive across a plane weighs against one too many on one side.
     pub straddle_cost: f64,
+    /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
+    pub mailboxes: bool,
     /// Cost of a step through an inner node.
     pub traversal_cost: f64,
     /// Cost of the test of one primitive.
@@ -24,6 +26,7 @@ impl BspParams {
         leaf_size: 4,
         max_depth: 0,
         straddle_cost: 4.0,
+        mailboxes: true,
         traversal_cost: 1.5,
         intersection_cost: 1.0,
     };

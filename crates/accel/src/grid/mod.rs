@@ -22,6 +22,7 @@ use crate::{
     hit::Hit,
     input::Shapes,
     kernel::Kernel,
+    mailbox::Mailboxes,
     query::Query,
     structure::{Packed, Place, Search, Stats},
 };
@@ -98,34 +99,6 @@ impl Grid {
     }
 }
 
-/// The primitives that a ray tested last, a place for each remainder of their numbers. It belongs to the search, not to
-/// the primitives, so that rays on any number of threads share nothing.
-struct Mailboxes {
-    last: [Packed; Self::PLACES],
-    on: bool,
-}
-
-impl Mailboxes {
-    const PLACES: usize = 32;
-
-    #[inline(always)]
-    const fn new(on: bool) -> Self {
-        Self { last: [Packed::NONE; Self::PLACES], on }
-    }
-
-    /// Whether the primitive is known to have been tested; from this call on it is.
-    #[inline(always)]
-    fn was_tested(&mut self, prim: Packed) -> bool {
-        if !self.on {
-            return false;
-        }
-        let place = &mut self.last[prim.number() as usize % Self::PLACES];
-        let known = *place == prim;
-        *place = prim;
-        known
-    }
-}
-
 impl Search for Grid {
     #[inline(always)]
     fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
@@ -138,13 +111,7 @@ impl Search for Grid {
         q.count_node(1);
         self.march(at.ray, best.t, |cell| {
             q.count_node(0);
-            for &prim in self.list(cell) {
-                if tested.was_tested(prim) {
-                    q.count_duplicate();
-                } else {
-                    q.prim_closest(at, prim.kind(), best);
-                }
-            }
+            tested.closest(q, at, self.list(cell), best);
             Some(best.t)
         });
     }
@@ -160,15 +127,8 @@ impl Search for Grid {
         q.count_node(1);
         self.march(at.ray, at.ray.ray.t_max, |cell| {
             q.count_node(0);
-            for &prim in self.list(cell) {
-                if tested.was_tested(prim) {
-                    q.count_duplicate();
-                } else if q.prim_occluded(at, prim.kind()) {
-                    found = true;
-                    return None;
-                }
-            }
-            Some(at.ray.ray.t_max)
+            found = tested.occluded(q, at, self.list(cell));
+            (!found).then_some(at.ray.ray.t_max)
         });
         found
     }

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     partition::{self, Budget, depth_limit},
-    structure::{Prim, PrimKind},
+    structure::{Packed, Prim, PrimKind},
 };
 use straal_math::{Bounds, Vec3};
 
@@ -80,7 +80,7 @@ struct Builder<'a> {
     /// By primitive, where it lies from the latest cut; of use while that is made.
     sides: Vec<Side>,
     nodes: Vec<Node>,
-    references: Vec<PrimKind>,
+    references: Vec<Packed>,
 }
 
 impl Builder<'_> {
@@ -116,7 +116,7 @@ impl Builder<'_> {
         let mut prims: Vec<u32> = cell.prims().collect();
         prims.sort_unstable();
         let first = self.references.len() as u32;
-        self.references.extend(prims.iter().map(|&i| self.prims[i as usize].kind));
+        self.references.extend(prims.iter().map(|&i| self.prims[i as usize].kind.packed()));
         self.nodes.push(Node::Leaf { first, count: prims.len() as u32 });
     }
 

@@ -8,6 +8,7 @@
 //! | `max_depth` | most levels; 0 for 8 + 1.3 log2 n |
 //! | `leaf_size` | cells of so few primitives aren't cut |
 //! | `clip` | boxes of triangles are those of their part inside the cell ("perfect splits") |
+//! | `mailboxes` | whether a ray remembers what it tested |
 //!
 //! # Where to cut
 //! A line that meets a convex cell V meets a convex part V_L of it with the probability A(V_L) / A(V), A being the
@@ -44,9 +45,10 @@ use crate::{
     hit::Hit,
     input::Shapes,
     kernel::{Kernel, stack::Stacks},
-    partition::{self, MAX_DEPTH, chance, crossing, early, half_area, late},
+    mailbox::Mailboxes,
+    partition::{self, Census, MAX_DEPTH, chance, crossing, early, half_area, late},
     query::Query,
-    structure::{Place, Prim, PrimKind, Search, Stats},
+    structure::{Packed, Place, Prim, PrimKind, Search, Stats},
 };
 use straal_math::{Bounds, Vec3, ops};
 
@@ -66,7 +68,7 @@ pub(crate) struct KdTree {
     /// Never empty; the root is the first.
     nodes: Vec<Node>,
     /// The primitives of the leaves, one leaf after the other.
-    references: Vec<PrimKind>,
+    references: Vec<Packed>,
     params: KdParams,
 }
 
@@ -84,7 +86,30 @@ impl KdTree {
         build::build(prims, params, &vertices)
     }
 
-    fn leaf(&self, first: u32, count: u32) -> &[PrimKind] {
+    /// Every primitive in all leaves that its box reaches into, no deeper than the stack allows. With `clip`, triangles
+    /// in some leaf.
+    pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
+        let mut census = Census::new(prims);
+        let is_needed = |p: &&Prim| !self.params.clip || matches!(p.kind, PrimKind::Object(_));
+        let needed: Vec<Prim> = prims.iter().filter(is_needed).copied().collect();
+        let mut stack = vec![(0, needed, 0)];
+        while let Some((node, needed, depth)) = stack.pop() {
+            match self.nodes[node as usize] {
+                Node::Leaf { first, count } => census.leaf(self.leaf(first, count), &needed, depth)?,
+                Node::Inner { axis, plane, upper } => {
+                    let axis = usize::from(axis);
+                    let part = |is_in: &dyn Fn(&Bounds) -> bool| {
+                        needed.iter().filter(|p| is_in(&p.bounds)).copied().collect()
+                    };
+                    stack.push((node + 1, part(&|b| b.min[axis] < plane), depth + 1));
+                    stack.push((upper, part(&|b| b.max[axis] > plane), depth + 1));
+                }
+            }
+        }
+        census.end()
+    }
+
+    fn leaf(&self, first: u32, count: u32) -> &[Packed] {
         &self.references[first as usize..][..count as usize]
     }
 
@@ -94,7 +119,7 @@ impl KdTree {
         &self,
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
-        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[PrimKind]) -> f32,
+        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
     ) {
         let Some((enter, exit)) = partition::interval(&self.bounds, at.ray) else { return };
         let mut stack = Stacks::<Todo, { MAX_DEPTH as usize + 1 }, 1>::new();
@@ -149,10 +174,9 @@ impl Search for KdTree {
         at: &Place<'_>,
         best: &mut Hit,
     ) {
+        let mut tested = Mailboxes::new(self.params.mailboxes);
         self.walk(q, at, |q, leaf| {
-            for &prim in leaf {
-                q.prim_closest(at, prim, best);
-            }
+            tested.closest(q, at, leaf, best);
             best.t
         });
     }
@@ -163,9 +187,10 @@ impl Search for KdTree {
         q: &mut Query<'_, K, S, COUNT>,
         at: &Place<'_>,
     ) -> bool {
+        let mut tested = Mailboxes::new(self.params.mailboxes);
         let mut found = false;
         self.walk(q, at, |q, leaf| {
-            found = leaf.iter().any(|&prim| q.prim_occluded(at, prim));
+            found = tested.occluded(q, at, leaf);
             if found { f32::NEG_INFINITY } else { f32::INFINITY }
         });
         found

@@ -15,6 +15,8 @@ pub struct KdParams {
     pub leaf_size: u32,
     /// Whether the boxes of triangles are those of their part inside the cell.
     pub clip: bool,
+    /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
+    pub mailboxes: bool,
 }
 
 impl KdParams {
@@ -26,6 +28,7 @@ impl KdParams {
         max_depth: 0,
         leaf_size: 1,
         clip: false,
+        mailboxes: true,
     };
 }
 

@@ -163,8 +163,38 @@ pub fn all_structures() -> Vec<Structure> {
         tree(Split::Agglomerative, 1),
         tree(Split::Agglomerative, 6),
     ]);
+    out.extend(partitions());
     out.extend([grid(0.5, false, 1 << 16), grid(5.0, true, 1 << 12), grid(1.0, true, 1)]);
     out
+}
+
+/// Kd-trees, octrees and BSP trees that cut as far as they can, and others that hardly do.
+pub fn partitions() -> Vec<Structure> {
+    let (kd, octree, bsp) = (KdParams::DEFAULT, OctreeParams::DEFAULT, BspParams::DEFAULT);
+    vec![
+        Structure::Kd(KdParams { traversal_cost: 0.01, empty_bonus: 0.9, max_depth: 64, leaf_size: 0, ..kd }),
+        Structure::Kd(KdParams { mailboxes: false, empty_bonus: 0.0, max_depth: 3, ..kd }),
+        Structure::Octree(OctreeParams { max_depth: 24, leaf_size: 0, mailboxes: false, ..octree }),
+        Structure::Octree(OctreeParams { max_depth: 1, ..octree }),
+        Structure::Bsp(BspParams { candidates: 0, leaf_size: 1, mailboxes: false, ..bsp }),
+        Structure::Bsp(BspParams {
+            candidates: 30,
+            leaf_size: 0,
+            max_depth: 64,
+            straddle_cost: 0.0,
+            traversal_cost: 0.0,
+            ..bsp
+        }),
+    ]
+}
+
+/// Kd-trees whose triangles are clipped.
+pub fn clipped() -> Vec<Structure> {
+    let kd = KdParams { clip: true, ..KdParams::DEFAULT };
+    vec![
+        Structure::Kd(kd),
+        Structure::Kd(KdParams { traversal_cost: 0.01, max_depth: 64, leaf_size: 0, ..kd }),
+    ]
 }
 
 /// Every structure with every instruction set that this processor has; those that don't use its vectors with the first

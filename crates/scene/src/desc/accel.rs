@@ -122,6 +122,8 @@ describe! {
         leaf_size: u32 [Limit::within(1.0, 65536.0)] = 1,
         /// Whether a cut triangle counts with the box of its part in the cell alone.
         clip: bool = false,
+        /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
+        mailboxes: bool = true,
     }
 }
 
@@ -132,6 +134,8 @@ describe! {
         max_depth: u32 [Limit::within(0.0, 24.0)] = 12,
         /// Cells of so few primitives are left alone.
         leaf_size: u32 [Limit::within(1.0, 65536.0)] = 8,
+        /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
+        mailboxes: bool = true,
         /// Cost of a step through a node, beside `intersection_cost`; for the reported cost alone.
         traversal_cost: f64 [COST] = 1.0,
         /// Cost of the test of one primitive; for the reported cost alone.
@@ -150,6 +154,8 @@ describe! {
         max_depth: u32 [Limit::within(0.0, 64.0)] = 0,
         /// What a primitive on both sides of a plane weighs against one too many on one side.
         straddle_cost: f64 [COST] = 4.0,
+        /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
+        mailboxes: bool = true,
         /// Cost of a step through a node, beside `intersection_cost`.
         traversal_cost: f64 [COST] = 1.5,
         /// Cost of the test of one primitive.

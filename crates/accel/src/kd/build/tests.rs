@@ -111,7 +111,7 @@ impl Naive<'_> {
             let mut prims: Vec<u32> = rest.parts.iter().map(|p| p.0).collect();
             prims.sort_unstable();
             let first = self.0.references.len() as u32;
-            self.0.references.extend(prims.iter().map(|&i| self.0.prims[i as usize].kind));
+            self.0.references.extend(prims.iter().map(|&i| self.0.prims[i as usize].kind.packed()));
             self.0.nodes.push(Node::Leaf { first, count: n as u32 });
             return;
         };
