@@ -19,20 +19,33 @@
 #![deny(unsafe_code)]
 
 mod brute;
+mod bsp;
 mod bvh;
+mod bvh2;
+mod grid;
 mod hit;
 mod input;
 mod isa;
+mod kd;
 mod kernel;
 mod local;
+mod mailbox;
+mod octree;
+mod partition;
 mod query;
 mod scene;
 mod slab;
 mod structure;
 mod triangle;
 
+pub use bsp::BspParams;
+pub use bvh::params::{Build, BvhParams};
+pub use bvh2::{Bvh2Params, Split};
+pub use grid::GridParams;
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;
+pub use kd::KdParams;
+pub use octree::OctreeParams;
 pub use scene::{Flight, Options, Scene};
 pub use structure::{Stats, Structure, UnknownName};

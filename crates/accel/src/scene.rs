@@ -2,18 +2,24 @@
 
 use crate::{
     brute::Brute,
+    bsp::BspTree,
     bvh::Bvh,
+    bvh2::Bvh2,
+    grid::Grid,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
     isa::Isa,
-    kernel, slab,
+    kd::KdTree,
+    kernel,
+    octree::Octree,
+    slab,
     structure::{Prim, PrimKind, Search, Searcher, Stats, Structure, each},
     triangle,
 };
 use straal_math::{Bounds, Ray, Transform, Vec3};
 
 /// How a scene is built and searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// The search structure of every group.
     pub structure: Structure,
@@ -212,12 +218,19 @@ impl Scene {
         kernel::occluded_counted(self, shapes, ray)
     }
 
-    /// Checks what searches rely on, for tests: every primitive in one leaf, inside the boxes above it.
+    /// Checks what searches rely on, for tests: every primitive where it can be found.
     pub fn validate(&self) -> Result<(), String> {
         for (i, g) in self.groups.iter().enumerate() {
-            if let Searcher::Bvh(bvh) = &g.searcher {
-                bvh.validate(&g.prim_bounds(self)).map_err(|e| format!("group {i}: {e}"))?;
-            }
+            let sound = match &g.searcher {
+                Searcher::Brute(_) => Ok(()),
+                Searcher::Bvh(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Bvh2(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Kd(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Octree(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Bsp(s) => s.validate(&g.prim_bounds(self)),
+            };
+            sound.map_err(|e| format!("group {i}: {e}"))?;
         }
         Ok(())
     }
@@ -321,7 +334,18 @@ impl Scene {
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
         data.searcher = match options.structure {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
-            Structure::Bvh => Searcher::Bvh(Bvh::build(&prims, |id| self.vertices(&data, id))),
+            Structure::Bvh(params) => {
+                Searcher::Bvh(Bvh::build(&prims, &params, |id| self.vertices(&data, id)))
+            }
+            Structure::Bvh2(params) => Searcher::Bvh2(Bvh2::build(&prims, &params)),
+            Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),
+            Structure::Kd(params) => {
+                Searcher::Kd(KdTree::build(&prims, &params, |id| self.vertices(&data, id)))
+            }
+            Structure::Octree(params) => Searcher::Octree(Octree::build(&prims, &params)),
+            Structure::Bsp(params) => {
+                Searcher::Bsp(BspTree::build(&prims, &params, |id| self.vertices(&data, id)))
+            }
         };
         Ok((data, dropped))
     }

@@ -1,32 +1,71 @@
 //! The search structures, and the contract they share.
 
 use crate::{
-    brute::Brute, bvh::Bvh, hit::Chain, hit::Hit, input::Shapes, kernel::Kernel, local::LocalRay,
-    query::Query, scene::GroupData,
+    brute::Brute,
+    bsp::{BspParams, BspTree},
+    bvh::{Bvh, params::BvhParams},
+    bvh2::{Bvh2, Bvh2Params},
+    grid::{Grid, GridParams},
+    hit::{Chain, Hit},
+    input::Shapes,
+    kd::{KdParams, KdTree},
+    kernel::Kernel,
+    local::LocalRay,
+    octree::{Octree, OctreeParams},
+    query::Query,
+    scene::GroupData,
 };
 use std::{fmt, str::FromStr};
 use straal_math::{Bounds, Ray};
 
-/// A way to search a group. All give the same hits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+/// A way to search a group, with its parameters. All give the same hits.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Structure {
     /// Every primitive against every ray: the reference.
     Brute,
     /// A tree of boxes, eight wide, built by the surface area heuristic.
-    #[default]
-    Bvh,
+    Bvh(BvhParams),
+    /// A binary tree of boxes, built as the textbook builds it.
+    Bvh2(Bvh2Params),
+    /// A uniform grid.
+    Grid(GridParams),
+    /// Space cut in two by planes at right angles to the axes, where the surface area heuristic wants it.
+    Kd(KdParams),
+    /// Space cut in eight, again and again.
+    Octree(OctreeParams),
+    /// Space cut in two by the planes of the triangles.
+    Bsp(BspParams),
+}
+
+impl Default for Structure {
+    fn default() -> Self {
+        Self::Bvh(BvhParams::DEFAULT)
+    }
 }
 
 impl Structure {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Brute, Self::Bvh];
+    /// One of each kind, with its default parameters.
+    pub const ALL: [Self; 7] = [
+        Self::Brute,
+        Self::Bvh(BvhParams::DEFAULT),
+        Self::Bvh2(Bvh2Params::DEFAULT),
+        Self::Grid(GridParams::DEFAULT),
+        Self::Kd(KdParams::DEFAULT),
+        Self::Octree(OctreeParams::DEFAULT),
+        Self::Bsp(BspParams::DEFAULT),
+    ];
 
-    /// The name as it is typed.
+    /// The name of the kind as it is typed.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
-            Self::Bvh => "bvh",
+            Self::Bvh(_) => "bvh",
+            Self::Bvh2(_) => "bvh2",
+            Self::Grid(_) => "grid",
+            Self::Kd(_) => "kd",
+            Self::Octree(_) => "octree",
+            Self::Bsp(_) => "bsp",
         }
     }
 }
@@ -37,6 +76,7 @@ impl fmt::Display for Structure {
     }
 }
 
+/// The name of a kind stands for it with its default parameters.
 impl FromStr for Structure {
     type Err = UnknownName;
 
@@ -76,6 +116,43 @@ pub(crate) enum PrimKind {
     Triangle(u32),
     /// Index into the group's objects: a shape or an instance.
     Object(u32),
+}
+
+impl PrimKind {
+    /// The same in 32 bits.
+    #[inline(always)]
+    pub const fn packed(self) -> Packed {
+        match self {
+            Self::Triangle(id) => Packed(id),
+            Self::Object(id) => Packed(id | Packed::OBJECT),
+        }
+    }
+}
+
+/// A [`PrimKind`] in 32 bits: numbers take 30 of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct Packed(u32);
+
+impl Packed {
+    const OBJECT: u32 = 1 << 31;
+
+    /// No primitive's.
+    pub const NONE: Self = Self(u32::MAX);
+
+    #[inline(always)]
+    pub const fn kind(self) -> PrimKind {
+        match self.0 & Self::OBJECT {
+            0 => PrimKind::Triangle(self.0),
+            _ => PrimKind::Object(self.0 & !Self::OBJECT),
+        }
+    }
+
+    /// A number that no other primitive of the group has.
+    #[inline(always)]
+    pub const fn number(self) -> u32 {
+        self.0
+    }
 }
 
 /// What every structure over a group's bounded primitives offers.
@@ -158,6 +235,11 @@ pub(crate) struct Place<'a> {
 pub(crate) enum Searcher {
     Brute(Brute),
     Bvh(Bvh),
+    Bvh2(Bvh2),
+    Grid(Grid),
+    Kd(KdTree),
+    Octree(Octree),
+    Bsp(BspTree),
 }
 
 /// Does the same with whichever structure it is.
@@ -166,6 +248,11 @@ macro_rules! each {
         match $searcher {
             $crate::structure::Searcher::Brute($s) => $body,
             $crate::structure::Searcher::Bvh($s) => $body,
+            $crate::structure::Searcher::Bvh2($s) => $body,
+            $crate::structure::Searcher::Grid($s) => $body,
+            $crate::structure::Searcher::Kd($s) => $body,
+            $crate::structure::Searcher::Octree($s) => $body,
+            $crate::structure::Searcher::Bsp($s) => $body,
         }
     };
 }

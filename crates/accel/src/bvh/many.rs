@@ -10,7 +10,7 @@ use super::{Bvh, Child, STACK, class, near::Near};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
-    kernel::{Children, Kernel, stack::Stack},
+    kernel::{Children, Kernel, descent::Descent},
     local::LocalRay,
     query::Query,
     scene::GroupData,
@@ -81,7 +81,7 @@ impl Bvh {
         let near = Near::new(&Hit::limit(0.0));
         let idle = Flight { ray: idle_ray, near, best: Hit::MISS, child: Child::DONE, index: usize::MAX };
         let mut flights = [idle; FLIGHT];
-        let mut stacks = Stack::many::<FLIGHT>();
+        let mut stacks = Descent::many::<FLIGHT>();
         let mut queues = [Queue::EMPTY; 4];
         for lane in 0..FLIGHT {
             queues[class::DONE].push(lane as u8);

@@ -6,11 +6,13 @@ mod build;
 mod many;
 mod near;
 mod packet;
+pub mod params;
 mod stats;
 mod traverse;
 mod validate;
 
 use crate::structure::Prim;
+use params::BvhParams;
 use straal_math::{Bounds, Vec3};
 
 /// Boxes in a node, triangles in a block.
@@ -187,7 +189,7 @@ impl Bvh {
     }
 
     /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.
-    pub fn build(prims: &[Prim], vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {
+    pub fn build(prims: &[Prim], _params: &BvhParams, vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {
         build::build(prims, &vertices)
     }
 }

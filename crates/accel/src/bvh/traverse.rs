@@ -4,7 +4,7 @@ use super::{Block, Bvh, ChildKind, Node, WIDTH, near::Near, packet::PACKET};
 use crate::{
     hit::Hit,
     input::Shapes,
-    kernel::{Kernel, stack::Stack},
+    kernel::{Kernel, descent::Descent},
     local::LocalRay,
     query::Query,
     scene::GroupData,
@@ -138,7 +138,7 @@ impl Bvh {
         ray: &LocalRay,
         node: &Node,
         limit: f32,
-        stack: &mut Stack,
+        stack: &mut Descent,
     ) -> Option<super::Child> {
         let found = kernel.node(ray, node, limit);
         let mut mask = found.mask;
@@ -182,7 +182,7 @@ impl Search for Bvh {
     ) {
         let Some(mut child) = self.root else { return };
         let mut near = Near::new(best);
-        let mut stack = Stack::new();
+        let mut stack = Descent::new();
         loop {
             match child.kind() {
                 ChildKind::Node(i) => {
@@ -217,7 +217,7 @@ impl Search for Bvh {
         at: &Place<'_>,
     ) -> bool {
         let Some(mut child) = self.root else { return false };
-        let mut stack = Stack::new();
+        let mut stack = Descent::new();
         loop {
             let found = match child.kind() {
                 ChildKind::Node(i) => {

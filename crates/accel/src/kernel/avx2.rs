@@ -4,7 +4,7 @@
 //!
 //! Safety: an [`Avx2`] is made only where the processor has AVX2, BMI1 and BMI2, which all functions here need.
 
-use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points, stack::Stack};
+use super::{Children, Kernel, Lanes, NOT_ENTERED, descent::Descent, entry::entry_points};
 use crate::{
     bvh::{Block, Child, Node},
     local::LocalRay,
@@ -42,13 +42,13 @@ impl Kernel for Avx2 {
     fn entered(self, r: &LocalRay, node: &Node) -> u32 {
         // SAFETY: see the head of the file.
         unsafe {
-            let (enter, exit) = interval(r, node, r.ray.t_max);
+            let (enter, exit) = interval(r, node, r.leave);
             _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32
         }
     }
 
     #[inline(always)]
-    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child {
+    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child {
         // SAFETY: see the head of the file. Eight numbers are read from an array of eight.
         unsafe {
             let keys = _mm256_loadu_si256((&raw const found.keys).cast());
@@ -57,13 +57,13 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child {
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child {
         // SAFETY: see the head of the file.
         unsafe { descend_to(node, mask.trailing_zeros() & 7, mask, _mm256_setzero_si256(), stack) }
     }
 
     #[inline(always)]
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack) {
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent) {
         // SAFETY: see the head of the file.
         unsafe { push_sorted(node, found, stack) }
     }
@@ -166,7 +166,7 @@ pub(super) unsafe fn least(keys: __m256i) -> u32 {
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-unsafe fn descend_to(node: &Node, first: u32, entered: u32, keys: __m256i, stack: &mut Stack) -> Child {
+unsafe fn descend_to(node: &Node, first: u32, entered: u32, keys: __m256i, stack: &mut Descent) -> Child {
     let others = entered & !(1 << first);
     let any = (entered as usize + 255) >> 8;
     let chosen = node.children[(first & 7) as usize];
@@ -189,7 +189,7 @@ unsafe fn descend_to(node: &Node, first: u32, entered: u32, keys: __m256i, stack
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-pub(super) unsafe fn push_sorted(node: &Node, found: &Children, stack: &mut Stack) {
+pub(super) unsafe fn push_sorted(node: &Node, found: &Children, stack: &mut Descent) {
     let mut keys = [0; 8];
     // SAFETY: the caller's promise; eight numbers are read from an array of eight, and written to one.
     unsafe {

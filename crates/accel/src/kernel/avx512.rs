@@ -7,8 +7,8 @@
 use super::{
     Children, Kernel, Lanes, NOT_ENTERED,
     avx2::{block_avx2, inside_avx2, interval, keys, least, push_sorted},
+    descent::Descent,
     entry::entry_points,
-    stack::Stack,
 };
 use crate::{
     bvh::{Block, Child, Node},
@@ -48,13 +48,13 @@ impl Kernel for Avx512 {
     fn entered(self, r: &LocalRay, node: &Node) -> u32 {
         // SAFETY: see the head of the file.
         unsafe {
-            let (enter, exit) = interval(r, node, r.ray.t_max);
+            let (enter, exit) = interval(r, node, r.leave);
             u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit))
         }
     }
 
     #[inline(always)]
-    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child {
+    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child {
         // SAFETY: see the head of the file. Eight numbers are read from an array of eight.
         unsafe {
             let keys = _mm256_loadu_si256((&raw const found.keys).cast());
@@ -63,7 +63,7 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child {
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child {
         // SAFETY: see the head of the file.
         unsafe {
             let first = mask.trailing_zeros() & 7;
@@ -72,7 +72,7 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack) {
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent) {
         // SAFETY: an `Avx512` is made only where there is AVX2 too.
         unsafe { push_sorted(node, found, stack) }
     }
@@ -102,7 +102,13 @@ impl Kernel for Avx512 {
 /// # Safety
 /// The processor must have AVX-512 F and VL.
 #[inline(always)]
-unsafe fn descend_to(node: &Node, first: u32, entered: __mmask8, keys: __m256i, stack: &mut Stack) -> Child {
+unsafe fn descend_to(
+    node: &Node,
+    first: u32,
+    entered: __mmask8,
+    keys: __m256i,
+    stack: &mut Descent,
+) -> Child {
     let others = entered & !(1 << first);
     let any = (usize::from(entered) + 255) >> 8;
     let chosen = node.children[(first & 7) as usize];

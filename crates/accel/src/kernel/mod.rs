@@ -8,6 +8,7 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+pub(crate) mod descent;
 mod entry;
 mod scalar;
 #[cfg(target_arch = "x86_64")]
@@ -23,7 +24,7 @@ use crate::{
     scene::Scene,
     structure::{Place, Search, each},
 };
-use stack::Stack;
+use descent::Descent;
 use straal_math::Ray;
 
 /// Which of a node's children a ray enters.
@@ -81,13 +82,13 @@ pub(crate) trait Kernel: Copy {
 
     /// One step down: the nearest child that was found entered, while the others are pushed; if there is none, what is on
     /// top of the stack.
-    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child;
+    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child;
 
     /// The same with any child, and without keys.
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child;
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child;
 
     /// Pushes the children that were found entered, the farthest first.
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack);
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent);
 
     /// The triangles that the ray's line may cross. No other is hit.
     fn inside(self, r: &LocalRay, block: &Block) -> u32;
@@ -122,7 +123,7 @@ pub(crate) trait Kernel: Copy {
 
 /// [`Kernel::push_sorted`] of kernels without a sort of their own.
 #[inline(always)]
-fn push_by_insertion(node: &Node, found: &Children, stack: &mut Stack) {
+fn push_by_insertion(node: &Node, found: &Children, stack: &mut Descent) {
     let mut mask = found.mask;
     let mut sorted = [0; 8];
     let mut count = 0_usize;
@@ -144,14 +145,14 @@ fn push_by_insertion(node: &Node, found: &Children, stack: &mut Stack) {
 
 /// [`Kernel::descend`] of kernels that gain nothing by doing without branches.
 #[inline(always)]
-fn descend_sorted(node: &Node, found: &Children, stack: &mut Stack) -> Child {
+fn descend_sorted(node: &Node, found: &Children, stack: &mut Descent) -> Child {
     push_by_insertion(node, found, stack);
     stack.pop()
 }
 
 /// [`Kernel::descend_any`] of the same.
 #[inline(always)]
-fn descend_by_mask(node: &Node, mut mask: u32, stack: &mut Stack) -> Child {
+fn descend_by_mask(node: &Node, mut mask: u32, stack: &mut Descent) -> Child {
     while mask != 0 {
         stack.push(0, node.children[(mask.trailing_zeros() & 7) as usize]);
         mask &= mask - 1;

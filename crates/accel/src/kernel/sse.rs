@@ -5,8 +5,8 @@
 //! Safety: an [`Sse`] is made only where the processor has SSE4.2.
 
 use super::{
-    Children, Kernel, Lanes, NOT_ENTERED, descend_by_mask, descend_sorted, entry::entry_points,
-    push_by_insertion, stack::Stack,
+    Children, Kernel, Lanes, NOT_ENTERED, descend_by_mask, descend_sorted, descent::Descent,
+    entry::entry_points, push_by_insertion,
 };
 use crate::{
     bvh::{Block, Child, Node},
@@ -54,21 +54,21 @@ impl Kernel for Sse {
 
     #[inline(always)]
     fn entered(self, r: &LocalRay, node: &Node) -> u32 {
-        self.node(r, node, r.ray.t_max).mask
+        self.node(r, node, r.leave).mask
     }
 
     #[inline(always)]
-    fn descend(self, node: &Node, found: &Children, stack: &mut Stack) -> Child {
+    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child {
         descend_sorted(node, found, stack)
     }
 
     #[inline(always)]
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Stack) -> Child {
+    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child {
         descend_by_mask(node, mask, stack)
     }
 
     #[inline(always)]
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Stack) {
+    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent) {
         push_by_insertion(node, found, stack);
     }
 

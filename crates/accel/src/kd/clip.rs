@@ -1,0 +1,125 @@
+//! The box of a triangle's part in a cell: "perfect splits" (Havran 2000; Wald and Havran 2006, section 3.2).
+//!
+//! # Exactness
+//! The part's box isn't the triangle's, so that the moment of `partition.rs`, where the ray enters the triangle's own box, may lie
+//! outside. For a clipped triangle the moment is the t of its hit. Let e be the rounding unit of single precision and
+//! L the triangle's longest extent. The routine in `triangle.rs` moves vertices by a few e (|distance along the axis| + L), so
+//! that the ray at t lies, along each axis, within a few e (|t d| + L) of a point p of the triangle. The former is part of the
+//! crossing of a plane, and covered by `early` and `late`. For the latter the triangle is clipped to the cell grown by
+//! twice [`PAD`] L, and the box of what remains is grown by as much. So, while the search follows the cells whose interval has
+//! the moment, p lies in the cell or within `PAD` L of it: if it lies further than that below a plane, the box grown around
+//! the part below reaches no further than the part above allows, and the search's side is the one below (as in `partition.rs`,
+//! with the box of edge 2 `PAD` L around p in the place of the primitive's own).
+
+use straal_math::{Bounds, Vec3};
+
+/// In units of the triangle's longest extent.
+const PAD: f64 = 32.0 * f32::EPSILON as f64;
+
+/// A triangle cut by six planes has at most nine corners.
+const CORNERS: usize = 9;
+
+/// A convex polygon.
+#[derive(Clone, Copy)]
+struct Polygon {
+    corners: [[f64; 3]; CORNERS],
+    count: usize,
+}
+
+impl Polygon {
+    fn corners(&self) -> &[[f64; 3]] {
+        &self.corners[..self.count]
+    }
+
+    /// The part where `sign` times the coordinate is at most `sign` times `plane` (Sutherland and Hodgman 1974).
+    fn cut(&self, axis: usize, plane: f64, sign: f64) -> Self {
+        let mut out = Self { corners: [[0.0; 3]; CORNERS], count: 0 };
+        let mut add = |p: [f64; 3]| {
+            // Rounding can't make a convex polygon have more corners, but this is no place to find out.
+            if let Some(slot) = out.corners.get_mut(out.count) {
+                *slot = p;
+                out.count += 1;
+            }
+        };
+        let corners = self.corners();
+        for (i, a) in corners.iter().enumerate() {
+            let b = &corners[(i + 1) % corners.len()];
+            let (above_a, above_b) = ((a[axis] - plane) * sign, (b[axis] - plane) * sign);
+            if above_a <= 0.0 {
+                add(*a);
+            }
+            if (above_a < 0.0 && above_b > 0.0) || (above_a > 0.0 && above_b < 0.0) {
+                let s = above_a / (above_a - above_b);
+                let mut p: [f64; 3] = std::array::from_fn(|i| a[i] + (b[i] - a[i]) * s);
+                p[axis] = plane;
+                add(p);
+            }
+        }
+        out
+    }
+}
+
+/// The box of a triangle's part in a cell, inside of that cell; `None` when there is no such part.
+pub(super) fn part(v: &[Vec3; 3], cell: &Bounds) -> Option<Bounds> {
+    let mut polygon = Polygon { corners: [[0.0; 3]; CORNERS], count: 3 };
+    for (to, from) in polygon.corners.iter_mut().zip(v) {
+        *to = from.to_array().map(f64::from);
+    }
+    let pad = 2.0 * PAD * longest(polygon.corners());
+    for axis in 0..3 {
+        polygon = polygon.cut(axis, f64::from(cell.max[axis]) + pad, 1.0);
+        polygon = polygon.cut(axis, f64::from(cell.min[axis]) - pad, -1.0);
+    }
+    if polygon.count == 0 {
+        return None;
+    }
+    let mut out = Bounds::EMPTY;
+    for axis in 0..3 {
+        let (low, high) = range(polygon.corners(), axis);
+        // Conversion rounds to the nearest.
+        out.min[axis] = ((low - pad) as f32).next_down();
+        out.max[axis] = ((high + pad) as f32).next_up();
+    }
+    let out = out.intersection(*cell);
+    (!out.is_empty()).then_some(out)
+}
+
+fn range(points: &[[f64; 3]], axis: usize) -> (f64, f64) {
+    points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+        let x = p[axis];
+        (if x < low { x } else { low }, if x > high { x } else { high })
+    })
+}
+
+fn longest(points: &[[f64; 3]]) -> f64 {
+    (0..3).fold(0.0, |longest, axis| {
+        let (low, high) = range(points, axis);
+        if high - low > longest { high - low } else { longest }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cell(min: [f32; 3], max: [f32; 3]) -> Bounds {
+        Bounds { min: Vec3::from_array(min), max: Vec3::from_array(max) }
+    }
+
+    #[test]
+    fn a_corner_of_a_diagonal() {
+        let v = [Vec3::ZERO, Vec3::new(4.0, 4.0, 0.0), Vec3::new(4.0, 4.0, 1.0)];
+        let b = part(&v, &cell([1.0, 0.0, -1.0], [2.0, 4.0, 2.0])).unwrap();
+        let exact = cell([1.0, 1.0, 0.0], [2.0, 2.0, 0.5]);
+        assert!((b.min - exact.min).length() < 1e-4 && (b.max - exact.max).length() < 1e-4, "{b:?}");
+        assert!(b.union(exact) == b, "never smaller than the part");
+    }
+
+    #[test]
+    fn boxes_overlap_but_the_triangle_does_not() {
+        let v = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+        assert_eq!(part(&v, &cell([0.0; 3], [0.2; 3])), None);
+        assert_eq!(part(&v, &cell([0.6; 3], [1.0; 3])), None);
+        assert!(part(&v, &cell([0.2; 3], [0.5; 3])).is_some());
+    }
+}
