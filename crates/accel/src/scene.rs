@@ -3,6 +3,7 @@
 use crate::{
     brute::Brute,
     bvh::Bvh,
+    bvh2::Bvh2,
     grid::Grid,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
@@ -218,6 +219,7 @@ impl Scene {
             let sound = match &g.searcher {
                 Searcher::Brute(_) => Ok(()),
                 Searcher::Bvh(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Bvh2(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
             };
             sound.map_err(|e| format!("group {i}: {e}"))?;
@@ -326,6 +328,7 @@ impl Scene {
             Structure::Bvh(params) => {
                 Searcher::Bvh(Bvh::build(&prims, &params, |id| self.vertices(&data, id)))
             }
+            Structure::Bvh2(params) => Searcher::Bvh2(Bvh2::build(&prims, &params)),
             Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),
         };
         Ok((data, dropped))

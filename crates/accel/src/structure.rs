@@ -3,6 +3,7 @@
 use crate::{
     brute::Brute,
     bvh::{Bvh, params::BvhParams},
+    bvh2::{Bvh2, Bvh2Params},
     grid::{Grid, GridParams},
     hit::{Chain, Hit},
     input::Shapes,
@@ -22,6 +23,8 @@ pub enum Structure {
     Brute,
     /// A tree of boxes, eight wide, built by the surface area heuristic.
     Bvh(BvhParams),
+    /// A binary tree of boxes, built as the textbook builds it.
+    Bvh2(Bvh2Params),
     /// A uniform grid.
     Grid(GridParams),
 }
@@ -34,13 +37,19 @@ impl Default for Structure {
 
 impl Structure {
     /// One of each kind, with its default parameters.
-    pub const ALL: [Self; 3] = [Self::Brute, Self::Bvh(BvhParams::DEFAULT), Self::Grid(GridParams::DEFAULT)];
+    pub const ALL: [Self; 4] = [
+        Self::Brute,
+        Self::Bvh(BvhParams::DEFAULT),
+        Self::Bvh2(Bvh2Params::DEFAULT),
+        Self::Grid(GridParams::DEFAULT),
+    ];
 
     /// The name of the kind as it is typed.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
             Self::Bvh(_) => "bvh",
+            Self::Bvh2(_) => "bvh2",
             Self::Grid(_) => "grid",
         }
     }
@@ -211,6 +220,7 @@ pub(crate) struct Place<'a> {
 pub(crate) enum Searcher {
     Brute(Brute),
     Bvh(Bvh),
+    Bvh2(Bvh2),
     Grid(Grid),
 }
 
@@ -220,6 +230,7 @@ macro_rules! each {
         match $searcher {
             $crate::structure::Searcher::Brute($s) => $body,
             $crate::structure::Searcher::Bvh($s) => $body,
+            $crate::structure::Searcher::Bvh2($s) => $body,
             $crate::structure::Searcher::Grid($s) => $body,
         }
     };

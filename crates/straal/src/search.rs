@@ -1,6 +1,6 @@
 //! Search structures as people name them: from the scene's description, and from one word of a command line.
 
-use straal_accel::{self as accel, BvhParams, GridParams};
+use straal_accel::{self as accel, Bvh2Params, BvhParams, GridParams};
 use straal_formats::yaml;
 use straal_scene::decode::{Decoder, Describe, Strictness};
 use straal_scene::desc;
@@ -84,6 +84,20 @@ pub fn structure_of(d: &desc::Structure) -> accel::Structure {
                 desc::Build::Best => accel::Build::Best,
             };
             accel::Structure::Bvh(BvhParams { build, compact: p.compact })
+        }
+        desc::Structure::Bvh2(p) => {
+            let split = match p.split {
+                desc::Split::Median => accel::Split::Median,
+                desc::Split::Middle => accel::Split::Middle,
+                desc::Split::Sah => accel::Split::Sah,
+                desc::Split::Agglomerative => accel::Split::Agglomerative,
+            };
+            accel::Structure::Bvh2(Bvh2Params {
+                split,
+                leaf_size: p.leaf_size,
+                traversal_cost: p.traversal_cost,
+                intersection_cost: p.intersection_cost,
+            })
         }
         desc::Structure::Grid(p) => accel::Structure::Grid(GridParams {
             factor: p.factor,

@@ -155,6 +155,14 @@ pub fn all_structures() -> Vec<Structure> {
     let grid = |factor, mailboxes, max_cells| {
         Structure::Grid(GridParams { factor, mailboxes, max_cells, ..GridParams::DEFAULT })
     };
+    let tree = |split, leaf_size| Structure::Bvh2(Bvh2Params { split, leaf_size, ..Bvh2Params::DEFAULT });
+    out.extend([
+        tree(Split::Median, 1),
+        tree(Split::Middle, 8),
+        tree(Split::Sah, 0),
+        tree(Split::Agglomerative, 1),
+        tree(Split::Agglomerative, 6),
+    ]);
     out.extend([grid(0.5, false, 1 << 16), grid(5.0, true, 1 << 12), grid(1.0, true, 1)]);
     out
 }

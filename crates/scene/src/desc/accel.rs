@@ -19,6 +19,8 @@ describe! {
     pub enum Structure {
         /// Bounding volume hierarchy, eight wide.
         "bvh" => Bvh(WideBvh),
+        /// Bounding volume hierarchy, two boxes in each node, built as the textbook does.
+        "bvh2" => Bvh2(BinaryBvh),
         /// Every primitive for every ray: slow, and what the others are held against.
         "brute" => Brute,
         /// Equal cells.
@@ -51,6 +53,34 @@ describe! {
         "default" => Default,
         /// As much as helps: for many rays.
         "best" => Best,
+    }
+}
+
+describe! {
+    /// A tree of boxes, two in each node.
+    pub struct BinaryBvh {
+        /// How sets of primitives are cut in two, or joined.
+        split: Split = Split::Sah,
+        /// Most primitives in a leaf.
+        leaf_size: u32 [Limit::within(1.0, 1e6)] = 4,
+        /// Cost of a step to an inner node, with the tests of its two boxes.
+        traversal_cost: f64 [COST] = 1.0,
+        /// Cost of the test of a primitive, in the same unit.
+        intersection_cost: f64 [COST] = 1.0,
+    }
+}
+
+describe! {
+    /// How the sets of a binary tree come about.
+    pub enum Split {
+        /// From the top down: two halves of equal number.
+        "median" => Median,
+        /// From the top down: at the middle of space.
+        "middle" => Middle,
+        /// From the top down: where the surface area heuristic expects the least cost.
+        "sah" => Sah,
+        /// From the bottom up: neighbours are joined.
+        "agglomerative" => Agglomerative,
     }
 }
 
