@@ -32,6 +32,7 @@ mod scene;
 mod slab;
 mod structure;
 mod triangle;
+mod volumes;
 
 pub use bvh::params::{Build, BvhParams};
 pub use bvh2::{Bvh2Params, Split};
@@ -41,3 +42,4 @@ pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, Shap
 pub use isa::Isa;
 pub use scene::{Flight, Options, Scene};
 pub use structure::{Stats, Structure, UnknownName};
+pub use volumes::{VolumeKind, VolumesParams};

@@ -11,6 +11,7 @@ use crate::{
     kernel, slab,
     structure::{Prim, PrimKind, Search, Searcher, Stats, Structure, each},
     triangle,
+    volumes::{Content, Volumes},
 };
 use straal_math::{Bounds, Ray, Transform, Vec3};
 
@@ -221,6 +222,7 @@ impl Scene {
                 Searcher::Bvh(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Bvh2(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Volumes(s) => s.validate(&g.prim_bounds(self), &Meshes { scene: self, group: g }),
             };
             sound.map_err(|e| format!("group {i}: {e}"))?;
         }
@@ -330,6 +332,10 @@ impl Scene {
             }
             Structure::Bvh2(params) => Searcher::Bvh2(Bvh2::build(&prims, &params)),
             Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),
+            Structure::Volumes(params) => {
+                let content = Meshes { scene: self, group: &data };
+                Searcher::Volumes(Volumes::build(&prims, &params, &content))
+            }
         };
         Ok((data, dropped))
     }
@@ -355,6 +361,22 @@ impl GroupData {
             }
         }
         out
+    }
+}
+
+/// The triangles of a group.
+struct Meshes<'a> {
+    scene: &'a Scene,
+    group: &'a GroupData,
+}
+
+impl Content for Meshes<'_> {
+    fn geometry(&self, triangle: u32) -> u32 {
+        self.group.locate(triangle).0
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.scene.vertices(self.group, triangle)
     }
 }
 

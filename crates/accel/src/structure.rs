@@ -11,6 +11,7 @@ use crate::{
     local::LocalRay,
     query::Query,
     scene::GroupData,
+    volumes::{Volumes, VolumesParams},
 };
 use std::{fmt, str::FromStr};
 use straal_math::{Bounds, Ray};
@@ -27,6 +28,8 @@ pub enum Structure {
     Bvh2(Bvh2Params),
     /// A uniform grid.
     Grid(GridParams),
+    /// A bounding volume around each object.
+    Volumes(VolumesParams),
 }
 
 impl Default for Structure {
@@ -36,12 +39,13 @@ impl Default for Structure {
 }
 
 impl Structure {
-    /// One of each kind, with its default parameters.
-    pub const ALL: [Self; 4] = [
+    /// One of each kind, with its default parameters, in the order of the course.
+    pub const ALL: [Self; 5] = [
         Self::Brute,
-        Self::Bvh(BvhParams::DEFAULT),
-        Self::Bvh2(Bvh2Params::DEFAULT),
+        Self::Volumes(VolumesParams::DEFAULT),
         Self::Grid(GridParams::DEFAULT),
+        Self::Bvh2(Bvh2Params::DEFAULT),
+        Self::Bvh(BvhParams::DEFAULT),
     ];
 
     /// The name of the kind as it is typed.
@@ -51,6 +55,7 @@ impl Structure {
             Self::Bvh(_) => "bvh",
             Self::Bvh2(_) => "bvh2",
             Self::Grid(_) => "grid",
+            Self::Volumes(_) => "volumes",
         }
     }
 }
@@ -222,6 +227,7 @@ pub(crate) enum Searcher {
     Bvh(Bvh),
     Bvh2(Bvh2),
     Grid(Grid),
+    Volumes(Volumes),
 }
 
 /// Does the same with whichever structure it is.
@@ -232,6 +238,7 @@ macro_rules! each {
             $crate::structure::Searcher::Bvh($s) => $body,
             $crate::structure::Searcher::Bvh2($s) => $body,
             $crate::structure::Searcher::Grid($s) => $body,
+            $crate::structure::Searcher::Volumes($s) => $body,
         }
     };
 }
