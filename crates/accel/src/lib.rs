@@ -37,6 +37,7 @@ mod scene;
 mod slab;
 mod structure;
 mod triangle;
+mod volumes;
 
 pub use bsp::BspParams;
 pub use bvh::params::{Build, BvhParams};
@@ -49,3 +50,4 @@ pub use kd::KdParams;
 pub use octree::OctreeParams;
 pub use scene::{Flight, Options, Scene};
 pub use structure::{Stats, Structure, UnknownName};
+pub use volumes::{VolumeKind, VolumesParams};

@@ -15,6 +15,7 @@ use crate::{
     slab,
     structure::{Prim, PrimKind, Search, Searcher, Stats, Structure, each},
     triangle,
+    volumes::{Content, Volumes},
 };
 use straal_math::{Bounds, Ray, Transform, Vec3};
 
@@ -229,6 +230,7 @@ impl Scene {
                 Searcher::Kd(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Octree(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Bsp(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Volumes(s) => s.validate(&g.prim_bounds(self), &Meshes { scene: self, group: g }),
             };
             sound.map_err(|e| format!("group {i}: {e}"))?;
         }
@@ -346,6 +348,10 @@ impl Scene {
             Structure::Bsp(params) => {
                 Searcher::Bsp(BspTree::build(&prims, &params, |id| self.vertices(&data, id)))
             }
+            Structure::Volumes(params) => {
+                let content = Meshes { scene: self, group: &data };
+                Searcher::Volumes(Volumes::build(&prims, &params, &content))
+            }
         };
         Ok((data, dropped))
     }
@@ -371,6 +377,22 @@ impl GroupData {
             }
         }
         out
+    }
+}
+
+/// The triangles of a group.
+struct Meshes<'a> {
+    scene: &'a Scene,
+    group: &'a GroupData,
+}
+
+impl Content for Meshes<'_> {
+    fn geometry(&self, triangle: u32) -> u32 {
+        self.group.locate(triangle).0
+    }
+
+    fn vertices(&self, triangle: u32) -> [Vec3; 3] {
+        self.scene.vertices(self.group, triangle)
     }
 }
 

@@ -14,6 +14,7 @@ use crate::{
     octree::{Octree, OctreeParams},
     query::Query,
     scene::GroupData,
+    volumes::{Volumes, VolumesParams},
 };
 use std::{fmt, str::FromStr};
 use straal_math::{Bounds, Ray};
@@ -36,6 +37,8 @@ pub enum Structure {
     Octree(OctreeParams),
     /// Space cut in two by the planes of the triangles.
     Bsp(BspParams),
+    /// A bounding volume around each object.
+    Volumes(VolumesParams),
 }
 
 impl Default for Structure {
@@ -45,15 +48,16 @@ impl Default for Structure {
 }
 
 impl Structure {
-    /// One of each kind, with its default parameters.
-    pub const ALL: [Self; 7] = [
+    /// One of each kind, with its default parameters, in the order of the course.
+    pub const ALL: [Self; 8] = [
         Self::Brute,
-        Self::Bvh(BvhParams::DEFAULT),
-        Self::Bvh2(Bvh2Params::DEFAULT),
+        Self::Volumes(VolumesParams::DEFAULT),
         Self::Grid(GridParams::DEFAULT),
-        Self::Kd(KdParams::DEFAULT),
         Self::Octree(OctreeParams::DEFAULT),
+        Self::Kd(KdParams::DEFAULT),
         Self::Bsp(BspParams::DEFAULT),
+        Self::Bvh2(Bvh2Params::DEFAULT),
+        Self::Bvh(BvhParams::DEFAULT),
     ];
 
     /// The name of the kind as it is typed.
@@ -66,6 +70,7 @@ impl Structure {
             Self::Kd(_) => "kd",
             Self::Octree(_) => "octree",
             Self::Bsp(_) => "bsp",
+            Self::Volumes(_) => "volumes",
         }
     }
 }
@@ -240,6 +245,7 @@ pub(crate) enum Searcher {
     Kd(KdTree),
     Octree(Octree),
     Bsp(BspTree),
+    Volumes(Volumes),
 }
 
 /// Does the same with whichever structure it is.
@@ -253,6 +259,7 @@ macro_rules! each {
             $crate::structure::Searcher::Kd($s) => $body,
             $crate::structure::Searcher::Octree($s) => $body,
             $crate::structure::Searcher::Bsp($s) => $body,
+            $crate::structure::Searcher::Volumes($s) => $body,
         }
     };
 }

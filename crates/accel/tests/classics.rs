@@ -5,7 +5,7 @@ mod common;
 
 use common::*;
 use straal_accel::*;
-use straal_math::{Ray, Vec3};
+use straal_math::{Ray, Vec3, ops};
 
 fn tree(split: Split) -> Structure {
     Structure::Bvh2(Bvh2Params { split, leaf_size: 4, ..Bvh2Params::DEFAULT })
@@ -87,6 +87,48 @@ fn the_grid_loses_in_the_stadium_and_the_tree_does_not() {
 }
 
 #[test]
+fn tighter_volumes_spare_tests() {
+    // Long rods, turned.
+    let mut r = Random(36);
+    let rods = (0..30)
+        .map(|_| {
+            let (at, along) = (r.point(), r.direction());
+            let side = along.cross(r.direction()) * 0.02;
+            let up = along.cross(side);
+            let near = [at, at + side, at + side + up, at + up];
+            let corner = |i: usize| near[i % 4] + if i < 4 { Vec3::ZERO } else { along };
+            let quad = |[a, b, c, d]: [usize; 4]| {
+                [[corner(a), corner(b), corner(c)], [corner(a), corner(c), corner(d)]]
+            };
+            let faces = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+            mesh(&faces.map(quad).concat())
+        })
+        .collect();
+    let input = world(rods);
+    let tests = |structure: Structure| {
+        let scene = build(&input, structure);
+        let mut r = Random(37);
+        (0..500)
+            .map(|_| {
+                let o = r.point() * 3.0;
+                scene.closest_counted(&(), &Ray::new(o, r.point() - o)).1
+            })
+            .fold((0, 0), |(p, b), cost| (p + cost.primitives, b + cost.boxes))
+    };
+    let volume = |volume| Structure::Volumes(VolumesParams { volume, ..VolumesParams::DEFAULT });
+    let all = [VolumeKind::Sphere, VolumeKind::Box, VolumeKind::Oriented];
+    let [sphere, aligned, oriented] = all.map(|kind| tests(volume(kind)).0);
+    assert_eq!(tests(Structure::Brute), (500 * 30 * 12, 0));
+    assert_eq!(tests(volume(VolumeKind::Box)).1, 500 * 30);
+    assert!(
+        oriented * 4 < aligned && aligned < sphere && sphere < 500 * 30 * 12,
+        "{oriented} {aligned} {sphere}"
+    );
+    let cost = |kind| stats(&input, volume(kind)).sah_cost;
+    assert!(cost(VolumeKind::Oriented) < cost(VolumeKind::Box));
+}
+
+#[test]
 fn mailboxes_spare_tests_and_a_finer_grid_has_fewer() {
     // Long triangles lie in many cells.
     let mut r = Random(32);
@@ -119,7 +161,7 @@ fn degenerate_scenes_stay_shallow() {
     // Each half as large, and half as far from a corner, as the one before.
     let shrinking: Vec<[Vec3; 3]> = (0..120)
         .map(|k| {
-            let s = straal_math::ops::powi(2.0, -k);
+            let s = ops::powi(2.0, -k);
             [Vec3::splat(s), Vec3::new(s * 1.5, s, s), Vec3::new(s, s * 1.5, s)]
         })
         .collect();

@@ -112,7 +112,11 @@ fn none_escapes_a_closed_mesh() {
     let mesh =
         Geometry { kind: GeometryKind::Triangles { positions: positions.clone(), indices }, mask: u32::MAX };
     for options in all_options().into_iter().filter(|o| o.structure != Structure::Brute) {
-        let count = if tests_nearly_all(&options.structure) { 5_000 } else { 100_000 };
+        let count = match &options.structure {
+            Structure::Bvh(_) => 100_000,
+            other if tests_nearly_all(other) => 2_000,
+            _ => 20_000,
+        };
         let scene = Scene::build(world(vec![mesh.clone()]), &(), &options).unwrap();
         let mut r = Random(9);
         let rays: Vec<Ray> = (0..count)

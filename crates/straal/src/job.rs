@@ -368,3 +368,20 @@ fn crop(size: [u32; 2], wish: Option<[u32; 4]>, scene: Option<[u32; 4]>) -> Resu
     }
     Ok(Region { min: [x0, y0], max: [x1, y1] })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_is_for_the_tree_that_knows_it() {
+        let best = Structure::Bvh(BvhParams { build: Build::Best, ..BvhParams::DEFAULT });
+        assert_eq!(built(Structure::default(), Some(Build::Best)).ok(), Some(best));
+        let error = built(Structure::Brute, Some(Build::Fast)).unwrap_err().to_string();
+        assert!(
+            error.ends_with("is for the search structure bvh only, and rays are searched by brute"),
+            "{error}"
+        );
+        assert_eq!(built(Structure::Brute, None).ok(), Some(Structure::Brute));
+    }
+}

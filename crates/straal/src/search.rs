@@ -1,6 +1,8 @@
 //! Search structures as people name them: from the scene's description, and from one word of a command line.
 
-use straal_accel::{self as accel, BspParams, Bvh2Params, BvhParams, GridParams, KdParams, OctreeParams};
+use straal_accel::{
+    self as accel, BspParams, Bvh2Params, BvhParams, GridParams, KdParams, OctreeParams, VolumesParams,
+};
 use straal_formats::yaml;
 use straal_scene::decode::{Decoder, Describe, Strictness};
 use straal_scene::desc;
@@ -84,6 +86,18 @@ pub fn structure_of(d: &desc::Structure) -> accel::Structure {
                 desc::Build::Best => accel::Build::Best,
             };
             accel::Structure::Bvh(BvhParams { build, compact: p.compact })
+        }
+        desc::Structure::Volumes(p) => {
+            let volume = match p.volume {
+                desc::VolumeKind::Sphere => accel::VolumeKind::Sphere,
+                desc::VolumeKind::Box => accel::VolumeKind::Box,
+                desc::VolumeKind::Oriented => accel::VolumeKind::Oriented,
+            };
+            accel::Structure::Volumes(VolumesParams {
+                volume,
+                traversal_cost: p.traversal_cost,
+                intersection_cost: p.intersection_cost,
+            })
         }
         desc::Structure::Bvh2(p) => {
             let split = match p.split {

@@ -155,6 +155,8 @@ pub fn all_structures() -> Vec<Structure> {
     let grid = |factor, mailboxes, max_cells| {
         Structure::Grid(GridParams { factor, mailboxes, max_cells, ..GridParams::DEFAULT })
     };
+    let volumes = |volume| Structure::Volumes(VolumesParams { volume, ..VolumesParams::DEFAULT });
+    out.extend([volumes(VolumeKind::Sphere), volumes(VolumeKind::Oriented)]);
     let tree = |split, leaf_size| Structure::Bvh2(Bvh2Params { split, leaf_size, ..Bvh2Params::DEFAULT });
     out.extend([
         tree(Split::Median, 1),
@@ -217,7 +219,7 @@ pub fn all_options() -> Vec<Options> {
 /// Whether searches test hardly fewer primitives than brute force does.
 pub fn tests_nearly_all(structure: &Structure) -> bool {
     match structure {
-        Structure::Brute => true,
+        Structure::Brute | Structure::Volumes(_) => true,
         Structure::Grid(p) => p.max_cells == 1,
         _ => false,
     }

@@ -19,6 +19,8 @@ describe! {
     pub enum Structure {
         /// Bounding volume hierarchy, eight wide.
         "bvh" => Bvh(WideBvh),
+        /// A bounding volume around each object.
+        "volumes" => Volumes(BoundingVolumes),
         /// Bounding volume hierarchy, two boxes in each node, built as the textbook does.
         "bvh2" => Bvh2(BinaryBvh),
         /// Equal cells.
@@ -59,6 +61,30 @@ describe! {
         "default" => Default,
         /// As much as helps: for many rays.
         "best" => Best,
+    }
+}
+
+describe! {
+    /// A bounding volume around each mesh, shape and instance, tested before it.
+    pub struct BoundingVolumes {
+        /// The kind of volume.
+        volume: VolumeKind = VolumeKind::Box,
+        /// Cost of the test of a volume.
+        traversal_cost: f64 [COST] = 0.5,
+        /// Cost of the test of a primitive, in the same unit.
+        intersection_cost: f64 [COST] = 1.0,
+    }
+}
+
+describe! {
+    /// A kind of bounding volume.
+    pub enum VolumeKind {
+        /// A sphere.
+        "sphere" => Sphere,
+        /// A box along the axes.
+        "box" => Box,
+        /// A box along the principal axes of the object's vertices, unless one along the scene's axes is smaller.
+        "oriented" => Oriented,
     }
 }
 

@@ -10,7 +10,10 @@ pub mod settings;
 pub mod shape;
 pub mod transform;
 
-pub use accel::{Accel, BinaryBvh, BspTree, Build, KdTree, Octree, Split, Structure, UniformGrid, WideBvh};
+pub use accel::{
+    Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, Split, Structure, UniformGrid,
+    VolumeKind, WideBvh,
+};
 pub use camera::{Camera, FovAxis, Orthographic, Perspective};
 pub use check::BUILTIN_PATCHES;
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
