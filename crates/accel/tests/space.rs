@@ -153,13 +153,13 @@ fn huge_next_to_tiny() {
     let mut r = Random(30);
     let mut triangles: Vec<[Vec3; 3]> = (0..260)
         .map(|i| {
-            let scale = 10.0_f32.powi(i % 13 - 6);
+            let scale = straal_math::ops::powi(10.0, i % 13 - 6);
             [r.point() * scale, r.point() * scale, r.point() * scale]
         })
         .collect();
     let rays: Vec<Ray> = (0..3000)
         .map(|i| {
-            let scale = 10.0_f32.powi(i % 13 - 6);
+            let scale = straal_math::ops::powi(10.0, i % 13 - 6);
             let t = triangles[r.below(260)];
             let o = r.point() * scale;
             Ray::new(o, [r.direction(), t[0] - o, (t[1] + t[2]) * 0.5 - o][r.below(3)])
