@@ -8,8 +8,8 @@ use crate::{
     structure::{Packed, Place},
 };
 
-/// The primitives that a ray tested last, a place for each remainder of their numbers. It belongs to the search, not to
-/// the primitives, so that rays on any number of threads share nothing.
+/// The primitives that a ray tested last, a place for each remainder of their numbers. It belongs to the search, not
+/// to the primitives, so that rays on any number of threads share nothing.
 pub(crate) struct Mailboxes {
     last: [Packed; Self::PLACES],
     on: bool,

@@ -8,14 +8,15 @@
 //! | `traversal_cost` | C_t, a step through a node, for the reported cost |
 //! | `intersection_cost` | C_i, the test of one primitive, for the reported cost |
 //!
-//! The oldest of the trees for rays (Glassner 1984, "Space subdivision for fast ray tracing"): nothing is measured, nothing is
-//! weighed, and it adapts to where things are, which a grid doesn't. A node has a middle and eight children. The child's
-//! number has a bit for each axis, set in the upper half; going through the numbers 0 to 7, each with the bits of the ray's
-//! negative directions inverted, meets the children front to back: one of them can hide another only if it is in the nearer half
-//! on every axis on which they differ, and such a one has a lower number.
+//! The oldest of the trees for rays (Glassner 1984, "Space subdivision for fast ray tracing"): nothing is measured,
+//! nothing is weighed, and it adapts to where things are, which a grid doesn't. A node has a middle and eight
+//! children. The child's number has a bit for each axis, set in the upper half; going through the numbers 0 to 7,
+//! each with the bits of the ray's negative directions inverted, meets the children front to back: one of them can
+//! hide another only if it is in the nearer half on every axis on which they differ, and such a one has a lower
+//! number.
 //!
-//! It cuts where the middle is, not where it pays, and so is deep where a dense object is small in its scene, and puts what lies on
-//! a middle plane in many leaves.
+//! It cuts where the middle is, not where it pays, and so is deep where a dense object is small in its scene, and
+//! puts what lies on a middle plane in many leaves.
 //!
 //! # Exactness
 //! By `partition.rs`. A primitive goes to the children that its padded box touches.

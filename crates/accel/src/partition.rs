@@ -3,34 +3,36 @@
 //!
 //! # Exactness
 //! A textbook's partition believes a hit only inside of the cell in which it was found. Here a hit has to be that of
-//! brute force to the last bit, and float arithmetic has no opinion on which side of a plane a hit *on* it lies. So no
-//! hit is ever refused, and a search stops only when the best t is below all that is unvisited. What is to be proved is
-//! that the search comes to a leaf with the primitive soon enough. Call the **moment** of a primitive the ray parameter m
-//! at which it is entered: the later of `slab::entry` of its padded box and `t_min`. Brute force counts a hit only
-//! when the ray crosses that box, and raises its t to the entry, so that
+//! brute force to the last bit, and float arithmetic has no opinion on which side of a plane a hit *on* it lies. So
+//! no hit is ever refused, and a search stops only when the best t is below all that is unvisited. What is to be
+//! proved is that the search comes to a leaf with the primitive soon enough. Call the **moment** of a primitive the
+//! ray parameter m at which it is entered: the later of `slab::entry` of its padded box and `t_min`. Brute force
+//! counts a hit only when the ray crosses that box, and raises its t to the entry, so that
 //!
 //! 1. m <= t, and m lies in `[t_min, t_max]`;
 //! 2. on each axis the crossing `(b - o) * inv` of the box' near plane is at most m, and that of the far plane, where
 //!    positive multiplied by `slab::EXIT`, at least m.
 //!
-//! A search carries for each cell an interval `[a, b]` of ray parameters, and visits a cell unless the interval is empty or
-//! a > best t. It holds for the root, which contains every box, that a <= m <= b: crossings are monotone in the plane's
-//! coordinate, in any rounding, and [`late`] is at least `slab`'s factor. Let a plane at s on some axis cut a cell
-//! whose interval has the moment, and t_s = `(s - o) * inv` be its crossing. The near child gets
-//! `[a, min(b, late(t_s))]`, the far child `[max(a, early(t_s)), b]`.
+//! A search carries for each cell an interval `[a, b]` of ray parameters, and visits a cell unless the interval is
+//! empty or a > best t. It holds for the root, which contains every box, that a <= m <= b: crossings are monotone in
+//! the plane's coordinate, in any rounding, and [`late`] is at least `slab`'s factor. Let a plane at s on some axis
+//! cut a cell whose interval has the moment, and t_s = `(s - o) * inv` be its crossing. The near child gets `[a,
+//! min(b, late(t_s))]`, the far child `[max(a, early(t_s)), b]`.
 //! - The box lies on the near side: its far plane isn't beyond s, so that m <= `late` of its crossing <=
 //!   `late(t_s)`. The near child's interval has the moment.
-//! - The box lies on the far side: `early(t_s)` <= t_s <= the crossing of its near plane <= m. The far child's has it.
-//! - The primitive is in both children. The two intervals overlap and cover `[a, b]`, so that one of them has the moment.
+//! - The box lies on the far side: `early(t_s)` <= t_s <= the crossing of its near plane <= m. The far child's has
+//!   it.
+//! - The primitive is in both children. The two intervals overlap and cover `[a, b]`, so that one of them has the
+//!   moment.
 //!
-//! By induction there is a leaf that holds the primitive and whose interval, like those of all cells above it, has the moment.
-//! It isn't visited only when some a > best t; then t >= m >= a > best t, and the primitive doesn't matter. A box that
-//! merely touches the plane may go to either side or both. Octrees cut three times at once. Planes that aren't
-//! axis-aligned have their own crossings, in `bsp/plane.rs`, with the same conclusion.
+//! By induction there is a leaf that holds the primitive and whose interval, like those of all cells above it, has
+//! the moment. It isn't visited only when some a > best t; then t >= m >= a > best t, and the primitive doesn't
+//! matter. A box that merely touches the plane may go to either side or both. Octrees cut three times at once. Planes
+//! that aren't axis-aligned have their own crossings, in `bsp/plane.rs`, with the same conclusion.
 //!
 //! # Bounded size
-//! A primitive can lie in many leaves. Each subtree has a [`Budget`] of references, which it shares out to its children;
-//! where it doesn't suffice, the subtree ends in a leaf.
+//! A primitive can lie in many leaves. Each subtree has a [`Budget`] of references, which it shares out to its
+//! children; where it doesn't suffice, the subtree ends in a leaf.
 
 use crate::{
     local::LocalRay,
@@ -39,8 +41,8 @@ use crate::{
 use std::collections::BTreeMap;
 use straal_math::{Bounds, Vec3, ops};
 
-/// How far, relative to itself, a crossing is moved each way. `slab` moves exits by 16 units in the last place; the rest is
-/// for clipped boxes (`kd/clip.rs`), whose hits lie within a few units more.
+/// How far, relative to itself, a crossing is moved each way. `slab` moves exits by 16 units in the last place; the
+/// rest is for clipped boxes (`kd/clip.rs`), whose hits lie within a few units more.
 const SLACK: f32 = 64.0 * f32::EPSILON;
 
 /// A ray parameter that is before `t` by more than the arithmetic is off.

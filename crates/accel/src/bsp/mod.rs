@@ -11,18 +11,20 @@
 //! | `intersection_cost` | C_i, the test of one primitive |
 //!
 //! Fuchs, Kedem and Naylor (1980, "On visible surface generation by a priori tree structures") cut along the polygons
-//! themselves, which is called auto-partition: a wall, however it stands, parts what is before it from what is behind. Rays
-//! walk the tree front to back as in a kd-tree (Jansen 1986; Ize, Wald and Parker 2008, "Ray tracing with the BSP tree").
+//! themselves, which is called auto-partition: a wall, however it stands, parts what is before it from what is
+//! behind. Rays walk the tree front to back as in a kd-tree (Jansen 1986; Ize, Wald and Parker 2008, "Ray tracing
+//! with the BSP tree").
 //!
-//! Of a few candidates the plane is taken with the least `straddle_cost` S + |F - B|, where F, B and S primitives lie in
-//! front, behind, and on both sides (`build.rs`). On a convex object every polygon has all others behind it, and such a plane
-//! parts nothing: so the plane at right angles to the cell's longest axis, through the median of the primitives' middles, is
-//! always a candidate too. It is the only one where there are no triangles. A cell is a leaf when no candidate leaves fewer
-//! primitives on both sides, or when C_t + C_i (N_F + N_B) / 2, what it costs if each side is met by half of the rays, isn't
-//! less than C_i N.
+//! Of a few candidates the plane is taken with the least `straddle_cost` S + |F - B|, where F, B and S primitives lie
+//! in front, behind, and on both sides (`build.rs`). On a convex object every polygon has all others behind it, and
+//! such a plane parts nothing: so the plane at right angles to the cell's longest axis, through the median of the
+//! primitives' middles, is always a candidate too. It is the only one where there are no triangles. A cell is a leaf
+//! when no candidate leaves fewer primitives on both sides, or when C_t + C_i (N_F + N_B) / 2, what it costs if each
+//! side is met by half of the rays, isn't less than C_i N.
 //!
-//! It wins where long walls stand at odd angles, which planes along the axes cut badly. A step takes a scalar product instead
-//! of a subtraction, and a node is five times the size.
+//! A step takes a scalar product instead of a subtraction, and a node is several times the size of a kd-tree's. Since
+//! primitives are sorted by their boxes, a plane at an angle has many on both sides that it wouldn't cut: this tree
+//! is here to be compared, not to win.
 //!
 //! # Exactness
 //! By `partition.rs` and `plane.rs`: a primitive is on the sides that its padded box touches.

@@ -1,22 +1,23 @@
 //! A plane at any angle: on which side of it primitives lie, and where a ray is on which side.
 //!
 //! # Exactness
-//! `partition.rs` relies on crossings that are monotone in the plane's coordinate. For a plane at an angle there is no such
-//! thing, so that errors have to be bounded. The plane is *defined* by its rounded numbers in double precision: f(x) = n x -
-//! d. Let the ray be x(t) = o + t D with D = 1 / `inv`, the direction that box tests go by.
+//! `partition.rs` relies on crossings that are monotone in the plane's coordinate. For a plane at an angle there is
+//! no such thing, so that errors have to be bounded. The plane is *defined* by its rounded numbers in double
+//! precision: f(x) = n x - d. Let the ray be x(t) = o + t D with D = 1 / `inv`, the direction that box tests go by.
 //!
-//! At its moment m (see `partition.rs`) the ray is, on each axis, within `SLACK` |m D| of the primitive's box: the crossing
-//! (b - o) `inv` takes two roundings, `slab` moves an exit by 16 units in the last place, and where the crossing is so
-//! small that it loses digits it is off by less than 2^-148. So if f >= 0 in all of the box,
+//! At its moment m (see `partition.rs`) the ray is, on each axis, within `SLACK` |m D| of the primitive's box: the
+//! crossing (b - o) `inv` takes two roundings, `slab` moves an exit by 16 units in the last place, and where the
+//! crossing is so small that it loses digits it is off by less than 2^-148. So if f >= 0 in all of the box,
 //!
 //! f(x(m)) >= -(`SLACK` |m| + 2^-140) G, with G the sum of |n_i D_i|.
 //!
-//! The front child gets the t with h(t) = f(x(t)) + (`SLACK` |t| + 2^-140) G + r >= 0, in which r bounds the roundings of f in
-//! double precision, and the back child those with the sign of f turned. Where f >= 0 in the box the moment is among the former, where
-//! f <= 0 among the latter. A primitive of which neither is certain is in both children, and since the two h add up to
-//! something positive, its moment is with one of them. So there is a leaf with the primitive that the search comes to, as in
-//! `partition.rs`, no later than t. Both h are convex, so that they are negative between two points where they are negative:
-//! the interval is cut at one end or at none. (Where h >= 0 in two pieces, the hull of both is taken.)
+//! The front child gets the t with h(t) = f(x(t)) + (`SLACK` |t| + 2^-140) G + r >= 0, in which r bounds the
+//! roundings of f in double precision, and the back child those with the sign of f turned. Where f >= 0 in the box
+//! the moment is among the former, where f <= 0 among the latter. A primitive of which neither is certain is in both
+//! children, and since the two h add up to something positive, its moment is with one of them. So there is a leaf
+//! with the primitive that the search comes to, as in `partition.rs`, no later than t. Both h are convex, so that
+//! they are negative between two points where they are negative: the interval is cut at one end or at none. (Of two
+//! pieces in which h isn't negative the hull is taken.)
 
 use crate::local::LocalRay;
 use straal_math::{DVec3, Vec3};
@@ -124,8 +125,8 @@ impl Plane {
     }
 }
 
-/// The hull of the part of an interval where h(t) = base + t slope >= 0, with the first slope for t < 0 and the second, the
-/// greater, for t > 0.
+/// The hull of the part of an interval where h(t) = base + t slope >= 0, with the first slope for t < 0 and the
+/// second, the greater, for t > 0.
 #[inline]
 fn part(base: f64, slopes: [f64; 2], whole: Interval) -> Option<Interval> {
     let h = |t: f64| base + t * slopes[usize::from(t > 0.0)];
@@ -134,8 +135,8 @@ fn part(base: f64, slopes: [f64; 2], whole: Interval) -> Option<Interval> {
         return None;
     }
     let mut out = whole;
-    // h falls through 0 on one side of t = 0 and rises through 0 on one, which depends on its sign there. A root that isn't a
-    // number leaves the interval as it was.
+    // h falls through 0 on one side of t = 0 and rises through 0 on one, which depends on its sign there. A root that
+    // isn't a number leaves the interval as it was.
     let upwards = -base / slopes[usize::from(base < 0.0)];
     let downwards = -base / slopes[usize::from(base >= 0.0)];
     let (early, late) = (upwards - upwards.abs() * ROUNDING, downwards + downwards.abs() * ROUNDING);

@@ -37,7 +37,7 @@ impl Bvh {
                 moved |= Self::offer(q, at, block, lane, tuv, near, best);
             }
         }
-        let mut mask = lanes.zero;
+        let mut mask = lanes.doubtful;
         while mask != 0 {
             let lane = take(&mut mask);
             if let Some(tuv) = triangle::intersect(&block.vertices(lane), at.ray, near.t) {
@@ -74,7 +74,7 @@ impl Bvh {
             q.count_block(block.count());
         }
         let lanes = q.kernel.block(at.ray, block, at.ray.ray.t_max);
-        let mut mask = lanes.hit | lanes.zero;
+        let mut mask = lanes.hit | lanes.doubtful;
         while mask != 0 {
             let lane = take(&mut mask);
             let v = block.vertices(lane);

@@ -1,9 +1,10 @@
-//! Building in O(n log n) (Wald and Havran 2006, "On building fast kd-trees for ray tracing, and on doing that in O(N log
-//! N)", section 4.3).
+//! Building in O(n log n) (Wald and Havran 2006, "On building fast kd-trees for ray tracing, and on doing that in O(N
+//! log N)", section 4.3).
 //!
-//! Events are sorted once. A cut tells for each primitive whether it lies below, above or across (`classify`). Events of the
-//! former two go to their side, in their order; those of primitives across are made anew for the box' part on each side, sorted,
-//! and merged. Where few are across, of the order of sqrt n, a level takes O(n), and there are O(log n) of them.
+//! Events are sorted once. A cut tells for each primitive whether it lies below, above or across (`classify`). Events
+//! of the former two go to their side, in their order; those of primitives across are made anew for the box' part on
+//! each side, sorted, and merged. Where few are across, of the order of sqrt n, a level takes O(n), and there are
+//! O(log n) of them.
 //!
 //! Deviations from the paper: a list for each axis instead of one for all; a bound on depth and on the number of
 //! references (`partition::Budget`).

@@ -1,20 +1,23 @@
 //! The box of a triangle's part in a cell: "perfect splits" (Havran 2000; Wald and Havran 2006, section 3.2).
 //!
 //! # Exactness
-//! The part's box isn't the triangle's, so that the moment of `partition.rs`, where the ray enters the triangle's own box, may lie
-//! outside. For a clipped triangle the moment is the t of its hit. Let e be the rounding unit of single precision and
-//! L the triangle's longest extent. The routine in `triangle.rs` moves vertices by a few e (|distance along the axis| + L), so
-//! that the ray at t lies, along each axis, within a few e (|t d| + L) of a point p of the triangle. The former is part of the
-//! crossing of a plane, and covered by `early` and `late`. For the latter the triangle is clipped to the cell grown by
-//! twice [`PAD`] L, and the box of what remains is grown by as much. So, while the search follows the cells whose interval has
-//! the moment, p lies in the cell or within `PAD` L of it: if it lies further than that below a plane, the box grown around
-//! the part below reaches no further than the part above allows, and the search's side is the one below (as in `partition.rs`,
-//! with the box of edge 2 `PAD` L around p in the place of the primitive's own).
+//! The part's box isn't the triangle's, so that the moment of `partition.rs`, where the ray enters the triangle's own
+//! box, may lie outside. For a clipped triangle the moment is the t of its hit, and what has to be known is where the
+//! ray is then. Let e be the rounding unit of single precision and L the triangle's longest extent. Moving and
+//! shearing the vertices (`triangle.rs`) puts the ray, along each axis, within a few e (|t d| + L) of a point p of
+//! the triangle, *provided* that t is as well-conditioned as p is: a t from a determinant that is itself a rounding
+//! error can be that of any place along a sliver, or along a triangle seen edge-on.
+//!
+//! The part of the error that grows with |t d| is one of the crossings of planes, and `early` and `late` cover it.
+//! For the other the triangle is clipped to the cell grown by [`PAD`] L, and the box of what remains is grown by as
+//! much: it holds a box of half that size around p. The proof in `partition.rs` goes through with that small box in
+//! the place of the primitive's own: as long as the search follows the cells whose interval has the moment, p lies in
+//! the cell or within `PAD` L of it, so that the cell has the triangle.
 
 use straal_math::{Bounds, Vec3};
 
 /// In units of the triangle's longest extent.
-const PAD: f64 = 32.0 * f32::EPSILON as f64;
+const PAD: f64 = 64.0 * f32::EPSILON as f64;
 
 /// A triangle cut by six planes has at most nine corners.
 const CORNERS: usize = 9;
@@ -65,7 +68,7 @@ pub(super) fn part(v: &[Vec3; 3], cell: &Bounds) -> Option<Bounds> {
     for (to, from) in polygon.corners.iter_mut().zip(v) {
         *to = from.to_array().map(f64::from);
     }
-    let pad = 2.0 * PAD * longest(polygon.corners());
+    let pad = PAD * longest(polygon.corners());
     for axis in 0..3 {
         polygon = polygon.cut(axis, f64::from(cell.max[axis]) + pad, 1.0);
         polygon = polygon.cut(axis, f64::from(cell.min[axis]) - pad, -1.0);

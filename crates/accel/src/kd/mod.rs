@@ -1,4 +1,5 @@
-//! The kd-tree: space cut in two by planes at right angles to the axes, each placed where the expected cost of a ray is least.
+//! The kd-tree: space cut in two by planes at right angles to the axes, each placed where the expected cost of a ray
+//! is least.
 //!
 //! | parameter | meaning |
 //! |---|---|
@@ -17,19 +18,18 @@
 //!
 //! C = bonus (C_t + C_i (N_L A(V_L) + N_R A(V_R)) / A(V)),
 //!
-//! with bonus = 1 - `empty_bonus` when N_L or N_R is 0, else 1 (Hurley et al. 2002; Wald and Havran 2006, section 2.3). Along
-//! an axis C is linear between the ends of the primitives' boxes, so that its minimum is at one of them: 2n candidates a
-//! dimension, and all of them are looked at (`sweep.rs`). They stay sorted all the way down, so that building takes O(n
-//! log n) (`build.rs`).
+//! with bonus = 1 - `empty_bonus` when N_L or N_R is 0, else 1 (Hurley et al. 2002; Wald and Havran 2006, section
+//! 2.3). Along an axis C is linear between the ends of the primitives' boxes, so that its minimum is at one of them:
+//! 2n candidates a dimension, and all of them are looked at (`sweep.rs`). They stay sorted all the way down, so that
+//! building takes O(n log n) (`build.rs`).
 //!
 //! # When to stop, and how that fails
-//! A cell is a leaf when its cheapest cut isn't cheaper than C_i N, the cost of leaving it alone. This rule is greedy: it ends
-//! where the *first* cut doesn't pay, though several together might. Its known failure is the **hollow object**: a box of
-//! twelve triangles. A cut close to one of its walls parts two triangles from the other ten, but eight stand across it and are
-//! counted on both sides, so that it doesn't pay; yet six such cuts, one at each wall, would leave an empty room,
-//! through which rays go without a test. The tree is a single leaf. Remedies are to lower `traversal_cost` and raise
-//! `empty_bonus` (which helps where some side is empty at once), or a structure of boxes, which has no such trouble: see
-//! the test `hollow_objects_stop_the_greedy_rule`.
+//! A cell is a leaf when its cheapest cut isn't cheaper than C_i N, the cost of leaving it alone. This rule is
+//! greedy: it ends where the *first* cut doesn't pay, though several together might. Its known failure is the
+//! **hollow object**: a box of twelve triangles. A cut close to one of its walls parts two triangles from the other
+//! ten, but eight touch that wall with an edge and are counted on both sides, so that it doesn't pay; yet after a few
+//! such cuts the others do, and leave an empty room through which rays go without a test. The tree is a single leaf
+//! (test `hollow_objects_stop_the_greedy_rule`). Structures of boxes have no such trouble.
 //!
 //! # Exactness
 //! By `partition.rs`; with `clip`, by `clip.rs`.
@@ -86,8 +86,8 @@ impl KdTree {
         build::build(prims, params, &vertices)
     }
 
-    /// Every primitive in all leaves that its box reaches into, no deeper than the stack allows. With `clip`, triangles
-    /// in some leaf.
+    /// Every primitive in all leaves that its box reaches into, no deeper than the stack allows. With `clip`,
+    /// triangles in some leaf.
     pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
         let mut census = Census::new(prims);
         let is_needed = |p: &&Prim| !self.params.clip || matches!(p.kind, PrimKind::Object(_));

@@ -4,8 +4,8 @@ use super::KdParams;
 use crate::partition::{chance, half_area};
 use straal_math::Bounds;
 
-/// What happens to a primitive's box along an axis, in the order in which a sweep upwards has to hear of it: at a plane
-/// where one box ends, another starts and a third lies flat, the first is over, and the last not yet begun.
+/// What happens to a primitive's box along an axis, in the order in which a sweep upwards has to hear of it: at a
+/// plane where one box ends, another starts and a third lies flat, the first is over, and the last not yet begun.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Kind {
     End,
@@ -84,8 +84,8 @@ pub(super) fn weigh(
     if b.cost < a.cost { b } else { a }
 }
 
-/// The cheapest cut of a cell with `n` primitives, whose sorted events are given by axis; of equals, the first. Planes on
-/// the cell's own faces cut nothing (Wald and Havran 2006, algorithm 4).
+/// The cheapest cut of a cell with `n` primitives, whose sorted events are given by axis; of equals, the first.
+/// Planes on the cell's own faces cut nothing (Wald and Havran 2006, algorithm 4).
 pub(super) fn cheapest(params: &KdParams, cell: &Bounds, events: &[Vec<Event>; 3], n: usize) -> Option<Cut> {
     let mut best: Option<Cut> = None;
     for (axis, events) in events.iter().enumerate() {

@@ -9,6 +9,7 @@ use crate::{
     bvh::{Block, Child, Node},
     local::LocalRay,
     slab::EXIT,
+    triangle::FLAT,
 };
 use std::arch::x86_64::*;
 
@@ -331,14 +332,21 @@ pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lane
         let zero = _mm256_setzero_ps();
         let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);
         let on_edge = _mm256_or_ps(on_edge, _mm256_cmp_ps::<_CMP_EQ_OQ>(most, zero));
-        out.zero = _mm256_movemask_ps(on_edge) as u32;
         let det = _mm256_add_ps(_mm256_add_ps(u, v), w);
+        let off = _mm256_set1_ps(-0.0);
+        let size = |x| _mm256_andnot_ps(off, x);
+        let reach = _mm256_max_ps(size(a[0]), size(a[1]));
+        let reach = _mm256_max_ps(reach, _mm256_max_ps(size(b[0]), size(b[1])));
+        let reach = _mm256_max_ps(reach, _mm256_max_ps(size(c[0]), size(c[1])));
+        let enough = _mm256_mul_ps(_mm256_mul_ps(reach, reach), _mm256_set1_ps(FLAT));
+        let flat = _mm256_cmp_ps::<_CMP_NGE_UQ>(size(det), enough);
+        out.doubtful = _mm256_movemask_ps(_mm256_or_ps(on_edge, flat)) as u32 & inside;
         let depth = _mm256_add_ps(_mm256_mul_ps(u, a[2]), _mm256_mul_ps(v, b[2]));
         let depth = _mm256_add_ps(depth, _mm256_mul_ps(w, c[2]));
         let t = _mm256_div_ps(_mm256_mul_ps(depth, _mm256_set1_ps(r.shear[2])), det);
         let late = _mm256_cmp_ps::<_CMP_GE_OQ>(t, _mm256_set1_ps(r.ray.t_min));
         let early = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
-        out.hit = _mm256_movemask_ps(_mm256_and_ps(late, early)) as u32 & inside & !out.zero;
+        out.hit = _mm256_movemask_ps(_mm256_and_ps(late, early)) as u32 & inside & !out.doubtful;
         if out.hit != 0 {
             _mm256_storeu_ps(out.t.as_mut_ptr(), t);
             _mm256_storeu_ps(out.det.as_mut_ptr(), det);

@@ -54,8 +54,8 @@ pub(crate) fn key_of_limit(limit: f32) -> u32 {
 pub(crate) struct Lanes {
     /// Lanes whose hit is certain.
     pub hit: u32,
-    /// Lanes with an edge function of 0, for the scalar routine to decide.
-    pub zero: u32,
+    /// Lanes with an edge function of 0, or too flat for single precision, for the scalar routine to decide.
+    pub doubtful: u32,
     /// Ray parameters.
     pub t: [f32; 8],
     /// Sum of the edge functions.
@@ -67,7 +67,7 @@ pub(crate) struct Lanes {
 }
 
 impl Lanes {
-    const NONE: Self = Self { hit: 0, zero: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
+    const NONE: Self = Self { hit: 0, doubtful: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
 }
 
 /// The vector part of the search. Implementations do the operations of `slab.rs` and `triangle.rs` in each lane.

@@ -71,10 +71,13 @@ impl Kernel for Scalar {
             let edges = triangle::edges(&block.vertices(lane), r);
             let [u, v, w] = edges.e;
             let (least, most) = (ops::min(u, ops::min(v, w)), ops::max(u, ops::max(v, w)));
-            if least == 0.0 || most == 0.0 {
-                out.zero |= 1 << lane;
-            } else if least > 0.0 || most < 0.0 {
-                let det = edges.determinant();
+            let det = edges.determinant();
+            if !(least >= 0.0 || most <= 0.0) {
+                continue;
+            }
+            if least == 0.0 || most == 0.0 || !edges.is_well_conditioned(det) {
+                out.doubtful |= 1 << lane;
+            } else {
                 let t = edges.t(det, r.shear[2]);
                 if t >= r.ray.t_min && t <= limit {
                     out.hit |= 1 << lane;

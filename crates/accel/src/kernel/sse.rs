@@ -12,6 +12,7 @@ use crate::{
     bvh::{Block, Child, Node},
     local::LocalRay,
     slab::EXIT,
+    triangle::FLAT,
 };
 use std::arch::x86_64::*;
 
@@ -111,16 +112,22 @@ impl Kernel for Sse {
                     continue;
                 }
                 let on_edge = _mm_or_ps(_mm_cmpeq_ps(least, zero), _mm_cmpeq_ps(most, zero));
-                let on_edge = _mm_movemask_ps(on_edge) as u32;
                 let det = _mm_add_ps(_mm_add_ps(u, v), w);
+                let size = |x| _mm_andnot_ps(_mm_set1_ps(-0.0), x);
+                let reach = _mm_max_ps(size(a[0]), size(a[1]));
+                let reach = _mm_max_ps(reach, _mm_max_ps(size(b[0]), size(b[1])));
+                let reach = _mm_max_ps(reach, _mm_max_ps(size(c[0]), size(c[1])));
+                let enough = _mm_mul_ps(_mm_mul_ps(reach, reach), _mm_set1_ps(FLAT));
+                let flat = _mm_cmpnge_ps(size(det), enough);
+                let doubtful = _mm_movemask_ps(_mm_or_ps(on_edge, flat)) as u32 & inside;
                 let depth = _mm_add_ps(_mm_mul_ps(u, a[2]), _mm_mul_ps(v, b[2]));
                 let depth = _mm_add_ps(depth, _mm_mul_ps(w, c[2]));
                 let t = _mm_div_ps(_mm_mul_ps(depth, _mm_set1_ps(r.shear[2])), det);
                 let late = _mm_cmpge_ps(t, _mm_set1_ps(r.ray.t_min));
                 let within = _mm_and_ps(late, _mm_cmple_ps(t, _mm_set1_ps(limit)));
                 let within = _mm_movemask_ps(within) as u32;
-                out.zero |= on_edge << half;
-                out.hit |= (within & inside & !on_edge) << half;
+                out.doubtful |= doubtful << half;
+                out.hit |= (within & inside & !doubtful) << half;
                 _mm_storeu_ps(out.t.as_mut_ptr().add(half), t);
                 _mm_storeu_ps(out.det.as_mut_ptr().add(half), det);
                 _mm_storeu_ps(out.e1.as_mut_ptr().add(half), v);

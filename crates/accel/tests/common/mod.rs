@@ -166,6 +166,7 @@ pub fn all_structures() -> Vec<Structure> {
         tree(Split::Agglomerative, 6),
     ]);
     out.extend(partitions());
+    out.extend(clipped());
     out.extend([grid(0.5, false, 1 << 16), grid(5.0, true, 1 << 12), grid(1.0, true, 1)]);
     out
 }
@@ -199,8 +200,7 @@ pub fn clipped() -> Vec<Structure> {
     ]
 }
 
-/// Every structure with every instruction set that this processor has; those that don't use its vectors with the first
-/// and the last.
+/// Every structure with every instruction set that this processor has; those that don't use its vectors with the best.
 pub fn all_options() -> Vec<Options> {
     let isas: Vec<Isa> = Isa::ALL.into_iter().filter(|i| i.is_available()).collect();
     let mut out = Vec::new();
@@ -208,7 +208,7 @@ pub fn all_options() -> Vec<Options> {
         for &isa in &isas {
             if matches!(structure, Structure::Bvh(_)) {
                 out.extend([Flight::One, Flight::Many].map(|flight| Options { structure, isa, flight }));
-            } else if isa == Isa::Scalar || isa == Isa::detect() {
+            } else if isa == Isa::detect() {
                 out.push(Options { structure, isa, flight: Flight::One });
             }
         }
