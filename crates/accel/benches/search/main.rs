@@ -17,7 +17,9 @@ mod scenes;
 use common::world;
 use embree::{Embree, Quality};
 use scenes::Mesh;
-use straal_accel::{Flight, Geometry, GeometryKind, Hit, Input, Isa, Options, Scene};
+use straal_accel::{
+    Build, BvhParams, Flight, Geometry, GeometryKind, Hit, Input, Isa, Options, Scene, Structure,
+};
 use straal_math::Ray;
 
 /// What was asked for.
@@ -198,11 +200,19 @@ fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
                 add(name.to_owned(), scene.seconds, scene.bytes() as f64);
             }
         }
-        let input = input(mesh);
-        let options = Options { isa: plan.isa, ..Options::default() };
-        let start = cpu_seconds();
-        let scene = pool.install(|| Scene::build(input, &(), &options)).expect("a sound mesh");
-        add("straal".to_owned(), cpu_seconds() - start, scene.memory_bytes() as f64);
+        for (name, build, compact) in [
+            ("fast", Build::Fast, false),
+            ("default", Build::Default, false),
+            ("best", Build::Best, false),
+            ("compact", Build::Default, true),
+        ] {
+            let input = input(mesh);
+            let structure = Structure::Bvh(BvhParams { build, compact });
+            let options = Options { structure, isa: plan.isa, ..Options::default() };
+            let start = cpu_seconds();
+            let scene = pool.install(|| Scene::build(input, &(), &options)).expect("a sound mesh");
+            add(format!("straal {name}"), cpu_seconds() - start, scene.memory_bytes() as f64);
+        }
     }
     for (name, seconds, bytes) in rows {
         println!("  build {name:14} {:.3} CPU s, {bytes:.1} bytes a triangle", median(seconds));

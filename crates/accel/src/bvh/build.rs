@@ -3,11 +3,17 @@
 //! Ranges of primitives are split in two by binned SAH (Wald 2007, "On fast Construction of SAH-based Bounding
 //! Volume Hierarchies"). A node opens the child with the largest box until it has eight or only leaves are left. Large
 //! ranges are split first; the small ones that remain are independent tasks, whose results are joined in their order.
+//! A fast build looks for the cut along the longest axis alone; the best one looks at every place between two centres
+//! where ranges are small, which is where most cuts are made.
 //! All limits depend on the input alone, so that any number of threads builds the same tree.
 
-use super::{Block, Bvh, Child, Node, WIDTH};
+use super::{
+    Block, Bvh, Child, Node, WIDTH,
+    params::{Build, BvhParams},
+};
 use crate::structure::{Prim, PrimKind};
 use rayon::prelude::*;
+use std::ops::Range;
 use straal_math::Vec3;
 
 /// Splits by SAH down to this many binary levels, and in equal halves below: degenerate scenes can't make the tree
@@ -26,7 +32,18 @@ const TASK: usize = 2048;
 /// Ranges longer than this are binned in pieces of this size by all threads.
 const PIECE: usize = 1 << 16;
 
+/// Ranges up to this long are swept, not binned, by the best build.
+const SWEEP: usize = 4096;
+
 type Vertices<'a> = dyn Fn(u32) -> [Vec3; 3] + Sync + 'a;
+
+/// What a build goes by.
+#[derive(Clone, Copy)]
+struct Plan<'a> {
+    vertices: &'a Vertices<'a>,
+    build: Build,
+    compact: bool,
+}
 
 /// A box with a spare lane, which the compiler turns into vector instructions.
 #[derive(Clone, Copy)]
@@ -110,6 +127,11 @@ impl Span {
         out
     }
 
+    /// Of twice the centres along an axis.
+    fn extent(&self, axis: usize) -> f32 {
+        self.centers.hi[axis] - self.centers.lo[axis]
+    }
+
     const fn len(&self) -> usize {
         self.end - self.start
     }
@@ -125,6 +147,14 @@ impl Span {
 struct Part {
     nodes: Vec<Node>,
     blocks: Vec<Block>,
+    /// In place of blocks, in a compact tree.
+    ids: Vec<[u32; WIDTH]>,
+}
+
+impl Part {
+    fn leaves(&self) -> usize {
+        self.blocks.len() + self.ids.len()
+    }
 }
 
 /// A subtree that is still to be built, and where it hangs.
@@ -134,7 +164,8 @@ struct Task {
     span: Span,
 }
 
-pub(super) fn build(prims: &[Prim], vertices: &Vertices<'_>) -> Bvh {
+pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>) -> Bvh {
+    let plan = Plan { vertices, build: params.build, compact: params.compact };
     let mut refs: Vec<Ref> = prims
         .iter()
         .map(|p| {
@@ -151,12 +182,12 @@ pub(super) fn build(prims: &[Prim], vertices: &Vertices<'_>) -> Bvh {
     let root = Span::of(&refs, 0, 0);
     let mut top = Part::default();
     if root.len() <= TASK {
-        let child = subtree(&mut refs, &root, vertices, &mut top);
+        let child = subtree(&mut refs, &root, &plan, &mut top);
         return finish(child, top);
     }
     let mut tasks = Vec::new();
     let task_size = TASK.max(root.len() / 64);
-    let child = upper(&mut refs, &root, task_size, &mut top, &mut tasks);
+    let child = upper(&mut refs, &root, task_size, &plan, &mut Upper { part: &mut top, tasks: &mut tasks });
     // Tasks come in the order of their ranges.
     let mut rest = refs.as_mut_slice();
     let mut jobs = Vec::with_capacity(tasks.len());
@@ -170,19 +201,21 @@ pub(super) fn build(prims: &[Prim], vertices: &Vertices<'_>) -> Bvh {
         .map(|(refs, span)| {
             let mut part = Part::default();
             let span = Span { start: 0, end: span.len(), ..span };
-            (subtree(refs, &span, vertices, &mut part), part)
+            (subtree(refs, &span, &plan, &mut part), part)
         })
         .collect();
     top.nodes.reserve_exact(parts.iter().map(|(_, p)| p.nodes.len()).sum());
     top.blocks.reserve_exact(parts.iter().map(|(_, p)| p.blocks.len()).sum());
+    top.ids.reserve_exact(parts.iter().map(|(_, p)| p.ids.len()).sum());
     for (task, (child, mut part)) in tasks.iter().zip(parts) {
-        let (nodes, blocks) = (top.nodes.len() as u32, top.blocks.len() as u32);
+        let (nodes, blocks) = (top.nodes.len() as u32, top.leaves() as u32);
         top.nodes[task.node].children[task.slot] = child.moved(nodes, blocks);
         for node in &mut part.nodes {
             node.children = node.children.map(|c| c.moved(nodes, blocks));
         }
         top.nodes.append(&mut part.nodes);
         top.blocks.append(&mut part.blocks);
+        top.ids.append(&mut part.ids);
     }
     finish(child, top)
 }
@@ -190,32 +223,40 @@ pub(super) fn build(prims: &[Prim], vertices: &Vertices<'_>) -> Bvh {
 fn finish(root: Child, mut part: Part) -> Bvh {
     part.nodes.shrink_to_fit();
     part.blocks.shrink_to_fit();
-    Bvh { root: Some(root), nodes: part.nodes, blocks: part.blocks }
+    part.ids.shrink_to_fit();
+    Bvh { root: Some(root), nodes: part.nodes, blocks: part.blocks, ids: part.ids }
+}
+
+/// The upper part of a tree under way, and what hangs below it.
+struct Upper<'a> {
+    part: &'a mut Part,
+    tasks: &'a mut Vec<Task>,
 }
 
 /// Splits ranges longer than a task and leaves the others to be done.
-fn upper(refs: &mut [Ref], span: &Span, task_size: usize, out: &mut Part, tasks: &mut Vec<Task>) -> Child {
-    let (spans, count) = open(refs, span);
-    let node = push_node(&spans[..count], out);
+fn upper(refs: &mut [Ref], span: &Span, task_size: usize, plan: &Plan<'_>, out: &mut Upper<'_>) -> Child {
+    let (spans, count) = open(refs, span, plan);
+    let node = push_node(&spans[..count], out.part);
     for (slot, s) in spans[..count].iter().enumerate() {
         if s.len() > task_size {
-            out.nodes[node].children[slot] = upper(refs, s, task_size, out, tasks);
+            let child = upper(refs, s, task_size, plan, out);
+            out.part.nodes[node].children[slot] = child;
         } else {
-            tasks.push(Task { node, slot, span: *s });
+            out.tasks.push(Task { node, slot, span: *s });
         }
     }
     Child::node(node as u32)
 }
 
 /// Builds a whole range.
-fn subtree(refs: &mut [Ref], span: &Span, vertices: &Vertices<'_>, out: &mut Part) -> Child {
+fn subtree(refs: &mut [Ref], span: &Span, plan: &Plan<'_>, out: &mut Part) -> Child {
     if span.is_leaf() {
-        return leaf(&refs[span.start..span.end], vertices, out);
+        return leaf(&refs[span.start..span.end], plan, out);
     }
-    let (spans, count) = open(refs, span);
+    let (spans, count) = open(refs, span, plan);
     let node = push_node(&spans[..count], out);
     for (slot, s) in spans[..count].iter().enumerate() {
-        out.nodes[node].children[slot] = subtree(refs, s, vertices, out);
+        out.nodes[node].children[slot] = subtree(refs, s, plan, out);
     }
     Child::node(node as u32)
 }
@@ -232,23 +273,23 @@ fn push_node(spans: &[Span], out: &mut Part) -> usize {
     out.nodes.len() - 1
 }
 
-fn leaf(refs: &[Ref], vertices: &Vertices<'_>, out: &mut Part) -> Child {
+fn leaf(refs: &[Ref], plan: &Plan<'_>, out: &mut Part) -> Child {
     if refs[0].object {
         return Child::object(refs[0].id);
     }
-    let mut block = Block::EMPTY;
-    for (lane, r) in refs.iter().enumerate() {
-        for (to, from) in block.v.iter_mut().zip(vertices(r.id)) {
-            (to[0][lane], to[1][lane], to[2][lane]) = (from.x, from.y, from.z);
-        }
-        block.id[lane] = r.id;
+    let mut ids = [u32::MAX; WIDTH];
+    for (id, r) in ids.iter_mut().zip(refs) {
+        *id = r.id;
     }
-    out.blocks.push(block);
-    Child::block(out.blocks.len() as u32 - 1)
+    match plan.compact {
+        true => out.ids.push(ids),
+        false => out.blocks.push(Block::of(&ids, plan.vertices)),
+    }
+    Child::block(out.leaves() as u32 - 1)
 }
 
 /// Splits a range in up to eight, in the order of their places.
-fn open(refs: &mut [Ref], span: &Span) -> ([Span; WIDTH], usize) {
+fn open(refs: &mut [Ref], span: &Span, plan: &Plan<'_>) -> ([Span; WIDTH], usize) {
     let mut spans = [*span; WIDTH];
     let mut count = 1;
     while count < WIDTH {
@@ -261,7 +302,7 @@ fn open(refs: &mut [Ref], span: &Span) -> ([Span; WIDTH], usize) {
         }
         let Some((i, _)) = best else { break };
         let s = spans[i];
-        let (left, right) = split(&mut refs[s.start..s.end], &s);
+        let (left, right) = split(&mut refs[s.start..s.end], &s, plan.build);
         spans.copy_within(i + 1..count, i + 2);
         (spans[i], spans[i + 1]) = (left, right);
         count += 1;
@@ -270,10 +311,13 @@ fn open(refs: &mut [Ref], span: &Span) -> ([Span; WIDTH], usize) {
 }
 
 /// Splits a range of at least two in two.
-fn split(refs: &mut [Ref], span: &Span) -> (Span, Span) {
+fn split(refs: &mut [Ref], span: &Span, build: Build) -> (Span, Span) {
     let depth = span.depth + 1;
+    if depth <= MAX_SAH_DEPTH && build == Build::Best && refs.len() <= SWEEP {
+        return sweep(refs, span);
+    }
     if depth <= MAX_SAH_DEPTH
-        && let Some(plane) = best_plane(refs, span)
+        && let Some(plane) = best_plane(refs, span, build)
     {
         let mut left = Span::empty(span.start, depth);
         let mut right = Span::empty(0, depth);
@@ -293,15 +337,48 @@ fn split(refs: &mut [Ref], span: &Span) -> (Span, Span) {
             return (left, right);
         }
     }
-    let extent: [f32; 3] = std::array::from_fn(|i| span.centers.hi[i] - span.centers.lo[i]);
-    let axis = Vec3::from_array(extent).max_axis();
+    let axis = Vec3::new(span.extent(0), span.extent(1), span.extent(2)).max_axis();
     let half = refs.len() / 2;
-    let by = |a: &Ref, b: &Ref| {
-        a.center(axis).total_cmp(&b.center(axis)).then((a.object, a.id).cmp(&(b.object, b.id)))
-    };
-    refs.select_nth_unstable_by(half, by);
+    refs.select_nth_unstable_by(half, |a, b| along(axis, a, b));
     let (a, b) = refs.split_at(half);
     (Span::of(a, span.start, depth), Span::of(b, span.start + half, depth))
+}
+
+/// The order of centres along an axis, and of primitives where they are equal.
+fn along(axis: usize, a: &Ref, b: &Ref) -> std::cmp::Ordering {
+    a.center(axis).total_cmp(&b.center(axis)).then((a.object, a.id).cmp(&(b.object, b.id)))
+}
+
+/// Splits a range of at least two where the surface area heuristic wants it, of all places between two centres.
+fn sweep(refs: &mut [Ref], span: &Span) -> (Span, Span) {
+    let depth = span.depth + 1;
+    let mut right_area = vec![0.0; refs.len()];
+    let (mut cost, mut place) = (f32::INFINITY, (0, refs.len() / 2));
+    for axis in 0..3 {
+        refs.sort_unstable_by(|a, b| along(axis, a, b));
+        let mut bounds = Box4::EMPTY;
+        for (r, area) in refs.iter().zip(&mut right_area).rev() {
+            let (lo, hi) = r.corners();
+            bounds.grow(&lo, &hi);
+            *area = bounds.half_area();
+        }
+        let mut bounds = Box4::EMPTY;
+        for at in 1..refs.len() {
+            let (lo, hi) = refs[at - 1].corners();
+            bounds.grow(&lo, &hi);
+            let (left, right) = (blocks(at as u32), blocks((refs.len() - at) as u32));
+            let c = bounds.half_area() * left + right_area[at] * right;
+            if c < cost {
+                (cost, place) = (c, (axis, at));
+            }
+        }
+    }
+    let (axis, at) = place;
+    if axis != 2 {
+        refs.sort_unstable_by(|a, b| along(axis, a, b));
+    }
+    let (a, b) = refs.split_at(at);
+    (Span::of(a, span.start, depth), Span::of(b, span.start + at, depth))
 }
 
 /// A plane between bins.
@@ -335,10 +412,10 @@ struct Bins {
 impl Bins {
     const EMPTY: Self = Self { bounds: [[Box4::EMPTY; BINS]; 3], count: [[0; BINS]; 3] };
 
-    fn fill(&mut self, refs: &[Ref], low: &[f32; 3], scale: &[f32; 3]) {
+    fn fill(&mut self, refs: &[Ref], axes: &Range<usize>, low: &[f32; 3], scale: &[f32; 3]) {
         for r in refs {
             let (lo, hi) = r.corners();
-            for axis in 0..3 {
+            for axis in axes.clone() {
                 let bin = bin_of(lo[axis] + hi[axis], low[axis], scale[axis]);
                 self.bounds[axis][bin].grow(&lo, &hi);
                 self.count[axis][bin] += 1;
@@ -357,33 +434,37 @@ impl Bins {
     }
 }
 
+/// What testing triangles costs: a block is tested as a whole.
 fn blocks(n: u32) -> f32 {
-    n.div_ceil(8) as f32
+    n.div_ceil(WIDTH as u32) as f32
 }
 
-/// Where the sum of area times number of primitives is least; `None` when bins can't separate them.
-fn best_plane(refs: &[Ref], span: &Span) -> Option<Plane> {
+/// Where the sum of area times number of blocks is least; `None` when bins can't separate them.
+fn best_plane(refs: &[Ref], span: &Span, build: Build) -> Option<Plane> {
     let low = [span.centers.lo[0], span.centers.lo[1], span.centers.lo[2]];
     let scale: [f32; 3] = std::array::from_fn(|i| {
-        let extent = span.centers.hi[i] - low[i];
+        let extent = span.extent(i);
         if extent > 0.0 { BINS as f32 * (1.0 - f32::EPSILON) / extent } else { 0.0 }
     });
+    // A fast build looks along the longest axis alone.
+    let longest = Vec3::new(span.extent(0), span.extent(1), span.extent(2)).max_axis();
+    let axes = if build == Build::Fast { longest..longest + 1 } else { 0..3 };
     let mut bins = Bins::EMPTY;
     if refs.len() > PIECE {
         let pieces: Vec<Bins> = refs
             .par_chunks(PIECE)
             .map(|piece| {
                 let mut bins = Bins::EMPTY;
-                bins.fill(piece, &low, &scale);
+                bins.fill(piece, &axes, &low, &scale);
                 bins
             })
             .collect();
         pieces.iter().for_each(|b| bins.join(b));
     } else {
-        bins.fill(refs, &low, &scale);
+        bins.fill(refs, &axes, &low, &scale);
     }
     let mut best: Option<(f32, Plane)> = None;
-    for axis in (0..3).filter(|&axis| scale[axis] > 0.0) {
+    for axis in axes.filter(|&axis| scale[axis] > 0.0) {
         let mut right_cost = [0.0; BINS];
         let (mut bounds, mut count) = (Box4::EMPTY, 0);
         for bin in (1..BINS).rev() {

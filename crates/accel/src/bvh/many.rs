@@ -83,6 +83,7 @@ impl Bvh {
         let mut flights = [idle; FLIGHT];
         let mut stacks = Descent::many::<FLIGHT>();
         let mut queues = [Queue::EMPTY; 4];
+        let mut room = None;
         for lane in 0..FLIGHT {
             queues[class::DONE].push(lane as u8);
         }
@@ -124,7 +125,8 @@ impl Bvh {
             let mut crossed = [Queue::EMPTY; 2];
             for &lane in queues[class::BLOCK].take().lanes() {
                 let f = &flights[usize::from(lane) % FLIGHT];
-                let inside = q.kernel.inside(&f.ray, &self.blocks[f.child.index()]);
+                let block = self.block(q.scene, group, f.child.index(), &mut room);
+                let inside = q.kernel.inside(&f.ray, block);
                 crossed[usize::from(inside != 0)].push(lane);
             }
             for &lane in crossed[0].lanes() {
@@ -136,7 +138,7 @@ impl Bvh {
                 let f = &mut flights[usize::from(lane) % FLIGHT];
                 let stack = &mut stacks[usize::from(lane) % FLIGHT];
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
-                let block = &self.blocks[f.child.index()];
+                let block = self.block(q.scene, group, f.child.index(), &mut room);
                 if ANY {
                     if Self::block_occluded(q, &at, block) {
                         f.best.geometry = 0;

@@ -11,7 +11,10 @@ mod stats;
 mod traverse;
 mod validate;
 
-use crate::structure::Prim;
+use crate::{
+    scene::{GroupData, Scene},
+    structure::Prim,
+};
 use params::BvhParams;
 use straal_math::{Bounds, Vec3};
 
@@ -163,6 +166,17 @@ impl Block {
         [at(0), at(1), at(2)]
     }
 
+    /// Triangles by their numbers; `u32::MAX` for an unused lane.
+    fn of(ids: &[u32; WIDTH], vertices: impl Fn(u32) -> [Vec3; 3]) -> Self {
+        let mut out = Self { id: *ids, ..Self::EMPTY };
+        for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {
+            for (to, from) in out.v.iter_mut().zip(vertices(id)) {
+                (to[0][lane], to[1][lane], to[2][lane]) = (from.x, from.y, from.z);
+            }
+        }
+        out
+    }
+
     /// Triangles in it, for counting.
     fn count(&self) -> u32 {
         self.id.iter().map(|&id| u32::from(id != u32::MAX)).sum()
@@ -177,19 +191,55 @@ pub(crate) struct Bvh {
     /// `None` when there is nothing to hit.
     root: Option<Child>,
     nodes: Vec<Node>,
+    /// The leaves' triangles, or, in a compact tree, none.
     blocks: Vec<Block>,
+    /// In a compact tree, the numbers of the triangles of each block.
+    ids: Vec<[u32; WIDTH]>,
 }
 
 impl Bvh {
-    pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new() };
+    pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new(), ids: Vec::new() };
 
     /// Whether nodes are likely to be waited for.
     fn is_large(&self) -> bool {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice()) > CACHED
+        self.bytes() > CACHED
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice())
+            + size_of_val(self.blocks.as_slice())
+            + size_of_val(self.ids.as_slice())
+    }
+
+    /// A leaf's block; `room` is for one that has to be put together.
+    #[inline(always)]
+    fn block<'a>(
+        &'a self,
+        scene: &Scene,
+        group: &GroupData,
+        i: usize,
+        room: &'a mut Option<Block>,
+    ) -> &'a Block {
+        match self.blocks.get(i) {
+            Some(block) => block,
+            None => room.insert(self.gather(scene, group, i)),
+        }
+    }
+
+    /// A block of a compact tree, its vertices taken from the meshes.
+    #[inline(never)]
+    fn gather(&self, scene: &Scene, group: &GroupData, i: usize) -> Block {
+        Block::of(&self.ids[i], |id| scene.vertices(group, id))
+    }
+
+    /// The numbers of a block's triangles.
+    fn block_ids(&self, i: u32) -> impl Iterator<Item = u32> + '_ {
+        let ids = self.blocks.get(i as usize).map_or_else(|| &self.ids[i as usize], |b| &b.id);
+        ids.iter().copied().filter(|&id| id != u32::MAX)
     }
 
     /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.
-    pub fn build(prims: &[Prim], _params: &BvhParams, vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {
-        build::build(prims, &vertices)
+    pub fn build(prims: &[Prim], params: &BvhParams, vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {
+        build::build(prims, params, &vertices)
     }
 }

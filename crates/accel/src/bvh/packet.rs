@@ -323,14 +323,17 @@ impl Bvh {
     ) {
         let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
         let (near, best) = (&mut p.near[i], &mut p.best[i]);
+        let mut room = None;
         match (child.kind(), ANY) {
             (ChildKind::Block(b), false) => {
-                if !Self::block_closest(q, &at, &self.blocks[b as usize], near, best) {
+                let block = self.block(q.scene, group, b as usize, &mut room);
+                if !Self::block_closest(q, &at, block, near, best) {
                     return;
                 }
             }
             (ChildKind::Block(b), true) => {
-                if !Self::block_occluded(q, &at, &self.blocks[b as usize]) {
+                let block = self.block(q.scene, group, b as usize, &mut room);
+                if !Self::block_occluded(q, &at, block) {
                     return;
                 }
                 best.geometry = 0;

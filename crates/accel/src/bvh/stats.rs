@@ -31,10 +31,10 @@ impl Bvh {
                     out.sah_cost += chance;
                 }
                 ChildKind::Block(i) => {
-                    let n = self.blocks[i as usize].count();
+                    let n = self.block_ids(i).count();
                     out.leaves += 1;
-                    out.references += n as usize;
-                    out.sah_cost += chance * f64::from(n);
+                    out.references += n;
+                    out.sah_cost += chance * n as f64;
                 }
                 ChildKind::Node(i) => {
                     out.nodes += 1;

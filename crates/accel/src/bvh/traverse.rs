@@ -182,6 +182,7 @@ impl Search for Bvh {
     ) {
         let Some(mut child) = self.root else { return };
         let mut near = Near::new(best);
+        let mut room = None;
         let mut stack = Descent::new();
         loop {
             match child.kind() {
@@ -196,7 +197,8 @@ impl Search for Bvh {
                     }
                 }
                 ChildKind::Block(i) => {
-                    Self::block_closest(q, at, &self.blocks[i as usize], &mut near, best);
+                    let block = self.block(q.scene, at.group, i as usize, &mut room);
+                    Self::block_closest(q, at, block, &mut near, best);
                 }
                 ChildKind::Object(i) => {
                     near.settle(at, best);
@@ -217,6 +219,7 @@ impl Search for Bvh {
         at: &Place<'_>,
     ) -> bool {
         let Some(mut child) = self.root else { return false };
+        let mut room = None;
         let mut stack = Descent::new();
         loop {
             let found = match child.kind() {
@@ -235,7 +238,10 @@ impl Search for Bvh {
                     }
                     false
                 }
-                ChildKind::Block(i) => Self::block_occluded(q, at, &self.blocks[i as usize]),
+                ChildKind::Block(i) => {
+                    let block = self.block(q.scene, at.group, i as usize, &mut room);
+                    Self::block_occluded(q, at, block)
+                }
                 ChildKind::Object(i) => q.object_occluded(at, i),
                 ChildKind::Done => return false,
             };
@@ -269,7 +275,7 @@ impl Search for Bvh {
     }
 
     fn memory_bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice()) + size_of_val(self.blocks.as_slice())
+        self.bytes()
     }
 
     fn stats(&self) -> Stats {

@@ -32,7 +32,7 @@ impl Bvh {
                 ChildKind::Done => return Err("a child that ends a search".into()),
                 ChildKind::Object(i) => take((true, i))?,
                 ChildKind::Block(i) => {
-                    for &id in self.blocks[i as usize].id.iter().filter(|&&id| id != u32::MAX) {
+                    for id in self.block_ids(i) {
                         take((false, id))?;
                     }
                 }

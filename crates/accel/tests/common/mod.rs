@@ -156,6 +156,8 @@ pub fn all_structures() -> Vec<Structure> {
         Structure::Grid(GridParams { factor, mailboxes, max_cells, ..GridParams::DEFAULT })
     };
     let volumes = |volume| Structure::Volumes(VolumesParams { volume, ..VolumesParams::DEFAULT });
+    let wide = |build, compact| Structure::Bvh(BvhParams { build, compact });
+    out.extend([wide(Build::Fast, true), wide(Build::Best, false)]);
     out.extend([volumes(VolumeKind::Sphere), volumes(VolumeKind::Oriented)]);
     let tree = |split, leaf_size| Structure::Bvh2(Bvh2Params { split, leaf_size, ..Bvh2Params::DEFAULT });
     out.extend([
