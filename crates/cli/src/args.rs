@@ -6,6 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
+use straal::CostMeasure;
 use straal_accel::{Isa, Structure};
 use straal_color::Tone;
 use straal_math::lowdisc::Pattern;
@@ -138,6 +139,19 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = quantity::batch)]
     pub batch: Option<usize>,
 
+    /// Count what the searches of each pixel cost, for the layers cost.nodes, cost.primitives and cost.time of an EXR;
+    /// slower, and the same picture
+    #[arg(long)]
+    pub cost: bool,
+
+    /// Write what the searches of each pixel cost as a PNG in false colours, with a legend; counts as --cost does
+    #[arg(long, value_name = "PICTURE")]
+    pub cost_picture: Option<PathBuf>,
+
+    /// Which cost --cost-picture shows
+    #[arg(long, value_name = "COST", value_parser = measure(), default_value = "nodes", requires = "cost_picture")]
+    pub cost_of: CostMeasure,
+
     /// Say nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -239,6 +253,10 @@ fn structure() -> impl TypedValueParser<Value = Structure> {
     named(Structure::ALL.map(|s| (s.name(), s)).to_vec())
 }
 
+fn measure() -> impl TypedValueParser<Value = CostMeasure> {
+    named(CostMeasure::ALL.map(|m| (m.name(), m)).to_vec())
+}
+
 fn isa() -> impl TypedValueParser<Value = Isa> {
     named(Isa::ALL.map(|i| (i.name(), i)).to_vec())
 }
@@ -266,7 +284,7 @@ mod tests {
         let a = render(
             "scene.yaml -o a.exr -o a.png --spp 16 --time 1m30s --threads 3 --crop 1,2,3,4 --size 640x360 --seed 7 \
              --max-depth 5 --sampler random --accel brute --isa sse --batch 7 --exposure -1.5 --tone filmic -q \
-             --json --lenient",
+             --json --lenient --cost-picture c.png --cost-of time",
         )
         .unwrap();
         assert_eq!(a.scene, Some("scene.yaml".into()));
@@ -277,6 +295,7 @@ mod tests {
         assert_eq!((a.sampler, a.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
         assert_eq!((a.accel, a.isa), (Some(Structure::Brute), Some(Isa::Sse)));
         assert_eq!(a.exposure, Some(-1.5));
+        assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), CostMeasure::Time));
         assert!(a.quiet && a.json && a.lenient && a.replicates.is_none());
     }
 

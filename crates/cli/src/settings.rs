@@ -5,8 +5,8 @@ use crate::args::RenderArgs;
 use crate::exit::Failure;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use straal::picture::Format;
-use straal::{Look, Overrides};
+use straal::picture::{Format, SaveError};
+use straal::{CostMeasure, Look, Overrides};
 use straal_color::Tone;
 use straal_formats::atomic;
 
@@ -23,6 +23,8 @@ pub struct RenderSettings {
     pub time: Option<Duration>,
     /// Independent sets of samples.
     pub replicates: Option<u32>,
+    /// Where the picture of the searches' costs goes, and which cost it shows.
+    pub cost_picture: Option<(PathBuf, CostMeasure)>,
     /// Stops, in place of the scene's.
     pub exposure: Option<f32>,
     /// Tone curve, in place of the scene's.
@@ -46,6 +48,15 @@ impl RenderSettings {
             none if none.is_empty() => vec![default_output(args.scene.as_deref())],
             given => given,
         };
+        if let Some(path) = &args.cost_picture {
+            if !matches!(Format::of(path), Ok(Format::Png)) {
+                return Err(Failure::input(SaveError::NotPng(path.display().to_string()).to_string()));
+            }
+            check_output(path)?;
+            if outputs.contains(path) {
+                return Err(Failure::input(format!("{} is named twice", path.display())));
+            }
+        }
         for (i, path) in outputs.iter().enumerate() {
             check_output(path)?;
             if outputs[..i].contains(path) {
@@ -70,9 +81,11 @@ impl RenderSettings {
                 isa: args.isa,
                 batch: args.batch,
                 shuffle_tiles: None,
+                cost: (args.cost || args.cost_picture.is_some()).then_some(true),
             },
             time: args.time,
             replicates: args.replicates,
+            cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
             exposure: args.exposure,
             tone: args.tone,
             quiet: args.quiet,

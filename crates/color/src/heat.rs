@@ -48,15 +48,17 @@ mod tests {
     /// Judged by what a screen gets, eight bits and all: hence the tolerance.
     #[test]
     fn lightness_rises_and_steps_are_even() {
-        let shown: Vec<Oklab> =
-            steps().map(|x| Oklab::from_linear(srgb_u8(x).map(|c| srgb::decode(f32::from(c) / 255.0)))).collect();
+        let shown: Vec<Oklab> = steps()
+            .map(|x| Oklab::from_linear(srgb_u8(x).map(|c| srgb::decode(f32::from(c) / 255.0))))
+            .collect();
         let sizes: Vec<f32> = shown.windows(2).map(|w| w[0].distance(w[1])).collect();
         let mean = sizes.iter().sum::<f32>() / STEPS as f32;
         for (w, size) in shown.windows(2).zip(&sizes) {
             assert!(w[1].l > w[0].l, "lightness falls from {w:?}");
             assert!((size / mean - 1.0).abs() < 0.3, "a step of {size}, where the mean is {mean}");
         }
-        let exact: Vec<f32> = steps().zip(steps().skip(1)).map(|(a, b)| oklab(a).distance(oklab(b))).collect();
+        let exact: Vec<f32> =
+            steps().zip(steps().skip(1)).map(|(a, b)| oklab(a).distance(oklab(b))).collect();
         assert!(exact.iter().all(|s| (s / exact[0] - 1.0).abs() < 1e-3), "{exact:?}");
     }
 

@@ -40,6 +40,8 @@ pub struct Overrides {
     pub batch: Option<usize>,
     /// Shuffles the order of tiles by this seed.
     pub shuffle_tiles: Option<u64>,
+    /// Counts what the searches of each pixel cost.
+    pub cost: Option<bool>,
 }
 
 /// Why a job can't be done.
@@ -203,6 +205,7 @@ impl Job {
             threads,
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
+            cost: wish.cost.unwrap_or(scene.accel.cost),
         };
         let tone = match scene.film.tone {
             desc::Tone::Clamp => Tone::Clamp,
@@ -263,6 +266,7 @@ impl Job {
             u32::MAX => "unlimited".to_string(),
             n => n.to_string(),
         };
+        let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         [
             ("version", crate::VERSION.to_string()),
             ("scene_hash", self.scene_hash.clone()),
@@ -283,6 +287,7 @@ impl Job {
             ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
         ]
         .into_iter()
+        .chain(counted)
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
     }
