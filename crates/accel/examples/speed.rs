@@ -31,7 +31,7 @@ fn main() {
             continue;
         }
         let start = cpu_seconds();
-        let options = Options { structure: Structure::Bvh, isa, flight: Flight::Many };
+        let options = Options { structure: Structure::default(), isa, flight: Flight::Many };
         let scene = Scene::build(input.clone(), &(), &options).expect("a sound mesh");
         let built = cpu_seconds() - start;
         if sets.is_empty() {

@@ -31,6 +31,7 @@ mod slab;
 mod structure;
 mod triangle;
 
+pub use bvh::params::{Build, BvhParams};
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;

@@ -13,7 +13,7 @@ use crate::{
 use straal_math::{Bounds, Ray, Transform, Vec3};
 
 /// How a scene is built and searched.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// The search structure of every group.
     pub structure: Structure,
@@ -348,7 +348,9 @@ impl Scene {
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
         data.searcher = match options.structure {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
-            Structure::Bvh => Searcher::Bvh(Bvh::build(&prims, |id| self.vertices(&data, id))),
+            Structure::Bvh(params) => {
+                Searcher::Bvh(Bvh::build(&prims, &params, |id| self.vertices(&data, id)))
+            }
         };
         Ok((data, dropped))
     }

@@ -1,32 +1,43 @@
 //! The search structures, and the contract they share.
 
 use crate::{
-    brute::Brute, bvh::Bvh, hit::Chain, hit::Hit, input::Shapes, kernel::Kernel, local::LocalRay,
-    query::Query, scene::GroupData,
+    brute::Brute,
+    bvh::{Bvh, params::BvhParams},
+    hit::{Chain, Hit},
+    input::Shapes,
+    kernel::Kernel,
+    local::LocalRay,
+    query::Query,
+    scene::GroupData,
 };
 use std::{fmt, str::FromStr};
 use straal_math::{Bounds, Ray};
 
-/// A way to search a group. All give the same hits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+/// A way to search a group, with its parameters. All give the same hits.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Structure {
     /// Every primitive against every ray: the reference.
     Brute,
     /// A tree of boxes, eight wide, built by the surface area heuristic.
-    #[default]
-    Bvh,
+    Bvh(BvhParams),
+}
+
+impl Default for Structure {
+    fn default() -> Self {
+        Self::Bvh(BvhParams::DEFAULT)
+    }
 }
 
 impl Structure {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Brute, Self::Bvh];
+    /// One of each kind, with its default parameters.
+    pub const ALL: [Self; 2] = [Self::Brute, Self::Bvh(BvhParams::DEFAULT)];
 
-    /// The name as it is typed.
+    /// The name of the kind as it is typed.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
-            Self::Bvh => "bvh",
+            Self::Bvh(_) => "bvh",
         }
     }
 }
@@ -37,6 +48,7 @@ impl fmt::Display for Structure {
     }
 }
 
+/// The name of a kind stands for it with its default parameters.
 impl FromStr for Structure {
     type Err = UnknownName;
 

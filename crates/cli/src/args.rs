@@ -2,12 +2,13 @@
 
 use crate::exit;
 use crate::quantity::{self, Crop, Size};
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
 use straal::CostMeasure;
-use straal_accel::{Isa, Structure};
+use straal::search;
+use straal_accel::{Build, Isa, Structure};
 use straal_color::Tone;
 use straal_math::lowdisc::Pattern;
 
@@ -127,9 +128,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = quantity::threads)]
     pub threads: Option<usize>,
 
-    /// Structure in which rays are searched; changes the speed only
-    #[arg(long, value_name = "STRUCTURE", value_parser = structure())]
+    /// Structure in which rays are searched, and its parameters, as in bvh:build=fast,compact=true; changes the speed
+    /// only
+    #[arg(long, value_name = "STRUCTURE[:KEY=VALUE,...]", value_parser = StructureParser)]
     pub accel: Option<Structure>,
+
+    /// Work that goes into the tree of the structure bvh; changes the speed only
+    #[arg(long, value_name = "WORK", value_parser = build())]
+    pub build: Option<Build>,
 
     /// Instruction set of the search; changes the speed only. The best that the processor has when absent
     #[arg(long, value_name = "SET", value_parser = isa())]
@@ -249,8 +255,29 @@ fn tone() -> impl TypedValueParser<Value = Tone> {
     named(vec![("clamp", Tone::Clamp), ("filmic", Tone::Filmic)])
 }
 
-fn structure() -> impl TypedValueParser<Value = Structure> {
-    named(Structure::ALL.map(|s| (s.name(), s)).to_vec())
+/// Reads a search structure with its parameters; the help lists the names.
+#[derive(Clone)]
+struct StructureParser;
+
+impl TypedValueParser for StructureParser {
+    type Value = Structure;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        arg: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<Structure, clap::Error> {
+        search::parse.parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(search::NAMES.iter().map(PossibleValue::new)))
+    }
+}
+
+fn build() -> impl TypedValueParser<Value = Build> {
+    named(Build::ALL.map(|b| (b.name(), b)).to_vec())
 }
 
 fn measure() -> impl TypedValueParser<Value = CostMeasure> {
@@ -283,7 +310,7 @@ mod tests {
     fn all_that_can_be_said_of_a_render() {
         let a = render(
             "scene.yaml -o a.exr -o a.png --spp 16 --time 1m30s --threads 3 --crop 1,2,3,4 --size 640x360 --seed 7 \
-             --max-depth 5 --sampler random --accel brute --isa sse --batch 7 --exposure -1.5 --tone filmic -q \
+             --max-depth 5 --sampler random --accel brute --build best --isa sse --batch 7 --exposure -1.5 --tone filmic -q \
              --json --lenient --cost-picture c.png --cost-of time",
         )
         .unwrap();
@@ -293,7 +320,7 @@ mod tests {
         assert_eq!((a.threads, a.seed, a.max_depth, a.batch), (Some(3), Some(7), Some(5), Some(7)));
         assert_eq!((a.size, a.crop), (Some(Size([640, 360])), Some(Crop([1, 2, 3, 4]))));
         assert_eq!((a.sampler, a.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
-        assert_eq!((a.accel, a.isa), (Some(Structure::Brute), Some(Isa::Sse)));
+        assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
         assert_eq!(a.exposure, Some(-1.5));
         assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), CostMeasure::Time));
         assert!(a.quiet && a.json && a.lenient && a.replicates.is_none());
@@ -308,6 +335,9 @@ mod tests {
             ("--replicates 4 --time 3s", "cannot be used with"),
             ("--samplers sobol", "a similar argument exists: '--sampler'"),
             ("--time 90", "write 90s"),
+            ("--accel bhv", "unknown `bhv` in `accel`: did you mean `bvh`?"),
+            ("--accel bvh:build=faster", "did you mean `fast`?"),
+            ("--build slow", "[possible values: fast, default, best]"),
         ] {
             let error = render(words).unwrap_err();
             assert_eq!(error.exit_code(), 2);

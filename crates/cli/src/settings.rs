@@ -78,6 +78,7 @@ impl RenderSettings {
                 max_depth: args.max_depth,
                 threads: args.threads,
                 accel: args.accel,
+                build: args.build,
                 isa: args.isa,
                 batch: args.batch,
                 shuffle_tiles: None,

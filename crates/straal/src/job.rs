@@ -1,7 +1,8 @@
 //! A scene with all that was asked for it: compiled, ready to render.
 
 use crate::picture::{Look, Picture};
-use straal_accel::{Isa, Structure};
+use crate::search;
+use straal_accel::{Build, BvhParams, Isa, Structure};
 use straal_color::Tone;
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::Pattern;
@@ -34,6 +35,8 @@ pub struct Overrides {
     pub threads: Option<usize>,
     /// Search structure.
     pub accel: Option<Structure>,
+    /// How much work goes into the structure, where that is `bvh`.
+    pub build: Option<Build>,
     /// Instruction set of the search kernels; the best there is when absent.
     pub isa: Option<Isa>,
     /// Paths that travel together.
@@ -172,10 +175,8 @@ impl Job {
             desc::SamplerKind::Sobol => Pattern::Sobol,
             desc::SamplerKind::Random => Pattern::Random,
         });
-        let structure = wish.accel.unwrap_or(match scene.accel.structure {
-            desc::Structure::Bvh => Structure::Bvh,
-            desc::Structure::Brute => Structure::Brute,
-        });
+        let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
+        let structure = built(structure, wish.build)?;
         let spp = wish.spp.unwrap_or(scene.sampler.spp);
         if spp == 0 || spp > MAX_SAMPLES {
             return Err(Error::Request(format!(
@@ -327,6 +328,18 @@ impl Job {
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+/// The structure, built with as much work as is wanted.
+fn built(structure: Structure, build: Option<Build>) -> Result<Structure, Error> {
+    match (structure, build) {
+        (_, None) => Ok(structure),
+        (Structure::Bvh(params), Some(build)) => Ok(Structure::Bvh(BvhParams { build, ..params })),
+        (other, Some(build)) => Err(Error::Request(format!(
+            "a build of the kind '{}' is for the search structure bvh only, and rays are searched by {other}",
+            build.name()
+        ))),
     }
 }
 

@@ -4,11 +4,13 @@
 
 mod build;
 mod many;
+pub mod params;
 mod stats;
 mod traverse;
 mod validate;
 
 use crate::structure::Prim;
+use params::BvhParams;
 use straal_math::{Bounds, Vec3};
 
 /// Boxes in a node, triangles in a block.
@@ -142,7 +144,7 @@ impl Bvh {
     pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new() };
 
     /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.
-    pub fn build(prims: &[Prim], vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {
+    pub fn build(prims: &[Prim], _params: &BvhParams, vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {
         build::build(prims, &vertices)
     }
 }

@@ -5,6 +5,8 @@
 
 mod scalar;
 
+pub use scalar::resolve;
+
 use std::collections::HashMap;
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span as Marks, Tag};

@@ -85,10 +85,7 @@ impl<'a> Build<'a> {
             let before = self.in_world();
             self.node(node, place)?;
             let after = self.in_world();
-            self.top_level.push(TopLevel {
-                geometries: before[0]..after[0],
-                instances: before[1]..after[1],
-            });
+            self.top_level.push(TopLevel { geometries: before[0]..after[0], instances: before[1]..after[1] });
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! What a scene can say: plain data, as a file or a program says it.
 
+pub mod accel;
 pub mod camera;
 mod check;
 pub mod light;
@@ -9,14 +10,13 @@ pub mod settings;
 pub mod shape;
 pub mod transform;
 
+pub use accel::{Accel, Build, Structure, WideBvh};
 pub use camera::{Camera, FovAxis, Orthographic, Perspective};
 pub use check::BUILTIN_PATCHES;
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
-pub use settings::{
-    Accel, Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind, Structure, Tone,
-};
+pub use settings::{Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind, Tone};
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,

@@ -1,4 +1,4 @@
-//! Film, sampler, integrator and search: how a picture is made.
+//! Film, sampler and integrator: how a picture is made.
 
 use crate::desc::check;
 use crate::describe::describe;
@@ -94,26 +94,5 @@ describe! {
         max_depth: Depth = Depth::Unlimited,
         /// Number of edges after which Russian roulette may end a path.
         roulette_depth: u32 = 5,
-    }
-}
-
-describe! {
-    /// How rays are searched. It never changes the picture.
-    pub struct Accel {
-        /// Which structure.
-        structure: Structure = Structure::Bvh,
-        /// Counts what the searches of each pixel cost, for the layers `cost.nodes`, `cost.primitives` and `cost.time` of an
-        /// EXR. Slower; the picture is the same.
-        cost: bool = false,
-    }
-}
-
-describe! {
-    /// A search structure.
-    pub enum Structure {
-        /// Bounding volume hierarchy.
-        "bvh" => Bvh,
-        /// Every primitive for every ray: slow, and what the others are held against.
-        "brute" => Brute,
     }
 }

@@ -1,0 +1,131 @@
+//! Search structures as people name them: from the scene's description, and from one word of a command line.
+
+use straal_accel::{self as accel, BvhParams};
+use straal_formats::yaml;
+use straal_scene::decode::{Decoder, Describe, Strictness};
+use straal_scene::desc;
+use straal_scene::limit::Limit;
+use straal_scene::tree::{Datum, Entry, Tree};
+use straal_scene::{Diagnostic, Diagnostics, Span, Spanned, suggest};
+
+/// The names of all kinds.
+pub const NAMES: &[&str] = desc::Structure::KINDS;
+
+/// Why a text names no search structure.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoStructure(String);
+
+/// The structure that a text names: a kind, and where others than the defaults are wanted, its parameters, such as
+/// `bvh:build=fast,compact=true`. Names, limits and defaults are those of the scene language.
+///
+/// ```
+/// let fast = straal::search::parse("bvh:build=fast")?;
+/// assert_eq!(fast.name(), "bvh");
+/// let error = straal::search::parse("bvh:biuld=fast").unwrap_err();
+/// assert_eq!(error.to_string(), "unknown key `biuld` in `bvh`: did you mean `build`?");
+/// # Ok::<(), straal::search::NoStructure>(())
+/// ```
+pub fn parse(text: &str) -> Result<accel::Structure, NoStructure> {
+    let mut diagnostics = Diagnostics::default();
+    let file = diagnostics.sources.add("", text);
+    let end = u32::try_from(text.len()).map_err(|_| NoStructure("this is too long".into()))?;
+    let span = Span { file, start: 0, end };
+    let tree = tree(text, span).map_err(NoStructure)?;
+    let mut d = Decoder::new(diagnostics, Strictness::default());
+    let structure = d.under("accel", span, |d| desc::Structure::read(&tree, Limit::FINITE, d));
+    if d.diagnostics.has_errors() {
+        let told: Vec<String> = d.diagnostics.list.iter().map(tell).collect();
+        return Err(NoStructure(told.join("; ")));
+    }
+    Ok(structure_of(&structure))
+}
+
+fn tell(d: &Diagnostic) -> String {
+    match &d.help {
+        Some(help) => format!("{}: {help}", d.message),
+        None => d.message.clone(),
+    }
+}
+
+/// `kind:key=value,key=value` as a scene would say it. All of it is at `span`.
+fn tree(text: &str, span: Span) -> Result<Tree, String> {
+    let word = |word: &str| Spanned::new(word.to_owned(), span);
+    let Some((kind, rest)) = text.split_once(':') else {
+        return Ok(Tree { value: Datum::String(text.to_owned()), span });
+    };
+    let mut entries: Vec<Entry> = Vec::new();
+    for part in rest.split(',') {
+        let Some((key, value)) = part.split_once('=') else {
+            return Err(format!(
+                "`{}` is no parameter: expected key=value, with commas between",
+                suggest::brief(part)
+            ));
+        };
+        let (key, value) = (key.trim(), value.trim());
+        if entries.iter().any(|e| e.key.value == key) {
+            return Err(format!("`{}` is given twice", suggest::brief(key)));
+        }
+        entries.push(Entry { key: word(key), value: Tree { value: yaml::resolve(value.to_owned()), span } });
+    }
+    let payload = Tree { value: Datum::Mapping(entries), span };
+    let choice = Entry { key: word(kind.trim()), value: payload };
+    Ok(Tree { value: Datum::Mapping(vec![choice]), span })
+}
+
+/// The structure that a scene describes.
+pub fn structure_of(d: &desc::Structure) -> accel::Structure {
+    match d {
+        desc::Structure::Brute => accel::Structure::Brute,
+        desc::Structure::Bvh(p) => {
+            let build = match p.build {
+                desc::Build::Fast => accel::Build::Fast,
+                desc::Build::Default => accel::Build::Default,
+                desc::Build::Best => accel::Build::Best,
+            };
+            accel::Structure::Bvh(BvhParams { build, compact: p.compact })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use accel::{Build, Structure};
+
+    #[test]
+    fn kinds_have_the_same_names_and_defaults_everywhere() {
+        assert_eq!(NAMES.len(), Structure::ALL.len());
+        for s in Structure::ALL {
+            assert!(NAMES.contains(&s.name()), "{s}");
+            assert_eq!(parse(s.name()), Ok(s));
+        }
+        assert_eq!(structure_of(&desc::Accel::default().structure), Structure::default());
+    }
+
+    #[test]
+    fn parameters_follow_the_name() {
+        let best = Structure::Bvh(BvhParams { build: Build::Best, compact: true });
+        assert_eq!(parse("bvh:build=best,compact=true"), Ok(best));
+        assert_eq!(parse(" bvh : compact = true , build = best "), Ok(best));
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_in_the_words_of_the_scene_language() {
+        for (text, complaint) in [
+            ("bhv", "unknown `bhv` in `accel`: did you mean `bvh`?"),
+            (
+                "brute:build=fast",
+                "`brute` takes nothing, found a mapping of keys to values: write only `brute`",
+            ),
+            ("bvh:build=quick", "unknown `quick` in `build`: it can be `fast`, `default`, `best`"),
+            ("bvh:compact=yes", "`compact` must be `true` or `false`, found the text `yes`"),
+            ("bvh:compact", "`compact` is no parameter: expected key=value, with commas between"),
+            ("bvh:", "`` is no parameter: expected key=value, with commas between"),
+            ("bvh:compact=true,compact=false", "`compact` is given twice"),
+        ] {
+            assert_eq!(parse(text).unwrap_err().to_string(), complaint);
+        }
+        assert!(parse("").unwrap_err().to_string().contains("`bvh`"));
+    }
+}
