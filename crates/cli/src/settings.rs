@@ -58,6 +58,7 @@ impl RenderSettings {
             }
         }
         for (i, path) in outputs.iter().enumerate() {
+            Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
             check_output(path)?;
             if outputs[..i].contains(path) {
                 return Err(Failure::input(format!("{} is named twice", path.display())));
@@ -115,9 +116,8 @@ fn default_output(scene: Option<&Path>) -> PathBuf {
     name.into()
 }
 
-/// Whether a picture can go there.
-fn check_output(path: &Path) -> Result<(), Failure> {
-    Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
+/// Whether a file can go there.
+pub fn check_output(path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::input(format!("{} is a folder", path.display())));
     }
@@ -133,7 +133,8 @@ fn check_output(path: &Path) -> Result<(), Failure> {
     }
 }
 
-fn is_same_file(a: &Path, b: &Path) -> bool {
+/// Whether both names lead to one file.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 

@@ -66,7 +66,7 @@ pub struct World {
     pub(crate) looks: Vec<Look>,
     /// By instance of the search structure: a material for what has none inside, or [`INHERIT`].
     pub(crate) instance_materials: Vec<u32>,
-    /// What each node at the top of the description's world became, in its order; a program's own shapes come after.
+    /// What each node at the top of the description's world (`Scene::top_level`) became, in its order; a program's own shapes come after.
     pub top_level: Vec<TopLevel>,
     /// Emitters that surround the scene.
     pub(crate) environments: Vec<u32>,

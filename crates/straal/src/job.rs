@@ -161,6 +161,11 @@ impl Job {
 
     /// The same with a program's own shapes and materials.
     pub fn with_custom(loaded: Loaded, wish: Overrides, custom: &Custom) -> Result<Self, Error> {
+        Self::of(&loaded, &wish, custom)
+    }
+
+    /// The same of a scene that is needed further.
+    pub(crate) fn of(loaded: &Loaded, wish: &Overrides, custom: &Custom) -> Result<Self, Error> {
         let scene = &loaded.scene;
         let size = wish.size.unwrap_or(scene.film.size);
         let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
@@ -213,15 +218,7 @@ impl Job {
             desc::Tone::Filmic => Tone::Filmic,
         };
         let look = Look { exposure: scene.film.exposure as f32, tone };
-        Ok(Self {
-            world,
-            settings,
-            spp,
-            integrator,
-            scene_hash: scene_hash(&loaded, custom),
-            look,
-            structure,
-        })
+        Ok(Self { world, settings, spp, integrator, scene_hash: scene_hash(loaded, custom), look, structure })
     }
 
     /// How the scene wants its picture developed.

@@ -16,6 +16,7 @@
 pub mod compare;
 pub mod false_colour;
 pub mod job;
+pub mod lab;
 pub mod picture;
 pub mod replicates;
 pub mod search;

@@ -80,8 +80,14 @@ impl<'a> Build<'a> {
     }
 
     pub fn world(&mut self) -> Result<(), CompileError> {
-        let place = Place { transform: Affine::IDENTITY, material: 0, group: 0 };
-        for node in &self.scene.world {
+        let mut place = Place { transform: Affine::IDENTITY, material: 0, group: 0 };
+        // Down to what `Scene::top_level` gives.
+        let mut nodes = self.scene.world.as_slice();
+        while let [Node::Group(g)] = nodes {
+            place = self.step_into(&g.transform, g.material.as_ref(), place)?;
+            nodes = &g.children;
+        }
+        for node in nodes {
             let before = self.in_world();
             self.node(node, place)?;
             let after = self.in_world();

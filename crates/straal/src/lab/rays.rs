@@ -59,7 +59,16 @@ impl RaySet {
 
     /// Every n-th ray of the set: for structures that would take too long with all of them.
     pub fn every(&self, n: usize) -> Self {
-        let rays: Vec<Ray> = self.rays.iter().copied().step_by(n).collect();
+        self.cut(self.rays.iter().copied().step_by(n).collect())
+    }
+
+    /// The rays that `keep` wants.
+    pub(crate) fn filtered(&self, keep: impl Fn(&Ray) -> bool) -> Self {
+        self.cut(self.rays.iter().copied().filter(keep).collect())
+    }
+
+    /// Some of the rays, in slices of their own.
+    fn cut(&self, rays: Vec<Ray>) -> Self {
         let ends = (1..=rays.len().div_ceil(SLICE)).map(|i| rays.len().min(i * SLICE)).collect();
         Self { rays, ends, per_sample: self.per_sample }
     }

@@ -63,8 +63,7 @@ fn same(a: &Answer, b: &Answer) -> bool {
         (Answer::Blocked(a), Answer::Blocked(b)) => a == b,
         (Answer::Hit(a), Answer::Hit(b)) => {
             let bits = |h: &Hit| [h.t, h.u, h.v].map(f32::to_bits);
-            bits(a) == bits(b)
-                && (a.geometry, a.primitive, a.chain) == (b.geometry, b.primitive, b.chain)
+            bits(a) == bits(b) && (a.geometry, a.primitive, a.chain) == (b.geometry, b.primitive, b.chain)
         }
         _ => false,
     }
@@ -79,8 +78,11 @@ impl Answer {
             Self::Hit(h) if !h.is_hit() => "a miss".into(),
             Self::Hit(h) => {
                 let chain: Vec<String> = h.chain.iter().map(|id| id.to_string()).collect();
-                let inside =
-                    if chain.is_empty() { String::new() } else { format!(" in instance {}", chain.join(" > ")) };
+                let inside = if chain.is_empty() {
+                    String::new()
+                } else {
+                    format!(" in instance {}", chain.join(" > "))
+                };
                 format!(
                     "t {:?}, u {:?}, v {:?} on geometry {}, primitive {}{inside}",
                     h.t, h.u, h.v, h.geometry, h.primitive
