@@ -35,10 +35,16 @@ impl Scale {
         Self::Linear { most: if most > 0.0 { most } else { 1.0 } }
     }
 
-    /// Logarithmic, holding all numbers of 1 and more.
+    /// Logarithmic, holding all numbers of 1 and more, from the power of ten below the least of them.
     pub fn of_magnitudes<'a>(values: impl IntoIterator<Item = &'a f32>) -> Self {
-        let most = values.into_iter().copied().filter(|v| v.is_finite()).fold(0.0, ops::max);
-        Self::Logarithmic { least: 1.0, most: ops::max(most, 10.0) }
+        let (mut least, mut most) = (f32::INFINITY, 1.0);
+        for &v in values.into_iter().filter(|v| v.is_finite() && **v >= 1.0) {
+            least = ops::min(least, v);
+            most = ops::max(most, v);
+        }
+        let tens = if least.is_finite() { ops::log10(least * 1.0001).floor() as i32 } else { 0 };
+        let least = ops::powi(10.0, tens);
+        Self::Logarithmic { least, most: ops::max(most, least * 10.0) }
     }
 
     /// Where a number lies on the way from the first colour to the last.
@@ -92,11 +98,13 @@ impl Chart {
         Self { width, height: values.len() / if width > 0 { width } else { 1 }, pixels }
     }
 
-    /// The legend alone: all colours from left to right, and what numbers they stand for. At least 120 pixels wide.
+    /// The legend alone: all colours from left to right, and what numbers they stand for. Wide enough for the
+    /// caption, and 120 pixels at the least.
     pub fn legend(width: usize, scale: Scale, caption: &str) -> Self {
         // Two lines of text; letters are twice as large in large pictures.
-        let zoom = if width >= 480 { 2 } else { 1 };
-        let width = if width > 120 { width } else { 120 };
+        let needs = |zoom: usize| (font::width(caption) + 2 * 4) * zoom;
+        let zoom = if width >= 480 && width >= needs(2) { 2 } else { 1 };
+        let width = [120, needs(1)].into_iter().fold(width, Ord::max);
         let line = (font::HEIGHT + 3) * zoom;
         let (margin, ramp) = (4 * zoom, 10 * zoom);
         let mut chart = Self::blank(width, 2 * margin + ramp + 2 * zoom + 2 * line);
@@ -226,7 +234,10 @@ mod tests {
         values[8] = f32::NAN;
         assert_eq!(Scale::of(&values), Scale::Linear { most: 3.0 });
         assert_eq!(Scale::of(&[]), Scale::Linear { most: 1.0 });
-        assert_eq!(Scale::of_magnitudes(&[2.0, 300.0]), Scale::Logarithmic { least: 1.0, most: 300.0 });
+        let scale = |values: &[f32]| Scale::of_magnitudes(values);
+        assert_eq!(scale(&[0.0, 2.0, 300.0]), Scale::Logarithmic { least: 1.0, most: 300.0 });
+        assert_eq!(scale(&[20.0, 31.0, 25.0]), Scale::Logarithmic { least: 10.0, most: 100.0 });
+        assert_eq!(scale(&[]), Scale::Logarithmic { least: 1.0, most: 10.0 });
     }
 
     #[test]

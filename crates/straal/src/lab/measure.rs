@@ -13,9 +13,9 @@ use straal_render::world::World;
 /// Numbers by [`Kind`].
 pub type ByKind<T> = [T; 3];
 
-/// Nodes, boxes and primitives that a structure may test for the rays of a kind. One that would need more is asked with
-/// every n-th ray only: brute force on a large scene must end.
-const MOST_TESTS: u64 = 10_000_000;
+/// Nodes, boxes and primitives that a structure may test for the rays of a kind, for each ray that was wished for. One that
+/// would need more is asked with every n-th ray only: brute force on a large scene must end.
+const TESTS_PER_RAY: u64 = 150;
 
 /// Rays that tell beforehand how many tests a ray takes.
 const PILOTS: usize = 64;
@@ -30,11 +30,18 @@ pub(crate) struct Bench<'a> {
     pub isa: Isa,
     pub clock: &'a Clock,
     pub rays: &'a [RaySet; 3],
+    /// Most rays of a kind that were wished for.
+    pub wished: usize,
     /// Rays of the scene's own picture.
     pub mix: ByKind<f64>,
 }
 
 impl Bench<'_> {
+    /// Tests that may be made for the rays of a kind.
+    pub fn most_tests(&self) -> u64 {
+        self.wished as u64 * TESTS_PER_RAY
+    }
+
     pub fn shapes(&self) -> &Geometry {
         &self.world.geometry
     }
@@ -281,12 +288,12 @@ fn stride(scene: &Scene, bench: &Bench<'_>, kind: Kind) -> usize {
     let mut tests = Tests::default();
     for ray in rays.iter().step_by(rays.len().div_ceil(PILOTS).max(1)) {
         tests.add(&counted(scene, bench.shapes(), kind, ray).1);
-        if tests.work() > MOST_TESTS / 4 {
+        if tests.work() > bench.most_tests() / 4 {
             break;
         }
     }
     let all = mean(tests.work(), tests.rays as usize) * rays.len() as f64;
-    let n = (all / MOST_TESTS as f64).ceil() as usize;
+    let n = (all / bench.most_tests() as f64).ceil() as usize;
     n.clamp(1, rays.len().max(1))
 }
 

@@ -210,7 +210,7 @@ fn compare(
     let picture_spp = loaded.scene.sampler.spp;
     let pixels = f64::from(film[0]) * f64::from(film[1]);
     let mix = [0, 1, 2].map(|k| rays[k].per_sample * pixels * f64::from(picture_spp));
-    let bench = Bench { world: &job.world, isa: job.isa(), clock, rays: &rays, mix };
+    let bench = Bench { world: &job.world, isa: job.isa(), clock, rays: &rays, wished: request.rays, mix };
 
     let primitives = bench.build(&input, Structure::Brute).map(|s| references(&s)).map_err(named("brute"))?;
     let (contenders, left_out) = contenders(request.structures.as_deref(), primitives);
@@ -232,7 +232,7 @@ fn compare(
     }
     let pictures = request.pictures.then(|| {
         say("drawing cost pictures");
-        pictures::draw(&job.world, size, built.iter().map(|c| (c.name(), c.scene())))
+        pictures::draw(&job.world, size, bench.most_tests(), built.iter().map(|c| (c.name(), c.scene())))
     });
     let rows = measure::rows(built, &mix);
     say("weighing bounding volumes");

@@ -44,7 +44,7 @@ div.wide { overflow-x: auto; }
 th, td { padding: .15em .7em; text-align: right; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; }
 tr.section th { padding-top: .8em; color: #666; font-weight: normal; border-bottom: 1px solid #ccc; }
-td.left { text-align: left; }
+td.left, th.left { text-align: left; }
 .pays { color: #17662c; } .no { color: #8a3b12; }
 pre { white-space: pre-wrap; background: #f5f5f5; padding: .7em; }
 figure { display: inline-block; margin: 0 1em 1em 0; vertical-align: top; }
@@ -119,8 +119,8 @@ fn volumes(v: &Volumes) -> String {
     let mut out = String::from(
         "<h2>Does a box around it pay?</h2>\n<p>cost<sub>BV</sub> + p cost<sub>group</sub> &lt; cost<sub>group</sub>, \
          with p the share of rays that cross the box.</p>\n<div class=\"wide\"><table>\n<tr><th>object</th>\
-         <th>primitives</th><th>p</th><th>tests, one by one</th><th>ns, one by one</th><th>ns, in a tree of its own\
-         </th></tr>\n",
+         <th>primitives</th><th>p</th><th class=\"left\">tests, one by one</th><th class=\"left\">ns, one by one</th>\
+         <th class=\"left\">ns, in a tree of its own</th></tr>\n",
     );
     let cell = |i: &Inequality| {
         format!("<td class=\"left {0}\">{1}: {0}</td>", text::pays(i), escaped(&text::sides(i)))

@@ -28,13 +28,10 @@ pub struct CostPicture {
 }
 
 /// What the numbers are.
-pub const CAPTION: &str = "boxes and primitives tested for a camera ray";
+pub const CAPTION: &str = "boxes and primitives a camera ray";
 
 /// Width in pixels, unless the picture is high.
 const SIDE: u32 = 256;
-
-/// Tests that a picture may take.
-const MOST_TESTS: f64 = 30_000_000.0;
 
 impl CostPicture {
     /// In colours.
@@ -43,10 +40,12 @@ impl CostPicture {
     }
 }
 
-/// One picture for each structure; `film` is the size that the world's camera was made for.
+/// One picture for each structure, none of which takes many more than `most_tests`; `film` is the size that the world's
+/// camera was made for.
 pub(crate) fn draw<'a>(
     world: &World,
     film: [u32; 2],
+    most_tests: u64,
     scenes: impl Iterator<Item = (&'a str, &'a Scene)>,
 ) -> CostPictures {
     let size = size(film);
@@ -56,7 +55,7 @@ pub(crate) fn draw<'a>(
             let coarse = tests(world, film, size, (scene, 32));
             let mean = coarse.iter().map(|&t| f64::from(t)).sum::<f64>() / coarse.len().max(1) as f64;
             let pixels = f64::from(size[0]) * f64::from(size[1]);
-            let block = ((mean * pixels / MOST_TESTS).sqrt().ceil() as u32).clamp(1, 32);
+            let block = ((mean * pixels / most_tests as f64).sqrt().ceil() as u32).clamp(1, 32);
             CostPicture {
                 name: name.to_owned(),
                 width: size[0] as usize,

@@ -84,9 +84,6 @@ const MOST_OBJECTS: usize = 16;
 /// Rays of each kind that they are weighed on.
 const RAYS: usize = 2048;
 
-/// Primitives that may be asked one by one for the rays of a kind.
-const MOST_TESTS: f64 = 2_000_000.0;
-
 pub(crate) fn weigh(bench: &Bench<'_>, input: &Input, objects: &[Object]) -> Volumes {
     let mut chosen: Vec<&Object> = objects.iter().collect();
     chosen.sort_by_key(|o| std::cmp::Reverse(o.primitives));
@@ -140,7 +137,7 @@ fn weigh_one(bench: &Bench<'_>, input: &Input, object: &Object) -> Result<Bounde
     let tests = |sets: &ByKind<RaySet>| [0, 1, 2].map(|k| tests(bench, &one_by_one, Kind::ALL[k], &sets[k]));
     let pilot = some(16).each_ref().map(tests);
     let dearest = pilot.as_flattened().iter().copied().fold(1.0, |a, b| if b > a { b } else { a });
-    let few = some(RAYS.min((MOST_TESTS / dearest) as usize).max(1));
+    let few = some(RAYS.min((bench.most_tests() as f64 / 4.0 / dearest) as usize).max(1));
     let many = some(RAYS);
     // What every search does whatever stands in the scene is no part of the object's cost.
     let time = |scene: &Scene, sets: &ByKind<RaySet>| {
