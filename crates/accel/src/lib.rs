@@ -20,6 +20,8 @@
 
 mod brute;
 mod bvh;
+mod bvh2;
+mod grid;
 mod hit;
 mod input;
 mod isa;
@@ -32,6 +34,8 @@ mod structure;
 mod triangle;
 
 pub use bvh::params::{Build, BvhParams};
+pub use bvh2::{Bvh2Params, Split};
+pub use grid::GridParams;
 pub use hit::{Chain, Cost, Hit, MAX_DEPTH};
 pub use input::{BuildError, Geometry, GeometryKind, Group, Input, Instance, ShapeHit, Shapes};
 pub use isa::Isa;

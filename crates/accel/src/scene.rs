@@ -3,6 +3,8 @@
 use crate::{
     brute::Brute,
     bvh::Bvh,
+    bvh2::Bvh2,
+    grid::Grid,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
     isa::Isa,
@@ -240,12 +242,16 @@ impl Scene {
         kernel::occluded_counted(self, shapes, ray)
     }
 
-    /// Checks what searches rely on, for tests: every primitive in one leaf, inside the boxes above it.
+    /// Checks what searches rely on, for tests: every primitive where it can be found.
     pub fn validate(&self) -> Result<(), String> {
         for (i, g) in self.groups.iter().enumerate() {
-            if let Searcher::Bvh(bvh) = &g.searcher {
-                bvh.validate(&g.prim_bounds(self)).map_err(|e| format!("group {i}: {e}"))?;
-            }
+            let sound = match &g.searcher {
+                Searcher::Brute(_) => Ok(()),
+                Searcher::Bvh(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Bvh2(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
+            };
+            sound.map_err(|e| format!("group {i}: {e}"))?;
         }
         Ok(())
     }
@@ -351,6 +357,8 @@ impl Scene {
             Structure::Bvh(params) => {
                 Searcher::Bvh(Bvh::build(&prims, &params, |id| self.vertices(&data, id)))
             }
+            Structure::Bvh2(params) => Searcher::Bvh2(Bvh2::build(&prims, &params)),
+            Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),
         };
         Ok((data, dropped))
     }

@@ -3,6 +3,8 @@
 use crate::{
     brute::Brute,
     bvh::{Bvh, params::BvhParams},
+    bvh2::{Bvh2, Bvh2Params},
+    grid::{Grid, GridParams},
     hit::{Chain, Hit},
     input::Shapes,
     kernel::Kernel,
@@ -21,6 +23,10 @@ pub enum Structure {
     Brute,
     /// A tree of boxes, eight wide, built by the surface area heuristic.
     Bvh(BvhParams),
+    /// A binary tree of boxes, built as the textbook builds it.
+    Bvh2(Bvh2Params),
+    /// A uniform grid.
+    Grid(GridParams),
 }
 
 impl Default for Structure {
@@ -31,13 +37,20 @@ impl Default for Structure {
 
 impl Structure {
     /// One of each kind, with its default parameters.
-    pub const ALL: [Self; 2] = [Self::Brute, Self::Bvh(BvhParams::DEFAULT)];
+    pub const ALL: [Self; 4] = [
+        Self::Brute,
+        Self::Bvh(BvhParams::DEFAULT),
+        Self::Bvh2(Bvh2Params::DEFAULT),
+        Self::Grid(GridParams::DEFAULT),
+    ];
 
     /// The name of the kind as it is typed.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Brute => "brute",
             Self::Bvh(_) => "bvh",
+            Self::Bvh2(_) => "bvh2",
+            Self::Grid(_) => "grid",
         }
     }
 }
@@ -88,6 +101,43 @@ pub(crate) enum PrimKind {
     Triangle(u32),
     /// Index into the group's objects: a shape or an instance.
     Object(u32),
+}
+
+impl PrimKind {
+    /// The same in 32 bits.
+    #[inline(always)]
+    pub const fn packed(self) -> Packed {
+        match self {
+            Self::Triangle(id) => Packed(id),
+            Self::Object(id) => Packed(id | Packed::OBJECT),
+        }
+    }
+}
+
+/// A [`PrimKind`] in 32 bits: numbers take 30 of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub(crate) struct Packed(u32);
+
+impl Packed {
+    const OBJECT: u32 = 1 << 31;
+
+    /// No primitive's.
+    pub const NONE: Self = Self(u32::MAX);
+
+    #[inline(always)]
+    pub const fn kind(self) -> PrimKind {
+        match self.0 & Self::OBJECT {
+            0 => PrimKind::Triangle(self.0),
+            _ => PrimKind::Object(self.0 & !Self::OBJECT),
+        }
+    }
+
+    /// A number that no other primitive of the group has.
+    #[inline(always)]
+    pub const fn number(self) -> u32 {
+        self.0
+    }
 }
 
 /// What every structure over a group's bounded primitives offers.
@@ -170,6 +220,8 @@ pub(crate) struct Place<'a> {
 pub(crate) enum Searcher {
     Brute(Brute),
     Bvh(Bvh),
+    Bvh2(Bvh2),
+    Grid(Grid),
 }
 
 /// Does the same with whichever structure it is.
@@ -178,6 +230,8 @@ macro_rules! each {
         match $searcher {
             $crate::structure::Searcher::Brute($s) => $body,
             $crate::structure::Searcher::Bvh($s) => $body,
+            $crate::structure::Searcher::Bvh2($s) => $body,
+            $crate::structure::Searcher::Grid($s) => $body,
         }
     };
 }

@@ -1,6 +1,6 @@
 //! Search structures as people name them: from the scene's description, and from one word of a command line.
 
-use straal_accel::{self as accel, BvhParams};
+use straal_accel::{self as accel, Bvh2Params, BvhParams, GridParams};
 use straal_formats::yaml;
 use straal_scene::decode::{Decoder, Describe, Strictness};
 use straal_scene::desc;
@@ -85,6 +85,27 @@ pub fn structure_of(d: &desc::Structure) -> accel::Structure {
             };
             accel::Structure::Bvh(BvhParams { build, compact: p.compact })
         }
+        desc::Structure::Bvh2(p) => {
+            let split = match p.split {
+                desc::Split::Median => accel::Split::Median,
+                desc::Split::Middle => accel::Split::Middle,
+                desc::Split::Sah => accel::Split::Sah,
+                desc::Split::Agglomerative => accel::Split::Agglomerative,
+            };
+            accel::Structure::Bvh2(Bvh2Params {
+                split,
+                leaf_size: p.leaf_size,
+                traversal_cost: p.traversal_cost,
+                intersection_cost: p.intersection_cost,
+            })
+        }
+        desc::Structure::Grid(p) => accel::Structure::Grid(GridParams {
+            factor: p.factor,
+            mailboxes: p.mailboxes,
+            max_cells: p.max_cells,
+            traversal_cost: p.traversal_cost,
+            intersection_cost: p.intersection_cost,
+        }),
     }
 }
 
@@ -107,6 +128,8 @@ mod tests {
     fn parameters_follow_the_name() {
         let best = Structure::Bvh(BvhParams { build: Build::Best, compact: true });
         assert_eq!(parse("bvh:build=best,compact=true"), Ok(best));
+        let grid = GridParams { factor: 4.0, mailboxes: false, ..GridParams::DEFAULT };
+        assert_eq!(parse("grid:factor=4,mailboxes=false"), Ok(Structure::Grid(grid)));
         assert_eq!(parse(" bvh : compact = true , build = best "), Ok(best));
     }
 
@@ -122,6 +145,7 @@ mod tests {
             ("bvh:compact=yes", "`compact` must be `true` or `false`, found the text `yes`"),
             ("bvh:compact", "`compact` is no parameter: expected key=value, with commas between"),
             ("bvh:", "`` is no parameter: expected key=value, with commas between"),
+            ("grid:factor=-1", "`factor` must be between 0 and 64, neither included, found -1"),
             ("bvh:compact=true,compact=false", "`compact` is given twice"),
         ] {
             assert_eq!(parse(text).unwrap_err().to_string(), complaint);

@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each test binary uses its own part
 
 use std::sync::Arc;
-use straal_accel::{Flight, Geometry, GeometryKind, Group, Input, Isa, Options, ShapeHit, Shapes, Structure};
+use straal_accel::*;
 use straal_math::{Bounds, Ray, Vec3};
 
 /// A small generator (Steele et al. 2014, SplitMix64).
@@ -149,17 +149,92 @@ pub fn rays(r: &mut Random, triangles: &[[Vec3; 3]], n: usize) -> Vec<Ray> {
     out
 }
 
-/// Every structure with every instruction set that this processor has.
+/// Every structure, with several settings of its parameters.
+pub fn all_structures() -> Vec<Structure> {
+    let mut out = Structure::ALL.to_vec();
+    let grid = |factor, mailboxes, max_cells| {
+        Structure::Grid(GridParams { factor, mailboxes, max_cells, ..GridParams::DEFAULT })
+    };
+    let tree = |split, leaf_size| Structure::Bvh2(Bvh2Params { split, leaf_size, ..Bvh2Params::DEFAULT });
+    out.extend([
+        tree(Split::Median, 1),
+        tree(Split::Middle, 8),
+        tree(Split::Sah, 0),
+        tree(Split::Agglomerative, 1),
+        tree(Split::Agglomerative, 6),
+    ]);
+    out.extend([grid(0.5, false, 1 << 16), grid(5.0, true, 1 << 12), grid(1.0, true, 1)]);
+    out
+}
+
+/// Every structure with every instruction set that this processor has; those that don't use its vectors with the first
+/// and the last.
 pub fn all_options() -> Vec<Options> {
+    let isas: Vec<Isa> = Isa::ALL.into_iter().filter(|i| i.is_available()).collect();
     let mut out = Vec::new();
-    for structure in Structure::ALL {
-        for isa in Isa::ALL.into_iter().filter(|i| i.is_available()) {
-            for flight in [Flight::One, Flight::Many] {
-                out.push(Options { structure, isa, flight });
+    for structure in all_structures() {
+        for &isa in &isas {
+            if matches!(structure, Structure::Bvh(_)) {
+                out.extend([Flight::One, Flight::Many].map(|flight| Options { structure, isa, flight }));
+            } else if isa == Isa::Scalar || isa == Isa::detect() {
+                out.push(Options { structure, isa, flight: Flight::One });
             }
         }
     }
     out
+}
+
+/// Whether searches test hardly fewer primitives than brute force does.
+pub fn tests_nearly_all(structure: &Structure) -> bool {
+    match structure {
+        Structure::Brute => true,
+        Structure::Grid(p) => p.max_cells == 1,
+        _ => false,
+    }
+}
+
+pub fn bits(h: &Hit) -> (u32, u32, u32, u32, u32, Chain) {
+    (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.geometry, h.primitive, h.chain)
+}
+
+pub fn reference() -> Options {
+    Options { structure: Structure::Brute, isa: Isa::Scalar, flight: Flight::One }
+}
+
+/// Compares everything with brute force, one ray at a time.
+pub fn all_agree<S: Shapes>(input: &Input, shapes: &S, rays: &[Ray]) -> Vec<Hit> {
+    let brute = Scene::build(input.clone(), shapes, &reference()).unwrap();
+    let mut expected = vec![Hit::MISS; rays.len()];
+    for (ray, hit) in rays.iter().zip(&mut expected) {
+        brute.closest(shapes, std::slice::from_ref(ray), std::slice::from_mut(hit));
+    }
+    for options in all_options() {
+        let scene = Scene::build(input.clone(), shapes, &options).unwrap();
+        scene.validate().unwrap();
+        // Only the wide tree searches a slice otherwise than ray by ray.
+        let batches: &[usize] =
+            if matches!(options.structure, Structure::Bvh(_)) { &[1, 7, 32, 1024] } else { &[32] };
+        for &batch in batches {
+            let mut hits = vec![Hit::MISS; rays.len()];
+            let mut blocked = vec![false; rays.len()];
+            for (rays, hits) in rays.chunks(batch).zip(hits.chunks_mut(batch)) {
+                scene.closest(shapes, rays, hits);
+            }
+            for (rays, blocked) in rays.chunks(batch).zip(blocked.chunks_mut(batch)) {
+                scene.occluded(shapes, rays, blocked);
+            }
+            for (i, ray) in rays.iter().enumerate() {
+                let (got, want) = (&hits[i], &expected[i]);
+                assert_eq!(bits(got), bits(want), "{options:?}, batch {batch}, ray {i}: {ray:?}");
+                assert_eq!(blocked[i], want.is_hit(), "{options:?}, batch {batch}, ray {i}: {ray:?}");
+            }
+        }
+        for (ray, want) in rays.iter().zip(&expected) {
+            assert_eq!(bits(&scene.closest_counted(shapes, ray).0), bits(want));
+            assert_eq!(scene.occluded_counted(shapes, ray).0, want.is_hit());
+        }
+    }
+    expected
 }
 
 /// Spheres, and planes at right angles to z (where the radius is negative).

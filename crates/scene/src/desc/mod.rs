@@ -10,7 +10,7 @@ pub mod settings;
 pub mod shape;
 pub mod transform;
 
-pub use accel::{Accel, Build, Structure, WideBvh};
+pub use accel::{Accel, BinaryBvh, Build, Split, Structure, UniformGrid, WideBvh};
 pub use camera::{Camera, FovAxis, Orthographic, Perspective};
 pub use check::BUILTIN_PATCHES;
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
