@@ -212,3 +212,34 @@ fn scenes_without_anything_to_hit_have_a_report() {
         );
     }
 }
+
+/// A ball inside a ball of leaves ends rays that would go on through the leaves.
+#[test]
+fn adding_an_object_can_lower_the_number_of_tests() {
+    let tests = |scene: &str| {
+        let loaded = load(scene);
+        let structures = Some(vec![]);
+        let report = run(
+            &loaded,
+            &Request { structures, rays: 2000, size: Some([48, 48]), pictures: false, ..small() },
+        );
+        let mix = report.picture_rays();
+        (loaded.scene.world.len(), report.rows[0].mean_tests(&mix, |t| t.boxes + t.primitives))
+    };
+    let (hollow, without) = tests("scenes/topiary-hollow.yaml");
+    let (filled, with) = tests("scenes/topiary.yaml");
+    assert_eq!(filled, hollow + 1);
+    assert!(with < 0.9 * without, "{with} tests a ray with the ball, {without} without");
+}
+
+#[test]
+fn the_topiaries_differ_by_the_ball_alone() {
+    let text = |name: &str| std::fs::read_to_string(common::project().join(name)).unwrap();
+    let body = |text: &str| {
+        let (_, rest) = text.split_once("\ncamera:").unwrap();
+        let (before, core) = rest.split_once("  # ANCHOR: core\n").unwrap_or((rest, ""));
+        let after = core.split_once("# ANCHOR_END: core\n").map_or("", |(_, after)| after);
+        format!("{before}{after}")
+    };
+    assert_eq!(body(&text("scenes/topiary.yaml")), body(&text("scenes/topiary-hollow.yaml")));
+}
