@@ -54,9 +54,18 @@ pub struct Scene {
     /// Those of all groups, one group after the other.
     pub(crate) instances: Vec<Instance>,
     pub(crate) groups: Vec<GroupData>,
+    /// What stands in each group, by group.
+    contents: Vec<Contents>,
     isa: Isa,
     many: bool,
     dropped: usize,
+}
+
+/// What a group was given, without what the scene holds anyway.
+struct Contents {
+    geometries: Vec<u32>,
+    /// Its first instance, in the instances of all groups.
+    first_instance: u32,
 }
 
 /// One group as it is searched.
@@ -142,6 +151,11 @@ impl Scene {
             geometries,
             instances: groups.iter().flat_map(|g| g.instances.iter().copied()).collect(),
             groups: groups.iter().map(|_| GroupData::empty()).collect(),
+            contents: groups
+                .iter()
+                .zip(&firsts)
+                .map(|(g, &first_instance)| Contents { geometries: g.geometries.clone(), first_instance })
+                .collect(),
             isa: options.isa,
             many: options.flight == Flight::Many,
             dropped: 0,
@@ -152,6 +166,21 @@ impl Scene {
             scene.dropped += dropped;
         }
         Ok(scene)
+    }
+
+    /// What the scene was built from, to build it another way. Meshes are shared, not copied.
+    pub fn input(&self) -> Input {
+        let first = |group: usize| {
+            self.contents.get(group).map_or(self.instances.len(), |c| c.first_instance as usize)
+        };
+        let group = |(i, c): (usize, &Contents)| Group {
+            geometries: c.geometries.clone(),
+            instances: self.instances[first(i)..first(i + 1)].to_vec(),
+        };
+        Input {
+            groups: self.contents.iter().enumerate().map(group).collect(),
+            geometries: self.geometries.clone(),
+        }
     }
 
     /// Around everything bounded in the world; empty when there is nothing.

@@ -236,6 +236,27 @@ fn bounds_hold_the_instances() {
     assert!((b.min - exact.min).length() < 1e-4 && (b.max - exact.max).length() < 1e-4);
 }
 
+/// A scene that is built again from what it was built from is the same.
+#[test]
+fn a_scene_tells_its_input() {
+    let mut r = Random(11);
+    let triangles = soup(&mut r, 40);
+    let place = |r: &mut Random, group| Instance { group, transform: place(r, 0.8), mask: 3 };
+    let groups = vec![
+        Group { geometries: vec![1], instances: vec![place(&mut r, 2), place(&mut r, 1)] },
+        Group { geometries: vec![0, 1], instances: vec![] },
+        Group { geometries: vec![0], instances: vec![place(&mut r, 1)] },
+    ];
+    let input = Input { groups, geometries: vec![mesh(&triangles[..20]), mesh(&triangles[20..])] };
+    let scene = Scene::build(input.clone(), &(), &Options::default()).unwrap();
+    let told = scene.input();
+    assert_eq!(format!("{told:?}"), format!("{input:?}"));
+    let again = Scene::build(told, &(), &Options::default()).unwrap();
+    for ray in rays(&mut r, &triangles, 200) {
+        assert_eq!(again.closest_counted(&(), &ray), scene.closest_counted(&(), &ray));
+    }
+}
+
 #[test]
 fn names_round_trip() {
     for s in Structure::ALL {

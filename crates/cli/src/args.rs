@@ -6,6 +6,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Duration;
+use straal::CostMeasure;
 use straal::search;
 use straal_accel::{Build, Isa, Structure};
 use straal_color::Tone;
@@ -39,6 +40,9 @@ pub enum Command {
     /// Check a scene without rendering it
     #[command(long_about = CHECK_ABOUT)]
     Check(CheckArgs),
+    /// Compare search structures on the rays of a scene
+    #[command(long_about = ACCEL_ABOUT)]
+    Accel(AccelArgs),
     /// Print the JSON Schema of the scene language
     Schema,
     /// Compare two pictures of the same scene statistically
@@ -144,6 +148,19 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = quantity::batch)]
     pub batch: Option<usize>,
 
+    /// Count what the searches of each pixel cost, for the layers cost.nodes, cost.primitives and cost.time of an EXR;
+    /// slower, and the same picture
+    #[arg(long)]
+    pub cost: bool,
+
+    /// Write what the searches of each pixel cost as a PNG in false colours, with a legend; counts as --cost does
+    #[arg(long, value_name = "PICTURE")]
+    pub cost_picture: Option<PathBuf>,
+
+    /// Which cost --cost-picture shows
+    #[arg(long, value_name = "COST", value_parser = measure(), default_value = "nodes", requires = "cost_picture")]
+    pub cost_of: CostMeasure,
+
     /// Say nothing but errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -173,6 +190,76 @@ pub struct CheckArgs {
     pub json: bool,
 
     /// Take unknown keys for warnings
+    #[arg(long)]
+    pub lenient: bool,
+}
+
+const ACCEL_ABOUT: &str = "\
+Compares search structures on one scene: records the rays of a real render of it, camera rays, bounces and shadow rays, \
+and replays them through each structure. Tells what each is made of, what it cost to build, how many tests a ray takes, \
+how fast it is and after how many pictures a costlier build has paid off; and proves that all find the same hits, or \
+says where they differ, and ends with code 1.
+
+It also tells for each object of the world whether a box around it pays, and, should one of them move, whether to keep \
+its tree apart.";
+
+const ACCEL_EXAMPLES: &str = "\
+Examples:
+  straal accel scene.yaml
+  straal accel scene.yaml --structures bvh:build=fast,bvh:build=best,brute
+  straal accel scene.yaml --html lab.html       with cost pictures of all structures side by side
+  straal accel scene.yaml --moving teapot --json | jq .moving";
+
+/// `straal accel`
+#[derive(Debug, Args)]
+#[command(after_help = ACCEL_EXAMPLES, after_long_help = format!("{ACCEL_EXAMPLES}\n\n{}", exit::TABLE))]
+pub struct AccelArgs {
+    /// The scene or mesh
+    pub scene: PathBuf,
+
+    /// What is compared with bvh, with commas between: names, and parameters as --accel of `straal render` takes them.
+    /// One of each kind when absent, but brute only where the scene is small
+    #[arg(long, value_name = "A,B,...")]
+    pub structures: Option<String>,
+
+    /// Size of the picture whose rays are recorded; when absent the scene's, made smaller to about --rays pixels
+    #[arg(long, value_name = "WxH", value_parser = quantity::size)]
+    pub size: Option<Size>,
+
+    /// Samples per pixel of that picture
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub spp: u32,
+
+    /// Most rays of each kind (primary, bounce, shadow)
+    #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = quantity::rays)]
+    pub rays: usize,
+
+    /// Rounds in which the structures are timed in turn; the best time counts
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rounds: u32,
+
+    /// The object that moves: its number in the world, from 1, or the name of the file or object it shows; the one with
+    /// the most primitives when absent
+    #[arg(long, value_name = "OBJECT")]
+    pub moving: Option<String>,
+
+    /// Instruction set of the search; the best that the processor has when absent
+    #[arg(long, value_name = "SET", value_parser = isa())]
+    pub isa: Option<Isa>,
+
+    /// Write a page for a browser, with cost pictures in false colours; it needs no other file
+    #[arg(long, value_name = "PAGE")]
+    pub html: Option<PathBuf>,
+
+    /// Say nothing but errors, besides the table
+    #[arg(short, long)]
+    pub quiet: bool,
+
+    /// Print one JSON object on standard output instead
+    #[arg(long)]
+    pub json: bool,
+
+    /// Take unknown keys of the scene for warnings
     #[arg(long)]
     pub lenient: bool,
 }
@@ -266,6 +353,10 @@ fn build() -> impl TypedValueParser<Value = Build> {
     named(Build::ALL.map(|b| (b.name(), b)).to_vec())
 }
 
+fn measure() -> impl TypedValueParser<Value = CostMeasure> {
+    named(CostMeasure::ALL.map(|m| (m.name(), m)).to_vec())
+}
+
 fn isa() -> impl TypedValueParser<Value = Isa> {
     named(Isa::ALL.map(|i| (i.name(), i)).to_vec())
 }
@@ -293,7 +384,7 @@ mod tests {
         let a = render(
             "scene.yaml -o a.exr -o a.png --spp 16 --time 1m30s --threads 3 --crop 1,2,3,4 --size 640x360 --seed 7 \
              --max-depth 5 --sampler random --accel brute --build best --isa sse --batch 7 --exposure -1.5 --tone filmic -q \
-             --json --lenient",
+             --json --lenient --cost-picture c.png --cost-of time",
         )
         .unwrap();
         assert_eq!(a.scene, Some("scene.yaml".into()));
@@ -304,6 +395,7 @@ mod tests {
         assert_eq!((a.sampler, a.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
         assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
         assert_eq!(a.exposure, Some(-1.5));
+        assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), CostMeasure::Time));
         assert!(a.quiet && a.json && a.lenient && a.replicates.is_none());
     }
 

@@ -7,7 +7,7 @@ use straal_scene::Diagnostics;
 pub enum Exit {
     /// All was done.
     Fine = 0,
-    /// The pictures differ beyond chance.
+    /// The pictures differ beyond chance, or hits of search structures differ.
     Differ = 1,
     /// What was typed, or a file that was to be read, is wrong.
     Input = 2,
@@ -30,7 +30,7 @@ impl Exit {
 pub const TABLE: &str = "\
 Exit codes:
   0    all was done
-  1    `straal diff`: the pictures differ by more than chance
+  1    `straal diff`: the pictures differ by more than chance; `straal accel`: structures found different hits
   2    the command line, the scene or a file that it names is wrong; nothing was written
   3    a picture couldn't be written, or the system refused something
   70   straal itself is wrong: please report it

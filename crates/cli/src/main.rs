@@ -42,6 +42,7 @@ fn run(start: Instant) -> Exit {
     let done = match line.command {
         Command::Render(args) => command::render::run(*args, start),
         Command::Check(args) => command::check::run(&args),
+        Command::Accel(args) => command::accel::run(&args, start),
         Command::Schema => command::schema::run(),
         Command::Diff(args) => command::diff::run(&args),
         Command::Info(args) => command::info::run(&args),
@@ -53,6 +54,7 @@ fn wants_json(command: &Command) -> bool {
     match command {
         Command::Render(a) => a.json,
         Command::Check(a) => a.json,
+        Command::Accel(a) => a.json,
         Command::Diff(a) => a.json,
         Command::Info(a) => a.json,
         Command::Schema => false,

@@ -88,6 +88,11 @@ pub fn batch(typed: &str) -> Result<usize, String> {
     within(typed, 1, 1 << 20)
 }
 
+/// A number of rays of each kind.
+pub fn rays(typed: &str) -> Result<usize, String> {
+    within(typed, 1, 1 << 21)
+}
+
 fn within(typed: &str, least: usize, most: usize) -> Result<usize, String> {
     match typed.parse() {
         Ok(n) if (least..=most).contains(&n) => Ok(n),

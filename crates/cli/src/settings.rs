@@ -5,8 +5,8 @@ use crate::args::RenderArgs;
 use crate::exit::Failure;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use straal::picture::Format;
-use straal::{Look, Overrides};
+use straal::picture::{Format, SaveError};
+use straal::{CostMeasure, Look, Overrides};
 use straal_color::Tone;
 use straal_formats::atomic;
 
@@ -23,6 +23,8 @@ pub struct RenderSettings {
     pub time: Option<Duration>,
     /// Independent sets of samples.
     pub replicates: Option<u32>,
+    /// Where the picture of the searches' costs goes, and which cost it shows.
+    pub cost_picture: Option<(PathBuf, CostMeasure)>,
     /// Stops, in place of the scene's.
     pub exposure: Option<f32>,
     /// Tone curve, in place of the scene's.
@@ -46,7 +48,17 @@ impl RenderSettings {
             none if none.is_empty() => vec![default_output(args.scene.as_deref())],
             given => given,
         };
+        if let Some(path) = &args.cost_picture {
+            if !matches!(Format::of(path), Ok(Format::Png)) {
+                return Err(Failure::input(SaveError::NotPng(path.display().to_string()).to_string()));
+            }
+            check_output(path)?;
+            if outputs.contains(path) {
+                return Err(Failure::input(format!("{} is named twice", path.display())));
+            }
+        }
         for (i, path) in outputs.iter().enumerate() {
+            Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
             check_output(path)?;
             if outputs[..i].contains(path) {
                 return Err(Failure::input(format!("{} is named twice", path.display())));
@@ -71,9 +83,11 @@ impl RenderSettings {
                 isa: args.isa,
                 batch: args.batch,
                 shuffle_tiles: None,
+                cost: (args.cost || args.cost_picture.is_some()).then_some(true),
             },
             time: args.time,
             replicates: args.replicates,
+            cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
             exposure: args.exposure,
             tone: args.tone,
             quiet: args.quiet,
@@ -102,9 +116,8 @@ fn default_output(scene: Option<&Path>) -> PathBuf {
     name.into()
 }
 
-/// Whether a picture can go there.
-fn check_output(path: &Path) -> Result<(), Failure> {
-    Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
+/// Whether a file can go there.
+pub fn check_output(path: &Path) -> Result<(), Failure> {
     if path.is_dir() {
         return Err(Failure::input(format!("{} is a folder", path.display())));
     }
@@ -120,7 +133,8 @@ fn check_output(path: &Path) -> Result<(), Failure> {
     }
 }
 
-fn is_same_file(a: &Path, b: &Path) -> bool {
+/// Whether both names lead to one file.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 

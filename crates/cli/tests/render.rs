@@ -139,6 +139,8 @@ fn wrong_wishes_are_refused_before_anything_is_written() {
         ("render scene.yaml --spq 3", "a similar argument exists: '--spp'"),
         ("render scene.yml", "did you mean `scene.yaml`?"),
         ("render scene.yaml -o a.png -o a.png", "a.png is named twice"),
+        ("render scene.yaml --cost-picture a.exr", "the name must end in .png"),
+        ("render scene.yaml --cost-of time", "--cost-picture"),
         ("rendr scene.yaml", "a similar subcommand exists: 'render'"),
     ] {
         let run = folder.straal(words);
@@ -161,6 +163,44 @@ fn what_can_not_be_written_is_told() {
     let run = folder.straal("render scene.yaml -o /proc/picture.png");
     assert_eq!(run.code, Some(3), "{run:?}");
     assert!(run.err.contains("can't write /proc/picture.png") && !run.err.contains("rendering"), "{run:?}");
+}
+
+#[test]
+fn counting_costs_adds_layers_and_leaves_the_picture() {
+    let folder = Folder::with_scene(BALL);
+    let plain = folder.json("render scene.yaml")["film_hash"].clone();
+    for words in ["--cost", "--cost-picture cost.png", "--cost --replicates 2 --threads 1"] {
+        let report = folder.json(&format!("render scene.yaml -o a.exr {words}"));
+        let same = report["film_hash"] == plain;
+        assert_eq!(same, !words.contains("replicates"), "{words}");
+        let layers = exr::read(&folder.read("a.exr"), &Default::default()).unwrap();
+        let cost = layers.layer("cost").expect("a layer of costs");
+        let names: Vec<_> = cost.channels.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["nodes", "primitives", "time"], "{words}");
+        for c in &cost.channels {
+            assert!(c.samples.iter().all(|v| v.is_finite() && *v >= 0.0), "{words}: {}", c.name);
+            // A tree over a single ball has no nodes.
+            assert_eq!(c.samples.iter().any(|v| *v > 0.0), c.name != "nodes", "{words}: {}", c.name);
+        }
+        assert_eq!(folder.json("info a.exr")["metadata"]["straal.cost"], "bvh");
+    }
+    assert!(folder.read("cost.png").starts_with(b"\x89PNG"));
+    let shown = straal_formats::image::read(&folder.read("cost.png"), &Default::default()).unwrap();
+    assert!(shown.height > 16 && shown.width >= 24, "a legend stands below the 24 x 16 pixels");
+    folder.json("render scene.yaml -o a.exr");
+    let plain = exr::read(&folder.read("a.exr"), &Default::default()).unwrap();
+    assert!(plain.layer("cost").is_none());
+}
+
+#[test]
+fn a_scene_can_ask_for_its_costs() {
+    let folder = Folder::with_scene(&format!("{BALL}accel: {{ cost: true, structure: brute }}\n"));
+    folder.json("render scene.yaml -o a.exr");
+    let layers = exr::read(&folder.read("a.exr"), &Default::default()).unwrap();
+    let primitives = &layers.layer("cost").unwrap().channels[1];
+    // Brute force: a ball and a plane for every ray, and there is one ray a sample at the least.
+    assert!(primitives.name == "primitives" && primitives.samples.iter().all(|v| *v >= 2.0));
+    assert_eq!(folder.json("info a.exr")["metadata"]["straal.cost"], "brute");
 }
 
 #[test]

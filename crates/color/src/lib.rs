@@ -1,7 +1,9 @@
-//! Light as four lanes, RGB spaces, tone curves and gamma.
+//! Light as four lanes, RGB spaces, tone curves, gamma, and a colour map for numbers.
 #![forbid(unsafe_code)]
 
+pub mod heat;
 pub mod light;
+pub mod oklab;
 pub mod srgb;
 pub mod tone;
 

@@ -3,6 +3,7 @@
 use crate::camera::FilmPoint;
 use crate::film::{Film, FilmTile, MAX_SAMPLES};
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
+use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
 use crate::settings::Settings;
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
 use crate::world::World;
@@ -44,30 +45,46 @@ impl<'w, I: Integrator> Render<'w, I> {
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-        let film = Film::new(settings.size, settings.crop);
+        let mut film = Film::new(settings.size, settings.crop);
+        if settings.cost {
+            film.count_costs(clock.is_some());
+        }
         Ok(Self { world, integrator, settings, film, done: 0, times: Times::default(), clock, pool })
     }
 
     /// Adds `samples` samples to every pixel (fewer where the film can't hold more: [`MAX_SAMPLES`] in all).
     pub fn advance(&mut self, samples: u32) {
+        if self.settings.cost {
+            let clock = self.clock.clone();
+            self.advance_through(samples, || CostMeter::new(clock.clone()));
+        } else {
+            self.advance_through(samples, || Plain);
+        }
+    }
+
+    /// The same, each worker asking what rays hit through a probe of its own; gives the probes back.
+    pub fn advance_through<P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
         let range = self.done..self.done.saturating_add(samples).min(MAX_SAMPLES);
         let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
         let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
         let next = AtomicUsize::new(0);
         let (world, integrator, settings, clock) =
             (self.world, &self.integrator, &self.settings, &self.clock);
-        let times = self.pool.broadcast(|_| {
-            let mut worker = Worker::new(world, integrator, settings, clock.clone());
+        let done = self.pool.broadcast(|_| {
+            let mut worker = Worker::new(world, integrator, settings, (clock.clone(), probe()));
             while let Some(&tile) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let mut tile = tiles[tile as usize].lock().unwrap_or_else(PoisonError::into_inner);
                 worker.render(&mut tile, range.clone());
             }
-            worker.stopwatch.times
+            (worker.stopwatch.times, worker.probe)
         });
-        for t in times {
-            self.times += t;
-        }
         self.done = range.end;
+        let mut probes = Vec::with_capacity(done.len());
+        for (times, probe) in done {
+            self.times += times;
+            probes.push(probe);
+        }
+        probes
     }
 
     /// The film so far.
@@ -112,11 +129,14 @@ fn tile_order(n: usize, shuffle: Option<u64>) -> Vec<u32> {
 }
 
 /// One thread's buffers, reused from wave to wave.
-struct Worker<'a, I: Integrator> {
+struct Worker<'a, I: Integrator, P> {
     world: &'a World,
     integrator: &'a I,
     settings: &'a Settings,
     stopwatch: Stopwatch,
+    probe: P,
+    /// Whether the next wave comes from the camera.
+    primary: bool,
     paths: Vec<Path<I::State>>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
@@ -130,13 +150,20 @@ struct Worker<'a, I: Integrator> {
     blocked: Vec<bool>,
 }
 
-impl<'a, I: Integrator> Worker<'a, I> {
-    fn new(world: &'a World, integrator: &'a I, settings: &'a Settings, clock: Option<Clock>) -> Self {
+impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
+    fn new(
+        world: &'a World,
+        integrator: &'a I,
+        settings: &'a Settings,
+        (clock, probe): (Option<Clock>, P),
+    ) -> Self {
         Self {
             world,
             integrator,
             settings,
             stopwatch: Stopwatch::start(clock),
+            probe,
+            primary: true,
             paths: Vec::new(),
             rays: Vec::new(),
             hits: Vec::new(),
@@ -167,10 +194,13 @@ impl<'a, I: Integrator> Worker<'a, I> {
             while !self.paths.is_empty() {
                 self.bounce();
             }
-            for (&(pixel, index), s) in self.names.iter().zip(&self.samples) {
+            for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
                 sample.rgb = s.light.to_rgb();
                 tile.add(pixel, index, &sample);
+                if let Some(cost) = self.probe.cost(k) {
+                    tile.add_cost(pixel, &cost);
+                }
             }
             self.stopwatch.lap(Phase::Film);
         }
@@ -183,6 +213,8 @@ impl<'a, I: Integrator> Worker<'a, I> {
         self.rays.clear();
         self.samples.clear();
         self.samples.resize(self.names.len(), Pending::default());
+        self.probe.begin(self.names.len());
+        self.primary = true;
         for (k, &(pixel, index)) in self.names.iter().enumerate() {
             let name = SampleName::new(settings.seed, pixel, index);
             let offset = world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
@@ -197,7 +229,9 @@ impl<'a, I: Integrator> Worker<'a, I> {
     fn bounce(&mut self) {
         let world = self.world;
         self.hits.resize(self.paths.len(), Hit::MISS);
-        world.closest(&self.rays, &mut self.hits);
+        let asked = Asked { primary: self.primary, paths: &self.paths, rays: &self.rays };
+        self.probe.closest(world, &asked, &mut self.hits);
+        self.primary = false;
         self.stopwatch.times.rays += self.rays.len() as u64;
         self.stopwatch.lap(Phase::Search);
 
@@ -220,7 +254,9 @@ impl<'a, I: Integrator> Worker<'a, I> {
 
         // A sample has one path, and the path one shadow ray a step, so that a sample's light is added in the
         // order of its path whatever the wave.
-        world.transmittance(&self.shadow_rays, &mut self.blocked, &mut self.transmittance);
+        let asked = AskedShadows { shadows: &self.shadows, rays: &self.shadow_rays };
+        let answer = Answer { blocked: &mut self.blocked, light: &mut self.transmittance };
+        self.probe.transmittance(world, &asked, answer);
         for (shadow, &t) in self.shadows.iter().zip(&self.transmittance) {
             self.samples[shadow.sample as usize].light += shadow.light * t;
         }

@@ -13,6 +13,7 @@ pub mod filter;
 pub mod integrator;
 pub mod light;
 pub mod material;
+pub mod probe;
 pub mod settings;
 pub mod shape;
 pub mod stopwatch;

@@ -57,6 +57,8 @@ pub struct Settings {
     pub batch: usize,
     /// Renders the tiles in an order shuffled by this seed: for tests, since it must change nothing.
     pub shuffle_tiles: Option<u64>,
+    /// Counts what the searches of each pixel cost ([`crate::film::CostLayers`]); slower, and the same picture.
+    pub cost: bool,
 }
 
 impl Settings {
@@ -70,6 +72,7 @@ impl Settings {
             threads: 0,
             batch: 1024,
             shuffle_tiles: None,
+            cost: false,
         }
     }
 }

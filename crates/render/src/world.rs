@@ -6,6 +6,7 @@ use crate::light::{Emitter, LightSample, LightTable};
 use crate::material::{Bsdf, Materials, TexturePoint};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, TriangleMesh};
 use crate::surface::Surface;
+use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
@@ -35,6 +36,16 @@ pub(crate) struct Look {
     pub flip: bool,
 }
 
+/// What a node at the top of the world became: ranges of what stands in the world's own group
+/// (`accel::Input::groups[0]`).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TopLevel {
+    /// Of the group's geometries.
+    pub geometries: Range<usize>,
+    /// Of the group's instances.
+    pub instances: Range<usize>,
+}
+
 /// A scene ready for rays.
 pub struct World {
     /// Who looks.
@@ -55,6 +66,8 @@ pub struct World {
     pub(crate) looks: Vec<Look>,
     /// By instance of the search structure: a material for what has none inside, or [`INHERIT`].
     pub(crate) instance_materials: Vec<u32>,
+    /// What each node at the top of the description's world (`Scene::top_level`) became, in its order; a program's own shapes come after.
+    pub top_level: Vec<TopLevel>,
     /// Emitters that surround the scene.
     pub(crate) environments: Vec<u32>,
 }

@@ -78,6 +78,15 @@ impl Node {
 }
 
 impl Scene {
+    /// What stands at the top of the world: its nodes, or, where all of it is one group, the nodes of that.
+    pub fn top_level(&self) -> &[Node] {
+        let mut nodes = self.world.as_slice();
+        while let [Node::Group(Group { children, .. })] = nodes {
+            nodes = children;
+        }
+        nodes
+    }
+
     /// Calls `f` with every node of the world and of the objects, once each.
     pub fn visit<'a>(&'a self, mut f: impl FnMut(&'a Node)) {
         for node in self.objects.iter().map(|(_, node)| node).chain(&self.world) {

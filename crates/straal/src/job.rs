@@ -43,6 +43,8 @@ pub struct Overrides {
     pub batch: Option<usize>,
     /// Shuffles the order of tiles by this seed.
     pub shuffle_tiles: Option<u64>,
+    /// Counts what the searches of each pixel cost.
+    pub cost: Option<bool>,
 }
 
 /// Why a job can't be done.
@@ -159,6 +161,11 @@ impl Job {
 
     /// The same with a program's own shapes and materials.
     pub fn with_custom(loaded: Loaded, wish: Overrides, custom: &Custom) -> Result<Self, Error> {
+        Self::of(&loaded, &wish, custom)
+    }
+
+    /// The same of a scene that is needed further.
+    pub(crate) fn of(loaded: &Loaded, wish: &Overrides, custom: &Custom) -> Result<Self, Error> {
         let scene = &loaded.scene;
         let size = wish.size.unwrap_or(scene.film.size);
         let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
@@ -204,21 +211,14 @@ impl Job {
             threads,
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
+            cost: wish.cost.unwrap_or(scene.accel.cost),
         };
         let tone = match scene.film.tone {
             desc::Tone::Clamp => Tone::Clamp,
             desc::Tone::Filmic => Tone::Filmic,
         };
         let look = Look { exposure: scene.film.exposure as f32, tone };
-        Ok(Self {
-            world,
-            settings,
-            spp,
-            integrator,
-            scene_hash: scene_hash(&loaded, custom),
-            look,
-            structure,
-        })
+        Ok(Self { world, settings, spp, integrator, scene_hash: scene_hash(loaded, custom), look, structure })
     }
 
     /// How the scene wants its picture developed.
@@ -264,6 +264,7 @@ impl Job {
             u32::MAX => "unlimited".to_string(),
             n => n.to_string(),
         };
+        let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         [
             ("version", crate::VERSION.to_string()),
             ("scene_hash", self.scene_hash.clone()),
@@ -284,6 +285,7 @@ impl Job {
             ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
         ]
         .into_iter()
+        .chain(counted)
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
     }

@@ -14,13 +14,15 @@
 #![forbid(unsafe_code)]
 
 pub mod compare;
+pub mod false_colour;
 pub mod job;
+pub mod lab;
 pub mod picture;
 pub mod replicates;
 pub mod search;
 
 pub use job::{Control, Error, Job, Outcome, Overrides, Progress, Verdict};
-pub use picture::{Look, Picture};
+pub use picture::{CostMeasure, Look, Picture};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::Tone;
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};

@@ -1,5 +1,6 @@
 //! A finished picture: its layers, its story, and how it becomes a file.
 
+use crate::false_colour::{Chart, Scale};
 use std::io;
 use std::path::Path;
 use straal_color::{Tone, srgb};
@@ -7,7 +8,7 @@ use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{pfm, png};
 use straal_math::ops;
-use straal_render::film::{Film, Layers};
+use straal_render::film::{CostLayers, Film, Layers};
 use straal_render::settings::Region;
 use straal_scene::Image;
 
@@ -33,6 +34,41 @@ pub struct Picture {
     pub story: Vec<(String, String)>,
 }
 
+/// What a picture of the searches' costs shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CostMeasure {
+    /// Nodes opened, or cells entered, a sample.
+    #[default]
+    Nodes,
+    /// Primitives tested a sample.
+    Primitives,
+    /// Time spent in search a sample.
+    Time,
+}
+
+impl CostMeasure {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Nodes, Self::Primitives, Self::Time];
+
+    /// The name as it is typed.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nodes => "nodes",
+            Self::Primitives => "primitives",
+            Self::Time => "time",
+        }
+    }
+
+    /// What a legend says.
+    const fn caption(self) -> &'static str {
+        match self {
+            Self::Nodes => "nodes a sample",
+            Self::Primitives => "primitives a sample",
+            Self::Time => "nanoseconds a sample",
+        }
+    }
+}
+
 /// Why a picture wasn't written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -40,6 +76,12 @@ pub enum SaveError {
     /// The name's extension is none that can be written.
     #[error("can't tell the format of {0}: the name must end in .exr, .png or .pfm")]
     Format(String),
+    /// No costs were counted, or not this one.
+    #[error("the picture doesn't know its {} cost: it wasn't counted", .0.name())]
+    NotCounted(CostMeasure),
+    /// A false-colour picture's name must end in .png.
+    #[error("can't write {0}: pictures in false colours are PNG, so that the name must end in .png")]
+    NotPng(String),
     /// The disk refused.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -90,6 +132,19 @@ impl Picture {
         Ok(())
     }
 
+    /// Writes what the searches cost as a PNG in false colours with a legend.
+    pub fn save_cost(&self, path: &Path, of: CostMeasure) -> Result<(), SaveError> {
+        let values = self.layers.cost.as_ref().and_then(|cost| match of {
+            CostMeasure::Nodes => Some(&cost.nodes),
+            CostMeasure::Primitives => Some(&cost.primitives),
+            CostMeasure::Time => cost.time.as_ref(),
+        });
+        let values = values.ok_or(SaveError::NotCounted(of))?;
+        let scale = Scale::of(values);
+        let chart = Chart::of(values, self.layers.width, scale).with_legend(scale, of.caption());
+        chart.save(path, &self.story)
+    }
+
     /// Linear RGB alone.
     pub fn to_image(&self) -> Image {
         Image { width: self.layers.width, height: self.layers.height, pixels: self.layers.rgb.clone() }
@@ -109,17 +164,19 @@ impl Picture {
             layer
         };
         let (x, y) = (self.crop.min[0] as i32, self.crop.min[1] as i32);
+        let mut layers = vec![
+            Layer::from_rgb("", &l.rgb),
+            Layer::from_rgb("albedo", &l.albedo),
+            normal,
+            one("depth", "Z", l.depth.clone()),
+            one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
+            Layer::from_rgb("variance", &l.variance),
+        ];
+        layers.extend(l.cost.as_ref().map(cost_layer));
         exr::Picture {
             display_window: Window::of_size(self.size[0] as usize, self.size[1] as usize),
             data_window: Window { x, y, width: l.width, height: l.height },
-            layers: vec![
-                Layer::from_rgb("", &l.rgb),
-                Layer::from_rgb("albedo", &l.albedo),
-                normal,
-                one("depth", "Z", l.depth.clone()),
-                one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
-                Layer::from_rgb("variance", &l.variance),
-            ],
+            layers,
             metadata: self.story.clone(),
         }
     }
@@ -131,4 +188,12 @@ impl Picture {
         let (width, height) = (self.layers.width, self.layers.height);
         png::write(out, &png::Encoded { width, height, pixels: &pixels, metadata: &self.story })
     }
+}
+
+/// The channels `cost.nodes`, `cost.primitives` and, where there was a clock, `cost.time` (nanoseconds).
+fn cost_layer(cost: &CostLayers) -> Layer {
+    let channel = |name: &str, samples: &[f32]| Channel { name: name.into(), samples: samples.to_vec() };
+    let mut channels = vec![channel("nodes", &cost.nodes), channel("primitives", &cost.primitives)];
+    channels.extend(cost.time.as_deref().map(|time| channel("time", time)));
+    Layer { name: "cost".into(), channels }
 }

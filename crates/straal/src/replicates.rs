@@ -2,7 +2,7 @@
 
 use crate::job::{Control, Error, Job, Outcome};
 use crate::picture::Picture;
-use straal_render::film::{Dropped, Layers};
+use straal_render::film::{CostLayers, Dropped, Layers};
 use straal_render::stopwatch::Times;
 
 /// Distance of the replicates' seeds: odd, and far from what people type.
@@ -60,6 +60,9 @@ struct Sums {
     normal: Vec<[f64; 3]>,
     depth: Vec<f64>,
     samples: Vec<u32>,
+    /// Nodes, primitives and nanoseconds; empty when they aren't counted.
+    costs: Vec<[f64; 3]>,
+    timed: bool,
     count: f64,
 }
 
@@ -74,12 +77,23 @@ impl Sums {
             normal: vec![[0.0; 3]; n],
             depth: vec![0.0; n],
             samples: vec![0; n],
+            costs: Vec::new(),
+            timed: false,
             count: 0.0,
         }
     }
 
     fn add(&mut self, l: &Layers) {
         self.count += 1.0;
+        if let Some(cost) = &l.cost {
+            self.costs.resize(self.rgb.len(), [0.0; 3]);
+            self.timed = cost.time.is_some();
+            for (i, sum) in self.costs.iter_mut().enumerate() {
+                sum[0] += f64::from(cost.nodes[i]);
+                sum[1] += f64::from(cost.primitives[i]);
+                sum[2] += cost.time.as_ref().map_or(0.0, |time| f64::from(time[i]));
+            }
+        }
         for i in 0..self.rgb.len() {
             for c in 0..3 {
                 let v = f64::from(l.rgb[i][c]);
@@ -110,6 +124,10 @@ impl Sums {
             normal: self.normal.iter().map(mean).collect(),
             depth: self.depth.iter().map(|d| (d / n) as f32).collect(),
             samples: self.samples,
+            cost: (!self.costs.is_empty()).then(|| {
+                let mean = |k: usize| self.costs.iter().map(|c| (c[k] / n) as f32).collect();
+                CostLayers { nodes: mean(0), primitives: mean(1), time: self.timed.then(|| mean(2)) }
+            }),
         };
         Picture { layers, ..self.frame }
     }

@@ -64,6 +64,23 @@ fn structures() {
     all_equal(&quick.map(|&s| (s.name(), wish(s))).collect::<Vec<_>>());
 }
 
+/// Counts of tests are sums of integers: the same whatever the threads and batches, and no part of the picture.
+#[test]
+fn costs() {
+    for scene in SCENES {
+        let cost = |wish: Overrides| {
+            let picture = common::render(scene, Overrides { cost: Some(true), ..wish }).picture;
+            let cost = picture.layers.cost.clone().expect("costs were asked for");
+            assert_eq!(cost.time, None, "no clock, no time");
+            (picture.tells("film_hash").expect("a film hash").to_owned(), cost)
+        };
+        let one = cost(Overrides { threads: Some(1), ..small() });
+        assert!(one.0 == hash(scene, small()), "{scene}: counting changes the picture");
+        assert!(one == cost(Overrides { threads: Some(7), batch: Some(7), ..small() }), "{scene}");
+        assert!(one.1.nodes.iter().any(|n| *n > 0.0) && one.1.primitives.iter().any(|n| *n > 0.0));
+    }
+}
+
 #[test]
 fn a_crop_is_cut_from_the_whole() {
     for scene in SCENES {

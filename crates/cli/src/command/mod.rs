@@ -1,5 +1,6 @@
 //! The commands, one each file, and what several of them need.
 
+pub mod accel;
 pub mod check;
 pub mod diff;
 pub mod info;

@@ -38,6 +38,9 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
     for path in &settings.outputs {
         interrupt.whole(|| outcome.picture.save(path, &look)).map_err(|e| not_saved(&e))?;
     }
+    if let Some((path, of)) = &settings.cost_picture {
+        interrupt.whole(|| outcome.picture.save_cost(path, *of)).map_err(|e| not_saved(&e))?;
+    }
     let report = Report {
         pictures: &settings.outputs,
         job: &job,

@@ -60,7 +60,8 @@ pub fn compile(
     let mut build = place::Build::new(scene, assets, custom)?;
     build.world()?;
     build.custom_shapes(custom)?;
-    let place::Built { input, geometry, looks, instance_materials, glowing, materials } = build.finish();
+    let place::Built { input, geometry, looks, instance_materials, top_level, glowing, materials } =
+        build.finish();
 
     let accel =
         accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
@@ -75,6 +76,7 @@ pub fn compile(
         lights: lights.table,
         looks,
         instance_materials,
+        top_level,
         environments: lights.environments,
     })
 }

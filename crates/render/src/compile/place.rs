@@ -5,7 +5,7 @@ use super::{CompileError, Custom};
 use crate::material;
 use crate::shape::bezier;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
-use crate::world::{INHERIT, Kind, Look};
+use crate::world::{INHERIT, Kind, Look, TopLevel};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
@@ -48,6 +48,7 @@ pub(super) struct Build<'a> {
     objects: BTreeMap<&'a str, u32>,
     glowing: Vec<Glowing>,
     dissolved: usize,
+    top_level: Vec<TopLevel>,
 }
 
 /// What the walk leaves.
@@ -56,6 +57,7 @@ pub(super) struct Built {
     pub geometry: Geometry,
     pub looks: Vec<Look>,
     pub instance_materials: Vec<u32>,
+    pub top_level: Vec<TopLevel>,
     pub glowing: Vec<Glowing>,
     pub materials: material::Materials,
 }
@@ -73,12 +75,31 @@ impl<'a> Build<'a> {
             objects: BTreeMap::new(),
             glowing: Vec::new(),
             dissolved: 0,
+            top_level: Vec::new(),
         })
     }
 
     pub fn world(&mut self) -> Result<(), CompileError> {
-        let place = Place { transform: Affine::IDENTITY, material: 0, group: 0 };
-        self.scene.world.iter().try_for_each(|node| self.node(node, place))
+        let mut place = Place { transform: Affine::IDENTITY, material: 0, group: 0 };
+        // Down to what `Scene::top_level` gives.
+        let mut nodes = self.scene.world.as_slice();
+        while let [Node::Group(g)] = nodes {
+            place = self.step_into(&g.transform, g.material.as_ref(), place)?;
+            nodes = &g.children;
+        }
+        for node in nodes {
+            let before = self.in_world();
+            self.node(node, place)?;
+            let after = self.in_world();
+            self.top_level.push(TopLevel { geometries: before[0]..after[0], instances: before[1]..after[1] });
+        }
+        Ok(())
+    }
+
+    /// Geometries and instances that stand in the world's own group.
+    fn in_world(&self) -> [usize; 2] {
+        let world = &self.input.groups[0];
+        [world.geometries.len(), world.instances.len()]
     }
 
     pub fn custom_shapes(&mut self, custom: &Custom) -> Result<(), CompileError> {
@@ -98,6 +119,7 @@ impl<'a> Build<'a> {
             looks: self.looks,
             // The search structure numbers instances group by group, in this order.
             instance_materials: self.group_materials.concat(),
+            top_level: self.top_level,
             glowing: self.glowing,
             materials: self.materials.finish(),
         }

@@ -43,25 +43,51 @@ struct Pixel {
     dropped: u32,
 }
 
+/// What the searches of one sample cost: all rays of its path, the camera's, the bounces and the shadow rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CostSample {
+    /// Nodes opened, or cells entered.
+    pub nodes: u64,
+    /// Primitives tested.
+    pub primitives: u64,
+    /// Time spent in search; 0 without a clock.
+    pub nanoseconds: u64,
+}
+
 /// The part of a film under one tile.
 #[derive(Clone, Debug)]
 pub struct FilmTile {
     /// Pixels covered, in coordinates of the whole picture.
     pub region: Region,
     pixels: Vec<Pixel>,
+    /// By pixel; empty when costs aren't counted.
+    costs: Vec<CostSample>,
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
     first_dropped: Option<([u32; 2], u32)>,
 }
 
 impl FilmTile {
     fn new(region: Region) -> Self {
-        Self { region, pixels: vec![Pixel::default(); region.area()], first_dropped: None }
+        Self { region, pixels: vec![Pixel::default(); region.area()], costs: Vec::new(), first_dropped: None }
+    }
+
+    fn index(&self, [x, y]: [u32; 2]) -> usize {
+        (y - self.region.min[1]) as usize * self.region.width() as usize + (x - self.region.min[0]) as usize
+    }
+
+    /// Adds what one sample of a pixel cost, where the film counts that; the sums of integers don't depend on the order.
+    pub fn add_cost(&mut self, pixel: [u32; 2], cost: &CostSample) {
+        let i = self.index(pixel);
+        if let Some(sum) = self.costs.get_mut(i) {
+            sum.nodes += cost.nodes;
+            sum.primitives += cost.primitives;
+            sum.nanoseconds += cost.nanoseconds;
+        }
     }
 
     /// Adds one sample of a pixel given in coordinates of the whole picture.
     pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample) {
-        let i = (pixel[1] - self.region.min[1]) as usize * self.region.width() as usize
-            + (pixel[0] - self.region.min[0]) as usize;
+        let i = self.index(pixel);
         let p = &mut self.pixels[i];
         p.count += 1;
         let fits = sample.rgb.iter().all(|v| v.abs() < MAX_VALUE);
@@ -93,6 +119,15 @@ pub struct Film {
     /// The part of it that is rendered.
     pub crop: Region,
     pub(crate) tiles: Vec<FilmTile>,
+    /// Whether costs are counted, and whether with their time.
+    costs: Costs,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Costs {
+    No,
+    Tests,
+    TestsAndTime,
 }
 
 /// Samples that a film refused.
@@ -123,6 +158,20 @@ pub struct Layers {
     pub depth: Vec<f32>,
     /// Samples taken.
     pub samples: Vec<u32>,
+    /// What the searches cost, if that was counted. No part of the film's hash.
+    pub cost: Option<CostLayers>,
+}
+
+/// What a sample's searches cost on average, by pixel: all rays of its path, the camera's, the bounces and the shadow
+/// rays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CostLayers {
+    /// Nodes opened, or cells entered.
+    pub nodes: Vec<f32>,
+    /// Primitives tested.
+    pub primitives: Vec<f32>,
+    /// Nanoseconds, if a clock was lent.
+    pub time: Option<Vec<f32>>,
 }
 
 impl Film {
@@ -138,7 +187,15 @@ impl Film {
                 }
             }
         }
-        Self { size, crop, tiles }
+        Self { size, crop, tiles, costs: Costs::No }
+    }
+
+    /// Makes room for costs; `timed` says whether they come with their time.
+    pub(crate) fn count_costs(&mut self, timed: bool) {
+        self.costs = if timed { Costs::TestsAndTime } else { Costs::Tests };
+        for tile in &mut self.tiles {
+            tile.costs = vec![CostSample::default(); tile.region.area()];
+        }
     }
 
     /// Bytes that a film of this many pixels takes.
@@ -166,6 +223,11 @@ impl Film {
             normal: vec![[0.0; 3]; n],
             depth: vec![0.0; n],
             samples: vec![0; n],
+            cost: (self.costs != Costs::No).then(|| CostLayers {
+                nodes: vec![0.0; n],
+                primitives: vec![0.0; n],
+                time: (self.costs == Costs::TestsAndTime).then(|| vec![0.0; n]),
+            }),
         };
         for tile in &self.tiles {
             for (k, p) in tile.pixels.iter().enumerate() {
@@ -186,6 +248,14 @@ impl Film {
                 }
                 out.depth[i] = (p.depth.to_f64() / count) as f32;
                 out.samples[i] = p.count;
+                if let (Some(out), Some(sum)) = (&mut out.cost, tile.costs.get(k)) {
+                    let mean = |sum: u64| (sum as f64 / count) as f32;
+                    out.nodes[i] = mean(sum.nodes);
+                    out.primitives[i] = mean(sum.primitives);
+                    if let Some(time) = &mut out.time {
+                        time[i] = mean(sum.nanoseconds);
+                    }
+                }
             }
         }
         out

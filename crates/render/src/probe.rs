@@ -1,0 +1,200 @@
+//! What a render's searches are asked through: plainly, with every test counted, or with the rays kept.
+//!
+//! Which of them is decided once for a pass, so that the loops of the driver are compiled for each, and a plain render
+//! pays nothing for the others.
+
+use crate::film::CostSample;
+use crate::integrator::{Path, ShadowRay};
+use crate::stopwatch::Clock;
+use crate::world::World;
+use straal_accel::Hit;
+use straal_color::Light;
+use straal_math::Ray;
+
+/// One worker's way of asking what rays hit. All give the same answers.
+pub trait Probe: Send {
+    /// A batch of so many samples begins.
+    fn begin(&mut self, samples: usize);
+
+    /// What each path's ray hits first.
+    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]);
+
+    /// [`World::transmittance`] of the shadow rays.
+    fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>);
+
+    /// What the searches of a sample of the batch cost, where that is counted.
+    fn cost(&self, sample: usize) -> Option<CostSample>;
+}
+
+/// The rays of a wave.
+#[derive(Debug)]
+pub struct Asked<'a, S> {
+    /// Whether they come from the camera.
+    pub primary: bool,
+    /// Who asks, as many as there are rays.
+    pub paths: &'a [Path<S>],
+    /// The rays.
+    pub rays: &'a [Ray],
+}
+
+/// The shadow rays of a wave.
+#[derive(Debug)]
+pub struct AskedShadows<'a> {
+    /// Who asks, as many as there are rays.
+    pub shadows: &'a [ShadowRay],
+    /// The rays.
+    pub rays: &'a [Ray],
+}
+
+/// Where the transmittance of shadow rays goes.
+#[derive(Debug)]
+pub struct Answer<'a> {
+    /// Scratch.
+    pub blocked: &'a mut Vec<bool>,
+    /// By ray.
+    pub light: &'a mut Vec<Light>,
+}
+
+/// Asks and does nothing else.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Plain;
+
+impl Probe for Plain {
+    #[inline(always)]
+    fn begin(&mut self, _samples: usize) {}
+
+    #[inline(always)]
+    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
+        world.closest(asked.rays, hits);
+    }
+
+    #[inline(always)]
+    fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
+        world.transmittance(asked.rays, answer.blocked, answer.light);
+    }
+
+    #[inline(always)]
+    fn cost(&self, _sample: usize) -> Option<CostSample> {
+        None
+    }
+}
+
+/// Searches with one ray at a time, and books what each cost on its sample.
+#[derive(Clone)]
+pub struct CostMeter {
+    clock: Option<Clock>,
+    samples: Vec<CostSample>,
+}
+
+impl CostMeter {
+    /// Counts tests; with a clock, time as well: of the counting search, the reading of the clock included.
+    pub fn new(clock: Option<Clock>) -> Self {
+        Self { clock, samples: Vec::new() }
+    }
+
+    fn now(&self) -> u64 {
+        self.clock.as_ref().map_or(0, |clock| clock())
+    }
+
+    fn book(&mut self, sample: u32, cost: &straal_accel::Cost, nanoseconds: u64) {
+        let sum = &mut self.samples[sample as usize];
+        sum.nodes += u64::from(cost.nodes);
+        sum.primitives += u64::from(cost.primitives);
+        sum.nanoseconds += nanoseconds;
+    }
+}
+
+impl Probe for CostMeter {
+    fn begin(&mut self, samples: usize) {
+        self.samples.clear();
+        self.samples.resize(samples, CostSample::default());
+    }
+
+    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
+        let mut last = self.now();
+        for ((path, ray), hit) in asked.paths.iter().zip(asked.rays).zip(hits) {
+            let (found, cost) = world.accel.closest_counted(&world.geometry, ray);
+            *hit = found;
+            let now = self.now();
+            self.book(path.sample, &cost, now.saturating_sub(last));
+            last = now;
+        }
+    }
+
+    fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
+        answer.light.clear();
+        let mut last = self.now();
+        for (shadow, ray) in asked.shadows.iter().zip(asked.rays) {
+            let (blocked, cost) = world.accel.occluded_counted(&world.geometry, ray);
+            answer.light.push(if blocked { Light::ZERO } else { Light::ONE });
+            let now = self.now();
+            self.book(shadow.sample, &cost, now.saturating_sub(last));
+            last = now;
+        }
+    }
+
+    fn cost(&self, sample: usize) -> Option<CostSample> {
+        self.samples.get(sample).copied()
+    }
+}
+
+/// Rays of one kind, slice by slice as the driver asked for them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tape {
+    /// The rays, up to the recorder's limit.
+    pub rays: Vec<Ray>,
+    /// Where each slice ends among them.
+    pub ends: Vec<usize>,
+    /// Rays that were asked for, the unrecorded included.
+    pub asked: u64,
+}
+
+impl Tape {
+    fn take(&mut self, rays: &[Ray], limit: usize) {
+        self.asked += rays.len() as u64;
+        let room = limit - self.rays.len();
+        let taken = if rays.len() < room { rays.len() } else { room };
+        if taken > 0 {
+            self.rays.extend_from_slice(&rays[..taken]);
+            self.ends.push(self.rays.len());
+        }
+    }
+}
+
+/// Asks plainly, and keeps the rays.
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
+    limit: usize,
+    /// From the camera.
+    pub primary: Tape,
+    /// From surfaces onwards.
+    pub bounce: Tape,
+    /// Towards lights.
+    pub shadow: Tape,
+}
+
+impl Recorder {
+    /// Keeps at most `limit` rays of each kind.
+    pub fn new(limit: usize) -> Self {
+        Self { limit, ..Self::default() }
+    }
+}
+
+impl Probe for Recorder {
+    fn begin(&mut self, _samples: usize) {}
+
+    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
+        let tape = if asked.primary { &mut self.primary } else { &mut self.bounce };
+        tape.take(asked.rays, self.limit);
+        world.closest(asked.rays, hits);
+    }
+
+    fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
+        self.shadow.take(asked.rays, self.limit);
+        world.transmittance(asked.rays, answer.blocked, answer.light);
+    }
+
+    fn cost(&self, _sample: usize) -> Option<CostSample> {
+        None
+    }
+}
