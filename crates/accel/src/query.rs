@@ -7,7 +7,7 @@ use crate::{
     local::LocalRay,
     scene::{GroupData, Object, ObjectKind, Scene},
     slab,
-    structure::{Place, PrimKind, Search, each},
+    structure::{Place, PrimKind, Search, Searcher, each},
     triangle,
 };
 use straal_math::{Ray, Vec3, ops};
@@ -53,14 +53,31 @@ impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
         for &object in &at.group.unbounded {
             self.object_closest(at, object, best);
         }
-        each!(&at.group.searcher, s => s.closest(self, at, best));
+        match &at.group.searcher {
+            Searcher::Bvh(s) => s.closest(self, at, best),
+            other => self.closest_by(other, at, best),
+        }
+    }
+
+    /// Searches with any structure, apart: the fast path shall not make room for what the others keep on the stack.
+    #[inline(never)]
+    fn closest_by(&mut self, searcher: &Searcher, at: &Place<'_>, best: &mut Hit) {
+        each!(searcher, s => s.closest(self, at, best));
+    }
+
+    #[inline(never)]
+    fn occluded_by(&mut self, searcher: &Searcher, at: &Place<'_>) -> bool {
+        each!(searcher, s => s.occluded(self, at))
     }
 
     /// Whether anything in a group is hit.
     #[inline(always)]
     pub fn occluded_in(&mut self, at: &Place<'_>) -> bool {
         at.group.unbounded.iter().any(|&object| self.object_occluded(at, object))
-            || each!(&at.group.searcher, s => s.occluded(self, at))
+            || match &at.group.searcher {
+                Searcher::Bvh(s) => s.occluded(self, at),
+                other => self.occluded_by(other, at),
+            }
     }
 
     /// Counts a node, or a cell, and how many boxes are tested in it.

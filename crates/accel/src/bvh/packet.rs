@@ -154,8 +154,12 @@ impl Packet {
 /// Whether rays may make a packet: as many as one has, valid, and of the same signs on all axes.
 #[inline(always)]
 fn may_be_packet(rays: &[Ray]) -> bool {
-    let signs = |d: Vec3| (d.x.to_bits() >> 31) | (d.y.to_bits() >> 31) << 1 | (d.z.to_bits() >> 31) << 2;
-    rays.len() == PACKET && rays.iter().all(|r| signs(r.d) == signs(rays[0].d))
+    let bits = |d: Vec3| [d.x.to_bits(), d.y.to_bits(), d.z.to_bits()];
+    let differing = |a: [u32; 3], b: [u32; 3]| (a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2]);
+    rays.len() == PACKET
+        && rays
+            .chunks(WIDTH)
+            .all(|some| some.iter().fold(0, |all, r| all | differing(bits(r.d), bits(rays[0].d))) >> 31 == 0)
 }
 
 impl Bvh {
@@ -174,8 +178,10 @@ impl Bvh {
             return false;
         }
         let extent = group.extent();
+        // A sample of the rays is enough to guess by.
+        let sample = || rays.iter().step_by(WIDTH + 1);
         let (mut low, mut high) = (rays[0].o, rays[0].o);
-        for r in rays {
+        for r in sample() {
             low = low.min(r.o);
             high = high.max(r.o);
         }
@@ -184,7 +190,7 @@ impl Bvh {
         }
         let axis = rays[0].d.abs().max_axis();
         let (mut first, mut last) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
-        for r in rays {
+        for r in sample() {
             let slope = r.d / r.d[axis];
             first = first.min(slope);
             last = last.max(slope);
