@@ -162,7 +162,7 @@ impl Bvh {
 }
 
 /// How many packets of a slice may fail until no more are tried.
-const PATIENCE: u32 = 8;
+const PATIENCE: u32 = 1;
 
 /// The lowest lane of a set, taken out of it.
 #[inline(always)]
