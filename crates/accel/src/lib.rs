@@ -8,6 +8,7 @@
 //! without them:
 //! - a ray goes down the levels by [`straal_math::Transform::inverse_ray`], its direction not renormalised, so that
 //!   t means the same on every level;
+//! - nothing behind the ray's origin counts: an interval begins at 0 or later;
 //! - one routine (in `triangle.rs`) computes t, u and v; vector kernels do its very operations in each lane;
 //! - a primitive counts only where the ray crosses its own padded box (in `slab.rs`), and its t is never less than the
 //!   entry into that box. Boxes further up contain it and are computed by the same monotone arithmetic, so that a

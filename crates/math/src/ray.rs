@@ -8,7 +8,7 @@ use crate::Vec3;
 pub struct Ray {
     /// Origin.
     pub o: Vec3,
-    /// Least t that counts as a hit.
+    /// Least t that counts as a hit; a search takes what is below 0 for 0.
     pub t_min: f32,
     /// Direction; not necessarily of length 1 (instances transform it without renormalising).
     pub d: Vec3,

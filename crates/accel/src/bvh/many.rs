@@ -6,7 +6,7 @@
 //! is done for one ray doesn't depend on the ray before, and which queue the ray goes to is computed, not branched on, so
 //! that the processor works on several at a time. What a ray visits next is prefetched when it is put in its queue.
 
-use super::{Bvh, Child, STACK, class, near::Near};
+use super::{Bvh, Child, class, near::Near};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
@@ -258,5 +258,3 @@ impl Staged {
         self.len > 0
     }
 }
-
-const _: () = assert!(STACK < 1 << 16);
