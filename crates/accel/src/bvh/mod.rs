@@ -3,10 +3,11 @@
 //! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
 mod build;
-mod many;
+pub(crate) mod many;
 mod near;
 mod packet;
 pub mod params;
+mod slots;
 mod stats;
 mod traverse;
 mod validate;
@@ -89,7 +90,7 @@ impl Child {
     /// The end of a search.
     pub const DONE: Self = Self(Self::OBJECT);
 
-    const fn node(i: u32) -> Self {
+    pub const fn node(i: u32) -> Self {
         Self(i)
     }
 
@@ -99,13 +100,6 @@ impl Child {
 
     const fn object(i: u32) -> Self {
         Self(i | Self::LEAF | Self::OBJECT)
-    }
-
-    /// This if `other_wins` is 0, the other if it is 1: computed, so that nothing is guessed.
-    #[inline(always)]
-    pub const fn or_else(self, other: Self, other_wins: usize) -> Self {
-        let mask = 0_u32.wrapping_sub(other_wins as u32);
-        Self(self.0 ^ (self.0 ^ other.0) & mask)
     }
 
     /// Whether it is a leaf of any kind: 0 or 1.
