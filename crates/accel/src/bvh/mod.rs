@@ -4,7 +4,7 @@
 
 mod build;
 pub(crate) mod many;
-mod near;
+pub(crate) mod near;
 mod packet;
 pub mod params;
 mod slots;
