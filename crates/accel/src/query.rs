@@ -30,16 +30,20 @@ fn not_before(t: f32, entry: f32) -> f32 {
 }
 
 impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
-    /// The first hit of a ray in the world.
+    /// Writes the first hit of a ray in the world where it stays: copying what was just written piece by piece would wait
+    /// for the pieces.
     #[inline(always)]
-    pub fn closest(&mut self, group: &GroupData, ray: &Ray) -> Hit {
+    pub fn closest(&mut self, group: &GroupData, ray: &Ray, hit: &mut Hit) {
         let mut local = LocalRay::IDLE;
         if !self.kernel.prepare(ray, &mut local) {
-            return Hit::MISS;
+            *hit = Hit::MISS;
+            return;
         }
-        let mut best = Hit::limit(local.ray.t_max);
-        self.closest_in(&Place { group, ray: &local, chain: &Chain::EMPTY }, &mut best);
-        best.finished()
+        *hit = Hit::limit(local.ray.t_max);
+        self.closest_in(&Place { group, ray: &local, chain: &Chain::EMPTY }, hit);
+        if !hit.is_hit() {
+            *hit = Hit::MISS;
+        }
     }
 
     /// Whether a ray hits anything in the world.

@@ -189,7 +189,7 @@ pub(crate) trait Search: Sized {
         hits: &mut [Hit],
     ) {
         for (ray, hit) in rays.iter().zip(hits) {
-            *hit = q.closest(group, ray);
+            q.closest(group, ray, hit);
         }
     }
 

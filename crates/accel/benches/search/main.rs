@@ -107,9 +107,9 @@ fn search(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
     let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, cpu_seconds));
     for set in rays::sets(&one, mesh).iter().filter(|s| plan.wants(&SETS, s.name)) {
         let rays = set.rays.as_slice();
-        let (mut hits, mut blocked) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+        let (mut hits, mut blocked) = (vec![(0, 0.0); rays.len()], vec![false; rays.len()]);
         let (mut hits2, mut blocked2) = (hits.clone(), blocked.clone());
-        let (mut peer_hits, mut peer_blocked) = (vec![(0, 0.0); rays.len()], blocked.clone());
+        let (mut peer_hits, mut peer_blocked) = (hits.clone(), blocked.clone());
         let mut packet_hits = peer_hits.clone();
         let mut contestants: Vec<Contestant<'_>> = Vec::new();
         if let Some(peer) = &peer {
@@ -146,7 +146,7 @@ fn search(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
         if peer.is_some() {
             let differ = match set.any {
                 true => blocked.iter().zip(&peer_blocked).filter(|(a, b)| a != b).count(),
-                false => hits.iter().zip(&peer_hits).filter(|(a, b)| a.primitive != b.0).count(),
+                false => hits.iter().zip(&peer_hits).filter(|(a, b)| a.0 != b.0).count(),
             };
             print!(", {differ} of {} unlike Embree's", rays.len());
         }
@@ -154,14 +154,27 @@ fn search(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
     }
 }
 
-fn trace(scene: &Scene, any: bool, rays: &[Ray], batch: usize, hits: &mut [Hit], blocked: &mut [bool]) {
+/// Searches in slices of `batch` rays, and keeps of each hit what is kept of Embree's: the triangle and the ray parameter.
+fn trace(
+    scene: &Scene,
+    any: bool,
+    rays: &[Ray],
+    batch: usize,
+    hits: &mut [(u32, f32)],
+    blocked: &mut [bool],
+) {
     if any {
         for (r, b) in rays.chunks(batch).zip(blocked.chunks_mut(batch)) {
             scene.occluded(&(), r, b);
         }
-    } else {
-        for (r, h) in rays.chunks(batch).zip(hits.chunks_mut(batch)) {
-            scene.closest(&(), r, h);
+        return;
+    }
+    let mut found = vec![Hit::MISS; batch];
+    for (r, kept) in rays.chunks(batch).zip(hits.chunks_mut(batch)) {
+        let found = &mut found[..r.len()];
+        scene.closest(&(), r, found);
+        for (kept, hit) in kept.iter_mut().zip(found) {
+            *kept = (hit.primitive, hit.t);
         }
     }
 }
@@ -228,7 +241,7 @@ fn scale(plan: &Plan) {
         let scene = Scene::build(input(&mesh), &(), &options).expect("a sound mesh");
         let sets = rays::sets(&scene, &mesh);
         let rays = &sets[1].rays;
-        let mut hits = vec![Hit::MISS; rays.len()];
+        let mut hits = vec![(0, 0.0); rays.len()];
         let mut contestants: Vec<Contestant<'_>> =
             vec![("", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
         let seconds = median(duel(plan.rounds, &mut contestants).remove(0));

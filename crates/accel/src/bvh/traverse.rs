@@ -1,7 +1,7 @@
 //! Searching the tree with one ray.
 
 use super::{
-    Block, Bvh, ChildKind, Node, WIDTH,
+    Block, Bvh, ChildKind, WIDTH,
     near::{Candidate, Near},
     packet::PACKET,
 };
@@ -12,7 +12,6 @@ use crate::{
         Kernel,
         descent::{ALL, Descent},
     },
-    local::LocalRay,
     query::Query,
     scene::GroupData,
     structure::{Place, Search, Stats},
@@ -134,35 +133,6 @@ impl Bvh {
             (_, false) => self.many::<K, S, ANY, false>(q, group, rays, done),
         }
     }
-
-    /// The nearest child that is entered; the others are pushed, the farthest first.
-    #[inline(always)]
-    fn nearest_first<K: Kernel>(
-        kernel: K,
-        ray: &LocalRay,
-        node: &Node,
-        limit: f32,
-        stack: &mut Descent<ALL>,
-    ) -> Option<super::Child> {
-        let found = kernel.node(ray, node, limit);
-        let mut mask = found.mask;
-        if mask == 0 {
-            return None;
-        }
-        let first = take(&mut mask);
-        if mask == 0 {
-            return Some(node.children[first]);
-        }
-        let second = take(&mut mask);
-        if mask == 0 {
-            let (a, b) = (found.keys[first], found.keys[second]);
-            let (near, far) = if a < b { (first, second) } else { (second, first) };
-            stack.push(found.keys[far], node.children[far]);
-            return Some(node.children[near]);
-        }
-        kernel.push_sorted(node, &found, stack);
-        Some(stack.pop())
-    }
 }
 
 /// How many packets of a slice may fail until no more are tried.
@@ -189,17 +159,17 @@ impl Search for Bvh {
         let mut room = None;
         let mut stack = Descent::<ALL>::new();
         loop {
-            match child.kind() {
-                ChildKind::Node(i) => {
-                    let node = &self.nodes[i as usize];
-                    if COUNT {
-                        q.count_node(node.count());
-                    }
-                    if let Some(next) = Self::nearest_first(q.kernel, at.ray, node, near.limit, &mut stack) {
-                        child = next;
-                        continue;
-                    }
+            while let ChildKind::Node(i) = child.kind() {
+                let node = &self.nodes[i as usize];
+                if COUNT {
+                    q.count_node(node.count());
                 }
+                child = match q.kernel.nearest(at.ray, node, near.limit, &mut stack) {
+                    Some(next) => next,
+                    None => stack.pop_within(near.key()),
+                };
+            }
+            match child.kind() {
                 ChildKind::Block(i) => {
                     let block = self.block(q.scene, at.group, i as usize, &mut room);
                     Self::block_closest(q, at, block, &mut near, best);
@@ -209,7 +179,7 @@ impl Search for Bvh {
                     q.object_closest(at, i, best);
                     near = Near::new(best);
                 }
-                ChildKind::Done => break,
+                ChildKind::Node(_) | ChildKind::Done => break,
             }
             child = stack.pop_within(near.key());
         }
@@ -228,28 +198,23 @@ impl Search for Bvh {
         let mut room = None;
         let mut stack = Descent::<ALL>::new();
         loop {
-            let found = match child.kind() {
-                ChildKind::Node(i) => {
-                    let node = &self.nodes[i as usize];
-                    if COUNT {
-                        q.count_node(node.count());
-                    }
-                    let mut mask = q.kernel.entered(at.ray, node);
-                    if mask != 0 {
-                        child = node.children[take(&mut mask)];
-                        while mask != 0 {
-                            stack.push(0, node.children[take(&mut mask)]);
-                        }
-                        continue;
-                    }
-                    false
+            while let ChildKind::Node(i) = child.kind() {
+                let node = &self.nodes[i as usize];
+                if COUNT {
+                    q.count_node(node.count());
                 }
+                child = match q.kernel.any(at.ray, node, &mut stack) {
+                    Some(next) => next,
+                    None => stack.pop(),
+                };
+            }
+            let found = match child.kind() {
                 ChildKind::Block(i) => {
                     let block = self.block(q.scene, at.group, i as usize, &mut room);
                     Self::block_occluded(q, at, block)
                 }
                 ChildKind::Object(i) => q.object_occluded(at, i),
-                ChildKind::Done => return false,
+                ChildKind::Node(_) | ChildKind::Done => return false,
             };
             if found {
                 return true;

@@ -5,8 +5,10 @@
 //! Safety: an [`Avx2`] is made only where the processor has AVX2, BMI1 and BMI2, which all functions here need.
 
 use super::{
+    Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, by_class,
+    descent::Descent,
+    entry::entry_points,
     vec3::{own_box_avx, prepare_avx},
-    by_class, Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, descent::Descent, entry::entry_points,
 };
 use crate::{
     bvh::{Block, Child, Node, many::Next},
@@ -65,7 +67,8 @@ impl Kernel for Avx2 {
         unsafe {
             let (enter, exit) = interval(r, node, limit);
             let order = far_to_near(r);
-            let (enter, exit) = (_mm256_permutevar8x32_ps(enter, order), _mm256_permutevar8x32_ps(exit, order));
+            let (enter, exit) =
+                (_mm256_permutevar8x32_ps(enter, order), _mm256_permutevar8x32_ps(exit, order));
             let children = _mm256_loadu_si256(node.children.as_ptr().cast());
             let children = _mm256_permutevar8x32_epi32(children, order);
             let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32;
@@ -100,15 +103,66 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
+    fn any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Option<Child> {
+        let entered = self.entered(r, node);
+        let others = entered & entered.wrapping_sub(1);
+        if others != 0 {
+            // SAFETY: as with `step`.
+            unsafe {
+                let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+                let children = _mm256_permutevar8x32_epi32(children, set_first(others));
+                stack.push_several(others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                    _mm256_storeu_si256(k.cast(), _mm256_setzero_si256());
+                    _mm256_storeu_si256(c.cast(), children);
+                });
+            }
+        }
+        (entered != 0).then(|| node.children[(entered.trailing_zeros() & 7) as usize])
+    }
+
+    #[inline(always)]
     fn classes(self, next: &Next) -> [u32; 4] {
         // SAFETY: see the head of the file.
         unsafe { classes_avx2(next) }
     }
 
     #[inline(always)]
-    fn push_sorted<const N: usize>(self, node: &Node, found: &Children, stack: &mut Descent<N>) {
-        // SAFETY: see the head of the file.
-        unsafe { push_sorted(node, found, stack) }
+    fn nearest<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
+        // SAFETY: as with `step`.
+        unsafe {
+            let (enter, exit) = interval(r, node, limit);
+            let entered = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit);
+            let mask = _mm256_movemask_ps(entered) as u32;
+            if mask & mask.wrapping_sub(1) == 0 {
+                return (mask != 0).then(|| node.children[(mask.trailing_zeros() & 7) as usize]);
+            }
+            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
+            let keys = _mm256_blendv_epi8(none, keys(enter), _mm256_castps_si256(entered));
+            let least = least(keys);
+            let order = far_to_near(r);
+            let keys = _mm256_permutevar8x32_epi32(keys, order);
+            let others = _mm256_and_si256(
+                _mm256_cmpgt_epi32(keys, _mm256_set1_epi32(least as i32)),
+                _mm256_cmpgt_epi32(none, keys),
+            );
+            let others = _mm256_movemask_ps(_mm256_castsi256_ps(others)) as u32;
+            let packed = set_first(others);
+            let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+            let children = _mm256_permutevar8x32_epi32(children, order);
+            let children = _mm256_permutevar8x32_epi32(children, packed);
+            let keys = _mm256_permutevar8x32_epi32(keys, packed);
+            stack.push_several(others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                _mm256_storeu_si256(k.cast(), keys);
+                _mm256_storeu_si256(c.cast(), children);
+            });
+            Some(node.children[(least & 7) as usize])
+        }
     }
 
     #[inline(always)]
@@ -163,30 +217,18 @@ pub(super) unsafe fn keys(enter: __m256) -> __m256i {
     }
 }
 
-/// Eight keys in falling order: a sorting network of 19 comparators in six layers (Knuth, The Art of Computer
-/// Programming, vol. 3, section 5.3.4), each layer an exchange with a partner lane.
+/// The least of eight keys.
 ///
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-pub(super) unsafe fn sorted(k: __m256i) -> __m256i {
+pub(super) unsafe fn least(keys: __m256i) -> u32 {
     // SAFETY: the caller's promise.
     unsafe {
-        let exchange = |k, partner| (_mm256_max_epi32(k, partner), _mm256_min_epi32(k, partner));
-        let (high, low) = exchange(k, _mm256_shuffle_epi32::<0b01_00_11_10>(k)); // 0-2 1-3 4-6 5-7
-        let k = _mm256_blend_epi32::<0b1100_1100>(high, low);
-        let (high, low) = exchange(k, _mm256_permute4x64_epi64::<0b01_00_11_10>(k)); // 0-4 1-5 2-6 3-7
-        let k = _mm256_blend_epi32::<0b1111_0000>(high, low);
-        let (high, low) = exchange(k, _mm256_shuffle_epi32::<0b10_11_00_01>(k)); // 0-1 2-3 4-5 6-7
-        let k = _mm256_blend_epi32::<0b1010_1010>(high, low);
-        let (high, low) = exchange(k, _mm256_permute4x64_epi64::<0b11_01_10_00>(k)); // 2-4 3-5
-        let k = _mm256_blend_epi32::<0b0011_0000>(high, low);
-        let partner = _mm256_setr_epi32(0, 4, 2, 6, 1, 5, 3, 7);
-        let (high, low) = exchange(k, _mm256_permutevar8x32_epi32(k, partner)); // 1-4 3-6
-        let k = _mm256_blend_epi32::<0b0101_0000>(high, low);
-        let partner = _mm256_setr_epi32(0, 2, 1, 4, 3, 6, 5, 7);
-        let (high, low) = exchange(k, _mm256_permutevar8x32_epi32(k, partner)); // 1-2 3-4 5-6
-        _mm256_blend_epi32::<0b0101_0100>(high, low)
+        let k = _mm_min_epi32(_mm256_castsi256_si128(keys), _mm256_extracti128_si256::<1>(keys));
+        let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b01_00_11_10>(k));
+        let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b10_11_00_01>(k));
+        _mm_cvtsi128_si32(k) as u32
     }
 }
 
@@ -207,24 +249,6 @@ pub(super) unsafe fn classes_avx2(next: &Next) -> [u32; 4] {
         }
     }
     by_class(high, low)
-}
-
-/// [`Kernel::push_sorted`], also for AVX-512.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-pub(super) unsafe fn push_sorted<const N: usize>(node: &Node, found: &Children, stack: &mut Descent<N>) {
-    let mut keys = [0; 8];
-    // SAFETY: the caller's promise; eight numbers are read from an array of eight, and written to one.
-    unsafe {
-        let all = _mm256_loadu_si256((&raw const found.keys).cast());
-        let entered = _mm256_cmpgt_epi32(_mm256_set1_epi32(NOT_ENTERED as i32), all);
-        _mm256_storeu_si256((&raw mut keys).cast(), sorted(_mm256_and_si256(all, entered)));
-    }
-    for &key in &keys[..found.mask.count_ones() as usize & 15] {
-        stack.push(key, node.children[(key & 7) as usize]);
-    }
 }
 
 const _: () = assert!(size_of::<Child>() == size_of::<u32>());
@@ -369,6 +393,9 @@ pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lane
     unsafe {
         let crossing = Crossing::new(r, block);
         let inside = _mm256_movemask_ps(crossing.inside()) as u32;
+        if inside == 0 {
+            return out;
+        }
         let Crossing { a, b, c, edges: [u, v, w], least, most } = crossing;
         let zero = _mm256_setzero_ps();
         let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);

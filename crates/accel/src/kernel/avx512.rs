@@ -7,7 +7,7 @@
 
 use super::{
     Children, Kernel, Lanes, NOT_ENTERED,
-    avx2::{self, block_avx2, classes_avx2, far_to_near, inside_avx2, keys, push_sorted},
+    avx2::{self, block_avx2, classes_avx2, far_to_near, inside_avx2, keys, least},
     descent::Descent,
     entry::entry_points,
     vec3::{own_box_avx, prepare_avx},
@@ -99,15 +99,61 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
+    fn any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Option<Child> {
+        let entered = self.entered(r, node);
+        let others = entered & entered.wrapping_sub(1);
+        if others != 0 {
+            // SAFETY: as with `step`.
+            unsafe {
+                let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+                let children = _mm256_maskz_compress_epi32(others as __mmask8, children);
+                stack.push_several(others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                    _mm256_storeu_si256(k.cast(), _mm256_setzero_si256());
+                    _mm256_storeu_si256(c.cast(), children);
+                });
+            }
+        }
+        (entered != 0).then(|| node.children[(entered.trailing_zeros() & 7) as usize])
+    }
+
+    #[inline(always)]
     fn classes(self, next: &Next) -> [u32; 4] {
         // SAFETY: an `Avx512` is made only where there is AVX2 too.
         unsafe { classes_avx2(next) }
     }
 
     #[inline(always)]
-    fn push_sorted<const N: usize>(self, node: &Node, found: &Children, stack: &mut Descent<N>) {
-        // SAFETY: an `Avx512` is made only where there is AVX2 too.
-        unsafe { push_sorted(node, found, stack) }
+    fn nearest<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
+        // SAFETY: as with `step`.
+        unsafe {
+            let (enter, exit) = avx2::interval(r, node, limit);
+            let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
+            if entered & entered.wrapping_sub(1) == 0 {
+                return (entered != 0).then(|| node.children[(entered.trailing_zeros() & 7) as usize]);
+            }
+            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
+            let keys = _mm256_mask_mov_epi32(none, entered, keys(enter));
+            let least = least(keys);
+            let order = far_to_near(r);
+            let keys = _mm256_permutexvar_epi32(order, keys);
+            let others = _mm256_cmpgt_epi32_mask(keys, _mm256_set1_epi32(least as i32));
+            let others = _mm256_mask_cmplt_epi32_mask(others, keys, none);
+            let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+            let children = _mm256_permutexvar_epi32(order, children);
+            let children = _mm256_maskz_compress_epi32(others, children);
+            let keys = _mm256_maskz_compress_epi32(others, keys);
+            stack.push_several(others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                _mm256_storeu_si256(k.cast(), keys);
+                _mm256_storeu_si256(c.cast(), children);
+            });
+            Some(node.children[(least & 7) as usize])
+        }
     }
 
     #[inline(always)]
@@ -148,7 +194,8 @@ unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
     // SAFETY: the caller's promise; the two rows of an axis, of eight numbers each, follow each other.
     unsafe {
         let crossed = |axis: usize| {
-            let planes = _mm512_castps_pd(_mm512_loadu_ps((&raw const node.planes).byte_add(64 * axis).cast()));
+            let planes =
+                _mm512_castps_pd(_mm512_loadu_ps((&raw const node.planes).byte_add(64 * axis).cast()));
             // Near planes first: the halves change places where the direction is negative.
             let planes = _mm512_mask_shuffle_f64x2::<0b01_00_11_10>(planes, r.neg[axis], planes, planes);
             let from = _mm512_sub_ps(_mm512_castpd_ps(planes), _mm512_set1_ps(r.ray.o[axis]));

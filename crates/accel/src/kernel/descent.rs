@@ -150,6 +150,26 @@ impl<const N: usize> Descent<N> {
         }
     }
 
+    /// Pushes the first `count` of eight items.
+    ///
+    /// # Safety
+    /// As with [`Descent::step`].
+    #[inline(always)]
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
+    pub unsafe fn push_several(&mut self, count: usize, store: impl FnOnce(*mut u32, *mut u32)) {
+        if self.is_full() {
+            return;
+        }
+        // SAFETY: `len` is at most `N` - 8, so that there is room for eight.
+        unsafe {
+            store(
+                self.keys.as_mut_ptr().add(self.len).cast(),
+                self.children.as_mut_ptr().add(self.len).cast(),
+            );
+        }
+        self.len += count;
+    }
+
     /// One step down: pushes the first `count` of eight items and takes what is on top. Without a branch: whether a node
     /// has anything to visit is hard to guess.
     ///

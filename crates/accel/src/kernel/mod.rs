@@ -159,6 +159,15 @@ pub(crate) trait Kernel: Copy {
         stack.pop()
     }
 
+    /// A child entered in the ray's interval, while the others are pushed, without keys; `None` when there is none.
+    #[inline(always)]
+    fn any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Option<Child> {
+        match self.entered(r, node) {
+            0 => None,
+            _ => Some(self.step_any(r, node, stack)),
+        }
+    }
+
     /// The rays that visit each class of child next.
     #[inline(always)]
     fn classes(self, next: &Next) -> [u32; 4] {
@@ -169,10 +178,22 @@ pub(crate) trait Kernel: Copy {
         by_class(bit(1), bit(0))
     }
 
-    /// Pushes the children that were found entered, the farthest first.
+    /// The nearest child entered no later than `limit`, while the others are pushed, the farthest first or nearly so; `None`
+    /// when there is none.
     #[inline(always)]
-    fn push_sorted<const N: usize>(self, node: &Node, found: &Children, stack: &mut Descent<N>) {
-        push_by_insertion(node, found, stack);
+    fn nearest<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
+        let found = self.node(r, node, limit);
+        if found.mask == 0 {
+            return None;
+        }
+        push_by_insertion(node, &found, stack);
+        Some(stack.pop())
     }
 
     /// The triangles that the ray's line may cross. No other is hit.
@@ -236,7 +257,7 @@ static FAR_TO_NEAR: [[u32; 8]; 8] = {
     out
 };
 
-/// [`Kernel::push_sorted`] of kernels without a sort of their own.
+/// Pushes the children that were found entered, the farthest first.
 #[inline(always)]
 fn push_by_insertion<const N: usize>(node: &Node, found: &Children, stack: &mut Descent<N>) {
     let mut mask = found.mask;
@@ -372,16 +393,28 @@ const MANY: usize = 8;
 
 /// `Kernel::closest_each` without the change of instruction set.
 #[inline(always)]
-fn closest_one_by_one<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+fn closest_one_by_one<K: Kernel, S: Shapes>(
+    kernel: K,
+    scene: &Scene,
+    shapes: &S,
+    rays: &[Ray],
+    hits: &mut [Hit],
+) {
     let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
     for (ray, hit) in rays.iter().zip(hits) {
-        *hit = q.closest(&scene.groups[0], ray);
+        q.closest(&scene.groups[0], ray, hit);
     }
 }
 
 /// `Kernel::occluded_each` without the change of instruction set.
 #[inline(always)]
-fn occluded_one_by_one<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
+fn occluded_one_by_one<K: Kernel, S: Shapes>(
+    kernel: K,
+    scene: &Scene,
+    shapes: &S,
+    rays: &[Ray],
+    blocked: &mut [bool],
+) {
     let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
     for (ray, blocked) in rays.iter().zip(blocked) {
         *blocked = q.occluded(&scene.groups[0], ray);

@@ -31,9 +31,38 @@ impl Random {
     }
 }
 
+/// What a kernel's steps leave on the stack, from the top: in the order of the octant; nearest first, with the others
+/// sorted since their order is the kernel's own; and any, likewise sorted.
+fn steps<K: Kernel>(kernel: K, ray: &LocalRay, node: &Node, limit: f32) -> [Vec<Child>; 3] {
+    fn rest<const N: usize>(mut stack: Descent<N>) -> Vec<Child> {
+        std::iter::from_fn(|| Some(stack.pop()).filter(|c| *c != Child::DONE)).collect()
+    }
+    let sorted = |mut v: Vec<Child>, from: usize| {
+        v[from..].sort_by_key(|c| c.index());
+        v
+    };
+    let mut stack = Descent::<24>::new();
+    let mut octant = vec![kernel.step(ray, node, limit, &mut stack)];
+    octant.extend(rest(stack));
+    let mut stack = Descent::<24>::new();
+    let mut nearest: Vec<Child> = kernel.nearest(ray, node, limit, &mut stack).into_iter().collect();
+    nearest.extend(rest(stack));
+    let mut stack = Descent::<24>::new();
+    let mut any: Vec<Child> = kernel.any(ray, node, &mut stack).into_iter().collect();
+    any.extend(rest(stack));
+    let mut stack = Descent::<24>::new();
+    let mut step_any = vec![kernel.step_any(ray, node, &mut stack)];
+    step_any.extend(rest(stack));
+    let step_any = sorted(step_any, 0);
+    let any = sorted(any, 0);
+    assert!(any == step_any || any.is_empty() && step_any == [Child::DONE]);
+    let from = nearest.len().min(1);
+    [octant, sorted(nearest, from), any]
+}
+
 fn same_as_scalar<K: Kernel>(kernel: K) {
     let mut r = Random(11);
-    let (mut entered, mut hit, mut zero) = (0, 0, 0);
+    let (mut entered, mut hit, mut zero, mut boxes) = (0, 0, 0, 0);
     for _ in 0..20_000 {
         let mut planes = [[0.0; 8]; 6];
         for axis in planes.chunks_mut(2) {
@@ -47,7 +76,8 @@ fn same_as_scalar<K: Kernel>(kernel: K) {
                 };
             }
         }
-        let node = Node::of_planes(planes);
+        let node =
+            Node { children: std::array::from_fn(|i| Child::node(i as u32)), ..Node::of_planes(planes) };
         let mut v = [[[0.0; 8]; 3]; 3];
         for x in v.iter_mut().flatten().flatten() {
             *x = r.number();
@@ -60,6 +90,7 @@ fn same_as_scalar<K: Kernel>(kernel: K) {
         let limit = [f32::MAX, 1.0, 3.0][r.bits() as usize % 3];
 
         let (want, got) = (scalar::Scalar.node(&ray, &node, limit), kernel.node(&ray, &node, limit));
+        let want_children = want.mask;
         assert_eq!(got.mask, want.mask);
         let (want_lanes, got_lanes) =
             (scalar::Scalar.block(&ray, &block, limit), kernel.block(&ray, &block, limit));
@@ -73,11 +104,25 @@ fn same_as_scalar<K: Kernel>(kernel: K) {
                 assert_eq!(bits(&got_lanes), bits(&want_lanes));
             }
         }
-        entered += want.mask.count_ones();
+        let mut prepared = LocalRay::IDLE;
+        assert!(kernel.prepare(&ray.ray, &mut prepared));
+        assert_eq!(prepared, ray);
+        for lane in 0..7 {
+            let (got, want) =
+                (kernel.own_box(&ray, &block, lane), scalar::Scalar.own_box(&ray, &block, lane));
+            assert_eq!(got, want);
+            boxes += u32::from(want.is_some());
+        }
+        let (got, want) = (steps(kernel, &ray, &node, limit), steps(scalar::Scalar, &ray, &node, limit));
+        assert_eq!(got, want);
+        entered += want_children.count_ones();
         hit += want_lanes.hit.count_ones();
         zero += want_lanes.doubtful.count_ones();
     }
-    assert!(entered > 2000 && hit > 500 && zero > 100, "{entered} {hit} {zero}: the test says little");
+    assert!(
+        entered > 2000 && hit > 500 && zero > 100 && boxes > 500,
+        "{entered} {hit} {zero} {boxes}: too few"
+    );
 }
 
 #[test]

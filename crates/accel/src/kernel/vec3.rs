@@ -54,7 +54,10 @@ pub(super) unsafe fn prepare_avx(ray: &Ray, out: &mut LocalRay) -> bool {
         ((*to).neg, (*to).octant) = (NEG[octant], octant as u8);
 
         // y > x, z > x, z > y
-        let later = _mm_cmpgt_ps(_mm_shuffle_ps::<0b10_10_10_01>(size, size), _mm_shuffle_ps::<0b01_01_00_00>(size, size));
+        let later = _mm_cmpgt_ps(
+            _mm_shuffle_ps::<0b10_10_10_01>(size, size),
+            _mm_shuffle_ps::<0b01_01_00_00>(size, size),
+        );
         let z = DOMINANT[(_mm_movemask_ps(later) & 7) as usize] as usize;
         let shear = &SHEARS[(octant >> z & 1) * 3 + z];
         let order = _mm_loadu_si128(shear.order.as_ptr().cast());
