@@ -1,6 +1,6 @@
 //! A ray in the space of one group, with what every test there needs.
 
-use crate::bvh::WIDTH;
+use crate::{bvh::WIDTH, slab::loosened};
 use straal_math::{Ray, Vec3};
 
 /// A valid ray in a group's space. Computed once a level; scalar code and vector kernels read the same numbers.
@@ -12,7 +12,7 @@ pub(crate) struct LocalRay {
     pub inv: Vec3,
     /// `t_min`, raised to [`LEAST_ENTRY`]: where the ray enters a node that it starts in.
     pub enter: f32,
-    /// `t_max`, raised likewise: nodes entered later hold no hit.
+    /// `t_max`, loosened: nodes entered later hold no hit.
     pub leave: f32,
     /// 1 where `inv` is negative, else 0: which of a box' two planes on each axis comes first.
     pub neg: [u8; 3],
@@ -69,7 +69,7 @@ impl LocalRay {
             ray: Ray { t_min, t_max, ..*r },
             inv: Vec3::from_array(inv),
             enter: if t_min > LEAST_ENTRY { t_min } else { LEAST_ENTRY },
-            leave: if t_max > LEAST_ENTRY { t_max } else { LEAST_ENTRY },
+            leave: loosened(t_max),
             neg,
             near: std::array::from_fn(|axis| (2 * axis as u32 + u32::from(neg[axis])) * ROW),
             axes: [x as u8, y as u8, z as u8],

@@ -3,13 +3,22 @@
 //! For each axis the crossing of a plane at b is (b - o) * (1 / d), two roundings, monotone in b. A box that
 //! contains another therefore never has a later entry or an earlier exit, in any rounding.
 
-use crate::local::LocalRay;
+use crate::local::{LEAST_ENTRY, LocalRay};
 use straal_math::{Bounds, Vec3, ops};
 
 /// The exit is pushed out by this factor (Ize 2013, "Robust BVH Ray Traversal", section 3, gives 1 + 2 gamma(3) =
 /// 1 + 3.6e-7 for the roundings of the crossing). The rest, up to 16 units in the last place, covers the roundings of the
 /// sheared vertices in `triangle.rs`, which move with their distance from the origin, as a crossing does.
 pub(crate) const EXIT: f32 = 1.0 + 16.0 * f32::EPSILON;
+
+/// The latest entry into a box that may hold a hit at `t`: boxes of parts of a triangle are computed apart from its own,
+/// and rounding may put their entry behind a hit by as much as [`EXIT`] allows for exits. `t` is not negative.
+#[inline(always)]
+pub(crate) fn loosened(t: f32) -> f32 {
+    let loose = t * EXIT;
+    let loose = if loose > f32::MAX { f32::MAX } else { loose };
+    if loose > LEAST_ENTRY { loose } else { LEAST_ENTRY }
+}
 
 /// Where a primitive is large beside its distance, the roundings of its vertices move with its size instead: boxes grow
 /// by this part of their longest edge on each side.

@@ -51,7 +51,7 @@ impl Plan {
 
 const MESHES: [&str; 3] = ["bunny", "sphere", "room"];
 const SETS: [&str; 7] = ["primary", "bounce", "shuffled", "second", "shadow", "segments", "misses"];
-const PARTS: [&str; 3] = ["search", "build", "scale"];
+const PARTS: [&str; 6] = ["search", "build", "trees", "classics", "counting", "scale"];
 
 fn main() {
     let plan = Plan::new();
@@ -82,6 +82,9 @@ fn main() {
         }
         if plan.wants(&PARTS, "build") {
             build(&plan, &mesh, embree.as_ref());
+        }
+        if plan.wants(&PARTS, "trees") {
+            trees(&plan, &mesh);
         }
     }
     if plan.wants(&PARTS, "scale") {
@@ -133,16 +136,8 @@ fn search(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
             let ratio = median(times[0].iter().zip(t).map(|(a, b)| a / b).collect());
             print!("  {name} {rate:6.2} ({ratio:.2} x)");
         }
-        let costs = rays.iter().step_by(16).map(|r| match set.any {
-            true => one.occluded_counted(&(), r).1,
-            false => one.closest_counted(&(), r).1,
-        });
-        let (mut nodes, mut blocks, mut n) = (0, 0, 0);
-        for c in costs {
-            (nodes, blocks, n) = (nodes + c.nodes, blocks + c.blocks, n + 1);
-        }
-        let each = |x: u32| f64::from(x) / f64::from(n);
-        print!("  {:.1} nodes, {:.1} blocks a ray", each(nodes), each(blocks));
+        let [nodes, blocks] = steps(&one, set);
+        print!("  {nodes:.1} nodes, {blocks:.1} blocks a ray");
         if peer.is_some() {
             let differ = match set.any {
                 true => blocked.iter().zip(&peer_blocked).filter(|(a, b)| a != b).count(),
@@ -217,6 +212,61 @@ fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
     for (name, seconds, bytes) in rows {
         println!("  build {name:14} {:.3} CPU s, {bytes:.1} bytes a triangle", median(seconds));
     }
+}
+
+/// What each build's tree costs a ray, and how fast it is beside the default.
+fn trees(plan: &Plan, mesh: &Mesh) {
+    let scenes: Vec<(&str, Scene)> =
+        [("default", Build::Default), ("fast", Build::Fast), ("best", Build::Best)]
+            .into_iter()
+            .map(|(name, build)| {
+                let structure = Structure::Bvh(BvhParams { build, compact: false });
+                let options = Options { structure, isa: plan.isa, ..Options::default() };
+                (name, Scene::build(input(mesh), &(), &options).expect("a sound mesh"))
+            })
+            .collect();
+    for (name, scene) in &scenes {
+        let s = scene.stats()[0].expect("the world");
+        let n = mesh.indices.len() as f64;
+        println!(
+            "  tree {name:9} cost {:.1}, {:.3} references and {:.1} bytes a triangle, {} deep",
+            s.sah_cost,
+            s.references as f64 / n,
+            scene.memory_bytes() as f64 / n,
+            s.depth
+        );
+    }
+    for set in rays::sets(&scenes[0].1, mesh).iter().filter(|s| plan.wants(&SETS, s.name)) {
+        let rays = set.rays.as_slice();
+        let mut contestants: Vec<Contestant<'_>> = Vec::new();
+        for (name, scene) in &scenes {
+            let (mut hits, mut blocked) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+            let run = move || trace(scene, set.any, rays, 1024, &mut hits, &mut blocked);
+            contestants.push((name, Box::new(run)));
+        }
+        let times = duel(plan.rounds, &mut contestants);
+        print!("  {:9}", set.name);
+        for ((name, scene), t) in scenes.iter().zip(&times) {
+            let rate = rays.len() as f64 / median(t.clone()) * 1e-6;
+            let ratio = median(times[0].iter().zip(t).map(|(a, b)| a / b).collect());
+            let [nodes, blocks] = steps(scene, set);
+            print!("  {name} {rate:.2} ({ratio:.2} x; {nodes:.1} nodes, {blocks:.1} blocks)");
+        }
+        println!();
+    }
+}
+
+/// Nodes and blocks a ray: of every 16th ray.
+fn steps(scene: &Scene, set: &rays::Set) -> [f64; 2] {
+    let (mut nodes, mut blocks, mut n) = (0, 0, 0);
+    for ray in set.rays.iter().step_by(16) {
+        let (_, c) = match set.any {
+            true => (Hit::MISS, scene.occluded_counted(&(), ray).1),
+            false => scene.closest_counted(&(), ray),
+        };
+        (nodes, blocks, n) = (nodes + u64::from(c.nodes), blocks + u64::from(c.blocks), n + 1);
+    }
+    [nodes, blocks].map(|x| x as f64 / f64::from(n))
 }
 
 /// Bounces on spheres of 20 thousand to 5 million triangles.

@@ -5,8 +5,11 @@
 mod build;
 mod many;
 mod near;
+mod object_split;
 mod packet;
 pub mod params;
+mod span;
+mod spatial_split;
 mod stats;
 mod traverse;
 mod validate;

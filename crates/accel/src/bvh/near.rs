@@ -1,6 +1,6 @@
 //! The nearest hit of a search under way, as little of it as triangles need.
 
-use crate::{hit::Hit, local::LEAST_ENTRY, slab::EXIT, structure::Place};
+use crate::{hit::Hit, slab::loosened, structure::Place};
 
 /// The nearest triangle so far, which may come before a hit that was found elsewhere.
 ///
@@ -18,15 +18,6 @@ pub(super) struct Near {
 }
 
 const NONE: u32 = u32::MAX;
-
-/// The latest entry into a box that may hold a hit at `t`: boxes of parts of a triangle are computed apart from its own,
-/// and rounding may put their entry behind a hit by as much as [`EXIT`] allows for exits. `t` is not negative.
-#[inline(always)]
-fn loosened(t: f32) -> f32 {
-    let loose = t * EXIT;
-    let loose = if loose > f32::MAX { f32::MAX } else { loose };
-    if loose > LEAST_ENTRY { loose } else { LEAST_ENTRY }
-}
 
 impl Near {
     #[inline(always)]
