@@ -1,31 +1,32 @@
 //! A ray in the space of one group, with what every test there needs.
 
-use crate::{bvh::WIDTH, slab::loosened};
+use crate::{bvh::WIDTH, slab};
 use straal_math::{Ray, Vec3};
 
 /// A valid ray in a group's space. Computed once a level; scalar code and vector kernels read the same numbers.
-#[derive(Clone, Copy, Debug)]
+///
+/// What tests of boxes read is in the first cache line, what tests of triangles read is in the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(16))]
 pub(crate) struct LocalRay {
     /// The ray with its interval cut to finite numbers from 0 on: a hit never lies at infinity or behind the origin.
     pub ray: Ray,
+    /// `t_max`, loosened as [`slab::loosened`] does: nodes entered later hold no hit.
+    pub leave: f32,
+    /// 255 where `inv` is negative, else 0: which of a box' two planes on each axis comes first.
+    pub neg: [u8; 3],
+    /// The same in the lowest three bits.
+    pub octant: u8,
     /// 1 / d, kept finite so that 0 times it is never NaN.
     pub inv: Vec3,
     /// `t_min`, raised to [`LEAST_ENTRY`]: where the ray enters a node that it starts in.
     pub enter: f32,
-    /// `t_max`, loosened: nodes entered later hold no hit.
-    pub leave: f32,
-    /// 1 where `inv` is negative, else 0: which of a box' two planes on each axis comes first.
-    pub neg: [u8; 3],
-    /// Where the near planes of each axis stand in a node, in bytes: what vector kernels read instead of `neg`.
-    near: [u32; 3],
-    /// The axes x, y, z of the sheared space of `triangle.rs`.
-    pub axes: [u8; 3],
-    /// Where the coordinates of `axes` stand in a vertex of a block, in bytes.
-    rows: [u32; 3],
-    /// The origin along `axes`.
+    /// The origin along the axes x, y, z of the sheared space of `triangle.rs`.
     pub origin: [f32; 3],
     /// Shear and scale: d[x] / d[z], d[y] / d[z], 1 / d[z].
     pub shear: [f32; 3],
+    /// Where the coordinates along these axes stand in a vertex of a block, in bytes; the last is 0.
+    pub rows: [u8; 4],
 }
 
 /// No node is entered earlier than this, the ninth smallest float above 0, so that the bits of an entry, with the lowest
@@ -33,9 +34,22 @@ pub(crate) struct LocalRay {
 pub(crate) const LEAST_ENTRY: f32 = f32::from_bits(8);
 
 /// A direction's coordinate below this counts as this when box planes are crossed: the reciprocal stays finite.
-const LEAST: f32 = 1e-37;
+pub(crate) const LEAST: f32 = 1e-37;
 
 impl LocalRay {
+    /// Some ray, to be overwritten.
+    pub const IDLE: Self = Self {
+        ray: Ray::new(Vec3::ZERO, Vec3::X),
+        leave: 0.0,
+        neg: [0; 3],
+        octant: 0,
+        inv: Vec3::ONE,
+        enter: 0.0,
+        origin: [0.0; 3],
+        shear: [0.0; 3],
+        rows: [0; 4],
+    };
+
     /// `None` when the ray misses everything because it isn't valid.
     #[inline(always)]
     pub fn new(r: &Ray) -> Option<Self> {
@@ -64,45 +78,42 @@ impl LocalRay {
         let back = usize::from(d[z] < 0.0);
         let (x, y) = (NEXT[z + back], NEXT[z + 1 - back]);
         let scale = if d[z].abs() > LEAST { inv[z] } else { 1.0 / d[z] };
-        let neg = inv.map(|i| u8::from(i < 0.0));
+        let octant = (0..3).fold(0, |bits, axis| bits | usize::from(inv[axis] < 0.0) << axis);
         let local = Self {
             ray: Ray { t_min, t_max, ..*r },
+            leave: slab::loosened(t_max),
+            neg: NEG[octant],
+            octant: octant as u8,
             inv: Vec3::from_array(inv),
             enter: if t_min > LEAST_ENTRY { t_min } else { LEAST_ENTRY },
-            leave: loosened(t_max),
-            neg,
-            near: std::array::from_fn(|axis| (2 * axis as u32 + u32::from(neg[axis])) * ROW),
-            axes: [x as u8, y as u8, z as u8],
-            rows: [x as u32 * ROW, y as u32 * ROW, z as u32 * ROW],
             origin: [o[x], o[y], o[z]],
             shear: [d[x] * scale, d[y] * scale, scale],
+            rows: [x as u8 * ROW, y as u8 * ROW, z as u8 * ROW, 0],
         };
         (local, is_valid)
     }
-}
 
-/// Bytes of one number for each slot of a node, or each triangle of a block.
-const ROW: u32 = (WIDTH * size_of::<f32>()) as u32;
-
-impl LocalRay {
-    /// Where the near planes of an axis stand in a node, in bytes: one of its six rows.
+    /// The axes x, y, z of the sheared space of `triangle.rs`.
     #[inline(always)]
-    pub fn near_row(&self, axis: usize) -> usize {
-        self.near[axis] as usize
-    }
-
-    /// The same of the far planes: the rows of an axis are a pair.
-    #[inline(always)]
-    pub fn far_row(&self, axis: usize) -> usize {
-        (self.near[axis] ^ ROW) as usize
-    }
-
-    /// Where the coordinates along one of `axes` stand in a vertex of a block, in bytes: one of its three rows.
-    #[inline(always)]
-    pub fn vertex_row(&self, axis: usize) -> usize {
-        self.rows[axis] as usize
+    pub fn axes(&self) -> [usize; 3] {
+        let [x, y, z, _] = self.rows.map(|row| usize::from(row / ROW));
+        [x, y, z]
     }
 }
+
+/// [`LocalRay::neg`] by octant.
+pub(crate) static NEG: [[u8; 3]; 8] = {
+    let mut out = [[0; 3]; 8];
+    let mut i = 0;
+    while i < 24 {
+        out[i / 3][i % 3] = if (i / 3) >> (i % 3) & 1 == 1 { 255 } else { 0 };
+        i += 1;
+    }
+    out
+};
+
+/// Bytes of one coordinate of each triangle of a block.
+pub(crate) const ROW: u8 = (WIDTH * size_of::<f32>()) as u8;
 
 /// The axis after, in a circle: after axis z come x = `NEXT[z]` and y = `NEXT[z + 1]`.
 const NEXT: [usize; 4] = [1, 2, 0, 1];

@@ -183,7 +183,7 @@ impl Octree {
         mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
     ) {
         let Some((enter, exit)) = partition::interval(&self.bounds, at.ray) else { return };
-        let negative = (0..3).fold(0, |bits, axis| bits | usize::from(at.ray.neg[axis]) << axis);
+        let negative = usize::from(at.ray.octant);
         let mut stack = Stack::<Todo, STACK>::new();
         stack.push(Todo { node: 0, enter, exit });
         // The least t beyond which nothing matters.

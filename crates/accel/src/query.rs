@@ -1,6 +1,7 @@
 //! The tests that every structure makes: one triangle, one object, one group.
 
 use crate::{
+    bvh::Block,
     hit::{Chain, Cost, Hit},
     input::Shapes,
     kernel::Kernel,
@@ -32,19 +33,21 @@ impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
     /// The first hit of a ray in the world.
     #[inline(always)]
     pub fn closest(&mut self, group: &GroupData, ray: &Ray) -> Hit {
-        let Some(local) = LocalRay::new(ray) else { return Hit::MISS };
+        let mut local = LocalRay::IDLE;
+        if !self.kernel.prepare(ray, &mut local) {
+            return Hit::MISS;
+        }
         let mut best = Hit::limit(local.ray.t_max);
-        let kernel = self.kernel;
-        kernel.closest_in(self, &Place { group, ray: &local, chain: &Chain::EMPTY }, &mut best);
+        self.closest_in(&Place { group, ray: &local, chain: &Chain::EMPTY }, &mut best);
         best.finished()
     }
 
     /// Whether a ray hits anything in the world.
     #[inline(always)]
     pub fn occluded(&mut self, group: &GroupData, ray: &Ray) -> bool {
-        let Some(local) = LocalRay::new(ray) else { return false };
-        let kernel = self.kernel;
-        kernel.occluded_in(self, &Place { group, ray: &local, chain: &Chain::EMPTY })
+        let mut local = LocalRay::IDLE;
+        self.kernel.prepare(ray, &mut local)
+            && self.occluded_in(&Place { group, ray: &local, chain: &Chain::EMPTY })
     }
 
     /// Searches a whole group.
@@ -154,12 +157,27 @@ impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
 
     /// Whether a triangle that the canonical routine found hit at `t` counts, and the t of its hit.
     #[inline(always)]
-    pub fn triangle_counts(&self, at: &Place<'_>, id: u32, v: &[Vec3; 3], t: f32) -> Option<f32> {
-        let mask = at.ray.ray.mask;
-        if mask & at.group.all_masks == 0 && mask & self.scene.geometry_mask(at.group.locate(id).0) == 0 {
+    fn triangle_counts(&self, at: &Place<'_>, id: u32, v: &[Vec3; 3], t: f32) -> Option<f32> {
+        if !self.sees(at, id) {
             return None;
         }
         slab::entry(&slab::triangle_bounds(v), at.ray).map(|entry| not_before(t, entry))
+    }
+
+    /// The same of a block's triangle.
+    #[inline(always)]
+    pub fn lane_counts(&self, at: &Place<'_>, block: &Block, lane: usize, t: f32) -> Option<f32> {
+        if !self.sees(at, block.id[lane]) {
+            return None;
+        }
+        self.kernel.own_box(at.ray, block, lane).map(|entry| not_before(t, entry))
+    }
+
+    /// Whether the ray's mask and that of a triangle's mesh share a bit.
+    #[inline(always)]
+    fn sees(&self, at: &Place<'_>, id: u32) -> bool {
+        let mask = at.ray.ray.mask;
+        mask & at.group.all_masks != 0 || mask & self.scene.geometry_mask(at.group.locate(id).0) != 0
     }
 
     /// The entry into an object's box if the ray can see the object and crosses the box.

@@ -10,7 +10,7 @@ use crate::{
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
     isa::Isa,
     kd::KdTree,
-    kernel,
+    kernel::{self, Chosen},
     octree::Octree,
     slab,
     structure::{Prim, PrimKind, Search, Searcher, Stats, Structure, each},
@@ -57,6 +57,7 @@ pub struct Scene {
     /// What stands in each group, by group.
     contents: Vec<Contents>,
     isa: Isa,
+    kernel: Chosen,
     many: bool,
     dropped: usize,
 }
@@ -157,6 +158,7 @@ impl Scene {
                 .map(|(g, &first_instance)| Contents { geometries: g.geometries.clone(), first_instance })
                 .collect(),
             isa: options.isa,
+            kernel: Chosen::new(options.isa),
             many: options.flight == Flight::Many,
             dropped: 0,
         };
@@ -216,6 +218,12 @@ impl Scene {
     /// The instruction set in use.
     pub fn isa(&self) -> Isa {
         self.isa
+    }
+
+    /// The kernel of that set.
+    #[inline(always)]
+    pub(crate) fn kernel(&self) -> Chosen {
+        self.kernel
     }
 
     /// Whether the rays of a slice are searched together.

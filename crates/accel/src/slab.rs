@@ -11,6 +11,13 @@ use straal_math::{Bounds, Vec3, ops};
 /// sheared vertices in `triangle.rs`, which move with their distance from the origin, as a crossing does.
 pub(crate) const EXIT: f32 = 1.0 + 16.0 * f32::EPSILON;
 
+/// Where a primitive is large beside its distance, the roundings of its vertices move with its size instead: boxes grow
+/// by this part of their longest edge on each side.
+pub(crate) const PAD_EXTENT: f32 = 8.0 * f32::EPSILON;
+
+/// They also grow by this part of each coordinate, so that the sum is rounded outwards.
+pub(crate) const PAD_COORDINATE: f32 = f32::EPSILON;
+
 /// The latest entry into a box that may hold a hit at `t`: boxes of parts of a triangle are computed apart from its own,
 /// and rounding may put their entry behind a hit by as much as [`EXIT`] allows for exits. `t` is not negative.
 #[inline(always)]
@@ -19,13 +26,6 @@ pub(crate) fn loosened(t: f32) -> f32 {
     let loose = if loose > f32::MAX { f32::MAX } else { loose };
     if loose > LEAST_ENTRY { loose } else { LEAST_ENTRY }
 }
-
-/// Where a primitive is large beside its distance, the roundings of its vertices move with its size instead: boxes grow
-/// by this part of their longest edge on each side.
-const PAD_EXTENT: f32 = 8.0 * f32::EPSILON;
-
-/// They also grow by this part of each coordinate, so that the sum is rounded outwards.
-const PAD_COORDINATE: f32 = f32::EPSILON;
 
 /// A primitive's own box, padded so that every hit the primitive's routine finds lies inside.
 #[inline(always)]

@@ -32,7 +32,7 @@ pub(crate) struct Edges {
 
 #[inline(always)]
 pub(crate) fn edges(v: &[Vec3; 3], r: &LocalRay) -> Edges {
-    let [kx, ky, kz] = r.axes.map(usize::from);
+    let [kx, ky, kz] = r.axes();
     let mut z = [0.0; 3];
     let mut xy = [[0.0; 2]; 3];
     for i in 0..3 {

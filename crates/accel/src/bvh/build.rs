@@ -3,11 +3,13 @@
 //! Ranges of primitives are split in two (`object_split.rs`; in the best build also `spatial_split.rs`). A node opens
 //! the child with the largest box until it has eight or only leaves are left. Large ranges are split first; the small
 //! ones that remain are independent tasks, whose results are joined in their order. A fast build looks for the cut along
-//! the longest axis alone; the best one cuts triangles where that pays. All limits depend on the input alone, so that any number of threads builds the same tree.
+//! the longest axis alone; the best one cuts triangles where that pays. All limits depend on the input alone, so that any
+//! number of threads builds the same tree.
 
 use super::{
     Block, Bvh, Child, Node, WIDTH, object_split,
     params::{Build, BvhParams},
+    slots,
     span::{Ref, Span},
     spatial_split,
 };
@@ -130,8 +132,8 @@ struct Upper<'a> {
 /// Splits ranges longer than a task and leaves the others to be done.
 fn upper(refs: &mut [Ref], span: &Span, task_size: usize, plan: &Plan<'_>, out: &mut Upper<'_>) -> Child {
     let (spans, count) = open(refs, span, plan);
-    let node = push_node(&spans[..count], out.part);
-    for (slot, s) in spans[..count].iter().enumerate() {
+    let (node, slots) = push_node(span, &spans[..count], out.part);
+    for (s, slot) in spans[..count].iter().zip(slots) {
         if s.len() > task_size {
             let child = upper(refs, s, task_size, plan, out);
             out.part.nodes[node].children[slot] = child;
@@ -148,23 +150,30 @@ fn subtree(refs: &mut [Ref], span: &Span, plan: &Plan<'_>, out: &mut Part) -> Ch
         return leaf(&refs[span.start..span.end], plan, out);
     }
     let (spans, count) = open(refs, span, plan);
-    let node = push_node(&spans[..count], out);
-    for (slot, s) in spans[..count].iter().enumerate() {
+    let (node, slots) = push_node(span, &spans[..count], out);
+    for (s, slot) in spans[..count].iter().zip(slots) {
         out.nodes[node].children[slot] = subtree(refs, s, plan, out);
     }
     Child::node(node as u32)
 }
 
-fn push_node(spans: &[Span], out: &mut Part) -> usize {
+/// A node with the boxes of a range's parts; its number, and the slot of each part.
+fn push_node(whole: &Span, spans: &[Span], out: &mut Part) -> (usize, [usize; WIDTH]) {
+    let mut offsets = [[0.0; 3]; WIDTH];
+    for (offset, s) in offsets.iter_mut().zip(spans) {
+        let twice_center = |s: &Span, axis: usize| s.bounds.lo[axis] + s.bounds.hi[axis];
+        *offset = std::array::from_fn(|axis| twice_center(s, axis) - twice_center(whole, axis));
+    }
+    let slots = slots::assign(&offsets[..spans.len()]);
     let mut node = Node::EMPTY;
-    for (lane, s) in spans.iter().enumerate() {
+    for (s, slot) in spans.iter().zip(slots) {
         for axis in 0..3 {
-            node.planes[2 * axis][lane] = s.bounds.lo[axis];
-            node.planes[2 * axis + 1][lane] = s.bounds.hi[axis];
+            node.planes[2 * axis][slot] = s.bounds.lo[axis];
+            node.planes[2 * axis + 1][slot] = s.bounds.hi[axis];
         }
     }
     out.nodes.push(node);
-    out.nodes.len() - 1
+    (out.nodes.len() - 1, slots)
 }
 
 fn leaf(refs: &[Ref], plan: &Plan<'_>, out: &mut Part) -> Child {

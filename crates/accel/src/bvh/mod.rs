@@ -3,11 +3,12 @@
 //! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
 mod build;
-mod many;
+pub(crate) mod many;
 mod near;
 mod object_split;
 mod packet;
 pub mod params;
+mod slots;
 mod span;
 mod spatial_split;
 mod stats;
@@ -92,7 +93,7 @@ impl Child {
     /// The end of a search.
     pub const DONE: Self = Self(Self::OBJECT);
 
-    const fn node(i: u32) -> Self {
+    pub const fn node(i: u32) -> Self {
         Self(i)
     }
 
@@ -104,14 +105,8 @@ impl Child {
         Self(i | Self::LEAF | Self::OBJECT)
     }
 
-    /// This if `other_wins` is 0, the other if it is 1: computed, so that nothing is guessed.
-    #[inline(always)]
-    pub const fn or_else(self, other: Self, other_wins: usize) -> Self {
-        let mask = 0_u32.wrapping_sub(other_wins as u32);
-        Self(self.0 ^ (self.0 ^ other.0) & mask)
-    }
-
     /// Whether it is a leaf of any kind: 0 or 1.
+    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub const fn leaf(self) -> usize {
         (self.0 >> 31) as usize

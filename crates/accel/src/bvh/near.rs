@@ -11,18 +11,40 @@ pub(super) struct Near {
     pub t: f32,
     u: f32,
     v: f32,
-    /// The triangle's number in the group; `NONE` while the hit is elsewhere's.
+    /// The triangle's number in the group, or one of the two below.
     id: u32,
-    /// What is entered beyond this is left out: `t`, and as much as an entry may be late (see [`loosened`]).
+    /// What is entered beyond this is left out: `t`, [`loosened`].
     pub limit: f32,
 }
 
+/// Nothing was found.
 const NONE: u32 = u32::MAX;
 
+/// The nearest hit isn't a triangle of this tree.
+const ELSEWHERE: u32 = u32::MAX - 1;
+
 impl Near {
+    /// Nothing found up to `t`.
+    #[inline(always)]
+    pub fn nothing(t: f32) -> Self {
+        Self { t, u: 0.0, v: 0.0, id: NONE, limit: loosened(t) }
+    }
+
+    /// What was found elsewhere, if it is a hit.
     #[inline(always)]
     pub fn new(best: &Hit) -> Self {
-        Self { t: best.t, u: 0.0, v: 0.0, id: NONE, limit: loosened(best.t) }
+        Self { id: if best.is_hit() { ELSEWHERE } else { NONE }, ..Self::nothing(best.t) }
+    }
+
+    /// For searches that want any hit: there is one.
+    #[inline(always)]
+    pub fn set_found(&mut self) {
+        self.id = ELSEWHERE;
+    }
+
+    #[inline(always)]
+    pub fn is_found(&self) -> bool {
+        self.id != NONE
     }
 
     /// Keys of entries up to this are visited.
@@ -40,7 +62,8 @@ impl Near {
         }
         if t == self.t {
             let earlier = match self.id {
-                NONE => elsewhere.comes_after(at.chain, at.group.locate(id)),
+                NONE => true,
+                ELSEWHERE => elsewhere.comes_after(at.chain, at.group.locate(id)),
                 other => id < other,
             };
             if !earlier {
@@ -54,19 +77,26 @@ impl Near {
     /// The hit of a search in the world that is over.
     #[inline(always)]
     pub fn hit(&self, at: &Place<'_>, elsewhere: &Hit) -> Hit {
-        if self.id == NONE {
-            return elsewhere.finished();
+        match self.id {
+            NONE => Hit::MISS,
+            ELSEWHERE => elsewhere.finished(),
+            id => {
+                let (geometry, primitive) = at.group.locate(id);
+                Hit { t: self.t, u: self.u, v: self.v, geometry, primitive, chain: *at.chain }
+            }
         }
-        let (geometry, primitive) = at.group.locate(self.id);
-        Hit { t: self.t, u: self.u, v: self.v, geometry, primitive, chain: *at.chain }
     }
 
-    /// Writes a triangle's hit where hits from elsewhere are kept.
+    /// Writes what is known where hits from elsewhere are kept.
     #[inline(always)]
     pub fn settle(&mut self, at: &Place<'_>, elsewhere: &mut Hit) {
-        if self.id != NONE {
-            *elsewhere = self.hit(at, elsewhere);
-            self.id = NONE;
+        match self.id {
+            NONE => *elsewhere = Hit::limit(self.t),
+            ELSEWHERE => {}
+            _ => {
+                *elsewhere = self.hit(at, elsewhere);
+                self.id = ELSEWHERE;
+            }
         }
     }
 }

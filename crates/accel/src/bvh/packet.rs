@@ -213,10 +213,9 @@ impl Bvh {
         root: Child,
         done: &mut impl FnMut(usize, Hit),
     ) -> bool {
-        let (idle, _) = LocalRay::prepare(&rays[0]);
         let mut p = Packet {
-            rays: [idle; PACKET],
-            near: [Near::new(&Hit::limit(0.0)); PACKET],
+            rays: [LocalRay::IDLE; PACKET],
+            near: [Near::nothing(0.0); PACKET],
             best: [Hit::MISS; PACKET],
             o: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
             inv: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
@@ -224,12 +223,11 @@ impl Bvh {
             limit: [[-1.0; WIDTH]; PACKET / WIDTH],
         };
         for (i, ray) in rays.iter().enumerate().take(PACKET) {
-            let (local, is_valid) = LocalRay::prepare(ray);
-            if !is_valid {
+            if !q.kernel.prepare(ray, &mut p.rays[i]) {
                 return false;
             }
-            p.best[i] = Hit::limit(local.ray.t_max);
-            p.near[i] = Near::new(&p.best[i]);
+            let local = &p.rays[i];
+            p.near[i] = Near::nothing(local.ray.t_max);
             let (g, lane) = (i / WIDTH, i % WIDTH);
             for axis in 0..3 {
                 p.o[axis][g][lane] = local.ray.o[axis];
@@ -237,7 +235,6 @@ impl Bvh {
             }
             p.enter[g][lane] = local.enter;
             p.limit[g][lane] = p.near[i].limit;
-            p.rays[i] = local;
         }
         let bounds = |all: &[Lanes]| {
             let low = all.iter().fold([f32::INFINITY; WIDTH], |a, b| lanes(|i| less(a[i], b[i])));
@@ -247,7 +244,7 @@ impl Bvh {
         let bundle = Bundle {
             axes: std::array::from_fn(|axis| {
                 let ([low, high], inv) = (bounds(&p.o[axis]), bounds(&p.inv[axis]));
-                let near = usize::from(idle.neg[axis]);
+                let near = usize::from(p.rays[0].neg[axis] & 1);
                 let (near_o, far_o) = if near == 0 { (high, low) } else { (low, high) };
                 AxisBounds { near_o, far_o, inv, near }
             }),
@@ -345,7 +342,7 @@ impl Bvh {
                 if !Self::block_occluded(q, &at, block) {
                     return;
                 }
-                best.geometry = 0;
+                near.set_found();
             }
             (ChildKind::Object(o), false) => {
                 near.settle(&at, best);
@@ -356,7 +353,7 @@ impl Bvh {
                 if !q.object_occluded(&at, o) {
                     return;
                 }
-                best.geometry = 0;
+                near.set_found();
             }
             _ => return,
         }

@@ -4,7 +4,10 @@ use super::{Block, Bvh, ChildKind, Node, WIDTH, near::Near, packet::PACKET};
 use crate::{
     hit::Hit,
     input::Shapes,
-    kernel::{Kernel, descent::Descent},
+    kernel::{
+        Kernel,
+        descent::{ALL, Descent},
+    },
     local::LocalRay,
     query::Query,
     scene::GroupData,
@@ -58,7 +61,7 @@ impl Bvh {
         best: &Hit,
     ) -> bool {
         let id = block.id[lane];
-        match q.triangle_counts(at, id, &block.vertices(lane), tuv[0]) {
+        match q.lane_counts(at, block, lane, tuv[0]) {
             Some(t) => near.offer(at, id, [t, tuv[1], tuv[2]], best),
             None => false,
         }
@@ -77,10 +80,9 @@ impl Bvh {
         let mut mask = lanes.hit | lanes.doubtful;
         while mask != 0 {
             let lane = take(&mut mask);
-            let v = block.vertices(lane);
-            let found =
-                lanes.hit >> lane & 1 == 1 || triangle::intersect(&v, at.ray, at.ray.ray.t_max).is_some();
-            if found && q.triangle_counts(at, block.id[lane], &v, 0.0).is_some() {
+            let found = lanes.hit >> lane & 1 == 1
+                || triangle::intersect(&block.vertices(lane), at.ray, at.ray.ray.t_max).is_some();
+            if found && q.lane_counts(at, block, lane, 0.0).is_some() {
                 return true;
             }
         }
@@ -138,7 +140,7 @@ impl Bvh {
         ray: &LocalRay,
         node: &Node,
         limit: f32,
-        stack: &mut Descent,
+        stack: &mut Descent<ALL>,
     ) -> Option<super::Child> {
         let found = kernel.node(ray, node, limit);
         let mut mask = found.mask;
@@ -183,7 +185,7 @@ impl Search for Bvh {
         let Some(mut child) = self.root else { return };
         let mut near = Near::new(best);
         let mut room = None;
-        let mut stack = Descent::new();
+        let mut stack = Descent::<ALL>::new();
         loop {
             match child.kind() {
                 ChildKind::Node(i) => {
@@ -209,7 +211,9 @@ impl Search for Bvh {
             }
             child = stack.pop_within(near.key());
         }
-        near.settle(at, best);
+        if near.is_found() {
+            near.settle(at, best);
+        }
     }
 
     #[inline(always)]
@@ -220,7 +224,7 @@ impl Search for Bvh {
     ) -> bool {
         let Some(mut child) = self.root else { return false };
         let mut room = None;
-        let mut stack = Descent::new();
+        let mut stack = Descent::<ALL>::new();
         loop {
             let found = match child.kind() {
                 ChildKind::Node(i) => {

@@ -4,14 +4,18 @@
 //!
 //! Safety: an [`Avx2`] is made only where the processor has AVX2, BMI1 and BMI2, which all functions here need.
 
-use super::{Children, Kernel, Lanes, NOT_ENTERED, descent::Descent, entry::entry_points};
+use super::{
+    vec3::{own_box_avx, prepare_avx},
+    by_class, Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, descent::Descent, entry::entry_points,
+};
 use crate::{
-    bvh::{Block, Child, Node},
+    bvh::{Block, Child, Node, many::Next},
     local::LocalRay,
     slab::EXIT,
     triangle::FLAT,
 };
 use std::arch::x86_64::*;
+use straal_math::Ray;
 
 /// The proof that the processor has AVX2.
 #[derive(Clone, Copy)]
@@ -49,22 +53,60 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child {
-        // SAFETY: see the head of the file. Eight numbers are read from an array of eight.
+    fn prepare(self, ray: &Ray, out: &mut LocalRay) -> bool {
+        // SAFETY: see the head of the file.
+        unsafe { prepare_avx(ray, out) }
+    }
+
+    #[inline(always)]
+    fn step<const N: usize>(self, r: &LocalRay, node: &Node, limit: f32, stack: &mut Descent<N>) -> Child {
+        // SAFETY: see the head of the file. Eight numbers are read from arrays of eight, and eight of each stored, of which
+        // the first are those of the mask by the table.
         unsafe {
-            let keys = _mm256_loadu_si256((&raw const found.keys).cast());
-            descend_to(node, least(keys) & 7, found.mask, keys, stack)
+            let (enter, exit) = interval(r, node, limit);
+            let order = far_to_near(r);
+            let (enter, exit) = (_mm256_permutevar8x32_ps(enter, order), _mm256_permutevar8x32_ps(exit, order));
+            let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+            let children = _mm256_permutevar8x32_epi32(children, order);
+            let mask = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32;
+            let packed = set_first(mask);
+            let children = _mm256_permutevar8x32_epi32(children, packed);
+            let keys = _mm256_permutevar8x32_epi32(_mm256_castps_si256(enter), packed);
+            stack.step(mask.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                _mm256_storeu_si256(k.cast(), keys);
+                _mm256_storeu_si256(c.cast(), children);
+            })
         }
     }
 
     #[inline(always)]
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child {
-        // SAFETY: see the head of the file.
-        unsafe { descend_to(node, mask.trailing_zeros() & 7, mask, _mm256_setzero_si256(), stack) }
+    fn step_any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Child {
+        // SAFETY: as above.
+        unsafe {
+            let mask = self.entered(r, node);
+            let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+            let children = _mm256_permutevar8x32_epi32(children, set_first(mask));
+            stack.step(mask.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                _mm256_storeu_si256(k.cast(), _mm256_setzero_si256());
+                _mm256_storeu_si256(c.cast(), children);
+            })
+        }
     }
 
     #[inline(always)]
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent) {
+    fn own_box(self, r: &LocalRay, block: &Block, lane: usize) -> Option<f32> {
+        // SAFETY: see the head of the file.
+        unsafe { own_box_avx(r, block, lane) }
+    }
+
+    #[inline(always)]
+    fn classes(self, next: &Next) -> [u32; 4] {
+        // SAFETY: see the head of the file.
+        unsafe { classes_avx2(next) }
+    }
+
+    #[inline(always)]
+    fn push_sorted<const N: usize>(self, node: &Node, found: &Children, stack: &mut Descent<N>) {
         // SAFETY: see the head of the file.
         unsafe { push_sorted(node, found, stack) }
     }
@@ -97,11 +139,12 @@ impl Kernel for Avx2 {
 pub(super) unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
     // SAFETY: the caller's promise.
     unsafe {
-        let enter = _mm256_max_ps(plane(r, node, 0, r.near_row(0)), plane(r, node, 1, r.near_row(1)));
-        let enter = _mm256_max_ps(enter, plane(r, node, 2, r.near_row(2)));
+        // Planes of an axis stand side by side, the near one second where the direction is negative.
+        let near = |axis: usize| plane(r, node, axis, 64 * axis + usize::from(r.neg[axis] & 32));
+        let far = |axis: usize| plane(r, node, axis, 64 * axis + usize::from(!r.neg[axis] & 32));
+        let enter = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), near(2));
         let enter = _mm256_max_ps(enter, _mm256_set1_ps(r.enter));
-        let exit = _mm256_min_ps(plane(r, node, 0, r.far_row(0)), plane(r, node, 1, r.far_row(1)));
-        let exit = _mm256_min_ps(exit, plane(r, node, 2, r.far_row(2)));
+        let exit = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), far(2));
         let exit = _mm256_min_ps(_mm256_mul_ps(exit, _mm256_set1_ps(EXIT)), _mm256_set1_ps(limit));
         (enter, exit)
     }
@@ -147,42 +190,23 @@ pub(super) unsafe fn sorted(k: __m256i) -> __m256i {
     }
 }
 
-/// The least of eight keys.
+/// [`Kernel::classes`], also for AVX-512.
 ///
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-pub(super) unsafe fn least(keys: __m256i) -> u32 {
-    // SAFETY: the caller's promise.
-    unsafe {
-        let k = _mm_min_epi32(_mm256_castsi256_si128(keys), _mm256_extracti128_si256::<1>(keys));
-        let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b01_00_11_10>(k));
-        let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b10_11_00_01>(k));
-        _mm_cvtsi128_si32(k) as u32
+pub(super) unsafe fn classes_avx2(next: &Next) -> [u32; 4] {
+    let (mut high, mut low) = (0, 0);
+    for (i, eight) in next.0.chunks_exact(8).enumerate() {
+        // SAFETY: the caller's promise; eight numbers are read from eight.
+        unsafe {
+            let children = _mm256_loadu_si256(eight.as_ptr().cast());
+            let second = _mm256_slli_epi32::<1>(children);
+            high |= (_mm256_movemask_ps(_mm256_castsi256_ps(children)) as u32) << (8 * i);
+            low |= (_mm256_movemask_ps(_mm256_castsi256_ps(second)) as u32) << (8 * i);
+        }
     }
-}
-
-/// Steps down to the child in slot `first`, if `entered` has it, and pushes the others that it has.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-unsafe fn descend_to(node: &Node, first: u32, entered: u32, keys: __m256i, stack: &mut Descent) -> Child {
-    let others = entered & !(1 << first);
-    let any = (entered as usize + 255) >> 8;
-    let chosen = node.children[(first & 7) as usize];
-    // SAFETY: the caller's promise; eight numbers are read from arrays of eight, and eight of each stored, of which the
-    // first are the others by the table.
-    unsafe {
-        let order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_FIRST[(others & 255) as usize].as_ptr().cast()));
-        let children = _mm256_loadu_si256(node.children.as_ptr().cast());
-        let children = _mm256_permutevar8x32_epi32(children, order);
-        let keys = _mm256_permutevar8x32_epi32(keys, order);
-        stack.descend(any, chosen, others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
-            _mm256_storeu_si256(k.cast(), keys);
-            _mm256_storeu_si256(c.cast(), children);
-        })
-    }
+    by_class(high, low)
 }
 
 /// [`Kernel::push_sorted`], also for AVX-512.
@@ -190,7 +214,7 @@ unsafe fn descend_to(node: &Node, first: u32, entered: u32, keys: __m256i, stack
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-pub(super) unsafe fn push_sorted(node: &Node, found: &Children, stack: &mut Descent) {
+pub(super) unsafe fn push_sorted<const N: usize>(node: &Node, found: &Children, stack: &mut Descent<N>) {
     let mut keys = [0; 8];
     // SAFETY: the caller's promise; eight numbers are read from an array of eight, and written to one.
     unsafe {
@@ -204,6 +228,26 @@ pub(super) unsafe fn push_sorted(node: &Node, found: &Children, stack: &mut Desc
 }
 
 const _: () = assert!(size_of::<Child>() == size_of::<u32>());
+
+/// The order in which `Kernel::step` pushes slots.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn far_to_near(r: &LocalRay) -> __m256i {
+    // SAFETY: the caller's promise; eight numbers are read from an array of eight.
+    unsafe { _mm256_loadu_si256(FAR_TO_NEAR[usize::from(r.octant & 7)].as_ptr().cast()) }
+}
+
+/// The order that brings the lanes of a set to the front.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn set_first(set: u32) -> __m256i {
+    // SAFETY: the caller's promise; eight bytes are read from an array of eight.
+    unsafe { _mm256_cvtepu8_epi32(_mm_loadl_epi64(SET_FIRST[(set & 255) as usize].as_ptr().cast())) }
+}
 
 /// For each set of lanes, its members in rising order, then zeros.
 static SET_FIRST: [[u8; 8]; 256] = {
@@ -244,7 +288,7 @@ unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, row: usize) -> __m256 {
 unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3]) -> [__m256; 3] {
     // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three rows of eight.
     unsafe {
-        let row = |axis| _mm256_loadu_ps((&raw const *vertex).byte_add(r.vertex_row(axis)).cast());
+        let row = |axis| _mm256_loadu_ps((&raw const *vertex).byte_add(usize::from(r.rows[axis])).cast());
         let x = _mm256_sub_ps(row(0), _mm256_set1_ps(r.origin[0]));
         let y = _mm256_sub_ps(row(1), _mm256_set1_ps(r.origin[1]));
         let z = _mm256_sub_ps(row(2), _mm256_set1_ps(r.origin[2]));

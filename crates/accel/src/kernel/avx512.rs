@@ -1,20 +1,24 @@
-//! AVX-512 in vectors of eight lanes: masks, and lanes packed by a mask, in place of tables. Its sixteen lanes (near planes
-//! in the lower half, far ones negated in the upper) take as long where the processor runs them in two halves, as Zen 4
-//! does.
+//! AVX-512: the near and far planes of an axis in one vector of sixteen lanes, and lanes packed by a mask.
+//!
+//! A processor that runs such a vector in two halves, as Zen 4 does, gains as well: half as many instructions are to be
+//! read and kept track of.
 //!
 //! Safety: an [`Avx512`] is made only where the processor has AVX-512 F, DQ and VL, and all that AVX2 needs.
 
 use super::{
     Children, Kernel, Lanes, NOT_ENTERED,
-    avx2::{block_avx2, inside_avx2, interval, keys, least, push_sorted},
+    avx2::{block_avx2, classes_avx2, far_to_near, inside_avx2, keys, push_sorted},
     descent::Descent,
     entry::entry_points,
+    vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
-    bvh::{Block, Child, Node},
+    bvh::{Block, Child, Node, many::Next},
     local::LocalRay,
+    slab::EXIT,
 };
 use std::arch::x86_64::*;
+use straal_math::Ray;
 
 /// The proof that the processor has AVX-512.
 #[derive(Clone, Copy)]
@@ -27,6 +31,12 @@ impl Avx512 {
 }
 
 impl Kernel for Avx512 {
+    #[inline(always)]
+    fn prepare(self, ray: &Ray, out: &mut LocalRay) -> bool {
+        // SAFETY: see the head of the file.
+        unsafe { prepare_avx(ray, out) }
+    }
+
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;
@@ -54,25 +64,47 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child {
-        // SAFETY: see the head of the file. Eight numbers are read from an array of eight.
+    fn step<const N: usize>(self, r: &LocalRay, node: &Node, limit: f32, stack: &mut Descent<N>) -> Child {
+        // SAFETY: see the head of the file. Eight numbers are read from an array of eight, and eight of each stored, of which
+        // the first are those of the mask.
         unsafe {
-            let keys = _mm256_loadu_si256((&raw const found.keys).cast());
-            descend_to(node, least(keys) & 7, found.mask as __mmask8, keys, stack)
+            let (enter, exit) = interval(r, node, limit);
+            let order = far_to_near(r);
+            let (enter, exit) = (_mm256_permutexvar_ps(order, enter), _mm256_permutexvar_ps(order, exit));
+            let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+            let children = _mm256_permutexvar_epi32(order, children);
+            let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
+            let keys = _mm256_maskz_compress_epi32(mask, _mm256_castps_si256(enter));
+            let children = _mm256_maskz_compress_epi32(mask, children);
+            stack.step(mask.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                _mm256_storeu_si256(k.cast(), keys);
+                _mm256_storeu_si256(c.cast(), children);
+            })
         }
     }
 
     #[inline(always)]
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child {
-        // SAFETY: see the head of the file.
+    fn step_any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Child {
+        // SAFETY: as above.
         unsafe {
-            let first = mask.trailing_zeros() & 7;
-            descend_to(node, first, mask as __mmask8, _mm256_setzero_si256(), stack)
+            let mask = self.entered(r, node) as __mmask8;
+            let children = _mm256_loadu_si256(node.children.as_ptr().cast());
+            let children = _mm256_maskz_compress_epi32(mask, children);
+            stack.step(mask.count_ones() as usize, |k: *mut u32, c: *mut u32| {
+                _mm256_storeu_si256(k.cast(), _mm256_setzero_si256());
+                _mm256_storeu_si256(c.cast(), children);
+            })
         }
     }
 
     #[inline(always)]
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent) {
+    fn classes(self, next: &Next) -> [u32; 4] {
+        // SAFETY: an `Avx512` is made only where there is AVX2 too.
+        unsafe { classes_avx2(next) }
+    }
+
+    #[inline(always)]
+    fn push_sorted<const N: usize>(self, node: &Node, found: &Children, stack: &mut Descent<N>) {
         // SAFETY: an `Avx512` is made only where there is AVX2 too.
         unsafe { push_sorted(node, found, stack) }
     }
@@ -90,6 +122,12 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
+    fn own_box(self, r: &LocalRay, block: &Block, lane: usize) -> Option<f32> {
+        // SAFETY: an `Avx512` is made only where there is AVX2 too.
+        unsafe { own_box_avx(r, block, lane) }
+    }
+
+    #[inline(always)]
     fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child) {
         super::prefetch(nodes, blocks, child);
     }
@@ -97,30 +135,29 @@ impl Kernel for Avx512 {
     entry_points!("avx512f,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt");
 }
 
-/// Steps down to the child in slot `first`, if `entered` has it, and pushes the others that it has.
+/// Where the ray enters and leaves each box, no earlier than its start and no later than `limit`.
 ///
 /// # Safety
-/// The processor must have AVX-512 F and VL.
+/// The processor must have AVX-512 F, DQ and VL.
 #[inline(always)]
-unsafe fn descend_to(
-    node: &Node,
-    first: u32,
-    entered: __mmask8,
-    keys: __m256i,
-    stack: &mut Descent,
-) -> Child {
-    let others = entered & !(1 << first);
-    let any = (usize::from(entered) + 255) >> 8;
-    let chosen = node.children[(first & 7) as usize];
-    // SAFETY: the caller's promise; eight numbers are read from an array of eight, and eight of each stored, of which the
-    // first are the others.
+unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
+    /// The lanes of far planes.
+    const FAR: __mmask16 = 0xff00;
+    // SAFETY: the caller's promise; the two rows of an axis, of eight numbers each, follow each other.
     unsafe {
-        let children = _mm256_loadu_si256(node.children.as_ptr().cast());
-        let children = _mm256_maskz_compress_epi32(others, children);
-        let keys = _mm256_maskz_compress_epi32(others, keys);
-        stack.descend(any, chosen, others.count_ones() as usize, |k: *mut u32, c: *mut u32| {
-            _mm256_storeu_si256(k.cast(), keys);
-            _mm256_storeu_si256(c.cast(), children);
-        })
+        let crossed = |axis: usize| {
+            let planes = _mm512_castps_pd(_mm512_loadu_ps((&raw const node.planes).byte_add(64 * axis).cast()));
+            // Near planes first: the halves change places where the direction is negative.
+            let planes = _mm512_mask_shuffle_f64x2::<0b01_00_11_10>(planes, r.neg[axis], planes, planes);
+            let from = _mm512_sub_ps(_mm512_castpd_ps(planes), _mm512_set1_ps(r.ray.o[axis]));
+            _mm512_mul_ps(from, _mm512_set1_ps(r.inv[axis]))
+        };
+        // The latest of the near crossings, the earliest of the far ones.
+        let both = |a, b| _mm512_mask_min_ps(_mm512_max_ps(a, b), FAR, a, b);
+        let both = both(both(crossed(0), crossed(1)), crossed(2));
+        let enter = _mm256_max_ps(_mm512_castps512_ps256(both), _mm256_set1_ps(r.enter));
+        let exit = _mm512_extractf32x8_ps::<1>(both);
+        let exit = _mm256_min_ps(_mm256_mul_ps(exit, _mm256_set1_ps(EXIT)), _mm256_set1_ps(limit));
+        (enter, exit)
     }
 }

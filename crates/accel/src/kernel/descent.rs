@@ -1,33 +1,32 @@
 //! The stack of a search: what is still to be visited.
 
-use crate::bvh::{Child, STACK, WIDTH};
+use crate::bvh::{Child, WIDTH};
 use std::mem::MaybeUninit;
 
 /// Subtrees to be visited, each with the key of its entry (see [`super::Children::keys`]). A child that ends the search
 /// lies at the bottom.
 ///
-/// It costs nothing to make: initialising kilobytes for each ray would show. Trees are built never to need more than
-/// [`STACK`] items; a search that did would end.
+/// It costs nothing to make: initialising kilobytes for each ray would show. It holds up to `N` - 7 items, so that a vector
+/// fits behind the last. A stack of [`ALL`] is never full, since trees are built so; a smaller one has to be relieved
+/// ([`Descent::spill`]).
 #[repr(align(64))]
-pub(crate) struct Descent {
+pub(crate) struct Descent<const N: usize> {
     /// The first `len` items of both arrays are initialised.
     len: usize,
-    keys: [MaybeUninit<u32>; CAPACITY],
-    children: [MaybeUninit<Child>; CAPACITY],
-    _room: [MaybeUninit<u8>; ROOM],
+    keys: [MaybeUninit<u32>; N],
+    children: [MaybeUninit<Child>; N],
 }
 
-/// Room for a vector behind the last item.
-const CAPACITY: usize = STACK + WIDTH;
+/// Size of a stack that holds whatever a search can leave to be visited.
+pub(crate) const ALL: usize = crate::bvh::STACK + WIDTH;
 
-/// What a stack's size is filled up with. Were it near a multiple of 4096, all stacks of rays in flight would share a few
-/// sets of the first-level cache; with this it is 3 lines past one.
-const ROOM: usize = {
-    let size = 2 * CAPACITY * size_of::<u32>() + size_of::<usize>();
-    (3 * 64 + 4096 - size % 4096) % 4096
-};
+/// Items that were taken from a stack to make room, the bottom one first.
+pub(crate) type Spilled = Vec<(u32, Child)>;
 
-impl Descent {
+impl<const N: usize> Descent<N> {
+    /// Items up to this are followed by room for a vector.
+    const ROOMY: usize = N - WIDTH;
+
     #[inline(always)]
     pub fn new() -> Self {
         let [out] = Self::many();
@@ -36,11 +35,11 @@ impl Descent {
 
     /// Several, made where they stay: moving them would copy all their room.
     #[inline(always)]
-    pub fn many<const N: usize>() -> [Self; N] {
-        let mut out = MaybeUninit::<[Self; N]>::uninit();
+    pub fn many<const M: usize>() -> [Self; M] {
+        let mut out = MaybeUninit::<[Self; M]>::uninit();
         let first = out.as_mut_ptr().cast::<Self>();
-        for i in 0..N {
-            // SAFETY: `i` is below `N`. Of a stack, `len` alone needs initialising. (Made as a literal, the whole would be a
+        for i in 0..M {
+            // SAFETY: `i` is below `M`. Of a stack, `len` alone needs initialising. (Made as a literal, the whole would be a
             // constant, which the compiler copies by zeroing all of it.)
             unsafe { (&raw mut (*first.add(i)).len).write(0) };
         }
@@ -59,18 +58,18 @@ impl Descent {
 
     #[inline(always)]
     pub fn push(&mut self, key: u32, child: Child) {
-        if self.len < STACK {
+        if self.len <= Self::ROOMY {
             self.keys[self.len].write(key);
             self.children[self.len].write(child);
             self.len += 1;
         }
     }
 
-    /// The index of the last item; `None` where there is none, or no room behind it.
+    /// The index of the last item, if there is one.
     #[inline(always)]
     fn top(&self) -> Option<usize> {
         let top = self.len.wrapping_sub(1);
-        (top < STACK).then_some(top)
+        (top < N).then_some(top)
     }
 
     /// What was pushed last.
@@ -111,30 +110,105 @@ impl Descent {
         self.len = kept;
     }
 
-    /// One step down: if `any` is 1, pushes the first `others` of eight items and gives `first`; if it is 0, gives what
-    /// was on top. Without a branch: whether a node has anything to visit is hard to guess.
+    /// Whether there is no room for a vector behind the last item.
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        self.len > Self::ROOMY
+    }
+
+    /// Takes out all but the end and the last few.
+    #[cold]
+    #[inline(never)]
+    pub fn spill(&mut self, to: &mut Spilled) {
+        let kept = if self.len <= WIDTH { self.len } else { WIDTH };
+        let from = self.len - kept;
+        // SAFETY: items below `len` are initialised.
+        let item = |i: usize| unsafe { (self.keys[i].assume_init(), self.children[i].assume_init()) };
+        to.extend((1..from).map(item));
+        let last: [_; WIDTH] = std::array::from_fn(|i| item(if i < kept { from + i } else { 0 }));
+        self.reset();
+        last[..kept].iter().for_each(|&(key, child)| self.push(key, child));
+    }
+
+    /// Puts back what was taken out last, once all else was visited; false where nothing was.
+    #[inline(always)]
+    pub fn refill(&mut self, from: &mut Spilled) -> bool {
+        if from.is_empty() {
+            return false;
+        }
+        self.refill_some(from);
+        true
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn refill_some(&mut self, from: &mut Spilled) {
+        let some = if from.len() < WIDTH { from.len() } else { WIDTH };
+        self.reset();
+        for (key, child) in from.drain(from.len() - some..) {
+            self.push(key, child);
+        }
+    }
+
+    /// One step down: pushes the first `count` of eight items and takes what is on top. Without a branch: whether a node
+    /// has anything to visit is hard to guess.
     ///
     /// # Safety
-    /// `any` is 0 or 1. `store` is given room for eight keys and eight children, and must initialise the first `others` of
-    /// each, which are at most seven, and none when `any` is 0.
+    /// `store` is given room for eight keys and eight children, and must initialise the first `count` of each, at most
+    /// eight.
     #[inline(always)]
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-    pub unsafe fn descend(
-        &mut self,
-        any: usize,
-        first: Child,
-        others: usize,
-        store: impl FnOnce(*mut u32, *mut u32),
-    ) -> Child {
-        let Some(top) = self.top() else { return Child::DONE };
-        // SAFETY: items below `len` are initialised; `top` is below `STACK`, so that there is room for eight behind it.
-        unsafe {
-            let last = self.children.as_mut_ptr().add(top);
-            let key = self.keys.as_mut_ptr().add(top);
-            let waiting = (*last).assume_init();
-            store(key.add(1).cast(), last.add(1).cast());
-            self.len = top + others + any;
-            waiting.or_else(first, any)
+    pub unsafe fn step(&mut self, count: usize, store: impl FnOnce(*mut u32, *mut u32)) -> Child {
+        let top = self.len.wrapping_sub(1);
+        if top >= Self::ROOMY {
+            return Child::DONE;
         }
+        // SAFETY: items below `len` are initialised, and there are such; `len` is at most `N` - 8, so that there is room for
+        // eight.
+        unsafe {
+            let key = self.keys.as_mut_ptr().add(top + 1);
+            let child = self.children.as_mut_ptr().add(top + 1);
+            store(key.cast(), child.cast());
+            self.len = top + count;
+            (*self.children.as_ptr().add(top + count)).assume_init()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_spilled_comes_back_in_order() {
+        let mut stack = Descent::<24>::new();
+        let mut spilled = Spilled::new();
+        for i in 0..1000 {
+            if stack.is_full() {
+                stack.spill(&mut spilled);
+            }
+            stack.push(i, Child::node(i));
+        }
+        for i in (0..1000).rev() {
+            let mut child = stack.pop();
+            if child == Child::DONE {
+                assert!(stack.refill(&mut spilled));
+                child = stack.pop();
+            }
+            assert_eq!(child, Child::node(i));
+        }
+        assert_eq!(stack.pop(), Child::DONE);
+        assert!(!stack.refill(&mut spilled));
+    }
+
+    #[test]
+    fn what_lies_beyond_the_limit_is_dropped() {
+        let mut stack = Descent::<24>::new();
+        for (key, i) in [(5, 0), (9, 1), (3, 2), (7, 3)] {
+            stack.push(key, Child::node(i));
+        }
+        stack.keep_within(6);
+        assert_eq!([stack.pop(), stack.pop()], [Child::node(2), Child::node(0)]);
+        assert_eq!(stack.pop(), Child::DONE);
     }
 }

@@ -47,6 +47,58 @@ macro_rules! entry_points {
             }
         }
 
+        #[inline]
+        fn closest_each<S: $crate::Shapes>(
+            self,
+            scene: &$crate::Scene,
+            shapes: &S,
+            rays: &[straal_math::Ray],
+            hits: &mut [$crate::Hit],
+        ) {
+            $(#[target_feature(enable = $feature)])?
+            #[inline(never)] // its frame is large, and must not become part of its caller's
+            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+                kernel: K,
+                scene: &$crate::Scene,
+                shapes: &S,
+                rays: &[straal_math::Ray],
+                hits: &mut [$crate::Hit],
+            ) {
+                $crate::kernel::closest_one_by_one(kernel, scene, shapes, rays, hits);
+            }
+            // SAFETY: `self` is the proof that the processor has the features.
+            #[allow(unused_unsafe)]
+            unsafe {
+                compiled(self, scene, shapes, rays, hits)
+            }
+        }
+
+        #[inline]
+        fn occluded_each<S: $crate::Shapes>(
+            self,
+            scene: &$crate::Scene,
+            shapes: &S,
+            rays: &[straal_math::Ray],
+            blocked: &mut [bool],
+        ) {
+            $(#[target_feature(enable = $feature)])?
+            #[inline(never)] // its frame is large, and must not become part of its caller's
+            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+                kernel: K,
+                scene: &$crate::Scene,
+                shapes: &S,
+                rays: &[straal_math::Ray],
+                blocked: &mut [bool],
+            ) {
+                $crate::kernel::occluded_one_by_one(kernel, scene, shapes, rays, blocked);
+            }
+            // SAFETY: `self` is the proof that the processor has the features.
+            #[allow(unused_unsafe)]
+            unsafe {
+                compiled(self, scene, shapes, rays, blocked)
+            }
+        }
+
         fn closest_slice<S: $crate::Shapes>(
             self,
             scene: &$crate::Scene,

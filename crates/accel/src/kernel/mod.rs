@@ -1,7 +1,7 @@
 //! Kernels: a ray against the eight boxes of a node, and against a block of eight triangles.
 //!
 //! The traversal in `bvh/traverse.rs` is written once and compiled for each kernel, inside a function that the
-//! compiler may use the instruction set for. The set is chosen once per slice of rays.
+//! compiler may use the instruction set for. The set is chosen when a scene is built.
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
@@ -10,18 +10,24 @@ mod avx2;
 mod avx512;
 pub(crate) mod descent;
 mod entry;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod scalar;
 #[cfg(target_arch = "x86_64")]
 mod sse;
 pub(crate) mod stack;
+#[cfg(target_arch = "x86_64")]
+mod vec3;
 
 use crate::{
-    bvh::{Block, Child, Node},
-    hit::{Cost, Hit},
+    bvh::{Block, Child, Node, many::Next},
+    hit::{Chain, Cost, Hit},
     input::Shapes,
+    isa::Isa,
     local::LocalRay,
     query::Query,
     scene::Scene,
+    slab,
     structure::{Place, Search, each},
 };
 use descent::Descent;
@@ -70,25 +76,64 @@ impl Lanes {
     const NONE: Self = Self { hit: 0, doubtful: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
 }
 
-/// The vector part of the search. Implementations do the operations of `slab.rs` and `triangle.rs` in each lane.
+/// The vector part of the search. Implementations do the operations of `slab.rs`, `triangle.rs` and `local.rs` in each lane.
 ///
-/// A value is the proof that the processor has the instruction set: only `with_kernel` makes one, after asking.
+/// A value is the proof that the processor has the instruction set: only [`Chosen::new`] makes one, after asking.
 pub(crate) trait Kernel: Copy {
+    /// `LocalRay::prepare`, written where the ray stays, since copying what was just written piece by piece would wait for
+    /// the pieces. False, and of no use, when the ray isn't valid.
+    #[inline(always)]
+    fn prepare(self, ray: &Ray, out: &mut LocalRay) -> bool {
+        let (local, is_valid) = LocalRay::prepare(ray);
+        *out = local;
+        is_valid
+    }
+
     /// The boxes entered no later than `limit`.
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children;
 
     /// The mask alone of the boxes entered in the ray's interval.
     fn entered(self, r: &LocalRay, node: &Node) -> u32;
 
-    /// One step down: the nearest child that was found entered, while the others are pushed; if there is none, what is on
-    /// top of the stack.
-    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child;
+    /// One step down: pushes the children entered no later than `limit`, in the order of the ray's octant (see
+    /// `bvh/slots.rs`), the first on top, and takes what is on top. The stack isn't full.
+    #[inline(always)]
+    fn step<const N: usize>(self, r: &LocalRay, node: &Node, limit: f32, stack: &mut Descent<N>) -> Child {
+        let found = self.node(r, node, limit);
+        for slot in FAR_TO_NEAR[usize::from(r.octant & 7)] {
+            if found.mask >> slot & 1 == 1 {
+                stack.push(found.keys[slot as usize & 7], node.children[slot as usize & 7]);
+            }
+        }
+        stack.pop()
+    }
 
-    /// The same with any child, and without keys.
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child;
+    /// The same with the children entered in the ray's interval, in any order and without keys.
+    #[inline(always)]
+    fn step_any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Child {
+        let mut mask = self.entered(r, node);
+        while mask != 0 {
+            stack.push(0, node.children[(mask.trailing_zeros() & 7) as usize]);
+            mask &= mask - 1;
+        }
+        stack.pop()
+    }
+
+    /// The rays that visit each class of child next.
+    #[inline(always)]
+    fn classes(self, next: &Next) -> [u32; 4] {
+        let bit = |shift: u32| {
+            let of = |(i, c): (usize, &Child)| (c.class() as u32 >> shift & 1) << i;
+            next.0.iter().enumerate().map(of).sum::<u32>()
+        };
+        by_class(bit(1), bit(0))
+    }
 
     /// Pushes the children that were found entered, the farthest first.
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent);
+    #[inline(always)]
+    fn push_sorted<const N: usize>(self, node: &Node, found: &Children, stack: &mut Descent<N>) {
+        push_by_insertion(node, found, stack);
+    }
 
     /// The triangles that the ray's line may cross. No other is hit.
     fn inside(self, r: &LocalRay, block: &Block) -> u32;
@@ -96,8 +141,15 @@ pub(crate) trait Kernel: Copy {
     /// The triangles hit in [`t_min`, `limit`].
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes;
 
+    /// The entry into a triangle's own padded box when the ray crosses it within its interval.
+    #[inline(always)]
+    fn own_box(self, r: &LocalRay, block: &Block, lane: usize) -> Option<f32> {
+        slab::entry(&slab::triangle_bounds(&block.vertices(lane)), r)
+    }
+
     /// Starts to load what a child names, where the instruction set can.
-    fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child);
+    #[inline(always)]
+    fn prefetch(self, _nodes: &[Node], _blocks: &[Block], _child: Child) {}
 
     /// `Query::closest_in`, compiled for the instruction set.
     fn closest_in<S: Shapes, const COUNT: bool>(
@@ -114,6 +166,12 @@ pub(crate) trait Kernel: Copy {
         at: &Place<'_>,
     ) -> bool;
 
+    /// The first hit of each ray, one after the other.
+    fn closest_each<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]);
+
+    /// Whether each ray hits anything, one after the other.
+    fn occluded_each<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]);
+
     /// The first hit of each ray.
     fn closest_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]);
 
@@ -121,9 +179,26 @@ pub(crate) trait Kernel: Copy {
     fn occluded_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]);
 }
 
+/// Sets of rays by class, from those that have each of its two bits.
+#[inline(always)]
+fn by_class(high: u32, low: u32) -> [u32; 4] {
+    [!high & !low, !high & low, high & !low, high & low]
+}
+
+/// By a ray's octant, the slots of a node from the farthest to the nearest.
+static FAR_TO_NEAR: [[u32; 8]; 8] = {
+    let mut out = [[0; 8]; 8];
+    let mut i = 0;
+    while i < 64 {
+        out[i / 8][i % 8] = (7 - i as u32 % 8) ^ (i as u32 / 8);
+        i += 1;
+    }
+    out
+};
+
 /// [`Kernel::push_sorted`] of kernels without a sort of their own.
 #[inline(always)]
-fn push_by_insertion(node: &Node, found: &Children, stack: &mut Descent) {
+fn push_by_insertion<const N: usize>(node: &Node, found: &Children, stack: &mut Descent<N>) {
     let mut mask = found.mask;
     let mut sorted = [0; 8];
     let mut count = 0_usize;
@@ -141,23 +216,6 @@ fn push_by_insertion(node: &Node, found: &Children, stack: &mut Descent) {
     for &key in &sorted[..count] {
         stack.push(key, node.children[(key & 7) as usize]);
     }
-}
-
-/// [`Kernel::descend`] of kernels that gain nothing by doing without branches.
-#[inline(always)]
-fn descend_sorted(node: &Node, found: &Children, stack: &mut Descent) -> Child {
-    push_by_insertion(node, found, stack);
-    stack.pop()
-}
-
-/// [`Kernel::descend_any`] of the same.
-#[inline(always)]
-fn descend_by_mask(node: &Node, mut mask: u32, stack: &mut Descent) -> Child {
-    while mask != 0 {
-        stack.push(0, node.children[(mask.trailing_zeros() & 7) as usize]);
-        mask &= mask - 1;
-    }
-    stack.pop()
 }
 
 /// [`Kernel::prefetch`] of all x86 kernels.
@@ -182,86 +240,131 @@ fn prefetch(nodes: &[Node], blocks: &[Block], child: Child) {
 #[cfg(target_arch = "x86_64")]
 const LINES: usize = size_of::<Block>() / 64;
 
-/// Does the same with whichever kernel the instruction set has.
+/// The kernel of a scene.
+#[derive(Clone, Copy)]
+pub(crate) enum Chosen {
+    Scalar(scalar::Scalar),
+    #[cfg(target_arch = "aarch64")]
+    Neon(neon::Neon),
+    #[cfg(target_arch = "x86_64")]
+    Sse(sse::Sse),
+    #[cfg(target_arch = "x86_64")]
+    Avx2(avx2::Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(avx512::Avx512),
+}
+
+impl Chosen {
+    /// That of an instruction set; where the processor doesn't have it, the scalar one.
+    pub fn new(isa: Isa) -> Self {
+        let vector = match isa {
+            #[cfg(target_arch = "aarch64")]
+            Isa::Neon => neon::Neon::new().map(Self::Neon),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Sse => sse::Sse::new().map(Self::Sse),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx2 => avx2::Avx2::new().map(Self::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            Isa::Avx512 => avx512::Avx512::new().map(Self::Avx512),
+            _ => None,
+        };
+        vector.unwrap_or(Self::Scalar(scalar::Scalar))
+    }
+}
+
+/// Does the same with whichever kernel a scene has.
 macro_rules! with_kernel {
-    ($isa:expr, $k:ident => $body:expr) => {{
-        #[cfg(target_arch = "x86_64")]
-        {
-            use crate::isa::Isa;
-            if $isa == Isa::Avx512
-                && let Some($k) = avx512::Avx512::new()
-            {
-                return $body;
-            }
-            if $isa == Isa::Avx2
-                && let Some($k) = avx2::Avx2::new()
-            {
-                return $body;
-            }
-            if $isa == Isa::Sse
-                && let Some($k) = sse::Sse::new()
-            {
-                return $body;
-            }
+    ($scene:expr, $k:ident => $body:expr) => {
+        match $scene.kernel() {
+            Chosen::Scalar($k) => $body,
+            #[cfg(target_arch = "aarch64")]
+            Chosen::Neon($k) => $body,
+            #[cfg(target_arch = "x86_64")]
+            Chosen::Sse($k) => $body,
+            #[cfg(target_arch = "x86_64")]
+            Chosen::Avx2($k) => $body,
+            #[cfg(target_arch = "x86_64")]
+            Chosen::Avx512($k) => $body,
         }
-        // Whoever has none of these.
-        let _: crate::isa::Isa = $isa;
-        let $k = scalar::Scalar;
-        $body
-    }};
+    };
 }
 
 pub(crate) fn closest<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
-    fn few<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
-        let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = q.closest(&scene.groups[0], ray);
-        }
-    }
     let n = if rays.len() < hits.len() { rays.len() } else { hits.len() };
     let (rays, hits) = (&rays[..n], &mut hits[..n]);
-    if n < MANY || !scene.many() {
-        with_kernel!(scene.isa(), k => few(k, scene, shapes, rays, hits));
-        return;
+    match n < MANY || !scene.many() {
+        true => with_kernel!(scene, k => k.closest_each(scene, shapes, rays, hits)),
+        false => with_kernel!(scene, k => k.closest_slice(scene, shapes, rays, hits)),
     }
-    with_kernel!(scene.isa(), k => k.closest_slice(scene, shapes, rays, hits))
 }
 
 pub(crate) fn occluded<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
-    fn few<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
-        let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = q.occluded(&scene.groups[0], ray);
-        }
-    }
     let n = if rays.len() < blocked.len() { rays.len() } else { blocked.len() };
     let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
-    if n < MANY || !scene.many() {
-        with_kernel!(scene.isa(), k => few(k, scene, shapes, rays, blocked));
-        return;
+    match n < MANY || !scene.many() {
+        true => with_kernel!(scene, k => k.occluded_each(scene, shapes, rays, blocked)),
+        false => with_kernel!(scene, k => k.occluded_slice(scene, shapes, rays, blocked)),
     }
-    with_kernel!(scene.isa(), k => k.occluded_slice(scene, shapes, rays, blocked))
 }
 
 pub(crate) fn closest_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (Hit, Cost) {
-    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &Ray) -> (Hit, Cost) {
+    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &LocalRay) -> (Hit, Cost) {
         let mut q = Query::<K, S, true> { kernel, scene, shapes, cost: Cost::default() };
-        (q.closest(&scene.groups[0], ray), q.cost)
+        let mut best = Hit::limit(ray.ray.t_max);
+        kernel.closest_in(&mut q, &Place { group: &scene.groups[0], ray, chain: &Chain::EMPTY }, &mut best);
+        (best.finished(), q.cost)
     }
-    with_kernel!(scene.isa(), k => counted(k, scene, shapes, ray))
+    match LocalRay::new(ray) {
+        Some(ray) => with_kernel!(scene, k => counted(k, scene, shapes, &ray)),
+        None => (Hit::MISS, Cost::default()),
+    }
 }
 
 pub(crate) fn occluded_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (bool, Cost) {
-    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &Ray) -> (bool, Cost) {
+    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &LocalRay) -> (bool, Cost) {
         let mut q = Query::<K, S, true> { kernel, scene, shapes, cost: Cost::default() };
-        (q.occluded(&scene.groups[0], ray), q.cost)
+        let at = Place { group: &scene.groups[0], ray, chain: &Chain::EMPTY };
+        (kernel.occluded_in(&mut q, &at), q.cost)
     }
-    with_kernel!(scene.isa(), k => counted(k, scene, shapes, ray))
+    match LocalRay::new(ray) {
+        Some(ray) => with_kernel!(scene, k => counted(k, scene, shapes, &ray)),
+        None => (false, Cost::default()),
+    }
 }
 
 /// Slices shorter than this go one ray at a time: setting up many in flight wouldn't pay. They also stay out of the
 /// functions that make room for many, since touching so much stack takes longer than a search.
 const MANY: usize = 8;
+
+/// `Kernel::closest_each` without the change of instruction set.
+#[inline(always)]
+fn closest_one_by_one<K: Kernel, S: Shapes>(
+    kernel: K,
+    scene: &Scene,
+    shapes: &S,
+    rays: &[Ray],
+    hits: &mut [Hit],
+) {
+    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    for (ray, hit) in rays.iter().zip(hits) {
+        *hit = q.closest(&scene.groups[0], ray);
+    }
+}
+
+/// `Kernel::occluded_each` without the change of instruction set.
+#[inline(always)]
+fn occluded_one_by_one<K: Kernel, S: Shapes>(
+    kernel: K,
+    scene: &Scene,
+    shapes: &S,
+    rays: &[Ray],
+    blocked: &mut [bool],
+) {
+    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    for (ray, blocked) in rays.iter().zip(blocked) {
+        *blocked = q.occluded(&scene.groups[0], ray);
+    }
+}
 
 /// `Kernel::closest_slice` without the change of instruction set.
 #[inline(always)]
@@ -285,5 +388,5 @@ fn occluded_rays<K: Kernel, S: Shapes>(
     each!(&group.searcher, s => s.occluded_many(&mut q, group, rays, blocked));
 }
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod tests;

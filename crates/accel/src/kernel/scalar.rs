@@ -1,11 +1,8 @@
 //! One lane at a time: what every machine has, and what the vector kernels are held against.
 
-use super::{
-    Children, Kernel, Lanes, descend_by_mask, descend_sorted, descent::Descent, entry::entry_points,
-    push_by_insertion,
-};
+use super::{Children, Kernel, Lanes, entry::entry_points};
 use crate::{
-    bvh::{Block, Child, Node, WIDTH},
+    bvh::{Block, Node, WIDTH},
     local::LocalRay,
     slab::EXIT,
     triangle,
@@ -24,8 +21,8 @@ impl Kernel for Scalar {
             (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
         };
         for lane in 0..WIDTH {
-            let near = |axis: usize| plane(axis, usize::from(r.neg[axis]), lane);
-            let far = |axis: usize| plane(axis, usize::from(r.neg[axis]) ^ 1, lane);
+            let near = |axis: usize| plane(axis, usize::from(r.neg[axis] & 1), lane);
+            let far = |axis: usize| plane(axis, usize::from(r.neg[axis] & 1) ^ 1, lane);
             let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.enter);
             let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)) * EXIT, limit);
             if enter <= exit {
@@ -39,21 +36,6 @@ impl Kernel for Scalar {
     #[inline(always)]
     fn entered(self, r: &LocalRay, node: &Node) -> u32 {
         self.node(r, node, r.leave).mask
-    }
-
-    #[inline(always)]
-    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child {
-        descend_sorted(node, found, stack)
-    }
-
-    #[inline(always)]
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child {
-        descend_by_mask(node, mask, stack)
-    }
-
-    #[inline(always)]
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent) {
-        push_by_insertion(node, found, stack);
     }
 
     #[inline(always)]
@@ -87,9 +69,6 @@ impl Kernel for Scalar {
         }
         out
     }
-
-    #[inline(always)]
-    fn prefetch(self, _nodes: &[Node], _blocks: &[Block], _child: Child) {}
 
     entry_points!();
 }

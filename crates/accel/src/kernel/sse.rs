@@ -4,10 +4,7 @@
 //!
 //! Safety: an [`Sse`] is made only where the processor has SSE4.2.
 
-use super::{
-    Children, Kernel, Lanes, NOT_ENTERED, descend_by_mask, descend_sorted, descent::Descent,
-    entry::entry_points, push_by_insertion,
-};
+use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
 use crate::{
     bvh::{Block, Child, Node},
     local::LocalRay,
@@ -33,7 +30,7 @@ impl Kernel for Sse {
         for half in [0, 4] {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
-                let [x, y, z] = r.neg.map(usize::from);
+                let [x, y, z] = r.neg.map(|n| usize::from(n & 1));
                 let enter = _mm_max_ps(plane(r, node, 0, x, half), plane(r, node, 1, y, half));
                 let enter = _mm_max_ps(enter, plane(r, node, 2, z, half));
                 let enter = _mm_max_ps(enter, _mm_set1_ps(r.enter));
@@ -56,21 +53,6 @@ impl Kernel for Sse {
     #[inline(always)]
     fn entered(self, r: &LocalRay, node: &Node) -> u32 {
         self.node(r, node, r.leave).mask
-    }
-
-    #[inline(always)]
-    fn descend(self, node: &Node, found: &Children, stack: &mut Descent) -> Child {
-        descend_sorted(node, found, stack)
-    }
-
-    #[inline(always)]
-    fn descend_any(self, node: &Node, mask: u32, stack: &mut Descent) -> Child {
-        descend_by_mask(node, mask, stack)
-    }
-
-    #[inline(always)]
-    fn push_sorted(self, node: &Node, found: &Children, stack: &mut Descent) {
-        push_by_insertion(node, found, stack);
     }
 
     #[inline(always)]
@@ -166,7 +148,7 @@ unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize
 unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [__m128; 3] {
     // SAFETY: the caller's promise; four numbers are read from within arrays of eight.
     unsafe {
-        let [x, y, z] = r.axes.map(usize::from);
+        let [x, y, z] = r.axes();
         let x = _mm_loadu_ps(vertex[x % 3].as_ptr().add(half));
         let y = _mm_loadu_ps(vertex[y % 3].as_ptr().add(half));
         let z = _mm_loadu_ps(vertex[z % 3].as_ptr().add(half));

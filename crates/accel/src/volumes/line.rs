@@ -32,7 +32,7 @@ pub(super) struct Line {
 impl Line {
     #[inline(always)]
     pub fn new(r: &LocalRay) -> Self {
-        let (o, d, axis) = (r.ray.o.as_dvec3(), r.ray.d.as_dvec3(), usize::from(r.axes[2]));
+        let (o, d, axis) = (r.ray.o.as_dvec3(), r.ray.d.as_dvec3(), r.axes()[2]);
         let longest = d[axis].abs();
         let sound = longest > SHORTEST && longest < LONGEST;
         Self { o, d, axis, t_min: f64::from(r.ray.t_min), sound }
