@@ -15,7 +15,7 @@ use crate::{
     hit::{Chain, Hit},
     input::Shapes,
     kernel::{
-        Kernel,
+        First, Kernel,
         descent::{Descent, Spilled},
     },
     local::LocalRay,
@@ -85,6 +85,7 @@ impl Bvh {
         let mut elsewhere = [Hit::MISS; FLIGHT];
         let mut stacks = Descent::<STACK>::many::<FLIGHT>();
         let mut spilled: [Spilled; FLIGHT] = std::array::from_fn(|_| Spilled::new());
+        let mut first = [First::NONE; FLIGHT];
         let mut room = None;
         let mut waiting = Waiting { rays, next: 0 };
         // Rays that are searched or may be.
@@ -128,18 +129,33 @@ impl Bvh {
                 next.0[i] = child;
                 prefetch(q.kernel, child);
             }
-            // First whether a ray crosses any triangle, which most don't; then where.
-            let mut crossed = 0;
+            // In steps, none of which waits for the one before: whether a ray crosses any triangle, which most don't; where;
+            // and whether that counts. Only where a block has several to choose from are they taken at once.
+            let (mut crossed, mut one, mut several) = (0, 0, 0);
             for i in Members(classes[class::BLOCK]) {
                 let block = self.block(q.scene, group, next.0[i].index(), &mut room);
                 crossed |= u32::from(q.kernel.inside(&flights[i].ray, block) != 0) << i;
             }
-            for i in Members(classes[class::BLOCK] & !crossed) {
-                let child = stacks[i].pop();
-                next.0[i] = child;
-                prefetch(q.kernel, child);
-            }
             for i in Members(crossed) {
+                let (f, block) = (&flights[i], self.block(q.scene, group, next.0[i].index(), &mut room));
+                let lanes = q.kernel.block(&f.ray, block, f.near.t);
+                first[i] = lanes.first();
+                one |= lanes.is_one() << i;
+                several |= lanes.is_several() << i;
+            }
+            for i in Members(one) {
+                let (f, stack) = (&mut flights[i], &mut stacks[i]);
+                let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
+                let block = self.block(q.scene, group, next.0[i].index(), &mut room);
+                let First { lane, hit } = first[i];
+                if Self::offer(q, &at, (block, lane as usize), hit, &mut f.near, &elsewhere[i]) {
+                    match ANY {
+                        true => stack.reset(),
+                        false => stack.keep_within(f.near.key()),
+                    }
+                }
+            }
+            for i in Members(several) {
                 let (f, stack) = (&mut flights[i], &mut stacks[i]);
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
                 let block = self.block(q.scene, group, next.0[i].index(), &mut room);
@@ -152,7 +168,9 @@ impl Bvh {
                 } else if Self::block_closest(q, &at, block, &mut f.near, &elsewhere[i]) {
                     stack.keep_within(f.near.key());
                 }
-                let child = stack.pop();
+            }
+            for i in Members(classes[class::BLOCK]) {
+                let child = stacks[i].pop();
                 next.0[i] = child;
                 prefetch(q.kernel, child);
             }

@@ -4,7 +4,7 @@
 
 mod build;
 pub(crate) mod many;
-mod near;
+pub(crate) mod near;
 mod object_split;
 mod packet;
 pub mod params;

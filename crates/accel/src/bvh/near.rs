@@ -9,12 +9,22 @@ use crate::{hit::Hit, slab::loosened, structure::Place};
 pub(super) struct Near {
     /// Nothing beyond this counts.
     pub t: f32,
-    u: f32,
-    v: f32,
+    /// u and v, times `det`: they are divided when the search is over, since most hits don't stay the nearest.
+    uv: [f32; 2],
+    det: f32,
     /// The triangle's number in the group, or one of the two below.
     id: u32,
     /// What is entered beyond this is left out: `t`, [`loosened`].
     pub limit: f32,
+}
+
+/// A triangle's hit.
+#[derive(Clone, Copy)]
+pub(crate) struct Candidate {
+    pub t: f32,
+    /// The hit's u and v, times `det`.
+    pub uv: [f32; 2],
+    pub det: f32,
 }
 
 /// Nothing was found.
@@ -27,7 +37,7 @@ impl Near {
     /// Nothing found up to `t`.
     #[inline(always)]
     pub fn nothing(t: f32) -> Self {
-        Self { t, u: 0.0, v: 0.0, id: NONE, limit: loosened(t) }
+        Self { t, uv: [0.0; 2], det: 1.0, id: NONE, limit: loosened(t) }
     }
 
     /// What was found elsewhere, if it is a hit.
@@ -55,8 +65,8 @@ impl Near {
 
     /// Takes a triangle's hit at `t` if it comes before what there is; tells whether it does.
     #[inline(always)]
-    pub fn offer(&mut self, at: &Place<'_>, id: u32, tuv: [f32; 3], elsewhere: &Hit) -> bool {
-        let [t, u, v] = tuv;
+    pub fn offer(&mut self, at: &Place<'_>, id: u32, c: Candidate, elsewhere: &Hit) -> bool {
+        let Candidate { t, uv, det } = c;
         if t > self.t {
             return false;
         }
@@ -70,7 +80,7 @@ impl Near {
                 return false;
             }
         }
-        *self = Self { t, u, v, id, limit: loosened(t) };
+        *self = Self { t, uv, det, id, limit: loosened(t) };
         true
     }
 
@@ -82,7 +92,8 @@ impl Near {
             ELSEWHERE => elsewhere.finished(),
             id => {
                 let (geometry, primitive) = at.group.locate(id);
-                Hit { t: self.t, u: self.u, v: self.v, geometry, primitive, chain: *at.chain }
+                let [u, v] = self.uv.map(|x| x / self.det);
+                Hit { t: self.t, u, v, geometry, primitive, chain: *at.chain }
             }
         }
     }

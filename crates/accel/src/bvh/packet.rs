@@ -16,7 +16,7 @@ use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, near::Near};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
-    kernel::Kernel,
+    kernel::{First, Kernel},
     local::LocalRay,
     query::Query,
     scene::GroupData,
@@ -110,11 +110,26 @@ struct Packet {
     rays: [LocalRay; PACKET],
     near: [Near; PACKET],
     best: [Hit; PACKET],
+    first: [First; PACKET],
     o: [[Lanes; PACKET / WIDTH]; 3],
     inv: [[Lanes; PACKET / WIDTH]; 3],
     enter: [Lanes; PACKET / WIDTH],
     /// What is entered beyond this is left out; negative where the search is over.
     limit: [Lanes; PACKET / WIDTH],
+}
+
+/// The rays of a set, in order.
+struct Members(u64);
+
+impl Iterator for Members {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let first = self.0.trailing_zeros() as usize;
+        self.0 &= self.0.wrapping_sub(1);
+        (first < PACKET).then_some(first)
+    }
 }
 
 impl Packet {
@@ -217,6 +232,7 @@ impl Bvh {
             rays: [LocalRay::IDLE; PACKET],
             near: [Near::nothing(0.0); PACKET],
             best: [Hit::MISS; PACKET],
+            first: [First::NONE; PACKET],
             o: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
             inv: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
             enter: [[0.0; WIDTH]; PACKET / WIDTH],
@@ -274,7 +290,7 @@ impl Bvh {
                     len += 1;
                 }
             } else {
-                let mut entering = match self.nodes.get(item.node as usize) {
+                let entering = match self.nodes.get(item.node as usize) {
                     Some(node) => p.entering(&bundle, node, item.slot as usize % WIDTH),
                     None => u64::MAX,
                 };
@@ -283,13 +299,8 @@ impl Bvh {
                 if leaves >= TRIAL && crossed < leaves * const { fewest(ANY) } {
                     return false;
                 }
-                let any = entering != 0;
-                while entering != 0 {
-                    let i = entering.trailing_zeros() as usize % PACKET;
-                    entering &= entering - 1;
-                    self.leaf::<K, S, ANY>(q, group, item.child, &mut p, i);
-                }
-                if any {
+                self.leaf::<K, S, ANY>(q, group, item.child, &mut p, entering);
+                if entering != 0 {
                     limit = p.limit();
                     if limit < 0.0 {
                         break;
@@ -317,7 +328,7 @@ impl Bvh {
         true
     }
 
-    /// Tests one ray of a packet against a leaf.
+    /// Tests some rays of a packet against a leaf.
     #[inline(always)]
     fn leaf<K: Kernel, S: Shapes, const ANY: bool>(
         &self,
@@ -325,39 +336,61 @@ impl Bvh {
         group: &GroupData,
         child: Child,
         p: &mut Packet,
-        i: usize,
+        entering: u64,
     ) {
-        let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
-        let (near, best) = (&mut p.near[i], &mut p.best[i]);
-        let mut room = None;
-        match (child.kind(), ANY) {
-            (ChildKind::Block(b), false) => {
+        match child.kind() {
+            ChildKind::Block(b) => {
+                let mut room = None;
                 let block = self.block(q.scene, group, b as usize, &mut room);
-                if !Self::block_closest(q, &at, block, near, best) {
-                    return;
+                // In steps, as in `many.rs`.
+                let (mut crossed, mut one, mut several) = (0, 0, 0);
+                for i in Members(entering) {
+                    crossed |= u64::from(q.kernel.inside(&p.rays[i], block) != 0) << i;
+                }
+                for i in Members(crossed) {
+                    let lanes = q.kernel.block(&p.rays[i], block, p.near[i].t);
+                    p.first[i] = lanes.first();
+                    one |= u64::from(lanes.is_one()) << i;
+                    several |= u64::from(lanes.is_several()) << i;
+                }
+                for i in Members(one) {
+                    let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
+                    let First { lane, hit } = p.first[i];
+                    if Self::offer(q, &at, (block, lane as usize), hit, &mut p.near[i], &p.best[i]) {
+                        let limit = if ANY { -1.0 } else { p.near[i].limit };
+                        p.set_limit(i, limit);
+                    }
+                }
+                for i in Members(several) {
+                    let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
+                    if ANY {
+                        if Self::block_occluded(q, &at, block) {
+                            p.near[i].set_found();
+                            p.set_limit(i, -1.0);
+                        }
+                    } else if Self::block_closest(q, &at, block, &mut p.near[i], &p.best[i]) {
+                        p.set_limit(i, p.near[i].limit);
+                    }
                 }
             }
-            (ChildKind::Block(b), true) => {
-                let block = self.block(q.scene, group, b as usize, &mut room);
-                if !Self::block_occluded(q, &at, block) {
-                    return;
+            ChildKind::Object(o) => {
+                for i in Members(entering) {
+                    let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
+                    let (near, best) = (&mut p.near[i], &mut p.best[i]);
+                    if ANY {
+                        if q.object_occluded(&at, o) {
+                            near.set_found();
+                            p.set_limit(i, -1.0);
+                        }
+                    } else {
+                        near.settle(&at, best);
+                        q.object_closest(&at, o, best);
+                        *near = Near::new(best);
+                        p.set_limit(i, p.near[i].limit);
+                    }
                 }
-                near.set_found();
             }
-            (ChildKind::Object(o), false) => {
-                near.settle(&at, best);
-                q.object_closest(&at, o, best);
-                *near = Near::new(best);
-            }
-            (ChildKind::Object(o), true) => {
-                if !q.object_occluded(&at, o) {
-                    return;
-                }
-                near.set_found();
-            }
-            _ => return,
+            ChildKind::Node(_) | ChildKind::Done => {}
         }
-        let limit = if ANY { -1.0 } else { near.limit };
-        p.set_limit(i, limit);
     }
 }

@@ -1,6 +1,10 @@
 //! Searching the tree with one ray.
 
-use super::{Block, Bvh, ChildKind, Node, WIDTH, near::Near, packet::PACKET};
+use super::{
+    Block, Bvh, ChildKind, Node, WIDTH,
+    near::{Candidate, Near},
+    packet::PACKET,
+};
 use crate::{
     hit::Hit,
     input::Shapes,
@@ -34,35 +38,33 @@ impl Bvh {
         let mut mask = lanes.hit;
         while mask != 0 {
             let lane = take(&mut mask);
-            let (t, det) = (lanes.t[lane], lanes.det[lane]);
-            if t <= near.t {
-                let tuv = [t, lanes.e1[lane] / det, lanes.e2[lane] / det];
-                moved |= Self::offer(q, at, block, lane, tuv, near, best);
+            let hit = lanes.candidate(lane);
+            if hit.t <= near.t {
+                moved |= Self::offer(q, at, (block, lane), hit, near, best);
             }
         }
         let mut mask = lanes.doubtful;
         while mask != 0 {
             let lane = take(&mut mask);
-            if let Some(tuv) = triangle::intersect(&block.vertices(lane), at.ray, near.t) {
-                moved |= Self::offer(q, at, block, lane, tuv, near, best);
+            if let Some([t, u, v]) = triangle::intersect(&block.vertices(lane), at.ray, near.t) {
+                let hit = Candidate { t, uv: [u, v], det: 1.0 };
+                moved |= Self::offer(q, at, (block, lane), hit, near, best);
             }
         }
         moved
     }
 
     #[inline(always)]
-    fn offer<K: Kernel, S: Shapes, const COUNT: bool>(
+    pub(super) fn offer<K: Kernel, S: Shapes, const COUNT: bool>(
         q: &Query<'_, K, S, COUNT>,
         at: &Place<'_>,
-        block: &Block,
-        lane: usize,
-        tuv: [f32; 3],
+        (block, lane): (&Block, usize),
+        hit: Candidate,
         near: &mut Near,
         best: &Hit,
     ) -> bool {
-        let id = block.id[lane];
-        match q.lane_counts(at, block, lane, tuv[0]) {
-            Some(t) => near.offer(at, id, [t, tuv[1], tuv[2]], best),
+        match q.lane_counts(at, block, lane, hit.t) {
+            Some(t) => near.offer(at, block.id[lane], Candidate { t, ..hit }, best),
             None => false,
         }
     }

@@ -369,9 +369,6 @@ pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lane
     unsafe {
         let crossing = Crossing::new(r, block);
         let inside = _mm256_movemask_ps(crossing.inside()) as u32;
-        if inside == 0 {
-            return out;
-        }
         let Crossing { a, b, c, edges: [u, v, w], least, most } = crossing;
         let zero = _mm256_setzero_ps();
         let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);
@@ -391,12 +388,10 @@ pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lane
         let late = _mm256_cmp_ps::<_CMP_GE_OQ>(t, _mm256_set1_ps(r.ray.t_min));
         let early = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
         out.hit = _mm256_movemask_ps(_mm256_and_ps(late, early)) as u32 & inside & !out.doubtful;
-        if out.hit != 0 {
-            _mm256_storeu_ps(out.t.as_mut_ptr(), t);
-            _mm256_storeu_ps(out.det.as_mut_ptr(), det);
-            _mm256_storeu_ps(out.e1.as_mut_ptr(), v);
-            _mm256_storeu_ps(out.e2.as_mut_ptr(), w);
-        }
+        _mm256_storeu_ps(out.t.as_mut_ptr(), t);
+        _mm256_storeu_ps(out.det.as_mut_ptr(), det);
+        _mm256_storeu_ps(out.e1.as_mut_ptr(), v);
+        _mm256_storeu_ps(out.e2.as_mut_ptr(), w);
         out
     }
 }

@@ -7,7 +7,7 @@
 
 use super::{
     Children, Kernel, Lanes, NOT_ENTERED,
-    avx2::{block_avx2, classes_avx2, far_to_near, inside_avx2, keys, push_sorted},
+    avx2::{self, block_avx2, classes_avx2, far_to_near, inside_avx2, keys, push_sorted},
     descent::Descent,
     entry::entry_points,
     vec3::{own_box_avx, prepare_avx},
@@ -42,7 +42,7 @@ impl Kernel for Avx512 {
         let mut out = Children::NONE;
         // SAFETY: see the head of the file. Eight numbers are written to an array of eight.
         unsafe {
-            let (enter, exit) = interval(r, node, limit);
+            let (enter, exit) = avx2::interval(r, node, limit);
             let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
             out.mask = u32::from(entered);
             let none = _mm256_set1_epi32(NOT_ENTERED as i32);
@@ -58,7 +58,7 @@ impl Kernel for Avx512 {
     fn entered(self, r: &LocalRay, node: &Node) -> u32 {
         // SAFETY: see the head of the file.
         unsafe {
-            let (enter, exit) = interval(r, node, r.leave);
+            let (enter, exit) = avx2::interval(r, node, r.leave);
             u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit))
         }
     }
@@ -87,7 +87,8 @@ impl Kernel for Avx512 {
     fn step_any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Child {
         // SAFETY: as above.
         unsafe {
-            let mask = self.entered(r, node) as __mmask8;
+            let (enter, exit) = interval(r, node, r.leave);
+            let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
             let children = _mm256_loadu_si256(node.children.as_ptr().cast());
             let children = _mm256_maskz_compress_epi32(mask, children);
             stack.step(mask.count_ones() as usize, |k: *mut u32, c: *mut u32| {
@@ -135,7 +136,8 @@ impl Kernel for Avx512 {
     entry_points!("avx512f,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt");
 }
 
-/// Where the ray enters and leaves each box, no earlier than its start and no later than `limit`.
+/// Where the ray enters and leaves each box, no earlier than its start and no later than `limit`: fewer instructions than
+/// `avx2::interval`, which counts where many rays are in flight, but a longer way to the result, which counts where one is.
 ///
 /// # Safety
 /// The processor must have AVX-512 F, DQ and VL.

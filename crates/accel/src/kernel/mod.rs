@@ -20,7 +20,7 @@ pub(crate) mod stack;
 mod vec3;
 
 use crate::{
-    bvh::{Block, Child, Node, many::Next},
+    bvh::{Block, Child, Node, many::Next, near::Candidate},
     hit::{Chain, Cost, Hit},
     input::Shapes,
     isa::Isa,
@@ -74,6 +74,48 @@ pub(crate) struct Lanes {
 
 impl Lanes {
     const NONE: Self = Self { hit: 0, doubtful: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
+}
+
+/// A certain hit of a block.
+#[derive(Clone, Copy)]
+pub(crate) struct First {
+    pub lane: u32,
+    pub hit: Candidate,
+}
+
+impl First {
+    pub const NONE: Self = Self { lane: 0, hit: Candidate { t: 0.0, uv: [0.0; 2], det: 1.0 } };
+}
+
+impl Lanes {
+    /// The hit of a lane that is certain.
+    #[inline(always)]
+    pub fn candidate(&self, lane: usize) -> Candidate {
+        // Each number apart: the compiler would make one wide load of several, which has to wait until the stores that wrote
+        // them have left the processor.
+        // SAFETY: a read of an initialised number.
+        let number = |of: &[f32; 8]| unsafe { (&raw const of[lane & 7]).read_volatile() };
+        Candidate { t: number(&self.t), uv: [number(&self.e1), number(&self.e2)], det: number(&self.det) }
+    }
+
+    /// The first certain hit; of no use where there is none.
+    #[inline(always)]
+    pub fn first(&self) -> First {
+        let lane = self.hit.trailing_zeros() & 7;
+        First { lane, hit: self.candidate(lane as usize) }
+    }
+
+    /// 1 if one hit is certain and there is no other, else 0.
+    #[inline(always)]
+    pub fn is_one(&self) -> u32 {
+        u32::from((self.hit != 0) & (self.hit & self.hit.wrapping_sub(1) == 0) & (self.doubtful == 0))
+    }
+
+    /// 1 if there may be hits, but not one that is certain alone, else 0.
+    #[inline(always)]
+    pub fn is_several(&self) -> u32 {
+        u32::from((self.hit & self.hit.wrapping_sub(1) != 0) | (self.doubtful != 0))
+    }
 }
 
 /// The vector part of the search. Implementations do the operations of `slab.rs`, `triangle.rs` and `local.rs` in each lane.
