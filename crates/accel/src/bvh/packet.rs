@@ -366,6 +366,7 @@ impl Bvh {
                     if ANY {
                         if Self::block_occluded(q, &at, block) {
                             p.near[i].set_found();
+                            p.best[i].geometry = 0;
                             p.set_limit(i, -1.0);
                         }
                     } else if Self::block_closest(q, &at, block, &mut p.near[i], &p.best[i]) {
@@ -380,6 +381,7 @@ impl Bvh {
                     if ANY {
                         if q.object_occluded(&at, o) {
                             near.set_found();
+                            best.geometry = 0;
                             p.set_limit(i, -1.0);
                         }
                     } else {
