@@ -14,7 +14,7 @@ pub enum Isa {
     Avx2,
     /// AVX-512 (F, DQ and VL): sixteen lanes.
     Avx512,
-    /// NEON of 64-bit ARM. Runs the scalar kernel, which the compiler vectorises in part.
+    /// NEON of 64-bit ARM: four lanes.
     Neon,
 }
 
@@ -50,7 +50,7 @@ impl Isa {
                     && Self::Avx2.is_available()
             }
             #[cfg(target_arch = "aarch64")]
-            Self::Neon => true,
+            Self::Neon => std::arch::is_aarch64_feature_detected!("neon"),
             #[allow(unreachable_patterns)]
             _ => false,
         }

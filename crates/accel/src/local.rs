@@ -106,7 +106,7 @@ pub(crate) static NEG: [[u8; 3]; 8] = {
     let mut out = [[0; 3]; 8];
     let mut i = 0;
     while i < 24 {
-        out[i / 3][i % 3] = if i / 3 >> (i % 3) & 1 == 1 { 255 } else { 0 };
+        out[i / 3][i % 3] = if (i / 3) >> (i % 3) & 1 == 1 { 255 } else { 0 };
         i += 1;
     }
     out

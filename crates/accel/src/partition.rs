@@ -42,7 +42,7 @@ use std::collections::BTreeMap;
 use straal_math::{Bounds, Vec3, ops};
 
 /// How far, relative to itself, a crossing is moved each way. `slab` moves exits by 16 units in the last place; the
-/// rest is for clipped boxes (`kd/clip.rs`), whose hits lie within a few units more.
+/// rest is for clipped boxes (`clip.rs`), whose hits lie within a few units more.
 const SLACK: f32 = 64.0 * f32::EPSILON;
 
 /// A ray parameter that is before `t` by more than the arithmetic is off.

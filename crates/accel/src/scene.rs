@@ -261,7 +261,7 @@ impl Scene {
         for (i, g) in self.groups.iter().enumerate() {
             let sound = match &g.searcher {
                 Searcher::Brute(_) => Ok(()),
-                Searcher::Bvh(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Bvh(s) => s.validate(&g.prim_bounds(self), |id| self.vertices(g, id)),
                 Searcher::Bvh2(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Kd(s) => s.validate(&g.prim_bounds(self)),

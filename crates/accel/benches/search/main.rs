@@ -1,7 +1,8 @@
 //! Rays per CPU second, on one thread, beside Embree where it is installed: `cargo bench -p straal-accel`.
 //!
-//! Words behind `--` choose: names of meshes (`bunny`, `sphere`, `room`), of ray sets, `build`, `scale`; `isa=avx2` an
-//! instruction set; `rounds=9` how often each is timed. The library of Embree 4 is looked for on the system and in the
+//! Words behind `--` choose: names of meshes (`bunny`, `sphere`, `room`), of ray sets, and of parts (`search`; `build`;
+//! `trees`, what each build's tree costs a ray; `classics`, every structure on the bunny; `counting`, what counting
+//! tests costs; `scale`, up to ten million triangles); `isa=avx2` an instruction set; `rounds=9` how often each is timed. The library of Embree 4 is looked for on the system and in the
 //! Python package `embreex` (`pip install embreex`), or `EMBREE_LIB` names it.
 //!
 //! Contestants take turns within a round, and a ratio is the median over the rounds of the ratios within each, so that
@@ -51,7 +52,7 @@ impl Plan {
 
 const MESHES: [&str; 3] = ["bunny", "sphere", "room"];
 const SETS: [&str; 7] = ["primary", "bounce", "shuffled", "second", "shadow", "segments", "misses"];
-const PARTS: [&str; 3] = ["search", "build", "scale"];
+const PARTS: [&str; 6] = ["search", "build", "trees", "classics", "counting", "scale"];
 
 fn main() {
     let plan = Plan::new();
@@ -83,6 +84,17 @@ fn main() {
         if plan.wants(&PARTS, "build") {
             build(&plan, &mesh, embree.as_ref());
         }
+        if plan.wants(&PARTS, "trees") {
+            trees(&plan, &mesh);
+        }
+        if plan.wants(&PARTS, "counting") {
+            counting(&plan, &mesh);
+        }
+    }
+    if plan.wants(&PARTS, "classics")
+        && let Some(mesh) = scenes::bunny()
+    {
+        classics(&plan, &mesh);
     }
     if plan.wants(&PARTS, "scale") {
         scale(&plan);
@@ -133,16 +145,8 @@ fn search(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
             let ratio = median(times[0].iter().zip(t).map(|(a, b)| a / b).collect());
             print!("  {name} {rate:6.2} ({ratio:.2} x)");
         }
-        let costs = rays.iter().step_by(16).map(|r| match set.any {
-            true => one.occluded_counted(&(), r).1,
-            false => one.closest_counted(&(), r).1,
-        });
-        let (mut nodes, mut blocks, mut n) = (0, 0, 0);
-        for c in costs {
-            (nodes, blocks, n) = (nodes + c.nodes, blocks + c.blocks, n + 1);
-        }
-        let each = |x: u32| f64::from(x) / f64::from(n);
-        print!("  {:.1} nodes, {:.1} blocks a ray", each(nodes), each(blocks));
+        let [nodes, blocks] = steps(&one, set);
+        print!("  {nodes:.1} nodes, {blocks:.1} blocks a ray");
         if peer.is_some() {
             let differ = match set.any {
                 true => blocked.iter().zip(&peer_blocked).filter(|(a, b)| a != b).count(),
@@ -232,21 +236,143 @@ fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
     }
 }
 
-/// Bounces on spheres of 20 thousand to 5 million triangles.
+/// What each build's tree costs a ray, and how fast it is beside the default.
+fn trees(plan: &Plan, mesh: &Mesh) {
+    let scenes: Vec<(&str, Scene)> =
+        [("default", Build::Default), ("fast", Build::Fast), ("best", Build::Best)]
+            .into_iter()
+            .map(|(name, build)| {
+                let structure = Structure::Bvh(BvhParams { build, compact: false });
+                let options = Options { structure, isa: plan.isa, ..Options::default() };
+                (name, Scene::build(input(mesh), &(), &options).expect("a sound mesh"))
+            })
+            .collect();
+    for (name, scene) in &scenes {
+        let s = scene.stats()[0].expect("the world");
+        let n = mesh.indices.len() as f64;
+        println!(
+            "  tree {name:9} cost {:.1}, {:.3} references and {:.1} bytes a triangle, {} deep",
+            s.sah_cost,
+            s.references as f64 / n,
+            scene.memory_bytes() as f64 / n,
+            s.depth
+        );
+    }
+    for set in rays::sets(&scenes[0].1, mesh).iter().filter(|s| plan.wants(&SETS, s.name)) {
+        let rays = set.rays.as_slice();
+        let mut contestants: Vec<Contestant<'_>> = Vec::new();
+        for (name, scene) in &scenes {
+            let (mut hits, mut blocked) = (vec![(0, 0.0); rays.len()], vec![false; rays.len()]);
+            let run = move || trace(scene, set.any, rays, 1024, &mut hits, &mut blocked);
+            contestants.push((name, Box::new(run)));
+        }
+        let times = duel(plan.rounds, &mut contestants);
+        print!("  {:9}", set.name);
+        for ((name, scene), t) in scenes.iter().zip(&times) {
+            let rate = rays.len() as f64 / median(t.clone()) * 1e-6;
+            let ratio = median(times[0].iter().zip(t).map(|(a, b)| a / b).collect());
+            let [nodes, blocks] = steps(scene, set);
+            print!("  {name} {rate:.2} ({ratio:.2} x; {nodes:.1} nodes, {blocks:.1} blocks)");
+        }
+        println!();
+    }
+}
+
+/// Nodes and blocks a ray: of every 16th ray.
+fn steps(scene: &Scene, set: &rays::Set) -> [f64; 2] {
+    let (mut nodes, mut blocks, mut n) = (0, 0, 0);
+    for ray in set.rays.iter().step_by(16) {
+        let (_, c) = match set.any {
+            true => (Hit::MISS, scene.occluded_counted(&(), ray).1),
+            false => scene.closest_counted(&(), ray),
+        };
+        (nodes, blocks, n) = (nodes + u64::from(c.nodes), blocks + u64::from(c.blocks), n + 1);
+    }
+    [nodes, blocks].map(|x| x as f64 / f64::from(n))
+}
+
+/// Bounces on spheres of 20 thousand to 10 million triangles.
 fn scale(plan: &Plan) {
     println!("\nscale: bounces on the sphere");
     for levels in 5..=9 {
-        let mesh = scenes::sphere("sphere", levels);
-        let options = Options { isa: plan.isa, ..Options::default() };
-        let scene = Scene::build(input(&mesh), &(), &options).expect("a sound mesh");
-        let sets = rays::sets(&scene, &mesh);
-        let rays = &sets[1].rays;
+        scale_of(plan, &scenes::sphere("sphere", levels));
+    }
+    scale_of(plan, &scenes::sphere("sphere", 9).twice());
+}
+
+fn scale_of(plan: &Plan, mesh: &Mesh) {
+    let options = Options { isa: plan.isa, ..Options::default() };
+    let scene = Scene::build(input(mesh), &(), &options).expect("a sound mesh");
+    let sets = rays::sets(&scene, mesh);
+    let rays = &sets[1].rays;
+    let mut hits = vec![(0, 0.0); rays.len()];
+    let mut contestants: Vec<Contestant<'_>> =
+        vec![("", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
+    let seconds = median(duel(plan.rounds, &mut contestants).remove(0));
+    let (n, rate) = (mesh.indices.len(), rays.len() as f64 / seconds * 1e-6);
+    println!("  {n:8} triangles {rate:6.2} Mrays/s, times log2 n {:.1}", rate * (n as f64).log2());
+}
+
+/// Every structure with its default parameters, one ray at a time.
+fn classics(plan: &Plan, mesh: &Mesh) {
+    println!("\nclassics: {} triangles, bounces one by one", mesh.indices.len());
+    let fast = Scene::build(input(mesh), &(), &Options::default()).expect("a sound mesh");
+    let sets = rays::sets(&fast, mesh);
+    for structure in Structure::ALL {
+        let options = Options { structure, isa: plan.isa, flight: Flight::One };
+        let start = cpu_seconds();
+        let scene = Scene::build(input(mesh), &(), &options).expect("a sound mesh");
+        let seconds = cpu_seconds() - start;
+        // Those that test everything would take minutes.
+        let tests_all = matches!(structure, Structure::Brute | Structure::Volumes(_));
+        let stride = if tests_all { 1024 } else { 4 };
+        let rays: Vec<Ray> = sets[1].rays.iter().step_by(stride).copied().collect();
         let mut hits = vec![(0, 0.0); rays.len()];
         let mut contestants: Vec<Contestant<'_>> =
-            vec![("", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
-        let seconds = median(duel(plan.rounds, &mut contestants).remove(0));
-        let (n, rate) = (mesh.indices.len(), rays.len() as f64 / seconds * 1e-6);
-        println!("  {n:8} triangles {rate:6.2} Mrays/s, times log2 n {:.1}", rate * (n as f64).log2());
+            vec![("", Box::new(|| trace(&scene, false, &rays, 1, &mut hits, &mut [])))];
+        let rate = rays.len() as f64 / median(duel(plan.rounds, &mut contestants).remove(0)) * 1e-6;
+        let costs = rays.iter().map(|r| scene.closest_counted(&(), r).1);
+        let (nodes, prims) =
+            costs.fold((0, 0), |(n, p), c| (n + u64::from(c.nodes), p + u64::from(c.primitives)));
+        let each = |x: u64| x as f64 / rays.len() as f64;
+        println!(
+            "  {structure:8} {rate:8.4} Mrays/s, {:.1} nodes and {:.1} primitives a ray, build {seconds:.3} CPU s, {:.1} bytes a triangle",
+            each(nodes),
+            each(prims),
+            scene.memory_bytes() as f64 / mesh.indices.len() as f64
+        );
+    }
+}
+
+/// The search that doesn't count, beside itself (what the clock is off by) and beside the one that counts.
+fn counting(plan: &Plan, mesh: &Mesh) {
+    let options = Options { isa: plan.isa, flight: Flight::One, ..Options::default() };
+    let scene = Scene::build(input(mesh), &(), &options).expect("a sound mesh");
+    for set in rays::sets(&scene, mesh).iter().filter(|s| s.name == "bounce" || s.name == "shadow") {
+        let rays = set.rays.as_slice();
+        let scene = &scene;
+        let plain = || {
+            let (mut hits, mut blocked) = (vec![(0, 0.0); rays.len()], vec![false; rays.len()]);
+            move || trace(scene, set.any, rays, 1, &mut hits, &mut blocked)
+        };
+        let (first, again) = (plain(), plain());
+        let counted = || {
+            for ray in rays {
+                match set.any {
+                    true => _ = std::hint::black_box(scene.occluded_counted(&(), ray)),
+                    false => _ = std::hint::black_box(scene.closest_counted(&(), ray)),
+                }
+            }
+        };
+        let mut contestants: Vec<Contestant<'_>> =
+            vec![("off", Box::new(first)), ("off again", Box::new(again)), ("counting", Box::new(counted))];
+        let times = duel(plan.rounds, &mut contestants);
+        print!("  counting {:7}", set.name);
+        for ((name, _), t) in contestants.iter().zip(&times) {
+            let ratio = median(times[0].iter().zip(t).map(|(a, b)| a / b).collect());
+            print!("  {name} {:.2} ({ratio:.2} x)", rays.len() as f64 / median(t.clone()) * 1e-6);
+        }
+        println!();
     }
 }
 

@@ -71,6 +71,17 @@ pub fn room() -> Mesh {
 }
 
 impl Mesh {
+    /// With a copy beside it.
+    pub fn twice(mut self) -> Self {
+        let n = self.positions.len() as u32;
+        self.positions.extend_from_within(..);
+        self.positions[n as usize..].iter_mut().for_each(|p| p.x += 2.5);
+        self.indices.extend_from_within(..);
+        let half = self.indices.len() / 2;
+        self.indices[half..].iter_mut().flatten().for_each(|i| *i += n);
+        self
+    }
+
     fn quad(&mut self, p: [Vec3; 4]) {
         let i = self.positions.len() as u32;
         self.positions.extend(p);

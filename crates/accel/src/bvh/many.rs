@@ -161,7 +161,7 @@ impl Bvh {
                 let block = self.block(q.scene, group, next.0[i].index(), &mut room);
                 if ANY {
                     if Self::block_occluded(q, &at, block) {
-                        f.near.set_found();
+                        f.near.set_found(&mut elsewhere[i]);
                         stack.reset();
                     }
                 } else if Self::block_closest(q, &at, block, &mut f.near, &elsewhere[i]) {
@@ -179,7 +179,7 @@ impl Bvh {
                 let object = next.0[i].index() as u32;
                 if ANY {
                     if q.object_occluded(&at, object) {
-                        f.near.set_found();
+                        f.near.set_found(best);
                         stack.reset();
                     }
                 } else {

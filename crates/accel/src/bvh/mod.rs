@@ -5,9 +5,12 @@
 mod build;
 pub(crate) mod many;
 pub(crate) mod near;
+mod object_split;
 mod packet;
 pub mod params;
 mod slots;
+mod span;
+mod spatial_split;
 mod stats;
 mod traverse;
 mod validate;
@@ -103,6 +106,7 @@ impl Child {
     }
 
     /// Whether it is a leaf of any kind: 0 or 1.
+    #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub const fn leaf(self) -> usize {
         (self.0 >> 31) as usize

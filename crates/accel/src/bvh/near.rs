@@ -48,7 +48,8 @@ impl Near {
 
     /// For searches that want any hit: there is one.
     #[inline(always)]
-    pub fn set_found(&mut self) {
+    pub fn set_found(&mut self, elsewhere: &mut Hit) {
+        elsewhere.geometry = 0;
         self.id = ELSEWHERE;
     }
 

@@ -365,7 +365,7 @@ impl Bvh {
                     let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
                     if ANY {
                         if Self::block_occluded(q, &at, block) {
-                            p.near[i].set_found();
+                            p.near[i].set_found(&mut p.best[i]);
                             p.set_limit(i, -1.0);
                         }
                     } else if Self::block_closest(q, &at, block, &mut p.near[i], &p.best[i]) {
@@ -379,7 +379,7 @@ impl Bvh {
                     let (near, best) = (&mut p.near[i], &mut p.best[i]);
                     if ANY {
                         if q.object_occluded(&at, o) {
-                            near.set_found();
+                            near.set_found(best);
                             p.set_limit(i, -1.0);
                         }
                     } else {

@@ -22,7 +22,8 @@ pub enum Build {
     /// Cuts are looked for between 32 bins along each axis.
     #[default]
     Default,
-    /// Small ranges are cut at the best of all places between two centres.
+    /// The same, and triangles are cut where their boxes overlap much (spatial splits): for long thin ones. The tree has at
+    /// most a quarter more references than triangles.
     Best,
 }
 

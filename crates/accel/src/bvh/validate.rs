@@ -1,19 +1,20 @@
 //! Whether a tree is what searches rely on.
 
-use super::{Bvh, Child, ChildKind, WIDTH, build};
-use crate::structure::{Prim, PrimKind};
+use super::{Bvh, Child, ChildKind, WIDTH, build, spatial_split};
+use crate::{
+    clip,
+    structure::{Prim, PrimKind},
+};
+use std::collections::BTreeMap;
 use straal_math::{Bounds, Vec3};
 
 impl Bvh {
-    /// Every primitive in exactly one leaf and inside every box above it, no deeper than the stack allows.
-    pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
-        let mut expected: std::collections::BTreeMap<(bool, u32), Bounds> = prims
-            .iter()
-            .map(|p| match p.kind {
-                PrimKind::Triangle(i) => ((false, i), p.bounds),
-                PrimKind::Object(i) => ((true, i), p.bounds),
-            })
-            .collect();
+    /// Every primitive in one leaf, whose box and all above it contain the primitive's; or, if it is a triangle, its parts
+    /// in several, whose boxes together contain it. No deeper than the stack allows.
+    pub fn validate(&self, prims: &[Prim], vertices: impl Fn(u32) -> [Vec3; 3]) -> Result<(), String> {
+        let mut leaves: BTreeMap<(bool, u32), Vec<Bounds>> =
+            prims.iter().map(|p| (key(p.kind), Vec::new())).collect();
+        let mut references = 0;
         let everything = Bounds { min: Vec3::splat(f32::NEG_INFINITY), max: Vec3::splat(f32::INFINITY) };
         let mut stack: Vec<(Child, Bounds, usize)> =
             self.root.iter().map(|&root| (root, everything, 0)).collect();
@@ -21,19 +22,18 @@ impl Bvh {
             if depth * (WIDTH - 1) + 1 > build::STACK {
                 return Err(format!("depth {depth} is more than the stack can hold"));
             }
-            let mut take = |key: (bool, u32)| match expected.remove(&key) {
-                None => Err(format!("primitive {key:?} is in two leaves, or unknown")),
-                Some(b) if outer.union(b) != outer => {
-                    Err(format!("primitive {key:?} sticks out of {outer:?}"))
-                }
-                Some(_) => Ok(()),
+            let mut take = |kind: PrimKind| {
+                references += 1;
+                let boxes = leaves.get_mut(&key(kind)).ok_or_else(|| format!("{kind:?} is unknown"))?;
+                boxes.push(outer);
+                Ok::<(), String>(())
             };
             match child.kind() {
                 ChildKind::Done => return Err("a child that ends a search".into()),
-                ChildKind::Object(i) => take((true, i))?,
+                ChildKind::Object(i) => take(PrimKind::Object(i))?,
                 ChildKind::Block(i) => {
                     for id in self.block_ids(i) {
-                        take((false, id))?;
+                        take(PrimKind::Triangle(id))?;
                     }
                 }
                 ChildKind::Node(i) => {
@@ -51,9 +51,28 @@ impl Bvh {
                 }
             }
         }
-        match expected.len() {
-            0 => Ok(()),
-            n => Err(format!("{n} primitives are in no leaf")),
+        let most = prims.len() + spatial_split::room(prims.len());
+        if references > most {
+            return Err(format!("{references} references are more than {most}"));
         }
+        for p in prims {
+            let sound = match (leaves[&key(p.kind)].as_slice(), p.kind) {
+                ([], _) => Err("is in no leaf"),
+                ([only], _) if only.union(p.bounds) == *only => Ok(()),
+                ([_], _) => Err("sticks out of its leaf"),
+                (parts, PrimKind::Triangle(id)) if clip::is_covered(&vertices(id), parts) => Ok(()),
+                (_, PrimKind::Triangle(_)) => Err("sticks out of its leaves"),
+                (_, PrimKind::Object(_)) => Err("is in several leaves"),
+            };
+            sound.map_err(|e| format!("{:?} {e}", p.kind))?;
+        }
+        Ok(())
+    }
+}
+
+fn key(kind: PrimKind) -> (bool, u32) {
+    match kind {
+        PrimKind::Triangle(i) => (false, i),
+        PrimKind::Object(i) => (true, i),
     }
 }

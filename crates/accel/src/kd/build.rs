@@ -10,10 +10,11 @@
 //! references (`partition::Budget`).
 
 use super::{
-    KdParams, KdTree, Node, clip,
+    KdParams, KdTree, Node,
     sweep::{self, Cut, Event, Kind},
 };
 use crate::{
+    clip,
     partition::{self, Budget, depth_limit},
     structure::{Packed, Prim, PrimKind},
 };

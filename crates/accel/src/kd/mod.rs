@@ -35,7 +35,6 @@
 //! By `partition.rs`; with `clip`, by `clip.rs`.
 
 mod build;
-mod clip;
 mod params;
 mod sweep;
 

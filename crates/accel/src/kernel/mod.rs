@@ -10,6 +10,8 @@ mod avx2;
 mod avx512;
 pub(crate) mod descent;
 mod entry;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod scalar;
 #[cfg(target_arch = "x86_64")]
 mod sse;
@@ -305,6 +307,8 @@ const LINES: usize = size_of::<Block>() / 64;
 #[derive(Clone, Copy)]
 pub(crate) enum Chosen {
     Scalar(scalar::Scalar),
+    #[cfg(target_arch = "aarch64")]
+    Neon(neon::Neon),
     #[cfg(target_arch = "x86_64")]
     Sse(sse::Sse),
     #[cfg(target_arch = "x86_64")]
@@ -317,6 +321,8 @@ impl Chosen {
     /// That of an instruction set; where the processor doesn't have it, the scalar one.
     pub fn new(isa: Isa) -> Self {
         let vector = match isa {
+            #[cfg(target_arch = "aarch64")]
+            Isa::Neon => neon::Neon::new().map(Self::Neon),
             #[cfg(target_arch = "x86_64")]
             Isa::Sse => sse::Sse::new().map(Self::Sse),
             #[cfg(target_arch = "x86_64")]
@@ -334,6 +340,8 @@ macro_rules! with_kernel {
     ($scene:expr, $k:ident => $body:expr) => {
         match $scene.kernel() {
             Chosen::Scalar($k) => $body,
+            #[cfg(target_arch = "aarch64")]
+            Chosen::Neon($k) => $body,
             #[cfg(target_arch = "x86_64")]
             Chosen::Sse($k) => $body,
             #[cfg(target_arch = "x86_64")]
@@ -443,5 +451,5 @@ fn occluded_rays<K: Kernel, S: Shapes>(
     each!(&group.searcher, s => s.occluded_many(&mut q, group, rays, blocked));
 }
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod tests;

@@ -21,7 +21,7 @@ impl Kernel for Scalar {
             (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
         };
         for lane in 0..WIDTH {
-            let near = |axis: usize| plane(axis, usize::from(r.neg[axis]), lane);
+            let near = |axis: usize| plane(axis, usize::from(r.neg[axis] & 1), lane);
             let far = |axis: usize| plane(axis, usize::from(r.neg[axis] & 1) ^ 1, lane);
             let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.enter);
             let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)) * EXIT, limit);

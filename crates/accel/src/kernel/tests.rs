@@ -95,6 +95,7 @@ fn same_as_scalar<K: Kernel>(kernel: K) {
         let (want_lanes, got_lanes) =
             (scalar::Scalar.block(&ray, &block, limit), kernel.block(&ray, &block, limit));
         assert_eq!((got_lanes.hit, got_lanes.doubtful), (want_lanes.hit, want_lanes.doubtful));
+        assert_eq!((got_lanes.hit | got_lanes.doubtful) & !kernel.inside(&ray, &block), 0);
         for lane in 0..8 {
             if want.mask >> lane & 1 == 1 {
                 assert_eq!(got.keys[lane], want.keys[lane]);
@@ -126,6 +127,7 @@ fn same_as_scalar<K: Kernel>(kernel: K) {
 }
 
 #[test]
+#[cfg(target_arch = "x86_64")]
 fn sse_is_scalar() {
     if let Some(kernel) = sse::Sse::new() {
         same_as_scalar(kernel);
@@ -133,6 +135,7 @@ fn sse_is_scalar() {
 }
 
 #[test]
+#[cfg(target_arch = "x86_64")]
 fn avx2_is_scalar() {
     if let Some(kernel) = avx2::Avx2::new() {
         same_as_scalar(kernel);
@@ -140,8 +143,17 @@ fn avx2_is_scalar() {
 }
 
 #[test]
+#[cfg(target_arch = "x86_64")]
 fn avx512_is_scalar() {
     if let Some(kernel) = avx512::Avx512::new() {
+        same_as_scalar(kernel);
+    }
+}
+
+#[test]
+#[cfg(target_arch = "aarch64")]
+fn neon_is_scalar() {
+    if let Some(kernel) = neon::Neon::new() {
         same_as_scalar(kernel);
     }
 }

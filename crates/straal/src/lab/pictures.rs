@@ -1,4 +1,6 @@
-//! Where rays are expensive: camera rays through the middles of pixels, by the boxes and primitives each tests.
+//! Where rays are expensive: camera rays through the middles of pixels, by the steps that each takes and the
+//! primitives that it tests. A step is a node opened, a cell entered or a volume tested: boxes alone would make structures look
+//! cheap that go by planes or cells and test none.
 
 use crate::false_colour::{Chart, Scale};
 use straal_accel::Scene;
@@ -21,14 +23,14 @@ pub struct CostPicture {
     pub name: String,
     /// In pixels.
     pub width: usize,
-    /// Tests, row by row from the top.
+    /// Steps and tests, row by row from the top.
     pub tests: Vec<f32>,
     /// Pixels in a row that share a ray, for structures that would take too long otherwise.
     pub block: usize,
 }
 
 /// What the numbers are.
-pub const CAPTION: &str = "boxes and primitives a camera ray";
+pub const CAPTION: &str = "steps and primitives a camera ray";
 
 /// Width in pixels, unless the picture is high.
 const SIDE: u32 = 256;
@@ -73,7 +75,7 @@ fn size([w, h]: [u32; 2]) -> [u32; 2] {
     [w, h].map(|n| (n * SIDE).div_ceil(long).clamp(1, SIDE))
 }
 
-/// Tests of a ray for each block of pixels, spread over its pixels.
+/// Steps and tests of a ray for each block of pixels, spread over its pixels.
 fn tests(world: &World, film: [u32; 2], [w, h]: [u32; 2], (scene, block): (&Scene, u32)) -> Vec<f32> {
     let scale = [film[0] as f32 / w as f32, film[1] as f32 / h as f32];
     let across = w.div_ceil(block);
@@ -86,7 +88,7 @@ fn tests(world: &World, film: [u32; 2], [w, h]: [u32; 2], (scene, block): (&Scen
             let (x, y) = (middle(i % across, w), middle(i / across, h));
             let ray = world.camera.ray(FilmPoint { position: [x * scale[0], y * scale[1]] });
             let cost = scene.closest_counted(&world.geometry, &ray).1;
-            cost.boxes as f32 + cost.primitives as f32
+            cost.nodes as f32 + cost.primitives as f32
         })
         .collect();
     let pixel = |i: u32| blocks[((i / w / block) * across + i % w / block) as usize];

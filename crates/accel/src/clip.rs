@@ -1,4 +1,4 @@
-//! The box of a triangle's part in a cell: "perfect splits" (Havran 2000; Wald and Havran 2006, section 3.2).
+//! Triangles cut by boxes. The box of a triangle's part in a cell is what the kd-tree calls "perfect splits" (Havran 2000; Wald and Havran 2006, section 3.2).
 //!
 //! # Exactness
 //! The part's box isn't the triangle's, so that the moment of `partition.rs`, where the ray enters the triangle's own
@@ -30,6 +30,12 @@ struct Polygon {
 }
 
 impl Polygon {
+    fn of([a, b, c]: [[f64; 3]; 3]) -> Self {
+        let mut corners = [[0.0; 3]; CORNERS];
+        (corners[0], corners[1], corners[2]) = (a, b, c);
+        Self { corners, count: 3 }
+    }
+
     fn corners(&self) -> &[[f64; 3]] {
         &self.corners[..self.count]
     }
@@ -63,11 +69,8 @@ impl Polygon {
 }
 
 /// The box of a triangle's part in a cell, inside of that cell; `None` when there is no such part.
-pub(super) fn part(v: &[Vec3; 3], cell: &Bounds) -> Option<Bounds> {
-    let mut polygon = Polygon { corners: [[0.0; 3]; CORNERS], count: 3 };
-    for (to, from) in polygon.corners.iter_mut().zip(v) {
-        *to = from.to_array().map(f64::from);
-    }
+pub(crate) fn part(v: &[Vec3; 3], cell: &Bounds) -> Option<Bounds> {
+    let mut polygon = Polygon::of(v.map(|p| p.to_array().map(f64::from)));
     let pad = PAD * longest(polygon.corners());
     for axis in 0..3 {
         polygon = polygon.cut(axis, f64::from(cell.max[axis]) + pad, 1.0);
@@ -85,6 +88,32 @@ pub(super) fn part(v: &[Vec3; 3], cell: &Bounds) -> Option<Bounds> {
     }
     let out = out.intersection(*cell);
     (!out.is_empty()).then_some(out)
+}
+
+/// Whether boxes together hold all of a triangle.
+pub(crate) fn is_covered(v: &[Vec3; 3], boxes: &[Bounds]) -> bool {
+    fn rest_is_covered(p: Polygon, boxes: &[Bounds]) -> bool {
+        // A point or an edge that is left over lies on the face of a box that has it.
+        if p.count < 3 {
+            return true;
+        }
+        let Some((first, others)) = boxes.split_first() else { return false };
+        let mut inside = p;
+        for axis in 0..3 {
+            for (plane, sign) in [(first.max[axis], 1.0), (first.min[axis], -1.0)] {
+                let outside = inside.cut(axis, f64::from(plane), -sign);
+                // In triangles, so that corners don't add up.
+                let fan =
+                    outside.corners().windows(2).skip(1).map(|edge| [outside.corners[0], edge[0], edge[1]]);
+                if !fan.clone().all(|t| rest_is_covered(Polygon::of(t), others)) {
+                    return false;
+                }
+                inside = inside.cut(axis, f64::from(plane), sign);
+            }
+        }
+        true
+    }
+    rest_is_covered(Polygon::of(v.map(|p| p.to_array().map(f64::from))), boxes)
 }
 
 fn range(points: &[[f64; 3]], axis: usize) -> (f64, f64) {
@@ -124,5 +153,15 @@ mod tests {
         assert_eq!(part(&v, &cell([0.0; 3], [0.2; 3])), None);
         assert_eq!(part(&v, &cell([0.6; 3], [1.0; 3])), None);
         assert!(part(&v, &cell([0.2; 3], [0.5; 3])).is_some());
+    }
+
+    #[test]
+    fn boxes_cover_a_triangle_together() {
+        let v = [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 4.0)];
+        let (low, high) = (cell([-1.0; 3], [2.0, 5.0, 5.0]), cell([2.0, -1.0, -1.0], [5.0, 2.1, 2.1]));
+        assert!(is_covered(&v, &[low, high]) && is_covered(&v, &[high, low]));
+        assert!(!is_covered(&v, &[low]) && !is_covered(&v, &[high]));
+        let gap = cell([2.01, -1.0, -1.0], [5.0; 3]);
+        assert!(!is_covered(&v, &[low, gap]));
     }
 }

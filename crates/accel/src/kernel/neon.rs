@@ -1,0 +1,208 @@
+//! Four lanes of NEON, twice.
+//!
+//! Every lane does the operations of `slab.rs` and `triangle.rs` in their order. The least and the greatest of two are
+//! taken by comparing, since NEON's own give NaN where one of them is NaN, and the other kernels the second.
+//!
+//! Safety: a [`Neon`] is made only where the processor has NEON.
+
+use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
+use crate::{
+    bvh::{Block, Node},
+    local::LocalRay,
+    slab::EXIT,
+    triangle::FLAT,
+};
+use std::arch::aarch64::*;
+
+/// The proof that the processor has NEON.
+#[derive(Clone, Copy)]
+pub(crate) struct Neon(());
+
+impl Neon {
+    pub fn new() -> Option<Self> {
+        crate::Isa::Neon.is_available().then_some(Self(()))
+    }
+}
+
+impl Kernel for Neon {
+    #[inline(always)]
+    fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
+        let mut out = Children::NONE;
+        for half in [0, 4] {
+            // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
+            unsafe {
+                let [x, y, z] = r.neg.map(|n| usize::from(n & 1));
+                let enter = more(plane(r, node, 0, x, half), plane(r, node, 1, y, half));
+                let enter = more(enter, plane(r, node, 2, z, half));
+                let enter = more(enter, vdupq_n_f32(r.enter));
+                let exit = less(plane(r, node, 0, x ^ 1, half), plane(r, node, 1, y ^ 1, half));
+                let exit = less(exit, plane(r, node, 2, z ^ 1, half));
+                let exit = less(vmulq_f32(exit, vdupq_n_f32(EXIT)), vdupq_n_f32(limit));
+                let entered = vcleq_f32(enter, exit);
+                out.mask |= mask(entered) << half;
+                let lanes = vaddq_u32(vld1q_u32(LANES.as_ptr()), vdupq_n_u32(half as u32));
+                let key = vorrq_u32(vbicq_u32(vreinterpretq_u32_f32(enter), vdupq_n_u32(7)), lanes);
+                let key = vbslq_u32(entered, key, vdupq_n_u32(NOT_ENTERED));
+                vst1q_u32(out.keys.as_mut_ptr().add(half), key);
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
+        self.node(r, node, r.leave).mask
+    }
+
+    #[inline(always)]
+    fn inside(self, r: &LocalRay, block: &Block) -> u32 {
+        // SAFETY: see the head of the file. 0 and 4 are at most 4.
+        unsafe { mask(Crossing::new(r, block, 0).inside()) | mask(Crossing::new(r, block, 4).inside()) << 4 }
+    }
+
+    #[inline(always)]
+    fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
+        let mut out = Lanes::NONE;
+        for half in [0, 4] {
+            // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
+            unsafe {
+                let crossing = Crossing::new(r, block, half);
+                let inside = mask(crossing.inside());
+                if inside == 0 {
+                    continue;
+                }
+                let Crossing { a, b, c, edges: [u, v, w], least, most } = crossing;
+                let zero = vdupq_n_f32(0.0);
+                let on_edge = vorrq_u32(vceqq_f32(least, zero), vceqq_f32(most, zero));
+                let det = vaddq_f32(vaddq_f32(u, v), w);
+                let reach = more(vabsq_f32(a[0]), vabsq_f32(a[1]));
+                let reach = more(reach, more(vabsq_f32(b[0]), vabsq_f32(b[1])));
+                let reach = more(reach, more(vabsq_f32(c[0]), vabsq_f32(c[1])));
+                let enough = vmulq_f32(vmulq_f32(reach, reach), vdupq_n_f32(FLAT));
+                let flat = vmvnq_u32(vcgeq_f32(vabsq_f32(det), enough));
+                let doubtful = mask(vorrq_u32(on_edge, flat)) & inside;
+                let depth = vaddq_f32(vmulq_f32(u, a[2]), vmulq_f32(v, b[2]));
+                let depth = vaddq_f32(depth, vmulq_f32(w, c[2]));
+                let t = vdivq_f32(vmulq_f32(depth, vdupq_n_f32(r.shear[2])), det);
+                let late = vcgeq_f32(t, vdupq_n_f32(r.ray.t_min));
+                let within = mask(vandq_u32(late, vcleq_f32(t, vdupq_n_f32(limit))));
+                out.doubtful |= doubtful << half;
+                out.hit |= (within & inside & !doubtful) << half;
+                vst1q_f32(out.t.as_mut_ptr().add(half), t);
+                vst1q_f32(out.det.as_mut_ptr().add(half), det);
+                vst1q_f32(out.e1.as_mut_ptr().add(half), v);
+                vst1q_f32(out.e2.as_mut_ptr().add(half), w);
+            }
+        }
+        out
+    }
+
+    entry_points!("neon");
+}
+
+static LANES: [u32; 4] = [0, 1, 2, 3];
+static BITS: [u32; 4] = [1, 2, 4, 8];
+
+/// One bit for each lane that has all bits.
+///
+/// # Safety
+/// The processor must have NEON.
+#[inline(always)]
+unsafe fn mask(lanes: uint32x4_t) -> u32 {
+    // SAFETY: the caller's promise; four numbers are read from an array of four.
+    unsafe { vaddvq_u32(vandq_u32(lanes, vld1q_u32(BITS.as_ptr()))) }
+}
+
+/// # Safety
+/// The processor must have NEON.
+#[inline(always)]
+unsafe fn more(a: float32x4_t, b: float32x4_t) -> float32x4_t {
+    // SAFETY: the caller's promise.
+    unsafe { vbslq_f32(vcgtq_f32(a, b), a, b) }
+}
+
+/// # Safety
+/// The processor must have NEON.
+#[inline(always)]
+unsafe fn less(a: float32x4_t, b: float32x4_t) -> float32x4_t {
+    // SAFETY: the caller's promise.
+    unsafe { vbslq_f32(vcltq_f32(a, b), a, b) }
+}
+
+/// Where the ray crosses a plane of four boxes.
+///
+/// # Safety
+/// The processor must have NEON, and `half` be at most 4.
+#[inline(always)]
+unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize) -> float32x4_t {
+    // SAFETY: the caller's promise; four numbers are read from within an array of eight.
+    unsafe {
+        let b = vld1q_f32(node.planes[2 * axis + (side & 1)].as_ptr().add(half));
+        vmulq_f32(vsubq_f32(b, vdupq_n_f32(r.ray.o[axis])), vdupq_n_f32(r.inv[axis]))
+    }
+}
+
+/// A vertex of four triangles, moved to the ray's origin and sheared.
+///
+/// # Safety
+/// The processor must have NEON, and `half` be at most 4.
+#[inline(always)]
+unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [float32x4_t; 3] {
+    // SAFETY: the caller's promise; four numbers are read from within arrays of eight.
+    unsafe {
+        let [x, y, z] = r.axes();
+        let x = vsubq_f32(vld1q_f32(vertex[x % 3].as_ptr().add(half)), vdupq_n_f32(r.origin[0]));
+        let y = vsubq_f32(vld1q_f32(vertex[y % 3].as_ptr().add(half)), vdupq_n_f32(r.origin[1]));
+        let z = vsubq_f32(vld1q_f32(vertex[z % 3].as_ptr().add(half)), vdupq_n_f32(r.origin[2]));
+        let x = vsubq_f32(x, vmulq_f32(vdupq_n_f32(r.shear[0]), z));
+        let y = vsubq_f32(y, vmulq_f32(vdupq_n_f32(r.shear[1]), z));
+        [x, y, z]
+    }
+}
+
+/// Edge functions of the edges from `q` to `p`.
+///
+/// # Safety
+/// The processor must have NEON.
+#[inline(always)]
+unsafe fn edge(p: &[float32x4_t; 3], q: &[float32x4_t; 3]) -> float32x4_t {
+    // SAFETY: the caller's promise.
+    unsafe { vsubq_f32(vmulq_f32(p[0], q[1]), vmulq_f32(p[1], q[0])) }
+}
+
+/// Four triangles as `triangle::edges` has one.
+struct Crossing {
+    a: [float32x4_t; 3],
+    b: [float32x4_t; 3],
+    c: [float32x4_t; 3],
+    edges: [float32x4_t; 3],
+    least: float32x4_t,
+    most: float32x4_t,
+}
+
+impl Crossing {
+    /// # Safety
+    /// The processor must have NEON, and `half` be at most 4.
+    #[inline(always)]
+    unsafe fn new(r: &LocalRay, block: &Block, half: usize) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let [a, b, c] = [0, 1, 2].map(|i| sheared(r, &block.v[i], half));
+            let edges @ [u, v, w] = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
+            Self { a, b, c, edges, least: less(u, less(v, w)), most: more(u, more(v, w)) }
+        }
+    }
+
+    /// All bits of the lanes in which no two signs differ.
+    ///
+    /// # Safety
+    /// The processor must have NEON.
+    #[inline(always)]
+    unsafe fn inside(&self) -> uint32x4_t {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let zero = vdupq_n_f32(0.0);
+            vorrq_u32(vcgeq_f32(self.least, zero), vcleq_f32(self.most, zero))
+        }
+    }
+}
