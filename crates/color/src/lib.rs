@@ -2,11 +2,15 @@
 #![forbid(unsafe_code)]
 
 pub mod adaptation;
+pub mod dither;
+pub mod exposure;
+pub mod gamut;
 pub mod heat;
 pub mod lab;
 pub mod light;
 pub mod matrix;
 pub mod oklab;
+pub mod parse;
 pub mod space;
 pub mod srgb;
 pub mod tone;
@@ -14,9 +18,13 @@ pub mod transfer;
 pub mod xyz;
 
 pub use adaptation::Adaptation;
+pub use dither::Dither;
+pub use exposure::{Exposure, Meter};
+pub use gamut::Gamut;
 pub use lab::{Lab, Lch};
 pub use light::Light;
 pub use matrix::Matrix3;
+pub use parse::ParseError;
 pub use space::{RgbSpace, Space};
 pub use tone::Tone;
 pub use transfer::Transfer;

@@ -53,6 +53,15 @@ impl Space {
         Self::ALL.into_iter().find(|s| s.name() == name)
     }
 
+    /// The space of these primaries and white, as far as a file in single precision tells them.
+    pub fn of(rgb: &RgbSpace) -> Option<Self> {
+        Self::ALL.into_iter().find(|space| {
+            let own = space.rgb();
+            let pairs = own.primaries.into_iter().zip(rgb.primaries).chain([(own.white, rgb.white)]);
+            { pairs }.all(|(a, b)| (a.x - b.x).abs() < 2e-5 && (a.y - b.y).abs() < 2e-5)
+        })
+    }
+
     /// Its primaries and white.
     pub const fn rgb(self) -> RgbSpace {
         let (primaries, white) = match self {
@@ -170,7 +179,7 @@ mod tests {
                 }
             }
             assert_eq!(a.to(a), Matrix3::IDENTITY);
-            assert_eq!(Space::named(a.name()), Some(a));
+            assert_eq!((Space::named(a.name()), Space::of(&a.rgb())), (Some(a), Some(a)));
         }
     }
 

@@ -47,6 +47,10 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
         let message = format!("a picture of {width} x {height} has more than 2^30 pixels");
         d.push(Diagnostic::error(keys.span("size"), message));
     }
+    if f.bits != 8 && f.bits != 16 {
+        let message = format!("`bits` must be 8 or 16, found {}", f.bits);
+        d.push(Diagnostic::error(keys.span("bits"), message));
+    }
     let Some([x0, y0, x1, y1]) = f.crop else { return };
     if x0 >= x1 || y0 >= y1 {
         let help = "it is `[x0, y0, x1, y1]` from the top left, the ends exclusive";

@@ -5,6 +5,7 @@ pub mod camera;
 mod check;
 pub mod color;
 pub mod light;
+pub mod look;
 pub mod material;
 pub mod node;
 pub mod settings;
@@ -19,9 +20,10 @@ pub use camera::{Camera, FovAxis, Orthographic, Perspective};
 pub use check::BUILTIN_PATCHES;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
+pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
-pub use settings::{Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind, Tone};
+pub use settings::{Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind};
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,
