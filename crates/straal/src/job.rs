@@ -276,6 +276,7 @@ impl Job {
             n => n.to_string(),
         };
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
+        let magnified = self.world.camera.focal_pixels().map(|f| ("focal_pixels", f.to_string()));
         [
             ("version", crate::VERSION.to_string()),
             ("scene_hash", self.scene_hash.clone()),
@@ -298,6 +299,7 @@ impl Job {
         ]
         .into_iter()
         .chain(counted)
+        .chain(magnified)
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
     }
