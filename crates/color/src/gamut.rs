@@ -2,6 +2,7 @@
 
 use crate::luminance;
 use crate::parse::{ParseError, number};
+use crate::tone::Tone;
 use std::fmt;
 use std::str::FromStr;
 use straal_math::ops;
@@ -33,6 +34,20 @@ impl Gamut {
             Self::Desaturate => "desaturate",
             Self::Flag(_) => "flag",
         }
+    }
+
+    /// Exposed linear light of the screen's space to what it shows, within [0, 1]: components below 0, which stand for
+    /// colours that are purer than its primaries, are dealt with first, then the tone curve is applied, then what is
+    /// still above 1 is dealt with.
+    pub fn show(self, rgb: [f32; 3], tone: Tone) -> [f32; 3] {
+        let most = rgb.into_iter().fold(1.0, ops::max);
+        let is_purer = rgb.iter().any(|v| *v < -SLACK * most);
+        let pure = match self {
+            Self::Flag(colour) if is_purer => return colour.map(|v| ops::clamp(v, 0.0, 1.0)),
+            Self::Desaturate if is_purer => lifted(rgb),
+            _ => rgb,
+        };
+        self.apply(tone.apply(pure.map(|v| ops::max(v, 0.0))))
     }
 
     /// Linear light for the screen, within [0, 1].
@@ -104,9 +119,38 @@ fn desaturate(rgb: [f32; 3]) -> [f32; 3] {
     rgb.map(|v| grey + share * (v - grey))
 }
 
+/// Towards the grey of its own luminance until nothing is below 0.
+fn lifted(rgb: [f32; 3]) -> [f32; 3] {
+    let grey = luminance(rgb);
+    if !grey.is_finite() {
+        return rgb;
+    }
+    if grey <= 0.0 {
+        return [0.0; 3];
+    }
+    let least = rgb.into_iter().fold(0.0, ops::min);
+    let share = grey / (grey - least);
+    rgb.map(|v| grey + share * (v - grey))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_purer_than_the_screen_is_brought_to_it_before_the_curve() {
+        let red = [1.98, -0.13, -0.01];
+        for tone in Tone::ALL {
+            for (gamut, what) in [(Gamut::Clip, "clipped"), (Gamut::Desaturate, "desaturated")] {
+                let [r, g, b] = gamut.show(red, tone);
+                assert!(r > 0.5 && b <= g + 0.5 * r, "{tone:?} {what}: {r} {g} {b}");
+            }
+            assert_eq!(Gamut::FLAG_RED.show([-0.2, 0.5, 0.5], tone), [1.0, 0.0, 0.0]);
+        }
+        assert_eq!(Gamut::Clip.show([0.5, -0.2, 0.25], Tone::Clamp), [0.5, 0.0, 0.25]);
+        let lifted = Gamut::Desaturate.show([0.5, -0.1, 0.25], Tone::Clamp);
+        assert!((luminance(lifted) - luminance([0.5, -0.1, 0.25])).abs() < 1e-6 && lifted[1].abs() < 1e-6);
+    }
 
     #[test]
     fn what_is_told_is_read_again() {

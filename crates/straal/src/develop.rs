@@ -2,7 +2,7 @@
 
 use crate::focus::{self, Blur, NoBlur};
 use crate::look::{Look, Negative, to_screen};
-use crate::picture::{Format, LOOK, SaveError, with_look, write_png};
+use crate::picture::{Format, LOOK, Picture, SaveError, with_look, write_png};
 use std::path::Path;
 use straal_color::{RgbSpace, Space};
 use straal_formats::image::exr::{self, Layer, Window};
@@ -19,6 +19,13 @@ pub struct Plate {
     pixels: Vec<[f32; 3]>,
     /// Which layer that is.
     beauty: String,
+}
+
+impl From<&Picture> for Plate {
+    /// The plate that the picture's EXR holds, but for the look, which a picture doesn't know.
+    fn from(picture: &Picture) -> Self {
+        Self { picture: picture.to_exr(), pixels: picture.layers.rgb.clone(), beauty: String::new() }
+    }
 }
 
 impl Plate {

@@ -194,7 +194,7 @@ impl Negative<'_> {
         let signal = |rgb: &[f32; 3]| {
             let exposed = rgb.map(|v| v * factor);
             let screen = matrix.map_or(exposed, |m| m.apply_f32(exposed));
-            look.gamut.apply(look.tone.apply(screen)).map(|v| transfer.encode(v))
+            look.gamut.show(screen, look.tone).map(|v| transfer.encode(v))
         };
         let codes = |most: u32| {
             self.pixels.iter().enumerate().map(move |(i, rgb)| {

@@ -167,7 +167,7 @@ impl Picture {
         Image { width: self.layers.width, height: self.layers.height, pixels: self.layers.rgb.clone() }
     }
 
-    fn to_exr(&self) -> exr::Picture {
+    pub(crate) fn to_exr(&self) -> exr::Picture {
         let l = &self.layers;
         let one = |name: &str, channel: &str, samples: Vec<f32>| Layer {
             name: name.into(),
