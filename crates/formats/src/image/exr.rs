@@ -84,17 +84,22 @@ impl Picture {
 
     /// The picture as linear RGB with the primaries of sRGB: the layer without a name, else the first that has colours or grey.
     pub fn to_image(&self) -> Result<Image, ReadError> {
-        let unnamed = self.layer("").and_then(Layer::rgb);
-        let Some(rgb) = unnamed.or_else(|| self.layers.iter().find_map(Layer::rgb)) else {
-            return Err(ReadError::file("the file has no layer with channels R, G and B, or Y"));
-        };
-        let mut image = Image { width: self.data_window.width, height: self.data_window.height, pixels: rgb };
+        let mut image = self.to_own_image()?;
         let srgb = Space::Srgb.rgb();
         if let Some(space) = self.space.filter(|space| *space != srgb) {
             let matrix = space.to(&srgb, Adaptation::Bradford);
             image.pixels.iter_mut().for_each(|pixel| *pixel = matrix.apply_f32(*pixel));
         }
         Ok(image)
+    }
+
+    /// The same in the file's own space.
+    pub fn to_own_image(&self) -> Result<Image, ReadError> {
+        let unnamed = self.layer("").and_then(Layer::rgb);
+        let Some(rgb) = unnamed.or_else(|| self.layers.iter().find_map(Layer::rgb)) else {
+            return Err(ReadError::file("the file has no layer with channels R, G and B, or Y"));
+        };
+        Ok(Image { width: self.data_window.width, height: self.data_window.height, pixels: rgb })
     }
 }
 
