@@ -317,3 +317,19 @@ fn exr_parts_of_others() {
     let refused = exr::read(&bytes, &Limits::default()).unwrap_err().to_string();
     assert_eq!(refused, "dwaa compression is not supported: save the file with ZIP or PIZ");
 }
+
+#[test]
+fn an_exr_whose_space_makes_no_sense_has_none() {
+    let srgb = straal_color::Space::Srgb.rgb();
+    let at = |x: f64, y: f64| straal_color::Chromaticity { x, y };
+    for primaries in [[at(0.3, 0.3); 3], [at(f64::NAN, 0.3), at(0.3, 0.6), at(0.15, 0.06)]] {
+        let mut picture = exr::Picture::of_size(1, 1);
+        picture.layers = vec![exr::Layer::from_rgb("", &[[0.25, 0.5, 0.75]])];
+        picture.space = Some(straal_color::RgbSpace { primaries, ..srgb });
+        let mut bytes = Vec::new();
+        exr::write(&mut bytes, &picture).unwrap();
+        let back = exr::read(&bytes, &Limits::default()).unwrap();
+        assert_eq!(back.space, None);
+        assert_eq!(back.to_image().unwrap().pixels, [[0.25, 0.5, 0.75]]);
+    }
+}
