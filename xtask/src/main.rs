@@ -6,6 +6,7 @@
 mod book;
 mod gallery;
 mod keys;
+mod looks;
 mod references;
 
 use std::path::PathBuf;
@@ -19,7 +20,8 @@ usage: cargo xtask CHORE [NAME...]
 
   gallery      render the scenes of scenes/ (or those named) to book/src/images
   references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
-  keys         write the book's list of all keys of the scene language";
+  keys         write the book's list of all keys of the scene language
+  looks        develop one scene by every tone curve for the book, and draw the curves";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         "gallery" => gallery::run(names),
         "references" => references::run(names),
         "keys" => keys::run(),
+        "looks" => looks::run(),
         _ => {
             eprintln!("there is no chore `{chore}`\n\n{USAGE}");
             return ExitCode::from(2);

@@ -4,12 +4,14 @@ use crate::exit;
 use crate::quantity::{self, Crop, Size};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
+use std::marker::PhantomData;
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
-use straal::CostMeasure;
+use straal::focus::Lens;
 use straal::search;
+use straal::{Bits, CostMeasure, Dither, Exposure, Gamma, Gamut, Look, Tone};
 use straal_accel::{Build, Isa, Structure};
-use straal_color::Tone;
 use straal_math::lowdisc::Pattern;
 
 /// The whole command line.
@@ -49,7 +51,14 @@ pub enum Command {
     #[command(long_about = DIFF_ABOUT)]
     Diff(DiffArgs),
     /// Print what a picture tells about itself
+    #[command(long_about = INFO_ABOUT)]
     Info(InfoArgs),
+    /// Develop a picture again without rendering
+    #[command(long_about = DEVELOP_ABOUT)]
+    Develop(DevelopArgs),
+    /// Make the picture by which a screen's gamma is found
+    #[command(long_about = GAMMA_CHART_ABOUT)]
+    GammaChart(GammaChartArgs),
 }
 
 const RENDER_ABOUT: &str = "\
@@ -80,7 +89,7 @@ pub struct RenderArgs {
     /// The scene or mesh; an embedded scene when absent
     pub scene: Option<PathBuf>,
 
-    /// Where the picture goes: .exr (linear, all layers), .png or .pfm; may be given several times. When absent, the
+    /// Where the picture goes: .exr (linear, all layers), .png, .hdr or .pfm; may be given several times. When absent, the
     /// scene's name with .png in the current folder
     #[arg(short, long = "output", value_name = "PICTURE")]
     pub output: Vec<PathBuf>,
@@ -119,13 +128,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(2..=10_000), conflicts_with = "time")]
     pub replicates: Option<u32>,
 
-    /// Brighten (or, below 0, darken) a PNG by stops: each doubles the light
-    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = quantity::exposure)]
-    pub exposure: Option<f32>,
-
-    /// What becomes of what is brighter than white in a PNG
-    #[arg(long, value_name = "CURVE", value_parser = tone())]
-    pub tone: Option<Tone>,
+    /// How a PNG is developed
+    #[command(flatten)]
+    pub look: LookArgs,
 
     /// Worker threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = quantity::threads)]
@@ -172,6 +177,104 @@ pub struct RenderArgs {
     /// Take unknown keys of the scene for warnings
     #[arg(long)]
     pub lenient: bool,
+}
+
+/// How light becomes a picture for the screen; what isn't said is as the scene, or the picture that is developed again,
+/// has it.
+#[derive(Clone, Debug, Default, PartialEq, Args)]
+#[command(next_help_heading = "Developing a PNG")]
+pub struct LookArgs {
+    /// Brighten (or, below 0, darken) by stops, each of which doubles the light; or by a meter: auto makes the mean grey,
+    /// highlights shows nearly all within white, perhaps with stops as in auto+1.5
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = str::parse::<Exposure>)]
+    pub exposure: Option<Exposure>,
+
+    /// Tone curve: what becomes of what is brighter than white; reinhard and hable may be followed by what becomes white,
+    /// as in reinhard:4
+    #[arg(long, value_name = "CURVE", value_parser = Listed::<Tone>::new(Tone::ALL.map(Tone::name)))]
+    pub tone: Option<Tone>,
+
+    /// What becomes of colours that the screen can't show after that; flag may be followed by a colour, as in flag:1,0,1
+    #[arg(long, value_name = "WAY", value_parser = Listed::<Gamut>::new(["clip", "desaturate", "flag"]))]
+    pub gamut: Option<Gamut>,
+
+    /// How light becomes a signal: srgb, or the power of a plain gamma curve such as 2.2
+    #[arg(long, value_name = "GAMMA", value_parser = str::parse::<Gamma>)]
+    pub gamma: Option<Gamma>,
+
+    /// Bits a channel
+    #[arg(long, value_name = "BITS", value_parser = named(vec![("8", Bits::Eight), ("16", Bits::Sixteen)]))]
+    pub bits: Option<Bits>,
+
+    /// Whether smooth gradients are dithered, so that they show no steps
+    #[arg(long, value_name = "ON", value_parser = named(vec![("on", Dither::On), ("off", Dither::Off)]))]
+    pub dither: Option<Dither>,
+}
+
+impl LookArgs {
+    /// What is said here over what is there.
+    pub fn over(&self, look: Look) -> Look {
+        Look {
+            exposure: self.exposure.unwrap_or(look.exposure),
+            tone: self.tone.unwrap_or(look.tone),
+            gamut: self.gamut.unwrap_or(look.gamut),
+            gamma: self.gamma.unwrap_or(look.gamma),
+            bits: self.bits.unwrap_or(look.bits),
+            dither: self.dither.unwrap_or(look.dither),
+        }
+    }
+}
+
+const DEVELOP_ABOUT: &str = "\
+Develops a picture again, without rendering: exposure, tone curve, gamut, gamma and dithering of a PNG. PICTURE is an EXR, \
+HDR, PFM or PNG; an EXR of straal remembers the look that its scene or command asked for, and what isn't said here stays \
+as it was, so that the same settings give the very file that `straal render` writes.
+
+EXR, HDR and PFM outputs hold light as it is: of all options only --depth-of-field changes them.";
+
+const DEVELOP_EXAMPLES: &str = "\
+Examples:
+  straal develop scene.exr -o scene.png --exposure +1 --tone agx
+  straal develop scene.exr -o scene.png --exposure auto --gamut flag
+  straal develop scene.exr -o scene.hdr         light in another format
+  straal develop scene.exr -o near.png --depth-of-field focus=3.5,radius=0.05";
+
+/// `straal develop`
+#[derive(Debug, Args)]
+#[command(after_help = DEVELOP_EXAMPLES, after_long_help = format!("{DEVELOP_EXAMPLES}\n\n{}", exit::TABLE))]
+pub struct DevelopArgs {
+    /// The picture to develop
+    pub picture: PathBuf,
+
+    /// Where the developed picture goes: .png, .exr, .hdr or .pfm; may be given several times
+    #[arg(short, long = "output", value_name = "PICTURE", required = true)]
+    pub output: Vec<PathBuf>,
+
+    /// How a PNG is developed
+    #[command(flatten)]
+    pub look: LookArgs,
+
+    /// Blur by the layer `depth` of an EXR, as a lens would: the distance in metres that is sharp, and the radius of the
+    /// lens in metres. Rims of near things and mirror images come out other than through a true lens
+    #[arg(long, value_name = "focus=D,radius=R", value_parser = str::parse::<Lens>)]
+    pub depth_of_field: Option<Lens>,
+
+    /// Horizontal field of view of the whole picture in degrees, for --depth-of-field, where the picture doesn't tell
+    #[arg(long, value_name = "DEGREES", value_parser = quantity::field_of_view, requires = "depth_of_field")]
+    pub fov: Option<f64>,
+
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `straal gamma-chart`
+#[derive(Debug, Args)]
+#[command(after_long_help = exit::TABLE)]
+pub struct GammaChartArgs {
+    /// Where the chart goes, a PNG
+    #[arg(short, long, value_name = "PICTURE", default_value = "gamma-chart.png")]
+    pub output: PathBuf,
 }
 
 const CHECK_ABOUT: &str = "\
@@ -299,11 +402,21 @@ pub struct DiffArgs {
     pub json: bool,
 }
 
+const GAMMA_CHART_ABOUT: &str = "\
+Makes the picture by which a screen's gamma is found: fields of black and white checks, each with a grey in its middle that \
+is as bright as they are together on a screen of one gamma only, from 1.0 to 3.0. Show it at its own size, step back until \
+the checks blur, and look for the field whose middle vanishes: its label is the screen's gamma.";
+
+const INFO_ABOUT: &str = "\
+Prints what a picture tells about itself: size, windows, colour space, layers with the least, the mean and the greatest \
+number of each channel and how many are no numbers, and the story that straal wrote into it; whether the film hash in the \
+story is that of the pixels.";
+
 /// `straal info`
 #[derive(Debug, Args)]
 #[command(after_long_help = exit::TABLE)]
 pub struct InfoArgs {
-    /// An EXR or PNG picture
+    /// An EXR, PNG, HDR or PFM picture
     pub picture: PathBuf,
 
     /// Print one JSON object instead
@@ -324,8 +437,41 @@ fn pattern() -> impl TypedValueParser<Value = Pattern> {
     named(vec![("sobol", Pattern::Sobol), ("random", Pattern::Random)])
 }
 
-fn tone() -> impl TypedValueParser<Value = Tone> {
-    named(vec![("clamp", Tone::Clamp), ("filmic", Tone::Filmic)])
+/// Reads what has a name that may be followed by more; the help lists the names.
+#[derive(Clone)]
+struct Listed<T> {
+    names: Vec<&'static str>,
+    is: PhantomData<fn() -> T>,
+}
+
+impl<T> Listed<T> {
+    fn new<const N: usize>(names: [&'static str; N]) -> Self {
+        Self { names: names.to_vec(), is: PhantomData }
+    }
+}
+
+impl<T: FromStr<Err = straal_color::ParseError> + Clone + Send + Sync + 'static> TypedValueParser
+    for Listed<T>
+{
+    type Value = T;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        arg: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<T, clap::Error> {
+        // A plain name goes by the list, so that a wrong one is answered with the nearest.
+        let is_plain = !value.to_string_lossy().contains(':');
+        if is_plain {
+            PossibleValuesParser::new(self.names.clone()).parse_ref(command, arg, value)?;
+        }
+        (|text: &str| text.parse::<T>()).parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.names.iter().map(PossibleValue::new)))
+    }
 }
 
 /// Reads a search structure with its parameters; the help lists the names.
@@ -392,9 +538,9 @@ mod tests {
         assert_eq!((a.spp, a.time), (Some(16), Some(Duration::from_secs(90))));
         assert_eq!((a.threads, a.seed, a.max_depth, a.batch), (Some(3), Some(7), Some(5), Some(7)));
         assert_eq!((a.size, a.crop), (Some(Size([640, 360])), Some(Crop([1, 2, 3, 4]))));
-        assert_eq!((a.sampler, a.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
+        assert_eq!((a.sampler, a.look.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
         assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
-        assert_eq!(a.exposure, Some(-1.5));
+        assert_eq!(a.look.exposure, Some(Exposure::stops(-1.5)));
         assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), CostMeasure::Time));
         assert!(a.quiet && a.json && a.lenient && a.replicates.is_none());
     }

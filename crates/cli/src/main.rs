@@ -46,6 +46,8 @@ fn run(start: Instant) -> Exit {
         Command::Schema => command::schema::run(),
         Command::Diff(args) => command::diff::run(&args),
         Command::Info(args) => command::info::run(&args),
+        Command::Develop(args) => command::develop::run(&args),
+        Command::GammaChart(args) => command::gamma_chart::run(&args),
     };
     done.unwrap_or_else(|failure| tell(&failure, json))
 }
@@ -57,7 +59,7 @@ fn wants_json(command: &Command) -> bool {
         Command::Accel(a) => a.json,
         Command::Diff(a) => a.json,
         Command::Info(a) => a.json,
-        Command::Schema => false,
+        Command::Schema | Command::Develop(_) | Command::GammaChart(_) => false,
     }
 }
 

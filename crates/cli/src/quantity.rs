@@ -70,12 +70,10 @@ pub fn crop(typed: &str) -> Result<Crop, String> {
     }
 }
 
-/// Stops of exposure; beyond the bounds every picture is black or white.
-pub fn exposure(typed: &str) -> Result<f32, String> {
-    match typed.parse::<f32>() {
-        Ok(stops) if (-64.0..=64.0).contains(&stops) => Ok(stops),
-        _ => Err("write a number of stops from -64 to 64".into()),
-    }
+/// Degrees from edge to edge.
+pub fn field_of_view(typed: &str) -> Result<f64, String> {
+    let degrees = typed.parse().ok().filter(|v: &f64| *v > 0.0 && *v < 180.0);
+    degrees.ok_or_else(|| "expected degrees between 0 and 180".to_owned())
 }
 
 /// A number of threads.
@@ -167,8 +165,8 @@ mod tests {
 
     #[test]
     fn numbers_have_bounds() {
-        assert_eq!(exposure("-1.5"), Ok(-1.5));
-        assert!(exposure("nan").is_err() && exposure("inf").is_err() && exposure("65").is_err());
+        assert_eq!(field_of_view("39.5"), Ok(39.5));
+        assert!(["nan", "0", "180", "-3", "wide"].iter().all(|typed| field_of_view(typed).is_err()));
         assert_eq!((threads("1"), batch("1024")), (Ok(1), Ok(1024)));
         assert!(threads("0").is_err() && threads("5000").is_err() && batch("0").is_err());
     }

@@ -1,13 +1,12 @@
 //! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
 //! ray is traced found out.
 
-use crate::args::RenderArgs;
+use crate::args::{LookArgs, RenderArgs};
 use crate::exit::Failure;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use straal::picture::{Format, SaveError};
 use straal::{CostMeasure, Look, Overrides};
-use straal_color::Tone;
 use straal_formats::atomic;
 
 /// What is to be rendered, how, and where to.
@@ -25,10 +24,8 @@ pub struct RenderSettings {
     pub replicates: Option<u32>,
     /// Where the picture of the searches' costs goes, and which cost it shows.
     pub cost_picture: Option<(PathBuf, CostMeasure)>,
-    /// Stops, in place of the scene's.
-    pub exposure: Option<f32>,
-    /// Tone curve, in place of the scene's.
-    pub tone: Option<Tone>,
+    /// Steps of the look in place of the scene's.
+    pub look: LookArgs,
     /// Whether only errors are told.
     pub quiet: bool,
     /// Whether the result is told to a script.
@@ -88,8 +85,7 @@ impl RenderSettings {
             time: args.time,
             replicates: args.replicates,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
-            exposure: args.exposure,
-            tone: args.tone,
+            look: args.look,
             quiet: args.quiet,
             json: args.json,
             lenient: args.lenient,
@@ -98,13 +94,13 @@ impl RenderSettings {
 
     /// How a scene's look is shown.
     pub fn look(&self, scene: Look) -> Look {
-        Look { exposure: self.exposure.unwrap_or(scene.exposure), tone: self.tone.unwrap_or(scene.tone) }
+        self.look.over(scene)
     }
 
-    /// Whether a look was asked for that none of the pictures has.
+    /// Whether a look was asked for that none of the pictures has, nor an EXR remembers.
     pub fn look_is_lost(&self) -> bool {
-        let has_png = self.outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Png)));
-        (self.exposure.is_some() || self.tone.is_some()) && !has_png
+        let has_png = self.outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Png | Format::Exr)));
+        self.look != LookArgs::default() && !has_png
     }
 }
 
@@ -143,6 +139,7 @@ mod tests {
     use super::*;
     use crate::args::{Command, CommandLine};
     use clap::Parser;
+    use straal::{Exposure, Tone};
 
     fn settings(words: &str) -> Result<RenderSettings, Failure> {
         let words = ["straal", "render"].into_iter().chain(words.split_whitespace());
@@ -162,8 +159,8 @@ mod tests {
     #[test]
     fn what_can_not_be_written_is_told_first() {
         for (words, complaint) in [
-            ("-o a.jpg", "can't tell the format of a.jpg: the name must end in .exr, .png or .pfm"),
-            ("-o a", "can't tell the format of a: the name must end in .exr, .png or .pfm"),
+            ("-o a.jpg", "can't tell the format of a.jpg: the name must end in .exr, .png, .hdr or .pfm"),
+            ("-o a", "can't tell the format of a: the name must end in .exr, .png, .hdr or .pfm"),
             ("-o Cargo.toml/a.png", "Cargo.toml is not a folder"),
             ("-o no/such/folder/a.png", "there is no folder no/such/folder for no/such/folder/a.png"),
             ("-o a.png -o b.exr -o a.png", "a.png is named twice"),
@@ -175,12 +172,13 @@ mod tests {
 
     #[test]
     fn a_look_is_the_scenes_unless_said_otherwise() {
-        let scene = Look { exposure: 1.0, tone: Tone::Filmic };
+        let scene = Look { exposure: Exposure::stops(1.0), tone: Tone::Filmic, ..Look::default() };
         assert_eq!(settings("").unwrap().look(scene), scene);
-        let s = settings("--exposure -2 -o a.exr").unwrap();
-        assert_eq!(s.look(scene), Look { exposure: -2.0, tone: Tone::Filmic });
+        let s = settings("--exposure -2 -o a.pfm").unwrap();
+        assert_eq!(s.look(scene), Look { exposure: Exposure::stops(-2.0), ..scene });
         assert!(s.look_is_lost());
-        assert!(!settings("--tone clamp -o a.exr -o a.png").unwrap().look_is_lost());
-        assert!(!settings("-o a.exr").unwrap().look_is_lost());
+        assert!(!settings("--tone clamp -o a.pfm -o a.png").unwrap().look_is_lost());
+        assert!(!settings("--tone clamp -o a.exr").unwrap().look_is_lost(), "an EXR remembers it");
+        assert!(!settings("-o a.pfm").unwrap().look_is_lost());
     }
 }

@@ -30,9 +30,12 @@ fn pictures_that_can_not_be_compared_are_refused() {
     let folder = Folder::with_scene(BALL);
     folder.json("render scene.yaml -o a.exr");
     folder.json("render scene.yaml -o b.exr --size 16x16");
+    folder.write("wide.yaml", &format!("color: {{ space: acescg }}\n{BALL}"));
+    folder.json("render wide.yaml -o wide.exr");
     folder.json("render scene.yaml -o left.exr --crop 0,0,12,16");
     folder.json("render scene.yaml -o right.exr --crop 12,0,24,16");
     for (words, complaint) in [
+        ("diff a.exr wide.exr", "different RGB spaces"),
         ("diff a.exr b.exr", "24 x 16"),
         ("diff left.exr right.exr", "different parts"),
         ("diff a.exr missing.exr", "can't read missing.exr"),

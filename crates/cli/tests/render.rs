@@ -132,7 +132,7 @@ fn time_only_decides_how_many_samples() {
 fn wrong_wishes_are_refused_before_anything_is_written() {
     let folder = Folder::with_scene(BALL);
     for (words, complaint) in [
-        ("render scene.yaml -o a.jpg", "the name must end in .exr, .png or .pfm"),
+        ("render scene.yaml -o a.jpg", "the name must end in .exr, .png, .hdr or .pfm"),
         ("render scene.yaml -o no/a.png", "there is no folder no"),
         ("render scene.yaml --crop 0,0,25,16", "is not a part of a picture of 24 x 16 pixels"),
         ("render scene.yaml --spp 0", "invalid value '0' for '--spp <N>'"),

@@ -227,8 +227,17 @@ fn pictures() {
     let pixels: Vec<[u8; 3]> = image.pixels.iter().map(|p| p.map(|v| (v * 60.0) as u8)).collect();
     let metadata = [("Software".to_string(), "straal".to_string())];
     let mut encoded = Vec::new();
-    png::write(&mut encoded, &png::Encoded { width: 12, height: 5, pixels: &pixels, metadata: &metadata })
-        .unwrap();
+    png::write(
+        &mut encoded,
+        &png::Encoded {
+            width: 12,
+            height: 5,
+            pixels: png::Pixels::Eight(&pixels),
+            curve: png::Curve::Srgb,
+            metadata: &metadata,
+        },
+    )
+    .unwrap();
     let mut radiance = b"#?RADIANCE\nEXPOSURE=1.5\nFORMAT=32-bit_rle_rgbe\n\n-Y 3 +X 12\n".to_vec();
     for component in 0..4 {
         if component == 0 {

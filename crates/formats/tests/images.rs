@@ -49,6 +49,7 @@ fn exr_comes_back_with_layers_windows_and_story() {
     let mut picture = exr::Picture {
         display_window: exr::Window { x: 0, y: 0, width: 100, height: 80 },
         data_window: exr::Window { x: 60, y: -20, width, height },
+        space: Some(straal_color::Space::AcesCg.rgb()),
         layers: vec![
             exr::Layer::from_rgb("", &image.pixels),
             exr::Layer::from_rgb("albedo", &vec![[0.25, 0.5, 0.75]; width * height]),
@@ -77,7 +78,32 @@ fn exr_comes_back_with_layers_windows_and_story() {
     assert_eq!(back.layers.len(), picture.layers.len());
     assert_eq!(back.metadata, picture.metadata);
     assert_eq!((back.data_window, back.display_window), (picture.data_window, picture.display_window));
-    assert_eq!(back.to_image().unwrap().pixels, image.pixels);
+    assert_eq!(back.space, picture.space);
+    // As an image it has the primaries of sRGB.
+    let matrix = straal_color::Space::AcesCg.to(straal_color::Space::Srgb);
+    let there: Vec<_> = image.pixels.iter().map(|p| matrix.apply_f32(*p)).collect();
+    assert_eq!(back.to_image().unwrap().pixels, there);
+}
+
+#[test]
+fn hdr_comes_back_within_its_precision() {
+    let mut image = test_image(19, 7);
+    image.pixels[3] = [1e-30, 2e30, 0.5];
+    image.pixels[4] = [f32::INFINITY, 1.0, f32::NAN];
+    image.pixels[5] = [-1.0, 0.25, 0.0];
+    image.pixels[6] = [1e-42; 3];
+    let mut bytes = Vec::new();
+    hdr::write(&mut bytes, &image).unwrap();
+    let back = hdr::read(&bytes, &Limits::default()).unwrap();
+    for (i, (a, b)) in image.pixels.iter().zip(&back.pixels).enumerate() {
+        let a = a.map(|v| if v > 0.0 { v } else { 0.0 });
+        let most = a.into_iter().fold(0.0, |m: f32, v| if v > m { v } else { m });
+        for (a, b) in a.into_iter().zip(b) {
+            let fine = if most.is_finite() { a - b <= most / 128.0 && *b <= a } else { b.is_finite() };
+            assert!(fine || most < 1e-37, "pixel {i}: {a} became {b}");
+        }
+    }
+    assert!(back.pixels[4][0] > 1e37 && back.pixels[6] == [0.0; 3]);
 }
 
 #[test]
@@ -99,8 +125,17 @@ fn png_is_srgb_with_text() {
     let pixels = [[0, 128, 255], [10, 20, 30], [1, 2, 3], [255, 255, 255], [7, 7, 7], [200, 100, 50]];
     let metadata = [("straal seed".to_string(), "7 größe".to_string())];
     let mut bytes = Vec::new();
-    png::write(&mut bytes, &png::Encoded { width: 3, height: 2, pixels: &pixels, metadata: &metadata })
-        .unwrap();
+    png::write(
+        &mut bytes,
+        &png::Encoded {
+            width: 3,
+            height: 2,
+            pixels: png::Pixels::Eight(&pixels),
+            curve: png::Curve::Srgb,
+            metadata: &metadata,
+        },
+    )
+    .unwrap();
     let image = image::read(&bytes, &Limits::default()).unwrap();
     assert_eq!((image.width, image.height), (3, 2));
     assert_eq!(image.pixels[0][0], 0.0);
@@ -281,4 +316,20 @@ fn exr_parts_of_others() {
     let bytes = write(vec![part("beauty", "Y", 0, 0.5, Compression::DWAA(None))]);
     let refused = exr::read(&bytes, &Limits::default()).unwrap_err().to_string();
     assert_eq!(refused, "dwaa compression is not supported: save the file with ZIP or PIZ");
+}
+
+#[test]
+fn an_exr_whose_space_makes_no_sense_has_none() {
+    let srgb = straal_color::Space::Srgb.rgb();
+    let at = |x: f64, y: f64| straal_color::Chromaticity { x, y };
+    for primaries in [[at(0.3, 0.3); 3], [at(f64::NAN, 0.3), at(0.3, 0.6), at(0.15, 0.06)]] {
+        let mut picture = exr::Picture::of_size(1, 1);
+        picture.layers = vec![exr::Layer::from_rgb("", &[[0.25, 0.5, 0.75]])];
+        picture.space = Some(straal_color::RgbSpace { primaries, ..srgb });
+        let mut bytes = Vec::new();
+        exr::write(&mut bytes, &picture).unwrap();
+        let back = exr::read(&bytes, &Limits::default()).unwrap();
+        assert_eq!(back.space, None);
+        assert_eq!(back.to_image().unwrap().pixels, [[0.25, 0.5, 0.75]]);
+    }
 }

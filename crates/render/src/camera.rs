@@ -29,6 +29,16 @@ impl Camera {
     }
 }
 
+impl Camera {
+    /// Pixels to which a length on a plane at distance 1 is magnified, for cameras that magnify by distance alone.
+    pub fn focal_pixels(&self) -> Option<f64> {
+        match self {
+            Self::Perspective(c) => Some(1.0 / f64::from(c.dx.length())),
+            Self::Orthographic(_) => None,
+        }
+    }
+}
+
 /// Where an observer stands and looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {

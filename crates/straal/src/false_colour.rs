@@ -143,7 +143,7 @@ impl Chart {
         out
     }
 
-    fn blank(width: usize, height: usize) -> Self {
+    pub(crate) fn blank(width: usize, height: usize) -> Self {
         Self { width, height, pixels: vec![PAPER; width * height] }
     }
 
@@ -153,13 +153,13 @@ impl Chart {
         }
     }
 
-    fn ink(&mut self, x: usize, y: usize) {
+    pub(crate) fn ink(&mut self, x: usize, y: usize) {
         if x < self.width && y < self.height {
             self.pixels[y * self.width + x] = INK;
         }
     }
 
-    fn write(&mut self, text: &str, [left, top]: [usize; 2], zoom: usize) {
+    pub(crate) fn write(&mut self, text: &str, [left, top]: [usize; 2], zoom: usize) {
         for (i, letter) in text.chars().enumerate() {
             let x0 = left + i * font::ADVANCE * zoom;
             for (y, row) in font::glyph(letter).into_iter().enumerate() {
@@ -175,7 +175,8 @@ impl Chart {
     /// As a PNG.
     pub fn write_png(&self, out: impl io::Write, story: &[(String, String)]) -> io::Result<()> {
         let (width, height) = (self.width, self.height);
-        png::write(out, &png::Encoded { width, height, pixels: &self.pixels, metadata: story })
+        let pixels = png::Pixels::Eight(&self.pixels);
+        png::write(out, &png::Encoded { width, height, pixels, curve: png::Curve::Srgb, metadata: story })
     }
 
     /// As a PNG file, whole or not at all; `story` goes into its metadata.
@@ -203,7 +204,7 @@ fn short(v: f32) -> String {
     format!("{plain}{unit}")
 }
 
-mod font;
+pub(crate) mod font;
 
 #[cfg(test)]
 mod tests {

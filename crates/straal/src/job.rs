@@ -1,9 +1,10 @@
 //! A scene with all that was asked for it: compiled, ready to render.
 
-use crate::picture::{Look, Picture};
+use crate::look::{Bits, Gamma, Look};
+use crate::picture::Picture;
 use crate::search;
 use straal_accel::{Build, BvhParams, Isa, Structure};
-use straal_color::Tone;
+use straal_color::{Dither, Space};
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::Pattern;
 use straal_render::compile::{self, CompileError, Custom};
@@ -75,6 +76,7 @@ pub struct Job {
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
     look: Look,
+    space: Space,
     structure: Structure,
 }
 
@@ -213,17 +215,26 @@ impl Job {
             shuffle_tiles: wish.shuffle_tiles,
             cost: wish.cost.unwrap_or(scene.accel.cost),
         };
-        let tone = match scene.film.tone {
-            desc::Tone::Clamp => Tone::Clamp,
-            desc::Tone::Filmic => Tone::Filmic,
-        };
-        let look = Look { exposure: scene.film.exposure as f32, tone };
-        Ok(Self { world, settings, spp, integrator, scene_hash: scene_hash(loaded, custom), look, structure })
+        Ok(Self {
+            world,
+            settings,
+            spp,
+            integrator,
+            scene_hash: scene_hash(loaded, custom),
+            look: look(&scene.film),
+            space: scene.color.space.space(),
+            structure,
+        })
     }
 
     /// How the scene wants its picture developed.
     pub fn look(&self) -> Look {
         self.look
+    }
+
+    /// The work space: that of the film's colours.
+    pub fn space(&self) -> Space {
+        self.space
     }
 
     /// The search structure in use.
@@ -242,7 +253,7 @@ impl Job {
         let mut progress = Progress { of: u64::from(of), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
         let layers = run.film.layers();
-        let mut picture = Picture::new(&run.film, layers);
+        let mut picture = Picture::new(&run.film, layers, self.space);
         picture.story = self.story(run.samples);
         picture.story.push(("straal.passes".into(), run.passes.to_string()));
         picture.story.push(("straal.film_hash".into(), run.film.hash()));
@@ -265,6 +276,7 @@ impl Job {
             n => n.to_string(),
         };
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
+        let magnified = self.world.camera.focal_pixels().map(|f| ("focal_pixels", f.to_string()));
         [
             ("version", crate::VERSION.to_string()),
             ("scene_hash", self.scene_hash.clone()),
@@ -278,6 +290,7 @@ impl Job {
                 }
                 .to_string(),
             ),
+            ("space", self.space.name().to_string()),
             ("integrator", "path".to_string()),
             ("max_depth", depth),
             ("roulette_depth", self.integrator.roulette_depth.to_string()),
@@ -286,6 +299,7 @@ impl Job {
         ]
         .into_iter()
         .chain(counted)
+        .chain(magnified)
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
     }
@@ -325,6 +339,21 @@ impl Job {
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+/// How a film wants its picture developed.
+fn look(film: &desc::Film) -> Look {
+    Look {
+        exposure: film.exposure,
+        tone: film.tone.curve(),
+        gamut: film.gamut.way(),
+        gamma: match film.gamma {
+            desc::Gamma::Srgb => Gamma::Srgb,
+            desc::Gamma::Power(gamma) => Gamma::Power(gamma as f32),
+        },
+        bits: Bits::of(film.bits).unwrap_or_default(),
+        dither: if film.dither { Dither::On } else { Dither::Off },
     }
 }
 

@@ -14,17 +14,22 @@
 #![forbid(unsafe_code)]
 
 pub mod compare;
+pub mod develop;
 pub mod false_colour;
+pub mod focus;
+pub mod gamma_chart;
 pub mod job;
 pub mod lab;
+pub mod look;
 pub mod picture;
 pub mod replicates;
 pub mod search;
 
 pub use job::{Control, Error, Job, Outcome, Overrides, Progress, Verdict};
-pub use picture::{CostMeasure, Look, Picture};
+pub use look::{Bits, Gamma, Look};
+pub use picture::{CostMeasure, Picture};
 pub use straal_accel::{Build, Isa, Structure};
-pub use straal_color::Tone;
+pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
 pub use straal_math::lowdisc::Pattern;
 pub use straal_render::settings::Region;

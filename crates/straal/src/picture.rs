@@ -1,25 +1,17 @@
 //! A finished picture: its layers, its story, and how it becomes a file.
 
 use crate::false_colour::{Chart, Scale};
+use crate::look::{self, Look, Negative};
 use std::io;
 use std::path::Path;
-use straal_color::{Tone, srgb};
+use straal_color::Space;
 use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
-use straal_formats::image::{pfm, png};
-use straal_math::ops;
+use straal_formats::image::{hdr, pfm, png};
+pub use straal_render::film::hash_of as film_hash;
 use straal_render::film::{CostLayers, Film, Layers};
 use straal_render::settings::Region;
 use straal_scene::Image;
-
-/// How light becomes a picture for the screen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
-    /// In stops: each doubles the light.
-    pub exposure: f32,
-    /// What becomes of what is brighter than white.
-    pub tone: Tone,
-}
 
 /// A rendered picture or a crop of one.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +22,8 @@ pub struct Picture {
     pub crop: Region,
     /// Radiance, its variance and the guides.
     pub layers: Layers,
+    /// The space of its colours.
+    pub space: Space,
     /// What the picture tells about itself: keys that start with `straal.`, and values.
     pub story: Vec<(String, String)>,
 }
@@ -74,7 +68,7 @@ impl CostMeasure {
 #[non_exhaustive]
 pub enum SaveError {
     /// The name's extension is none that can be written.
-    #[error("can't tell the format of {0}: the name must end in .exr, .png or .pfm")]
+    #[error("can't tell the format of {0}: the name must end in .exr, .png, .hdr or .pfm")]
     Format(String),
     /// No costs were counted, or not this one.
     #[error("the picture doesn't know its {} cost: it wasn't counted", .0.name())]
@@ -92,9 +86,11 @@ pub enum SaveError {
 pub enum Format {
     /// OpenEXR, 32-bit float, linear, all layers.
     Exr,
-    /// PNG, 8 bits, sRGB, developed.
+    /// PNG, developed for the screen.
     Png,
-    /// Portable float map, linear.
+    /// Radiance RGBE, linear sRGB.
+    Hdr,
+    /// Portable float map, linear sRGB.
     Pfm,
 }
 
@@ -105,6 +101,7 @@ impl Format {
         match extension.as_deref() {
             Some("exr") => Ok(Self::Exr),
             Some("png") => Ok(Self::Png),
+            Some("hdr") => Ok(Self::Hdr),
             Some("pfm") => Ok(Self::Pfm),
             _ => Err(SaveError::Format(path.display().to_string())),
         }
@@ -112,8 +109,8 @@ impl Format {
 }
 
 impl Picture {
-    pub(crate) fn new(film: &Film, layers: Layers) -> Self {
-        Self { size: film.size, crop: film.crop, layers, story: Vec::new() }
+    pub(crate) fn new(film: &Film, layers: Layers, space: Space) -> Self {
+        Self { size: film.size, crop: film.crop, layers, space, story: Vec::new() }
     }
 
     /// The value of a key of the story, which is written here without the leading `straal.`.
@@ -121,13 +118,24 @@ impl Picture {
         self.story.iter().find(|(k, _)| k.strip_prefix("straal.") == Some(key)).map(|(_, v)| v.as_str())
     }
 
-    /// Writes the picture, whole or not at all, in the format that the name's extension says.
+    /// Writes the picture, whole or not at all, in the format that the name's extension says. A PNG is developed; an EXR
+    /// tells the look in its story, so that it can be developed again.
     pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
         let format = Format::of(path)?;
+        let story = with_look(&self.story, look);
         atomic::write(path, |mut file| match format {
-            Format::Exr => exr::write(&mut file, &self.to_exr()),
-            Format::Png => self.write_png(&mut file, look),
-            Format::Pfm => pfm::write(&mut file, &self.to_image()),
+            Format::Exr => exr::write(&mut file, &exr::Picture { metadata: story, ..self.to_exr() }),
+            Format::Png => {
+                let negative = Negative {
+                    pixels: &self.layers.rgb,
+                    width: self.layers.width,
+                    at: self.crop.min,
+                    space: self.space.rgb(),
+                };
+                write_png(&mut file, &negative, look, &story)
+            }
+            Format::Hdr => hdr::write(&mut file, &self.to_srgb()),
+            Format::Pfm => pfm::write(&mut file, &self.to_srgb()),
         })?;
         Ok(())
     }
@@ -145,12 +153,21 @@ impl Picture {
         chart.save(path, &self.story)
     }
 
-    /// Linear RGB alone.
+    /// Linear RGB alone, with the primaries of sRGB: formats that can't say otherwise are taken to have them.
+    fn to_srgb(&self) -> Image {
+        let mut image = self.to_image();
+        if let Some(matrix) = look::to_screen(&self.space.rgb()) {
+            image.pixels.iter_mut().for_each(|pixel| *pixel = matrix.apply_f32(*pixel));
+        }
+        image
+    }
+
+    /// Linear RGB alone, of the picture's own space.
     pub fn to_image(&self) -> Image {
         Image { width: self.layers.width, height: self.layers.height, pixels: self.layers.rgb.clone() }
     }
 
-    fn to_exr(&self) -> exr::Picture {
+    pub(crate) fn to_exr(&self) -> exr::Picture {
         let l = &self.layers;
         let one = |name: &str, channel: &str, samples: Vec<f32>| Layer {
             name: name.into(),
@@ -176,18 +193,38 @@ impl Picture {
         exr::Picture {
             display_window: Window::of_size(self.size[0] as usize, self.size[1] as usize),
             data_window: Window { x, y, width: l.width, height: l.height },
+            space: Some(self.space.rgb()),
             layers,
             metadata: self.story.clone(),
         }
     }
+}
 
-    fn write_png(&self, out: &mut dyn io::Write, look: &Look) -> io::Result<()> {
-        let factor = ops::exp2(look.exposure);
-        let develop = |&rgb: &[f32; 3]| look.tone.apply(rgb, factor).map(srgb::encode_u8);
-        let pixels: Vec<[u8; 3]> = self.layers.rgb.iter().map(develop).collect();
-        let (width, height) = (self.layers.width, self.layers.height);
-        png::write(out, &png::Encoded { width, height, pixels: &pixels, metadata: &self.story })
-    }
+/// The story of a picture that has this look, in the order in which an EXR is read: the same story gives the same file
+/// wherever it comes from.
+pub(crate) fn with_look(story: &[(String, String)], look: &Look) -> Vec<(String, String)> {
+    let other = story.iter().filter(|(key, _)| key != LOOK).cloned();
+    let mut all: Vec<_> = other.chain([(LOOK.to_owned(), look.to_string())]).collect();
+    all.sort();
+    all
+}
+
+/// The key of the story under which the look is told.
+pub(crate) const LOOK: &str = "straal.look";
+
+/// Develops light and writes it.
+pub(crate) fn write_png(
+    out: &mut dyn io::Write,
+    negative: &Negative<'_>,
+    look: &Look,
+    story: &[(String, String)],
+) -> io::Result<()> {
+    let codes = negative.develop(look);
+    let width = negative.width;
+    let height = negative.pixels.len() / if width > 0 { width } else { 1 };
+    let encoded =
+        png::Encoded { width, height, pixels: codes.as_png(), curve: look.gamma.curve(), metadata: story };
+    png::write(out, &encoded)
 }
 
 /// The channels `cost.nodes`, `cost.primitives` and, where there was a clock, `cost.time` (nanoseconds).

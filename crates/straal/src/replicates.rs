@@ -31,11 +31,12 @@ impl Job {
             dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
             let layers = run.film.layers();
             if run.samples < self.spp {
-                partial = Some((Picture::new(&run.film, layers), run.samples));
+                partial = Some((Picture::new(&run.film, layers, self.space()), run.samples));
                 break;
             }
             whole += 1;
-            sums.get_or_insert_with(|| Sums::new(Picture::new(&run.film, Layers::default()))).add(&layers);
+            sums.get_or_insert_with(|| Sums::new(Picture::new(&run.film, Layers::default(), self.space())))
+                .add(&layers);
         }
         let (mut picture, samples) = match (sums, partial) {
             (Some(sums), _) => (sums.picture(whole), self.spp.saturating_mul(whole)),

@@ -6,6 +6,7 @@ use crate::exit::{Exit, Failure};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
+use straal_color::{RgbSpace, Space};
 use straal_formats::image::{self, exr};
 use straal_formats::{Limits, ReadError};
 use straal_scene::Image;
@@ -26,6 +27,11 @@ pub fn run(args: &DiffArgs) -> Result<Exit, Failure> {
         let message = "the pictures show different parts: their first pixels are";
         return Err(Failure::input(format!("{message} {} and {}", place(at_a), place(at_b))));
     }
+    if a.space != b.space {
+        let message =
+            "the pictures hold light in different RGB spaces, in which their noise can't be compared";
+        return Err(Failure::input(message).help("`straal info` tells the space of each; render both in one"));
+    }
     let tails = if args.heavy_tails { Tails::Heavy } else { Tails::Light };
     let found = compare(a.estimate(), b.estimate(), tails).map_err(|e| Failure::input(e.to_string()))?;
     if args.json {
@@ -41,6 +47,8 @@ struct Picture {
     image: Image,
     /// Its first pixel in the whole picture, where the file tells.
     corner: Option<[i32; 2]>,
+    /// The space of its colours; sRGB where the file doesn't say.
+    space: RgbSpace,
     noise: Option<Noise>,
 }
 
@@ -59,11 +67,14 @@ impl Picture {
     fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         let limits = Limits::default();
         if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-            return Ok(Self { image: image::read(bytes, &limits)?, corner: None, noise: None });
+            let space = Space::Srgb.rgb();
+            return Ok(Self { image: image::read(bytes, &limits)?, corner: None, space, noise: None });
         }
         let picture = exr::read(bytes, &limits)?;
         let corner = Some([picture.data_window.x, picture.data_window.y]);
-        Ok(Self { image: picture.to_image()?, corner, noise: noise(&picture) })
+        // In its own space, which that of its variance is as well.
+        let space = picture.space.unwrap_or(Space::Srgb.rgb());
+        Ok(Self { image: picture.to_own_image()?, corner, space, noise: noise(&picture) })
     }
 
     /// A picture of a variance, or the variance that comes with a picture.

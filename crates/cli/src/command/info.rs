@@ -4,14 +4,85 @@ use super::{print, read_bytes};
 use crate::args::InfoArgs;
 use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
-use straal_formats::image::{exr, png};
+use straal::picture::film_hash;
+use straal_color::{RgbSpace, Space};
+use straal_formats::image::exr::{Channel, Layer, Window};
+use straal_formats::image::{self, exr, png};
 use straal_formats::{Limits, ReadError};
 
 /// What a picture tells of itself.
+#[derive(Default)]
 struct Story {
+    /// Of the whole picture.
     size: [usize; 2],
-    layers: Vec<String>,
+    /// The part that is there, where it isn't all.
+    part: Option<Window>,
+    /// What its colours are.
+    colours: String,
+    layers: Vec<(String, Vec<Range>)>,
     facts: Vec<(String, String)>,
+    /// Whether the film hash that is told is that of the pixels.
+    hash_is_right: Option<bool>,
+}
+
+/// What is known of a channel's numbers.
+#[derive(Clone, Debug, PartialEq)]
+struct Range {
+    name: String,
+    /// Least, mean and greatest of those that are finite; `None` when none is.
+    finite: Option<[f64; 3]>,
+    nans: usize,
+    infinities: usize,
+}
+
+impl Range {
+    fn of(channel: &Channel) -> Self {
+        let (mut least, mut sum, mut most, mut count) = (f64::INFINITY, 0.0, f64::NEG_INFINITY, 0_usize);
+        for v in channel.samples.iter().filter(|v| v.is_finite()).map(|v| f64::from(*v)) {
+            least = if v < least { v } else { least };
+            most = if v > most { v } else { most };
+            sum += v;
+            count += 1;
+        }
+        let nans = channel.samples.iter().filter(|v| v.is_nan()).count();
+        Self {
+            name: channel.name.clone(),
+            finite: (count > 0).then(|| [least, sum / count as f64, most]),
+            nans,
+            infinities: channel.samples.len() - count - nans,
+        }
+    }
+
+    fn tell(&self) -> String {
+        let mut text = match self.finite {
+            Some([least, mean, most]) => format!("{} .. {}, mean {}", short(least), short(most), short(mean)),
+            None => "no number".to_owned(),
+        };
+        for (count, what) in [(self.nans, "NaN"), (self.infinities, "infinite")] {
+            if count > 0 {
+                text += &format!(", {count} {what}");
+            }
+        }
+        text
+    }
+
+    fn as_json(&self) -> Json {
+        let [least, mean, most] = self.finite.map_or([None; 3], |f| f.map(Some));
+        json!({
+            "name": self.name, "min": least, "mean": mean, "max": most,
+            "nan": self.nans, "infinite": self.infinities,
+        })
+    }
+}
+
+/// Six digits, without noughts at the end.
+fn short(v: f64) -> String {
+    let size = v.abs();
+    if v != 0.0 && !(1e-4..1e7).contains(&size) {
+        return format!("{v:.4e}");
+    }
+    let text = format!("{v:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// Prints a picture's story.
@@ -28,43 +99,83 @@ pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
 }
 
 fn read(bytes: &[u8]) -> Result<Story, ReadError> {
-    if bytes.starts_with(&[0x89, b'P', b'N', b'G']) {
-        let told = png::read_metadata(bytes, &Limits::default())?;
-        let size = [told.size.0 as usize, told.size.1 as usize];
-        return Ok(Story { size, layers: Vec::new(), facts: told.texts });
-    }
+    let limits = Limits::default();
     if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        return Err(ReadError::file("only EXR and PNG pictures tell a story"));
+        let image = image::read(bytes, &limits)?;
+        let is_png = bytes.starts_with(&[0x89, b'P', b'N', b'G']);
+        let facts = if is_png { png::read_metadata(bytes, &limits)?.texts } else { Vec::new() };
+        let colours =
+            if is_png { "encoded for the screen; numbers are of linear light" } else { "linear light" };
+        return Ok(Story {
+            size: [image.width, image.height],
+            colours: colours.to_owned(),
+            layers: layers(&[Layer::from_rgb("", &image.pixels)]),
+            facts,
+            ..Story::default()
+        });
     }
-    let picture = exr::read(bytes, &Limits::default())?;
-    let layers = picture.layers.iter().map(|layer| {
-        let channels: Vec<&str> = layer.channels.iter().map(|c| c.name.as_str()).collect();
-        match layer.name.as_str() {
-            "" => channels.join(" "),
-            name => format!("{name} ({})", channels.join(" ")),
-        }
-    });
+    let picture = exr::read(bytes, &limits)?;
+    let (whole, part) = (picture.display_window, picture.data_window);
+    let told = picture.metadata.iter().find(|(key, _)| key == "straal.film_hash");
+    let rgb = picture.layer("").and_then(Layer::rgb);
     Ok(Story {
-        size: [picture.display_window.width, picture.display_window.height],
-        layers: layers.collect(),
+        size: [whole.width, whole.height],
+        part: (part != whole).then_some(part),
+        colours: colours(picture.space.as_ref()),
+        layers: layers(&picture.layers),
+        hash_is_right: told.zip(rgb).map(|((_, hash), rgb)| *hash == film_hash(&rgb)),
         facts: picture.metadata,
     })
+}
+
+fn layers(all: &[Layer]) -> Vec<(String, Vec<Range>)> {
+    all.iter().map(|l| (l.name.clone(), l.channels.iter().map(Range::of).collect())).collect()
+}
+
+fn colours(space: Option<&RgbSpace>) -> String {
+    let Some(space) = space else { return "linear RGB; the file doesn't say of which primaries".into() };
+    if let Some(named) = Space::of(space) {
+        return format!("linear RGB of {}", named.name());
+    }
+    let [r, g, b] = space.primaries.map(|p| format!("{:.4}, {:.4}", p.x, p.y));
+    format!("linear RGB: red {r}; green {g}; blue {b}; white {:.4}, {:.4}", space.white.x, space.white.y)
 }
 
 impl Story {
     fn tell(&self) -> String {
         let mut rows = vec![("picture".to_owned(), format!("{} x {} pixels", self.size[0], self.size[1]))];
-        if !self.layers.is_empty() {
-            rows.push(("layers".to_owned(), self.layers.join(", ")));
+        if let Some(Window { x, y, width, height }) = self.part {
+            rows.push(("part".to_owned(), format!("{width} x {height} pixels from {x}, {y}")));
         }
-        rows.extend(self.facts.iter().map(|(key, value)| (key.clone(), printable(value))));
+        rows.push(("colours".to_owned(), self.colours.clone()));
+        for (layer, channels) in &self.layers {
+            for channel in channels {
+                let dot = if layer.is_empty() { "" } else { "." };
+                rows.push((format!("{layer}{dot}{}", channel.name), channel.tell()));
+            }
+        }
+        rows.extend(self.facts.iter().cloned());
+        rows.extend(self.hash_is_right.map(|right| {
+            let verdict = if right { "that of these pixels" } else { "NOT that of these pixels" };
+            ("the film hash is".to_owned(), verdict.to_owned())
+        }));
         let width = rows.iter().map(|(key, _)| key.chars().count()).fold(0, Ord::max);
-        rows.iter().map(|(key, value)| format!("{:<width$}  {value}\n", printable(key))).collect()
+        rows.iter()
+            .map(|(key, value)| format!("{:<width$}  {}\n", printable(key), printable(value)))
+            .collect()
     }
 
     fn as_json(&self) -> Json {
         let facts = self.facts.iter().map(|(key, value)| (key.clone(), json!(value)));
-        json!({ "size": self.size, "layers": self.layers, "metadata": Json::Object(facts.collect::<Map<_, _>>()) })
+        let layer = |(name, channels): &(String, Vec<Range>)| json!({ "name": name, "channels": channels.iter().map(Range::as_json).collect::<Json>() });
+        json!({
+            "size": self.size,
+            "part": self.part.map(|w| json!([w.x, w.y, w.width, w.height])),
+            "colours": self.colours,
+            "layers": self.layers.iter().map(layer).collect::<Json>(),
+            "metadata": Json::Object(facts.collect::<Map<_, _>>()),
+            "film_hash_is_right": self.hash_is_right,
+        })
     }
 }
 
@@ -77,14 +188,55 @@ fn printable(text: &str) -> String {
 mod tests {
     use super::*;
 
+    fn picture() -> exr::Picture {
+        let mut picture = exr::Picture::of_size(2, 1);
+        let rgb = [[0.25, 1.0, 2e-5], [0.75, f32::NAN, f32::INFINITY]];
+        picture.layers = vec![Layer::from_rgb("", &rgb)];
+        picture.metadata =
+            vec![("straal.film_hash".into(), film_hash(&rgb)), ("who".into(), "me\x1b[2J".into())];
+        picture
+    }
+
+    fn story(picture: &exr::Picture) -> Story {
+        let mut bytes = Vec::new();
+        exr::write(&mut bytes, picture).unwrap();
+        read(&bytes).unwrap()
+    }
+
     #[test]
     fn stories_are_told_in_columns() {
-        let facts = vec![("straal.seed".into(), "7".into()), ("who".into(), "me\x1b[2J".into())];
-        let story = Story { size: [4, 3], layers: vec!["B G R".into(), "depth (Z)".into()], facts };
-        let want =
-            "picture      4 x 3 pixels\nlayers       B G R, depth (Z)\nstraal.seed  7\nwho          me [2J\n";
-        assert_eq!(story.tell(), want);
-        assert_eq!(story.as_json()["metadata"]["straal.seed"], "7");
+        let story = story(&picture());
+        let want = "\
+picture           2 x 1 pixels
+colours           linear RGB; the file doesn't say of which primaries
+B                 2.0000e-5 .. 2.0000e-5, mean 2.0000e-5, 1 infinite
+G                 1 .. 1, mean 1, 1 NaN
+R                 0.25 .. 0.75, mean 0.5
+straal.film_hash  ";
+        let told = story.tell();
+        assert!(told.starts_with(want), "{told}");
+        assert!(
+            told.ends_with("who               me [2J\nthe film hash is  that of these pixels\n"),
+            "{told}"
+        );
+        let json = story.as_json();
+        assert_eq!(json["layers"][0]["channels"][2]["mean"], 0.5);
+        assert_eq!(
+            (&json["film_hash_is_right"], &json["metadata"]["who"]),
+            (&json!(true), &json!("me\x1b[2J"))
+        );
+    }
+
+    #[test]
+    fn other_pixels_have_another_hash() {
+        let mut picture = picture();
+        picture.layers[0].channels[0].samples[0] = 0.3;
+        picture.data_window.x = 5;
+        picture.space = Some(Space::Rec2020.rgb());
+        let story = story(&picture);
+        assert_eq!(story.hash_is_right, Some(false));
+        let told = story.tell();
+        assert!(told.contains("2 x 1 pixels from 5, 0") && told.contains("linear RGB of rec2020"), "{told}");
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 pub mod accel;
 pub mod check;
+pub mod develop;
 pub mod diff;
+pub mod gamma_chart;
 pub mod info;
 pub mod render;
 pub mod schema;

@@ -25,7 +25,7 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
     if !settings.quiet {
         out::say(&complaint::show(&warnings, out::has_colours()));
         if settings.look_is_lost() {
-            out::say("warning: --exposure and --tone change PNG pictures only, and none is written\n");
+            out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
         }
     }
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;

@@ -11,9 +11,10 @@ use exr::block::{BlockIndex, UncompressedBlock};
 use exr::compression::Compression;
 use exr::error::Error;
 use exr::math::Vec2;
-use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType, Text};
+use exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds, SampleType, Text};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
+use straal_color::{Adaptation, Chromaticity, RgbSpace, Space};
 use straal_scene::Image;
 
 use crate::limits::check;
@@ -30,6 +31,8 @@ pub struct Picture {
     pub display_window: Window,
     /// The part of the plane that has pixels: the whole frame, or a crop of it.
     pub data_window: Window,
+    /// The linear RGB space of the colours, where the file says it (attribute `chromaticities`).
+    pub space: Option<RgbSpace>,
     /// The layers; the beauty picture is the one without a name.
     pub layers: Vec<Layer>,
     /// Text attributes by name, in alphabetical order when read.
@@ -79,8 +82,19 @@ impl Picture {
         self.layers.iter().find(|layer| layer.name == name)
     }
 
-    /// The picture as linear RGB: the layer without a name, else the first that has colours or grey.
+    /// The picture as linear RGB with the primaries of sRGB: the layer without a name, else the first that has colours or grey.
     pub fn to_image(&self) -> Result<Image, ReadError> {
+        let mut image = self.to_own_image()?;
+        let srgb = Space::Srgb.rgb();
+        if let Some(space) = self.space.filter(|space| *space != srgb) {
+            let matrix = space.to(&srgb, Adaptation::Bradford);
+            image.pixels.iter_mut().for_each(|pixel| *pixel = matrix.apply_f32(*pixel));
+        }
+        Ok(image)
+    }
+
+    /// The same in the file's own space.
+    pub fn to_own_image(&self) -> Result<Image, ReadError> {
         let unnamed = self.layer("").and_then(Layer::rgb);
         let Some(rgb) = unnamed.or_else(|| self.layers.iter().find_map(Layer::rgb)) else {
             return Err(ReadError::file("the file has no layer with channels R, G and B, or Y"));
@@ -147,6 +161,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Picture, ReadError> {
     let mut picture = Picture {
         display_window: bounds(first.shared_attributes.display_window),
         data_window,
+        space: first.shared_attributes.chromaticities.and_then(space),
         layers: Vec::new(),
         metadata: metadata(first),
     };
@@ -168,6 +183,13 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Picture, ReadError> {
         add_layers(header, planes, &mut picture.layers);
     }
     Ok(picture)
+}
+
+/// The space that a file tells in single precision: the exact one where it has a name, and none where it makes no sense.
+fn space(told: Chromaticities) -> Option<RgbSpace> {
+    let at = |Vec2(x, y): Vec2<f32>| Chromaticity { x: f64::from(x), y: f64::from(y) };
+    let space = RgbSpace { primaries: [told.red, told.green, told.blue].map(at), white: at(told.white) };
+    Space::of(&space).map(|named| named.rgb()).or(Some(space).filter(RgbSpace::is_sound))
 }
 
 /// Refuses what is beyond the limits, or beyond what the bytes of the file can hold, before any pixel is allocated.

@@ -3,6 +3,8 @@
 //! After Ward, *Real Pixels* (Graphics Gems II, 1991) and the Radiance file format notes: a text header, a line with
 //! the size and orientation, then scan lines of four bytes a pixel, flat or run-length encoded in either of two ways.
 
+use std::io::{self, Write};
+
 use straal_scene::Image;
 
 use crate::read_error::quoted;
@@ -35,6 +37,39 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
         }
     }
     Ok(image)
+}
+
+/// Writes an HDR picture, flat: every pixel in four bytes that share an exponent, with an error of up to a 256th of the
+/// strongest component. The format has no numbers below 0 nor above 2^127: those, and what is no number, become the
+/// nearest it has.
+pub fn write<W: Write>(mut writer: W, image: &Image) -> io::Result<()> {
+    if image.width == 0 || image.pixels.len() != image.width * image.height {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the picture's size and pixels differ"));
+    }
+    write!(writer, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", image.height, image.width)?;
+    for row in image.pixels.chunks_exact(image.width) {
+        let bytes: Vec<u8> = row.iter().copied().flat_map(encode).collect();
+        writer.write_all(&bytes)?;
+    }
+    Ok(())
+}
+
+/// Four bytes of a pixel. A flat file can be taken for a run-length encoded one where a line begins with 2, 2 or ends a
+/// run with 1, 1, 1: mantissas are normalised, so that the largest is at least 128 and neither can be.
+fn encode(rgb: [f32; 3]) -> [u8; 4] {
+    let rgb = rgb.map(|v| if v > 0.0 { f64::from(v) } else { 0.0 });
+    let most = rgb.into_iter().fold(0.0, |a: f64, b| if b > a { b } else { a });
+    // The smallest normal number of the format is 2^-128.
+    if most < f64::from_bits((1023 - 128) << 52) {
+        return [0; 4];
+    }
+    // most = m 2^e with m in [1/2, 1); the scale brings it to [128, 256).
+    let e = if most.is_finite() { (most.to_bits() >> 52) as i64 - 1022 } else { 128 };
+    let e = if e < 127 { e } else { 127 };
+    let scale = f64::from_bits(((8 - e + 1023) as u64) << 52);
+    let code = |v: f64| (v * scale) as u8;
+    let [r, g, b] = rgb.map(code);
+    [r, g, b, (e + 128) as u8]
 }
 
 /// Radiance of a pixel: mantissa / 256 * 2^(exponent - 128); an exponent of 0 is black. Like most readers, and

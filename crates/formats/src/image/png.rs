@@ -1,4 +1,4 @@
-//! PNG: 8-bit sRGB out; any PNG in.
+//! PNG: 8 or 16 bits out; any PNG in.
 
 use std::io::{self, Cursor, Write};
 
@@ -14,10 +14,31 @@ pub struct Encoded<'a> {
     pub width: usize,
     /// Height in pixels.
     pub height: usize,
-    /// `width * height` pixels of R, G, B, encoded as sRGB, row by row from the top.
-    pub pixels: &'a [[u8; 3]],
+    /// `width * height` pixels of R, G, B, row by row from the top.
+    pub pixels: Pixels<'a>,
+    /// How light was encoded.
+    pub curve: Curve,
     /// Keyword and text, as `iTXt` chunks in this order. A keyword has 1 to 79 Latin-1 characters.
     pub metadata: &'a [(String, String)],
+}
+
+/// Codes of pixels.
+#[derive(Clone, Copy, Debug)]
+pub enum Pixels<'a> {
+    /// 8 bits a channel.
+    Eight(&'a [[u8; 3]]),
+    /// 16 bits a channel.
+    Sixteen(&'a [[u16; 3]]),
+}
+
+/// How a PNG says its light was encoded.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Curve {
+    /// As sRGB (chunk `sRGB`).
+    #[default]
+    Srgb,
+    /// Codes are the 1/gamma-th power of light (chunk `gAMA`).
+    Gamma(f32),
 }
 
 /// Reads a PNG of any depth and kind as linear light. Its numbers are taken as sRGB: `gAMA`, `cHRM` and `iCCP` are
@@ -84,13 +105,20 @@ pub struct Metadata {
 pub fn write<W: Write>(writer: W, picture: &Encoded<'_>) -> io::Result<()> {
     let wrong = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_string());
     let size = |size: usize| u32::try_from(size).map_err(|_| wrong("the picture is too large for a PNG"));
-    if picture.pixels.len() != picture.width * picture.height {
+    let (count, depth) = match picture.pixels {
+        Pixels::Eight(pixels) => (pixels.len(), png::BitDepth::Eight),
+        Pixels::Sixteen(pixels) => (pixels.len(), png::BitDepth::Sixteen),
+    };
+    if count != picture.width * picture.height {
         return Err(wrong("the picture's size and pixels differ"));
     }
     let mut encoder = png::Encoder::new(writer, size(picture.width)?, size(picture.height)?);
     encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_depth(depth);
+    match picture.curve {
+        Curve::Srgb => encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual),
+        Curve::Gamma(gamma) => encoder.set_source_gamma(png::ScaledFloat::new(1.0 / gamma)),
+    }
     let told = |error: png::EncodingError| match error {
         png::EncodingError::IoError(error) => error,
         other => wrong(&other.to_string()),
@@ -99,6 +127,12 @@ pub fn write<W: Write>(writer: W, picture: &Encoded<'_>) -> io::Result<()> {
         encoder.add_itxt_chunk(keyword.clone(), text.clone()).map_err(told)?;
     }
     let mut writer = encoder.write_header().map_err(told)?;
-    writer.write_image_data(picture.pixels.as_flattened()).map_err(told)?;
+    match picture.pixels {
+        Pixels::Eight(pixels) => writer.write_image_data(pixels.as_flattened()).map_err(told)?,
+        Pixels::Sixteen(pixels) => {
+            let bytes: Vec<u8> = pixels.as_flattened().iter().flat_map(|code| code.to_be_bytes()).collect();
+            writer.write_image_data(&bytes).map_err(told)?;
+        }
+    }
     writer.finish().map_err(told)
 }

@@ -3,7 +3,9 @@
 pub mod accel;
 pub mod camera;
 mod check;
+pub mod color;
 pub mod light;
+pub mod look;
 pub mod material;
 pub mod node;
 pub mod settings;
@@ -16,10 +18,12 @@ pub use accel::{
 };
 pub use camera::{Camera, FovAxis, Orthographic, Perspective};
 pub use check::BUILTIN_PATCHES;
+pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
+pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
-pub use settings::{Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind, Tone};
+pub use settings::{Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind};
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,
@@ -36,6 +40,8 @@ describe! {
         camera: Camera,
         /// The picture to make.
         film: Film = Film::default(),
+        /// How colours are computed with.
+        color: ColorSettings = ColorSettings::default(),
         /// Where the random numbers come from.
         sampler: Sampler = Sampler::default(),
         /// How light is computed.

@@ -1,9 +1,10 @@
 //! Film, sampler and integrator: how a picture is made.
 
-use crate::desc::check;
+use crate::desc::{Gamma, Gamut, Tone, check};
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::Depth;
+use straal_color::Exposure;
 
 describe! {
     /// The picture to make.
@@ -14,10 +15,19 @@ describe! {
         filter: Filter = Filter::Box,
         /// The part to render, `[x0, y0, x1, y1]` in pixels from the top left; the ends are exclusive.
         crop: Option<[u32; 4]> = None,
-        /// Exposure of pictures for the screen, in stops: each doubles the light.
-        exposure: f64 [Limit::within(-64.0, 64.0)] = 0.0,
+        /// Exposure of pictures for the screen in stops, each of which doubles the light; or by a meter: `auto`, which makes
+        /// the mean grey, or `highlights`, which shows nearly all within white, perhaps with stops as in `auto+1.5`.
+        exposure: Exposure [Limit::within(-64.0, 64.0)] = Exposure::default(),
         /// Tone curve of pictures for the screen.
         tone: Tone = Tone::Clamp,
+        /// What becomes of colours that the screen can't show.
+        gamut: Gamut = Gamut::Clip,
+        /// How light becomes a signal for the screen: `srgb`, or the power of a plain gamma curve.
+        gamma: Gamma = Gamma::Srgb,
+        /// Bits a channel of pictures for the screen: 8 or 16.
+        bits: u32 [Limit::within(8.0, 16.0)] = 8,
+        /// Whether pictures for the screen are dithered, so that smooth gradients show no steps.
+        dither: bool = false,
     }
 }
 
@@ -38,16 +48,6 @@ describe! {
         radius: f64 [Limit { min: 0.0, max: 16.0, open: true }] = 1.5,
         /// Standard deviation in pixels.
         sigma: f64 [Limit { min: 0.0, max: 16.0, open: true }] = 0.5,
-    }
-}
-
-describe! {
-    /// Tone curve of pictures for the screen.
-    pub enum Tone {
-        /// What is brighter than white is white.
-        "clamp" => Clamp,
-        /// A filmic curve with a soft shoulder.
-        "filmic" => Filmic,
     }
 }
 

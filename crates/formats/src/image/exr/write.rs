@@ -99,6 +99,12 @@ fn header(picture: &Picture, channels: &[(String, &[f32])]) -> io::Result<Vec<u8
     put(&mut header, "pixelAspectRatio", "float", &1.0f32.to_le_bytes())?;
     put(&mut header, "screenWindowCenter", "v2f", &[0; 8])?;
     put(&mut header, "screenWindowWidth", "float", &1.0f32.to_le_bytes())?;
+    if let Some(space) = picture.space {
+        let [red, green, blue] = space.primaries;
+        let numbers = [red, green, blue, space.white].map(|c| [c.x as f32, c.y as f32]);
+        let bytes: Vec<u8> = numbers.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
+        put(&mut header, "chromaticities", "chromaticities", &bytes)?;
+    }
     for (i, (name, value)) in picture.metadata.iter().enumerate() {
         if STANDARD.contains(&name.as_str()) || picture.metadata[..i].iter().any(|(other, _)| other == name) {
             return Err(wrong(format!("two attributes are called {name}")));

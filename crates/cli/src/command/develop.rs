@@ -1,0 +1,56 @@
+//! `straal develop`
+
+use super::read_bytes;
+use crate::args::{DevelopArgs, LookArgs};
+use crate::exit::{Exit, Failure};
+use crate::out;
+use crate::settings::{check_output, is_same_file};
+use straal::develop::Plate;
+use straal::focus::Blur;
+use straal::picture::Format;
+use straal_formats::Limits;
+
+/// Develops a picture again.
+pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
+    let mut has_png = false;
+    for (i, path) in args.output.iter().enumerate() {
+        let format = Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
+        has_png |= matches!(format, Format::Png | Format::Exr);
+        check_output(path)?;
+        if args.output[..i].contains(path) {
+            return Err(Failure::input(format!("{} is named twice", path.display())));
+        }
+        if is_same_file(path, &args.picture) {
+            return Err(Failure::input(format!(
+                "{} would replace the picture it is made from",
+                path.display()
+            )));
+        }
+    }
+    if args.look != LookArgs::default() && !has_png && !args.quiet {
+        out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
+    }
+    let name = args.picture.display();
+    let bytes = read_bytes(&args.picture)?;
+    let mut plate = Plate::read(&bytes, &Limits::default())
+        .map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
+    if let Some(lens) = args.depth_of_field {
+        let spanned = args.fov.map(|degrees| Blur::focal_pixels(plate.size()[0], degrees));
+        let Some(focal_pixels) = spanned.or(plate.focal_pixels()) else {
+            let help = "say it by --fov DEGREES";
+            return Err(Failure::input(format!("{name} doesn't tell its field of view")).help(help));
+        };
+        plate
+            .blur(&Blur { lens, focal_pixels })
+            .map_err(|e| Failure::input(format!("can't blur {name}: {e}")))?;
+    }
+    let look = args.look.over(plate.look());
+    for path in &args.output {
+        plate.save(path, &look).map_err(|e| Failure::system(e.to_string()))?;
+    }
+    if !args.quiet {
+        let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
+        out::say(&format!("wrote {}\n", names.join(", ")));
+    }
+    Ok(Exit::Fine)
+}

@@ -1,0 +1,23 @@
+//! `straal gamma-chart`
+
+use crate::args::GammaChartArgs;
+use crate::exit::{Exit, Failure};
+use crate::out;
+use crate::settings::check_output;
+use straal::gamma_chart;
+use straal::picture::{Format, SaveError};
+
+/// Writes the chart.
+pub fn run(args: &GammaChartArgs) -> Result<Exit, Failure> {
+    let path = &args.output;
+    if !matches!(Format::of(path), Ok(Format::Png)) {
+        let message =
+            format!("can't write {}: the chart is a PNG, so that the name must end in .png", path.display());
+        return Err(Failure::input(message));
+    }
+    check_output(path)?;
+    let saved: Result<(), SaveError> = gamma_chart::chart().save(path, &[]);
+    saved.map_err(|e| Failure::system(e.to_string()))?;
+    out::say(&format!("wrote {}\n", path.display()));
+    Ok(Exit::Fine)
+}

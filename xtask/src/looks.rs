@@ -1,0 +1,114 @@
+//! The book's pictures of development: one scene under each tone curve, the curves themselves, and blur by depth.
+
+use crate::{Failure, root};
+use std::fmt::Write;
+use straal::develop::Plate;
+use straal::focus::{Blur, Lens};
+use straal::{Control, Job, LoadOptions, Look, Overrides};
+use straal_color::{Tone, srgb};
+use straal_math::ops;
+
+const FOLDER: &str = "book/src/images";
+const SCENE: &str = "scenes/bright-colours.yaml";
+const SIZE: [u32; 2] = [320, 180];
+
+/// The scene that is blurred, and the lens.
+const BLURRED: &str = "scenes/embedded.yaml";
+const LENS: Lens = Lens { focus: 8.0, radius: 0.15 };
+
+/// Renders the scene once and develops it by every curve; draws the curves; blurs another.
+pub fn run() -> Result<bool, Failure> {
+    let loaded = straal::load(&root().join(SCENE), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {SCENE}`"))?;
+    let job = Job::new(loaded, Overrides { size: Some(SIZE), ..Overrides::default() })?;
+    let picture = job.render(&mut Control::to_the_end())?.picture;
+    for tone in Tone::ALL {
+        let file = format!("{FOLDER}/tone-{}.png", tone.name().replace('_', "-"));
+        picture.save(&root().join(&file), &Look { tone, ..job.look() })?;
+        println!("{file}");
+    }
+    let file = format!("{FOLDER}/tone-curves.svg");
+    std::fs::write(root().join(&file), curves())?;
+    println!("{file}");
+    blurred()?;
+    Ok(true)
+}
+
+/// A sharp picture and the same blurred by its depth.
+fn blurred() -> Result<(), Failure> {
+    let loaded = straal::load(&root().join(BLURRED), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {BLURRED}`"))?;
+    let [width, height] = loaded.scene.film.size;
+    let size = [2 * SIZE[0], 2 * SIZE[0] * height / width];
+    let job = Job::new(loaded, Overrides { size: Some(size), ..Overrides::default() })?;
+    let mut plate = Plate::from(&job.render(&mut Control::to_the_end())?.picture);
+    let focal_pixels = plate.focal_pixels().ok_or("the camera doesn't magnify")?;
+    plate.blur(&Blur { lens: LENS, focal_pixels })?;
+    let file = format!("{FOLDER}/blur-by-depth.png");
+    plate.save(&root().join(&file), &job.look())?;
+    println!("{file}");
+    Ok(())
+}
+
+/// Stops around middle grey, 0.18, across; the signal of an sRGB screen up.
+const STOPS: [f32; 2] = [-8.0, 7.0];
+const PLOT: [f32; 4] = [50.0, 15.0, 520.0, 300.0];
+
+/// The curves that change greys; max-to-one is the clamp there.
+fn curves() -> String {
+    let [left, top, width, height] = PLOT;
+    let x = |stops: f32| left + (stops - STOPS[0]) / (STOPS[1] - STOPS[0]) * width;
+    let y = |signal: f32| top + (1.0 - signal) * height;
+    let mut out = String::from(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 370\" font-family=\"sans-serif\" font-size=\"13\">\n\
+         <rect width=\"760\" height=\"370\" fill=\"white\"/>\n",
+    );
+    for stops in (STOPS[0] as i32..=STOPS[1] as i32).step_by(2) {
+        let x = x(stops as f32);
+        let _ = writeln!(
+            out,
+            "<path d=\"M{x:.1} {top}V{}\" stroke=\"#ddd\"/>\n<text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{stops}</text>",
+            top + height,
+            top + height + 17.0
+        );
+    }
+    for tenths in (0..=10_u8).step_by(2) {
+        let v = f32::from(tenths) / 10.0;
+        let y = y(v);
+        let _ = writeln!(
+            out,
+            "<path d=\"M{left} {y:.1}H{}\" stroke=\"#ddd\"/>\n<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{v}</text>",
+            left + width,
+            left - 6.0,
+            y + 4.0
+        );
+    }
+    let _ = writeln!(
+        out,
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">light in stops from middle grey</text>",
+        left + 0.5 * width,
+        top + height + 38.0
+    );
+    let drawn = Tone::ALL.into_iter().filter(|t| *t != Tone::ScaleToMaximum);
+    let colours = ["#444444", "#1f77b4", "#2ca02c", "#ff7f0e", "#d62728", "#9467bd", "#17a2b8"];
+    for (i, (tone, colour)) in drawn.zip(colours).enumerate() {
+        let points = (0..=150_u8).map(|k| {
+            let stops = STOPS[0] + (STOPS[1] - STOPS[0]) * f32::from(k) / 150.0;
+            let shown = tone.apply([0.18 * ops::exp2(stops); 3])[1];
+            format!("{:.1},{:.1}", x(stops), y(srgb::encode(shown)))
+        });
+        let points: Vec<String> = points.collect();
+        let (key_x, key_y) = (left + width + 20.0, top + 20.0 + 22.0 * i as f32);
+        let _ = writeln!(
+            out,
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>\n\
+             <path d=\"M{key_x} {key_y}h24\" stroke=\"{colour}\" stroke-width=\"2\"/>\n\
+             <text x=\"{}\" y=\"{}\">{}</text>",
+            points.join(" "),
+            key_x + 32.0,
+            key_y + 4.0,
+            tone.name()
+        );
+    }
+    out + "</svg>\n"
+}
