@@ -1,9 +1,10 @@
-//! Light as four lanes, RGB spaces, tone curves, gamma, and a colour map for numbers.
+//! Light as four lanes, measured spectra, RGB spaces, tone curves, gamma, and a colour map for numbers.
 #![forbid(unsafe_code)]
 
 pub mod heat;
 pub mod light;
 pub mod oklab;
+pub mod spectrum;
 pub mod srgb;
 pub mod tone;
 
