@@ -1,15 +1,27 @@
-//! Light as four lanes, measured spectra, RGB spaces, tone curves, gamma, and a colour map for numbers.
+//! Light as four lanes, measured spectra, CIE XYZ and Lab, RGB spaces, tone curves, gamma, and a colour map for numbers.
 #![forbid(unsafe_code)]
 
+pub mod adaptation;
 pub mod heat;
+pub mod lab;
 pub mod light;
+pub mod matrix;
 pub mod oklab;
+pub mod space;
 pub mod spectrum;
 pub mod srgb;
 pub mod tone;
+pub mod transfer;
+pub mod xyz;
 
+pub use adaptation::Adaptation;
+pub use lab::{Lab, Lch};
 pub use light::Light;
+pub use matrix::Matrix3;
+pub use space::{RgbSpace, Space};
 pub use tone::Tone;
+pub use transfer::Transfer;
+pub use xyz::{Chromaticity, White, XyY, Xyz};
 
 /// Luminance of linear RGB with Rec. 709 primaries and D65 white.
 pub fn luminance(rgb: [f32; 3]) -> f32 {

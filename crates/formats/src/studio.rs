@@ -3,9 +3,9 @@
 use straal_math::DVec3;
 use straal_scene::MeshAsset;
 use straal_scene::desc::{
-    Accel, Camera, Diffuse, Environment, Film, FovAxis, Integrator, Light, Material, MaterialRef, Node,
-    Perspective, Plane, Rectangle, Sampler, Scene, Shading, Step, Surface, Tone, Transform, TriangleMesh,
-    Viewpoint,
+    Accel, Camera, ColorSettings, Diffuse, Environment, Film, FovAxis, Integrator, Light, Material,
+    MaterialRef, Node, Perspective, Plane, Rectangle, Sampler, Scene, Shading, Step, Surface, Tone,
+    Transform, TriangleMesh, Viewpoint,
 };
 use straal_scene::value::{Color, Factors, Named, Value};
 
@@ -71,6 +71,7 @@ pub fn around(name: &str, asset: &MeshAsset) -> Result<Scene, String> {
     Ok(Scene {
         camera: Camera::Perspective(frame(center, points(asset), film.size)),
         film,
+        color: ColorSettings::default(),
         sampler: Sampler::default(),
         integrator: Integrator::default(),
         accel: Accel::default(),

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use serde_json::{Map, Value as Json};
+use straal_color::Space;
 
 use crate::desc::{Light, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -12,6 +13,7 @@ use crate::span::Span;
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree, shown};
 use crate::validate;
+use crate::value::Color;
 
 /// A type of the scene language.
 ///
@@ -69,17 +71,59 @@ pub struct Decoder {
     strictness: Strictness,
     /// The keys on the way to the value being read, each with its place.
     path: Vec<(String, Span)>,
+    /// Colours that are told in another form than linear sRGB: a narrow work space may not hold them.
+    wide: Vec<Wide>,
+}
+
+/// A colour whose place in the work space is known only when the whole scene is read.
+#[derive(Clone, Debug)]
+struct Wide {
+    span: Span,
+    key: String,
+    color: Color,
+    limit: Limit,
 }
 
 impl Decoder {
     /// A reader that adds to `diagnostics`.
     pub fn new(diagnostics: Diagnostics, strictness: Strictness) -> Self {
-        Self { diagnostics, strictness, path: Vec::new() }
+        Self { diagnostics, strictness, ..Self::default() }
     }
 
     /// Notes a complaint.
     pub fn push(&mut self, d: Diagnostic) {
         self.diagnostics.push(d);
+    }
+
+    /// Notes a colour that the scene's work space may not hold within `limit`.
+    pub fn note_wide(&mut self, span: Span, color: Color, limit: Limit) {
+        let key = self.key().to_owned();
+        self.wide.push(Wide { span, key, color, limit });
+    }
+
+    /// Complains of noted colours that the work space doesn't hold: light can't be below 0, nor a surface reflect more
+    /// than falls on it.
+    fn check_wide(&mut self, space: Space) {
+        for Wide { span, key, color, limit } in std::mem::take(&mut self.wide) {
+            // Conversions round: this much is no fault of the scene's.
+            const SLACK: f64 = 1e-6;
+            let holds = |space: Space| {
+                let inside = |v: &f64| *v >= limit.min - SLACK && *v <= limit.max + SLACK && v.is_finite();
+                Space::Srgb.to(space).apply(color.0).iter().all(inside)
+            };
+            if holds(space) {
+                continue;
+            }
+            let [r, g, b] = Space::Srgb.to(space).apply(color.0).map(|v| (v * 1e4).round() / 1e4);
+            let message = format!(
+                "`{key}` is beyond the work space `{}`: its linear RGB there is [{r}, {g}, {b}], and must be {limit}",
+                space.name()
+            );
+            let other = Space::ALL.into_iter().find(|s| holds(*s));
+            let help =
+                other.map(|s| format!("`color: {{ space: {} }}` at the top of the scene holds it", s.name()));
+            self.push(Diagnostic::error(span, message).maybe_help(help));
+        }
     }
 
     /// The key whose value is being read, for messages.
@@ -339,6 +383,7 @@ impl<'a> Keys<'a> {
 pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness) -> (Scene, Diagnostics) {
     let mut decoder = Decoder::new(diagnostics, strictness);
     let scene = Scene::read(tree, Limit::FINITE, &mut decoder);
+    decoder.check_wide(scene.color.space.space());
     let mut diagnostics = decoder.diagnostics;
     let (at, nothing) = match tree.entry("world") {
         Some(e) => (e.key.span, e.value.value == Datum::Null || e.value.value == Datum::Sequence(Vec::new())),

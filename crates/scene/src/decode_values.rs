@@ -4,7 +4,7 @@ use serde_json::{Map, Value as Json, json};
 use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Describe};
-use crate::desc::{Material, MaterialRef, Step, Transform};
+use crate::desc::{ColorIn, Material, MaterialRef, Step, Transform};
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::schema::{self, Definitions};
@@ -196,6 +196,16 @@ impl Describe for Color {
                 Self(std::array::from_fn(|i| f64::read(&items[i], limit, d)))
             }
             Datum::String(s) if Self::from_hex(s).is_some() => Self::from_hex(s).unwrap_or_default(),
+            Datum::Mapping(_) => {
+                let before = d.diagnostics.errors();
+                let given = ColorIn::read(tree, limit, d);
+                if d.diagnostics.errors() > before {
+                    return Self::blank();
+                }
+                let color = given.color();
+                d.note_wide(tree.span, color, limit);
+                color
+            }
             Datum::Null => {
                 let message = format!("`{}` must be a colour, found nothing", d.key());
                 let help = "put '#rrggbb' in quotes: without them `#` begins a comment";
@@ -203,7 +213,10 @@ impl Describe for Color {
                 Self::blank()
             }
             _ => {
-                d.expected("a colour (a number, `[r, g, b]` or '#rrggbb')", tree);
+                d.expected(
+                    "a colour (a number, `[r, g, b]`, '#rrggbb' or a form such as `{ xyz: [x, y, z] }`)",
+                    tree,
+                );
                 Self::blank()
             }
         }
@@ -213,12 +226,18 @@ impl Describe for Color {
     }
     fn write(&self) -> Json {
         let Self([r, g, b]) = *self;
-        if r == g && g == b { r.write() } else { self.0.write() }
+        if r < 0.0 || g < 0.0 || b < 0.0 {
+            json!({ "rgb": self.0.write() })
+        } else if r == g && g == b {
+            r.write()
+        } else {
+            self.0.write()
+        }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         let channels = <[f64; 3]>::schema(limit, defs);
         let hex = json!({ "type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$" });
-        json!({ "anyOf": [schema::number("number", limit), channels, hex] })
+        json!({ "anyOf": [schema::number("number", limit), channels, hex, ColorIn::schema(limit, defs)] })
     }
 }
 

@@ -12,7 +12,7 @@ pub type Name = Spanned<String>;
 /// A file as the scene names it: absolute, or relative to the scene's folder.
 pub type FileRef = Spanned<String>;
 
-/// A colour in linear RGB (Rec. 709 primaries, D65 white).
+/// A colour in linear RGB (Rec. 709 primaries, D65 white). What these primaries don't hold has components below 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Color(pub [f64; 3]);
 

@@ -5,6 +5,8 @@
 //! Spectral Upsampling"). The three coefficients are found by Gauss-Newton steps so that the surface has the wanted linear
 //! sRGB under D65. Greys are constant.
 
+use crate::{Adaptation, Matrix3, Space, White, Xyz};
+
 use super::{Bins, COUNT, Observer, illuminant};
 
 /// What turns a reflectance into linear sRGB under D65, and spectra of light into linear sRGB.
@@ -36,38 +38,22 @@ impl Default for Uplift {
     }
 }
 
-/// From XYZ to linear RGB of Rec. 709's primaries and the white of the tabulated D65, so that greys under D65 are exactly
-/// grey.
-pub fn srgb_from_xyz() -> [[f64; 3]; 3] {
-    let white = Observer::Cie1931.light(&illuminant::d65());
-    // Columns: X, Y, Z of each primary at Y = 1.
-    let primaries = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
-    let column = |c: usize| {
-        let [x, y] = primaries[c];
-        [x / y, 1.0, (1.0 - x - y) / y]
-    };
-    let m: [[f64; 3]; 3] = std::array::from_fn(|r| std::array::from_fn(|c| column(c)[r]));
-    let inverse = inverted(&m).unwrap_or([[0.0; 3]; 3]);
-    // Each row of the inverse is scaled so that white is 1 in it.
-    inverse.map(|row| {
-        let of_white: f64 = row.iter().zip(white).map(|(a, b)| a * b).sum();
-        row.map(|v| v / of_white)
-    })
+/// From XYZ to linear RGB of a space, so that light of the tabulated D65 is R = G = B to the last digit: a space's own white
+/// is told to four places only.
+pub fn rgb_from_xyz(space: Space) -> Matrix3 {
+    let white = Xyz::new(Observer::Cie1931.light(&illuminant::d65()));
+    let white = white.chromaticity().unwrap_or(White::D65.chromaticity());
+    space.rgb().from_xyz_under(white, Adaptation::Bradford)
 }
 
 impl Uplift {
     /// Prepares the tables.
     pub fn new() -> Self {
         let white = illuminant::d65();
-        let matrix = srgb_from_xyz();
+        let matrix = rgb_from_xyz(Space::Srgb);
         let unit: f64 = Observer::Cie1931.functions().iter().map(|xyz| xyz[1]).sum();
         let functions = Observer::Cie1931.functions();
-        let weights = std::array::from_fn(|i| {
-            matrix.map(|row| {
-                let sum: f64 = row.iter().zip(functions[i]).map(|(a, b)| a * b).sum();
-                sum * white[i] / unit
-            })
-        });
+        let weights = std::array::from_fn(|i| matrix.apply(functions[i]).map(|v| v * white[i] / unit));
         let mut uplift = Self { white, weights, full: [[0.0; COUNT]; 6] };
         for (k, full) in FULL.into_iter().enumerate() {
             uplift.full[k] = uplift.fit(full).bins();
@@ -139,7 +125,7 @@ impl Uplift {
             for (i, row) in normal.iter_mut().enumerate() {
                 row[i] *= 1.0 + damping;
             }
-            let Some(inverse) = inverted(&normal) else { return false };
+            let Some(Matrix3(inverse)) = Matrix3(normal).inverse() else { return false };
             let next: [f64; 3] =
                 std::array::from_fn(|i| c[i] - (0..3).map(|j| inverse[i][j] * gradient[j]).sum::<f64>());
             let (new_residual, new_jacobian) = self.difference(&next, rgb);
@@ -226,15 +212,4 @@ impl Smooth {
 /// Where a nanometre is between the first and the last.
 fn place(bin: usize) -> f64 {
     bin as f64 / (COUNT - 1) as f64
-}
-
-/// The inverse of a matrix by cofactors; `None` where it has none.
-fn inverted(m: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let determinant = (0..3).map(|c| m[0][c] * cofactor(0, c)).sum::<f64>();
-    let usable = determinant != 0.0 && determinant.is_finite() && (1.0 / determinant).is_finite();
-    usable.then(|| std::array::from_fn(|r| std::array::from_fn(|c| cofactor(c, r) / determinant)))
 }

@@ -1,7 +1,7 @@
 //! Lights: those of the scene's list, and the surfaces that glow.
 
 use super::CompileError;
-use super::look::colour;
+use super::look::ToWork;
 use super::place::Glowing;
 use crate::light::spot::Cone;
 use crate::light::{
@@ -30,9 +30,10 @@ pub(super) fn gather(
     glowing: Vec<Glowing>,
     search: &accel::Scene,
 ) -> Result<Lights, CompileError> {
-    let mut emitters: Vec<Emitter> = glowing.iter().map(|g| area(g, geometry)).collect();
+    let to_work = ToWork::of(scene);
+    let mut emitters: Vec<Emitter> = glowing.iter().map(|g| area(g, geometry, &to_work)).collect();
     for light in &scene.lights {
-        emitters.push(emitter(light, assets)?);
+        emitters.push(emitter(light, assets, &to_work)?);
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
@@ -43,7 +44,7 @@ pub(super) fn gather(
     Ok(Lights { emitters, table, environments })
 }
 
-fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
+fn area(g: &Glowing, geometry: &Geometry, to_work: &ToWork) -> Emitter {
     let surface = match g.kind {
         Kind::Mesh(mesh) => LitSurface::mesh(geometry, mesh),
         Kind::Shapes(shape) => LitSurface::Shape(shape),
@@ -53,17 +54,17 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
         (false, true) => Sides::Back,
         (false, false) => Sides::Front,
     };
-    Emitter::Area(AreaLight { surface, radiance: colour(g.radiance).into(), sides })
+    Emitter::Area(AreaLight { surface, radiance: to_work.colour(g.radiance).into(), sides })
 }
 
-fn emitter(light: &Light, assets: &Assets) -> Result<Emitter, CompileError> {
+fn emitter(light: &Light, assets: &Assets, to_work: &ToWork) -> Result<Emitter, CompileError> {
     Ok(match light {
         Light::Point(l) => Emitter::Point(PointLight {
             position: l.position.as_vec3(),
-            intensity: colour(l.intensity.constant()).into(),
+            intensity: to_work.colour(l.intensity.constant()).into(),
         }),
         Light::Directional(l) => Emitter::Directional(
-            DirectionalLight::new(l.direction.as_vec3(), colour(l.irradiance.constant()))
+            DirectionalLight::new(l.direction.as_vec3(), to_work.colour(l.irradiance.constant()))
                 .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))?,
         ),
         Light::Spot(l) => {
@@ -76,17 +77,17 @@ fn emitter(light: &Light, assets: &Assets) -> Result<Emitter, CompileError> {
                     desc::Falloff::Smooth => Falloff::Smooth,
                 },
             };
-            let spot = SpotLight::new(l.position.as_vec3(), colour(l.intensity.constant()), &cone);
+            let spot = SpotLight::new(l.position.as_vec3(), to_work.colour(l.intensity.constant()), &cone);
             Emitter::Spot(spot.ok_or_else(|| CompileError::new("the axis of a spot light has no length"))?)
         }
-        Light::Environment(l) => environment(l, assets)?,
+        Light::Environment(l) => environment(l, assets, to_work)?,
     })
 }
 
-fn environment(l: &desc::Environment, assets: &Assets) -> Result<Emitter, CompileError> {
+fn environment(l: &desc::Environment, assets: &Assets, to_work: &ToWork) -> Result<Emitter, CompileError> {
     let Some(file) = &l.file else {
         let radiance = l.radiance.map_or(Default::default(), |r| r.constant());
-        let radiance = (colour(radiance) * l.scale as f32).into();
+        let radiance = (to_work.colour(radiance) * l.scale as f32).into();
         return Ok(Emitter::Constant(ConstantEnvironment { radiance }));
     };
     let image = assets
@@ -97,7 +98,7 @@ fn environment(l: &desc::Environment, assets: &Assets) -> Result<Emitter, Compil
         .zip(l.transform.affine())
         .map(|(turn, own)| turn.then(&own))
         .ok_or_else(|| CompileError::at("this transform is singular", l.transform.span))?;
-    let map = ImageEnvironment::new(image, l.scale as f32, &placed);
+    let map = ImageEnvironment::new(&to_work.image(image), l.scale as f32, &placed);
     let map = map
         .ok_or_else(|| CompileError::at(format!("the picture `{}` has no pixels", file.value), file.span))?;
     Ok(Emitter::Image(Box::new(map)))

@@ -5,8 +5,8 @@ use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Orthographic, Perspective, Plane,
-    Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
+    Bezier, ColorIn, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Orthographic, Perspective,
+    Plane, Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
@@ -54,6 +54,30 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
     } else if x1 > width || y1 > height {
         let message = format!("this crop ends at {x1}, {y1}, outside the picture of {width} x {height}");
         d.push(Diagnostic::error(keys.span("crop"), message));
+    }
+}
+
+pub(super) fn color_in(c: &ColorIn, keys: &Keys<'_>, d: &mut Decoder) {
+    const FORMS: &str = "`rgb`, `xyz`, `xyy`, `lab` and `lch`";
+    match c.forms().as_slice() {
+        [] => d.push(Diagnostic::error(keys.owner(), format!("a colour needs one of {FORMS}"))),
+        [form] => {
+            let (beside, other) =
+                if *form == "rgb" { ("white", c.white.is_some()) } else { ("space", c.space.is_some()) };
+            if other {
+                let message = format!("`{beside}` means nothing beside `{form}`");
+                d.push(Diagnostic::error(keys.key_span(beside), message));
+            }
+            if c.xyy.is_some_and(|[_, y, _]| y <= 0.0) {
+                let message = "y of a chromaticity must be greater than 0";
+                d.push(Diagnostic::error(keys.span("xyy"), message));
+            }
+        }
+        [first, second, ..] => {
+            let message = format!("a colour takes one of {FORMS}, not `{first}` and `{second}`");
+            let first = (keys.key_span(first), format!("`{first}` is here"));
+            d.push(Diagnostic::error(keys.key_span(second), message).related(first.0, first.1));
+        }
     }
 }
 

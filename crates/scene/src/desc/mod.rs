@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod camera;
 mod check;
+pub mod color;
 pub mod light;
 pub mod material;
 pub mod node;
@@ -16,6 +17,7 @@ pub use accel::{
 };
 pub use camera::{Camera, FovAxis, Orthographic, Perspective};
 pub use check::BUILTIN_PATCHES;
+pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
@@ -36,6 +38,8 @@ describe! {
         camera: Camera,
         /// The picture to make.
         film: Film = Film::default(),
+        /// How colours are computed with.
+        color: ColorSettings = ColorSettings::default(),
         /// Where the random numbers come from.
         sampler: Sampler = Sampler::default(),
         /// How light is computed.
