@@ -46,6 +46,7 @@ fn run(start: Instant) -> Exit {
         Command::Schema => command::schema::run(),
         Command::Diff(args) => command::diff::run(&args),
         Command::Info(args) => command::info::run(&args),
+        Command::Metamer(args) => command::metamer::run(&args),
     };
     done.unwrap_or_else(|failure| tell(&failure, json))
 }
@@ -57,6 +58,7 @@ fn wants_json(command: &Command) -> bool {
         Command::Accel(a) => a.json,
         Command::Diff(a) => a.json,
         Command::Info(a) => a.json,
+        Command::Metamer(a) => a.json,
         Command::Schema => false,
     }
 }

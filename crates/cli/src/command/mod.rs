@@ -4,6 +4,7 @@ pub mod accel;
 pub mod check;
 pub mod diff;
 pub mod info;
+pub mod metamer;
 pub mod render;
 pub mod schema;
 

@@ -7,6 +7,7 @@
 //! spectra are of one size.
 
 pub mod illuminant;
+pub mod metamer;
 pub mod observer;
 pub mod refraction;
 pub mod thermal;

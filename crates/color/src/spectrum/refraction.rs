@@ -2,6 +2,9 @@
 
 use super::Spectrum;
 
+/// The yellow line of helium, in nm, at which an index without further words is told (n_d).
+pub const MIDDLE: f64 = 587.5618;
+
 /// How the index of refraction of a clear medium depends on the wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Index {
@@ -32,7 +35,7 @@ impl Index {
     /// Abbe's number V = (n_d - 1) / (n_F - n_C), by the lines of helium at 587.56 and of hydrogen at 486.13 and 656.27
     /// nm: the smaller, the wider the rainbow. Infinite without dispersion.
     pub fn abbe_number(&self) -> f64 {
-        (self.at(587.5618) - 1.0) / (self.at(486.1327) - self.at(656.2725))
+        (self.at(MIDDLE) - 1.0) / (self.at(486.1327) - self.at(656.2725))
     }
 }
 

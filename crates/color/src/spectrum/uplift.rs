@@ -213,3 +213,21 @@ impl Smooth {
 fn place(bin: usize) -> f64 {
     bin as f64 / (COUNT - 1) as f64
 }
+
+/// How red, green and blue of a space see wavelengths where they see them positively: each sums to 1. Their means turn
+/// what isn't light, such as an index of refraction, into three numbers; and a wavelength drawn in proportion to their
+/// sum has a colour that is white on average.
+pub fn positive_parts(space: Space) -> [Bins; 3] {
+    let matrix = rgb_from_xyz(space);
+    let (functions, white) = (Observer::Cie1931.functions(), illuminant::d65());
+    let mut parts = [[0.0; COUNT]; 3];
+    for i in 0..COUNT {
+        for (part, v) in parts.iter_mut().zip(matrix.apply(functions[i])) {
+            part[i] = if v > 0.0 { v * white[i] } else { 0.0 };
+        }
+    }
+    parts.map(|part| {
+        let sum: f64 = part.iter().sum();
+        part.map(|v| v / sum)
+    })
+}

@@ -2,13 +2,14 @@
 
 pub mod accel;
 pub mod camera;
-mod check;
+pub(crate) mod check;
 pub mod color;
 pub mod light;
 pub mod material;
 pub mod node;
 pub mod settings;
 pub mod shape;
+pub mod spectrum;
 pub mod transform;
 
 pub use accel::{
@@ -26,6 +27,7 @@ pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,
 };
+pub use spectrum::{Formula, Index, Measured, Spectrum};
 pub use transform::{Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint};
 
 use crate::describe::describe;
@@ -46,6 +48,8 @@ describe! {
         integrator: Integrator = Integrator::default(),
         /// How rays are searched.
         accel: Accel = Accel::default(),
+        /// Whether light is computed by wavelengths instead of red, green and blue.
+        spectral: bool = false,
         /// Materials by name.
         materials: Named<Material> = Named::default(),
         /// Geometry by name, which is seen only where an `instance` puts it.
