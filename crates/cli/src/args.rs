@@ -12,6 +12,7 @@ use straal::focus::Lens;
 use straal::search;
 use straal::{Bits, CostMeasure, Dither, Exposure, Gamma, Gamut, Look, Tone};
 use straal_accel::{Build, Isa, Structure};
+use straal_color::spectrum::{Observer, illuminant};
 use straal_math::lowdisc::Pattern;
 
 /// The whole command line.
@@ -59,6 +60,9 @@ pub enum Command {
     /// Make the picture by which a screen's gamma is found
     #[command(long_about = GAMMA_CHART_ABOUT)]
     GammaChart(GammaChartArgs),
+    /// Tell under which lights two spectra look alike, or make a spectrum that looks like another
+    #[command(long_about = METAMER_ABOUT)]
+    Metamer(MetamerArgs),
 }
 
 const RENDER_ABOUT: &str = "\
@@ -114,6 +118,10 @@ pub struct RenderArgs {
     /// Largest number of edges of a path: 1 sees emitters, 2 is direct light
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: Option<u32>,
+
+    /// Compute light by wavelengths instead of red, green and blue
+    #[arg(long)]
+    pub spectral: bool,
 
     /// Seed of all random numbers
     #[arg(long, value_name = "N")]
@@ -424,6 +432,48 @@ pub struct InfoArgs {
     pub json: bool,
 }
 
+const METAMER_ABOUT: &str = "\
+Tells how much two surfaces differ in colour under each illuminant of the CIE, as CIEDE2000: below about 1 nobody sees \
+a difference, and surfaces that match under one light and not under another are metamers.
+
+A spectrum is a file with a wavelength in nm and a value on each line, the name of a colour as '#c08040', or a grey such \
+as 0.4. With --make and one spectrum, a metamer of it is made: of the same colour under --under and as different \
+otherwise as reflectances from 0 to 1 allow.";
+
+const METAMER_EXAMPLES: &str = "\
+Examples:
+  straal metamer paint.spd print.spd
+  straal metamer paint.spd --make twin.spd --under D65
+  straal metamer '#8090a0' --make twin.spd && straal metamer '#8090a0' twin.spd --json";
+
+/// `straal metamer`
+#[derive(Debug, Args)]
+#[command(after_help = METAMER_EXAMPLES, after_long_help = format!("{METAMER_EXAMPLES}\n\n{}", exit::TABLE))]
+pub struct MetamerArgs {
+    /// A spectrum of reflectance: a file, '#rrggbb' or a number
+    pub a: String,
+
+    /// The spectrum to compare it with
+    #[arg(required_unless_present = "make", conflicts_with = "make")]
+    pub b: Option<String>,
+
+    /// Write a metamer of A to this file
+    #[arg(long, value_name = "FILE")]
+    pub make: Option<PathBuf>,
+
+    /// The light under which the metamer has the colour of A
+    #[arg(long, value_name = "LIGHT", default_value = "D65", value_parser = PossibleValuesParser::new(illuminant::NAMES), ignore_case = true)]
+    pub under: String,
+
+    /// Whose eyes: the observer of 2 or of 10 degrees
+    #[arg(long, value_name = "DEGREES", default_value = "2", value_parser = observer())]
+    pub observer: Observer,
+
+    /// Print one JSON object on standard output instead
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// A parser of names that lists them in the help and, for a wrong one, suggests the nearest.
 fn named<T: Clone + Send + Sync + 'static>(all: Vec<(&'static str, T)>) -> impl TypedValueParser<Value = T> {
     let names: Vec<_> = all.iter().map(|(name, _)| *name).collect();
@@ -431,6 +481,10 @@ fn named<T: Clone + Send + Sync + 'static>(all: Vec<(&'static str, T)>) -> impl 
         let found = all.iter().find(|(name, _)| *name == typed);
         found.map(|(_, value)| value.clone()).ok_or("no such name")
     })
+}
+
+fn observer() -> impl TypedValueParser<Value = Observer> {
+    named(vec![("2", Observer::Cie1931), ("10", Observer::Cie1964)])
 }
 
 fn pattern() -> impl TypedValueParser<Value = Pattern> {

@@ -48,6 +48,7 @@ fn run(start: Instant) -> Exit {
         Command::Info(args) => command::info::run(&args),
         Command::Develop(args) => command::develop::run(&args),
         Command::GammaChart(args) => command::gamma_chart::run(&args),
+        Command::Metamer(args) => command::metamer::run(&args),
     };
     done.unwrap_or_else(|failure| tell(&failure, json))
 }
@@ -59,6 +60,7 @@ fn wants_json(command: &Command) -> bool {
         Command::Accel(a) => a.json,
         Command::Diff(a) => a.json,
         Command::Info(a) => a.json,
+        Command::Metamer(a) => a.json,
         Command::Schema | Command::Develop(_) | Command::GammaChart(_) => false,
     }
 }

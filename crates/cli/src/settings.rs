@@ -74,6 +74,7 @@ impl RenderSettings {
                 seed: args.seed,
                 pattern: args.sampler,
                 max_depth: args.max_depth,
+                spectral: args.spectral.then_some(true),
                 threads: args.threads,
                 accel: args.accel,
                 build: args.build,

@@ -12,7 +12,9 @@ fn page() -> String {
 #[test]
 fn the_page_knows_every_option() {
     let (folder, page) = (Folder::new(), page());
-    for command in ["render", "check", "accel", "schema", "diff", "info", "develop", "gamma-chart"] {
+    let commands =
+        ["render", "check", "accel", "schema", "diff", "info", "develop", "gamma-chart", "metamer"];
+    for command in commands {
         assert!(page.contains(&format!("`straal {command}")), "{command}");
         let help = folder.straal(&format!("help {command}")).out;
         let lines = help.lines().map(str::trim_start).filter(|l| l.starts_with('-'));

@@ -1,4 +1,4 @@
-//! Light as four lanes, CIE XYZ and Lab, RGB spaces, tone curves, gamma, and a colour map for numbers.
+//! Light as four lanes, measured spectra, CIE XYZ and Lab, RGB spaces, tone curves, gamma, and a colour map for numbers.
 #![forbid(unsafe_code)]
 
 pub mod adaptation;
@@ -12,6 +12,7 @@ pub mod matrix;
 pub mod oklab;
 pub mod parse;
 pub mod space;
+pub mod spectrum;
 pub mod srgb;
 pub mod tone;
 pub mod transfer;

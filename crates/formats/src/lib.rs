@@ -12,7 +12,8 @@ pub mod load;
 pub mod mesh;
 pub mod mesh_file;
 pub mod read_error;
-pub mod studio;
+pub mod spd;
+mod studio;
 pub mod yaml;
 
 pub use limits::Limits;

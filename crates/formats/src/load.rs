@@ -12,7 +12,7 @@ use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
 
 use crate::mesh_file::{self, MeshFile};
-use crate::{Limits, ReadError, image, studio, yaml};
+use crate::{Limits, ReadError, image, spd, studio, yaml};
 
 /// How a scene is loaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -130,7 +130,7 @@ fn describe(name: &str, bytes: &[u8], options: &Options, d: &mut Diagnostics) ->
 /// Where each file that the scene names is; complains of all that aren't there.
 fn locate(scene: &Scene, base: &Path, limits: &Limits, d: &mut Diagnostics) -> BTreeMap<String, PathBuf> {
     let mut paths = BTreeMap::new();
-    for file in scene.mesh_files().into_iter().chain(scene.image_files()) {
+    for file in scene.mesh_files().into_iter().chain(scene.image_files()).chain(scene.spectrum_files()) {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
@@ -229,6 +229,20 @@ impl Reader<'_> {
             if let Some((image, hash)) = images.get(&real) {
                 assets.images.insert(file.value.clone(), image.clone());
                 self.hashes.insert(file.value.clone(), *hash);
+            }
+        }
+        for file in scene.spectrum_files() {
+            let Some(path) = paths.get(&file.value) else { continue };
+            if assets.spectra.contains_key(&file.value) {
+                continue;
+            }
+            let Some(bytes) = self.bytes(file, path) else { continue };
+            match spd::read(&bytes) {
+                Ok(spectrum) => {
+                    assets.spectra.insert(file.value.clone(), Arc::new(spectrum));
+                    self.hashes.insert(file.value.clone(), blake3::hash(&bytes).into());
+                }
+                Err(e) => self.fail(file, &e),
             }
         }
         assets

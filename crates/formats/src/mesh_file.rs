@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use straal_scene::desc::{Conductor, Dielectric, Diffuse, Material, Mirror};
+use straal_scene::desc::{Conductor, Dielectric, Diffuse, Material, Mirror, Spectrum};
 use straal_scene::value::{Color, Value};
 use straal_scene::{MeshAsset, PartMaterial};
 
@@ -71,13 +71,9 @@ fn nearest(m: &MtlMaterial) -> (Material, Option<&'static str>) {
         // 1 is the format's way to leave the index out: such glass could not be seen.
         let eta = m.ior.map(f64::from).filter(|n| (1.001..=10.0).contains(n)).unwrap_or(1.5);
         let tint = m.transmission.map(|c| c.map(share)).filter(|c| *c != [0.0; 3]).unwrap_or([1.0; 3]);
-        let transmittance = Value::Constant(Color(tint));
+        let transmittance = Value::Constant(Color(tint).into());
         return (
-            Material::Dielectric(Dielectric {
-                eta: Value::Constant(eta),
-                transmittance,
-                ..Dielectric::default()
-            }),
+            Material::Dielectric(Dielectric { eta: eta.into(), transmittance, ..Dielectric::default() }),
             None,
         );
     }
@@ -85,17 +81,18 @@ fn nearest(m: &MtlMaterial) -> (Material, Option<&'static str>) {
         let roughness = m.roughness.map_or(0.0, share);
         // An index of 0 + i reflects everything at every angle, so that the tint alone tells the metal's colour.
         let metal = Conductor {
-            eta: Value::Constant(Color::grey(0.0)),
-            k: Value::Constant(Color::grey(1.0)),
+            metal: None,
+            eta: Some(Value::Constant(Spectrum::grey(0.0))),
+            k: Some(Value::Constant(Spectrum::grey(1.0))),
             roughness: Value::Constant(roughness * roughness),
-            reflectance: Value::Constant(Color(diffuse)),
+            reflectance: Value::Constant(Color(diffuse).into()),
             two_sided: true,
         };
         return (Material::Conductor(metal), None);
     }
     let sum = |c: [f64; 3]| c[0] + c[1] + c[2];
     if matches!(illumination, 3 | 5) && sum(specular) > sum(diffuse) {
-        let mirror = Mirror { reflectance: Value::Constant(Color(specular)), ..Mirror::default() };
+        let mirror = Mirror { reflectance: Value::Constant(Color(specular).into()), ..Mirror::default() };
         return (Material::Mirror(mirror), None);
     }
     let glossy = illumination >= 2 && sum(specular) > 0.0;
@@ -106,7 +103,13 @@ fn nearest(m: &MtlMaterial) -> (Material, Option<&'static str>) {
     } else {
         None
     };
-    (Material::Diffuse(Diffuse { reflectance: Value::Constant(Color(diffuse)), ..Diffuse::default() }), lost)
+    (
+        Material::Diffuse(Diffuse {
+            reflectance: Value::Constant(Color(diffuse).into()),
+            ..Diffuse::default()
+        }),
+        lost,
+    )
 }
 
 /// A share of light, from 0 to 1; NaN is 0.
@@ -128,7 +131,7 @@ mod tests {
     fn mtl_means_the_nearest_material() {
         let glass = MtlMaterial { illumination: Some(7), ior: Some(1.33), ..MtlMaterial::default() };
         assert!(
-            matches!(nearest(&glass).0, Material::Dielectric(d) if (d.eta.constant() - 1.33).abs() < 1e-6)
+            matches!(nearest(&glass).0, Material::Dielectric(d) if matches!(d.eta, straal_scene::desc::Index::Constant(n) if (n - 1.33).abs() < 1e-6))
         );
         let mirror = MtlMaterial {
             illumination: Some(3),
@@ -144,7 +147,8 @@ mod tests {
             ..MtlMaterial::default()
         };
         let Material::Conductor(c) = nearest(&metal).0 else { panic!("not a metal") };
-        assert_eq!((c.roughness.constant(), c.reflectance.constant()), (0.25, Color([1.0, 0.5, 0.25])));
+        assert_eq!(c.roughness.constant(), 0.25);
+        assert_eq!(*c.reflectance.get(), Color([1.0, 0.5, 0.25]).into());
         let plastic =
             MtlMaterial { illumination: Some(2), specular: Some([0.5; 3]), ..MtlMaterial::default() };
         let (material, lost) = nearest(&plastic);
@@ -152,6 +156,6 @@ mod tests {
         assert!(lost.is_some());
         let broken = MtlMaterial { diffuse: Some([f32::NAN, -1.0, 7.0]), ..MtlMaterial::default() };
         let Material::Diffuse(d) = nearest(&broken).0 else { panic!("not diffuse") };
-        assert_eq!(d.reflectance.constant(), Color([0.0, 0.0, 1.0]));
+        assert_eq!(*d.reflectance.get(), Color([0.0, 0.0, 1.0]).into());
     }
 }

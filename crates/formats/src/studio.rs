@@ -4,7 +4,7 @@ use straal_math::DVec3;
 use straal_scene::MeshAsset;
 use straal_scene::desc::{
     Accel, Camera, ColorSettings, Diffuse, Environment, Film, FovAxis, Integrator, Light, Material,
-    MaterialRef, Node, Perspective, Plane, Rectangle, Sampler, Scene, Shading, Step, Surface, Tone,
+    MaterialRef, Node, Perspective, Plane, Rectangle, Sampler, Scene, Shading, Spectrum, Step, Surface, Tone,
     Transform, TriangleMesh, Viewpoint,
 };
 use straal_scene::value::{Color, Factors, Named, Value};
@@ -75,6 +75,7 @@ pub fn around(name: &str, asset: &MeshAsset) -> Result<Scene, String> {
         sampler: Sampler::default(),
         integrator: Integrator::default(),
         accel: Accel::default(),
+        spectral: false,
         materials,
         objects: Named::default(),
         world: vec![
@@ -85,14 +86,17 @@ pub fn around(name: &str, asset: &MeshAsset) -> Result<Scene, String> {
             lamp(DVec3::new(1.0, 3.5, -3.5), 1.2, 4.0),
         ],
         lights: vec![Light::Environment(Environment {
-            radiance: Some(Value::Constant(Color::grey(0.2))),
+            radiance: Some(Value::Constant(Spectrum::grey(0.2))),
             ..Environment::default()
         })],
     })
 }
 
 fn diffuse(reflectance: [f64; 3]) -> Material {
-    Material::Diffuse(Diffuse { reflectance: Value::Constant(Color(reflectance)), ..Diffuse::default() })
+    Material::Diffuse(Diffuse {
+        reflectance: Value::Constant(Color(reflectance).into()),
+        ..Diffuse::default()
+    })
 }
 
 fn named(name: &str) -> MaterialRef {
@@ -107,7 +111,7 @@ fn softbox(center: DVec3, radius: f64, towards: DVec3, size: f64, radiance: f64)
     ];
     Node::Rectangle(Rectangle {
         surface: Surface {
-            emission: Some(Value::Constant(Color::grey(radiance))),
+            emission: Some(Value::Constant(Spectrum::grey(radiance))),
             // A rectangle faces +z, and what looks at something does so along -z.
             flip: true,
             transform: Transform { steps, ..Transform::default() },

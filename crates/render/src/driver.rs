@@ -3,6 +3,7 @@
 use crate::camera::FilmPoint;
 use crate::film::{Film, FilmTile, MAX_SAMPLES};
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
+use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
 use crate::settings::Settings;
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
@@ -64,6 +65,14 @@ impl<'w, I: Integrator> Render<'w, I> {
 
     /// The same, each worker asking what rays hit through a probe of its own; gives the probes back.
     pub fn advance_through<P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
+        if self.world.palette.is_spectral() {
+            self.advance_by::<Wavelengths, P>(samples, probe)
+        } else {
+            self.advance_by::<Rgb, P>(samples, probe)
+        }
+    }
+
+    fn advance_by<L: Lanes, P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
         let range = self.done..self.done.saturating_add(samples).min(MAX_SAMPLES);
         let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
         let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
@@ -71,7 +80,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         let (world, integrator, settings, clock) =
             (self.world, &self.integrator, &self.settings, &self.clock);
         let done = self.pool.broadcast(|_| {
-            let mut worker = Worker::new(world, integrator, settings, (clock.clone(), probe()));
+            let mut worker = Worker::<I, P, L>::new(world, integrator, settings, (clock.clone(), probe()));
             while let Some(&tile) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let mut tile = tiles[tile as usize].lock().unwrap_or_else(PoisonError::into_inner);
                 worker.render(&mut tile, range.clone());
@@ -129,7 +138,7 @@ fn tile_order(n: usize, shuffle: Option<u64>) -> Vec<u32> {
 }
 
 /// One thread's buffers, reused from wave to wave.
-struct Worker<'a, I: Integrator, P> {
+struct Worker<'a, I: Integrator, P, L: Lanes> {
     world: &'a World,
     integrator: &'a I,
     settings: &'a Settings,
@@ -137,20 +146,22 @@ struct Worker<'a, I: Integrator, P> {
     probe: P,
     /// Whether the next wave comes from the camera.
     primary: bool,
-    paths: Vec<Path<I::State>>,
+    paths: Vec<Path<I::State<L>>>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     order: Vec<u32>,
     counts: Vec<u32>,
     samples: Vec<Pending>,
     names: Vec<([u32; 2], u32)>,
+    /// By sample: by what the film takes it.
+    lanes: Vec<L>,
     shadow_rays: Vec<Ray>,
     shadows: Vec<ShadowRay>,
     transmittance: Vec<Light>,
     blocked: Vec<bool>,
 }
 
-impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
+impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
     fn new(
         world: &'a World,
         integrator: &'a I,
@@ -171,6 +182,7 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
             counts: Vec::new(),
             samples: Vec::new(),
             names: Vec::new(),
+            lanes: Vec::new(),
             shadow_rays: Vec::new(),
             shadows: Vec::new(),
             transmittance: Vec::new(),
@@ -196,7 +208,7 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
             }
             for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
-                sample.rgb = s.light.to_rgb();
+                sample.rgb = self.lanes[k].film(&self.world.palette, s.light);
                 tile.add(pixel, index, &sample);
                 if let Some(cost) = self.probe.cost(k) {
                     tile.add_cost(pixel, &cost);
@@ -211,6 +223,7 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
         let (world, settings) = (self.world, self.settings);
         self.paths.clear();
         self.rays.clear();
+        self.lanes.clear();
         self.samples.clear();
         self.samples.resize(self.names.len(), Pending::default());
         self.probe.begin(self.names.len());
@@ -220,7 +233,15 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
             let offset = world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
             let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
             self.rays.push(world.camera.ray(FilmPoint { position }));
-            self.paths.push(Path { name, sample: k as u32, alive: true, state: self.integrator.start() });
+            let u = if L::DRAWN { settings.pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
+            let lanes = L::drawn(&world.palette, u);
+            self.lanes.push(lanes);
+            self.paths.push(Path {
+                name,
+                sample: k as u32,
+                alive: true,
+                state: self.integrator.start(lanes),
+            });
         }
         self.stopwatch.lap(Phase::Camera);
     }

@@ -11,6 +11,7 @@ pub mod driver;
 pub mod film;
 pub mod filter;
 pub mod integrator;
+pub mod lanes;
 pub mod light;
 pub mod material;
 pub mod probe;

@@ -2,6 +2,7 @@
 
 use crate::camera::Camera;
 use crate::filter::Filter;
+use crate::lanes::{Lanes, Palette, Reading, Rgb};
 use crate::light::{Emitter, LightSample, LightTable};
 use crate::material::{Bsdf, Materials, TexturePoint};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, TriangleMesh};
@@ -58,6 +59,8 @@ pub struct World {
     pub accel: accel::Scene,
     /// Materials; the first is that of surfaces without one.
     pub materials: Materials,
+    /// Spectra of the colours, when light is computed by wavelengths.
+    pub palette: Palette,
     /// All that emits light.
     pub emitters: Vec<Emitter>,
     /// Which emitter to sample.
@@ -137,9 +140,20 @@ impl World {
 
     /// How light scatters there.
     #[inline]
-    pub fn bsdf(&self, surface: &Surface) -> Bsdf<'_> {
+    pub fn bsdf<L: Lanes>(&self, surface: &Surface, lanes: L) -> Bsdf<'_> {
         let at = TexturePoint { uv: surface.point.uv, p: surface.point.p };
-        self.materials.bsdf(surface.material, &at)
+        self.materials.bsdf(surface.material, &at, &self.reading(lanes))
+    }
+
+    /// The colour of a surface, in the work space whatever the lanes, as [`Bsdf::albedo`] of red, green and blue.
+    pub(crate) fn albedo(&self, surface: &Surface) -> [f32; 3] {
+        self.bsdf(surface, Rgb::default()).albedo().to_rgb()
+    }
+
+    /// How a path reads colours.
+    #[inline(always)]
+    pub fn reading<L: Lanes>(&self, lanes: L) -> Reading<'_, L> {
+        Reading { palette: &self.palette, lanes }
     }
 
     /// Number of groups of [`World::material_group`] without the last, that of misses.
@@ -161,8 +175,14 @@ impl World {
 
     /// A point on a light or a direction towards it.
     #[inline]
-    pub fn sample_light(&self, emitter: u32, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
-        self.emitters[emitter as usize].sample(&self.geometry, p, u)
+    pub fn sample_light<L: Lanes>(
+        &self,
+        emitter: u32,
+        p: Vec3,
+        u: [f32; 2],
+        lanes: L,
+    ) -> Option<LightSample> {
+        self.emitters[emitter as usize].sample(&self.geometry, p, u, &self.reading(lanes))
     }
 
     /// The density with which light sampling at `p`, its choice of light included, would have found the emitting

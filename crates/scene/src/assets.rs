@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::desc::Material;
 use crate::value::{Color, FileRef};
 use crate::{Image, Mesh};
+use straal_color::spectrum::Spectrum;
 
 /// What a mesh file's own material of a given name becomes.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,8 @@ pub struct Assets {
     pub meshes: BTreeMap<String, MeshAsset>,
     /// Pictures.
     pub images: BTreeMap<String, Arc<Image>>,
+    /// Spectra.
+    pub spectra: BTreeMap<String, Arc<Spectrum>>,
 }
 
 impl Assets {
@@ -43,5 +46,10 @@ impl Assets {
     /// The picture of a file; `None` when it was never read.
     pub fn image(&self, file: &FileRef) -> Option<&Arc<Image>> {
         self.images.get(&file.value)
+    }
+
+    /// The spectrum of a file; `None` when it was never read.
+    pub fn spectrum(&self, file: &FileRef) -> Option<&Arc<Spectrum>> {
+        self.spectra.get(&file.value)
     }
 }

@@ -1,10 +1,13 @@
 //! How the small values of descriptions are read, written and described.
 
 use serde_json::{Map, Value as Json, json};
+use straal_color::spectrum::{illuminant, refraction};
 use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Describe};
-use crate::desc::{ColorIn, Material, MaterialRef, Step, Transform};
+use crate::desc::{
+    ColorIn, Formula, Index, Material, MaterialRef, Measured, Spectrum, Step, Transform, check,
+};
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::schema::{self, Definitions};
@@ -238,6 +241,77 @@ impl Describe for Color {
         let channels = <[f64; 3]>::schema(limit, defs);
         let hex = json!({ "type": "string", "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6})$" });
         json!({ "anyOf": [schema::number("number", limit), channels, hex, ColorIn::schema(limit, defs)] })
+    }
+}
+
+impl Describe for Spectrum {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::String(s) if !s.starts_with('#') => {
+                let name = Spanned::new(s.clone(), tree.span);
+                let found = illuminant::by_name(s).is_some();
+                check::known(&name, "illuminant", found, illuminant::NAMES, d);
+                Self::Measured(Box::new(Measured::named(name)))
+            }
+            // Its first key tells a spectrum from a colour, one that is nearly right as well.
+            Datum::Mapping(entries)
+                if entries.first().is_some_and(|e| {
+                    let key = e.key.value.as_str();
+                    let colour = ["rgb", "space", "xyz", "xyy", "lab", "lch", "white"];
+                    Measured::KEYS.contains(&key)
+                        || !colour.contains(&key) && suggest::did_you_mean(key, Measured::KEYS).is_some()
+                }) =>
+            {
+                Self::Measured(Box::new(Measured::read(tree, limit, d)))
+            }
+            _ => Self::Rgb(Color::read(tree, limit, d)),
+        }
+    }
+    fn blank() -> Self {
+        Self::Rgb(Color::blank())
+    }
+    fn write(&self) -> Json {
+        match self {
+            Self::Rgb(color) => color.write(),
+            Self::Measured(m) => m.write(),
+        }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        let name = json!({ "type": "string", "pattern": "^[A-Za-z]" });
+        json!({ "anyOf": [Color::schema(limit, defs), name, Measured::schema(limit, defs)] })
+    }
+}
+
+impl Describe for Index {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Number(_) => Self::Constant(f64::read(tree, limit, d)),
+            Datum::String(s) => {
+                let name = Spanned::new(s.clone(), tree.span);
+                let names: Vec<&str> = refraction::glass_names().collect();
+                check::known(&name, "glass", refraction::glass(s).is_some(), &names, d);
+                Self::Named(name)
+            }
+            Datum::Mapping(_) => Self::Formula(Formula::read(tree, limit, d)),
+            _ => {
+                d.expected("a number, the name of a glass, or a formula", tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self::Constant(1.5)
+    }
+    fn write(&self) -> Json {
+        match self {
+            Self::Constant(v) => v.write(),
+            Self::Named(name) => name.write(),
+            Self::Formula(f) => f.write(),
+        }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        let name = json!({ "type": "string", "minLength": 1 });
+        json!({ "anyOf": [schema::number("number", limit), name, Formula::schema(limit, defs)] })
     }
 }
 

@@ -3,7 +3,7 @@
 use straal_math::{Affine, Transform as Rounded};
 
 use crate::desc::{
-    Environment, Group, Instance, Light, Material, MaterialRef, Node, Scene, Surface, Transform,
+    Environment, Group, Instance, Light, Material, MaterialRef, Node, Scene, Spectrum, Surface, Transform,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::span::Span;
@@ -101,6 +101,23 @@ impl Scene {
             if let Node::Mesh(m) = node {
                 files.extend(&m.file);
             }
+        });
+        files
+    }
+
+    /// The files of spectra that are named, with repetitions.
+    pub fn spectrum_files(&self) -> Vec<&FileRef> {
+        let mut files: Vec<&FileRef> =
+            self.lights.iter().filter_map(Light::spectrum).filter_map(Spectrum::file).collect();
+        for (_, material) in self.materials.iter() {
+            files.extend(material.spectra().into_iter().filter_map(Spectrum::file));
+        }
+        self.visit(|node| {
+            if let Some(MaterialRef::Inline(material)) = node.material() {
+                files.extend(material.spectra().into_iter().filter_map(Spectrum::file));
+            }
+            let emission = node.surface().and_then(|s| s.emission.as_ref());
+            files.extend(emission.and_then(|e| e.get().file()));
         });
         files
     }

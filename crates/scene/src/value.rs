@@ -65,11 +65,18 @@ impl<T> From<T> for Value<T> {
     }
 }
 
+impl<T> Value<T> {
+    /// The value, the same everywhere.
+    pub const fn get(&self) -> &T {
+        let Self::Constant(v) = self;
+        v
+    }
+}
+
 impl<T: Copy> Value<T> {
     /// The value, the same everywhere.
     pub fn constant(&self) -> T {
-        let Self::Constant(v) = *self;
-        v
+        *self.get()
     }
 }
 

@@ -7,7 +7,7 @@ use straal_accel::{Build, BvhParams, Isa, Structure};
 use straal_color::{Dither, Space};
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::Pattern;
-use straal_render::compile::{self, CompileError, Custom};
+use straal_render::compile::{self, CompileError, Custom, Request};
 use straal_render::driver::{Render, RenderError};
 use straal_render::film::{Film, MAX_SAMPLES};
 use straal_render::integrator::PathTracer;
@@ -46,6 +46,8 @@ pub struct Overrides {
     pub shuffle_tiles: Option<u64>,
     /// Counts what the searches of each pixel cost.
     pub cost: Option<bool>,
+    /// Computes light by wavelengths instead of red, green and blue.
+    pub spectral: Option<bool>,
 }
 
 /// Why a job can't be done.
@@ -203,7 +205,14 @@ impl Job {
             isa: wish.isa.unwrap_or_else(Isa::detect),
             ..straal_accel::Options::default()
         };
-        let world = compile::compile(scene, &loaded.assets, custom, size, &search)?;
+        let world = compile::compile(&Request {
+            scene,
+            assets: &loaded.assets,
+            custom,
+            size,
+            search: &search,
+            spectral: wish.spectral.unwrap_or(scene.spectral),
+        })?;
         let threads = wish.threads.unwrap_or(0);
         let settings = Settings {
             size,
@@ -291,6 +300,7 @@ impl Job {
                 .to_string(),
             ),
             ("space", self.space.name().to_string()),
+            ("light", if self.world.palette.is_spectral() { "wavelengths" } else { "rgb" }.to_string()),
             ("integrator", "path".to_string()),
             ("max_depth", depth),
             ("roulette_depth", self.integrator.roulette_depth.to_string()),

@@ -49,10 +49,11 @@ fn scenes() -> Vec<PathBuf> {
 }
 
 /// The picture's mean and its standard error, by channel.
-fn render(path: &Path, pattern: Pattern) -> [(f64, f64); 3] {
+fn render(path: &Path, pattern: Pattern, spectral: bool) -> [(f64, f64); 3] {
     let loaded =
         straal::load(path, &LoadOptions::default()).unwrap_or_else(|d| panic!("{}: {d:?}", path.display()));
-    let wish = Overrides { pattern: Some(pattern), seed: Some(1), ..Overrides::default() };
+    let wish =
+        Overrides { pattern: Some(pattern), seed: Some(1), spectral: Some(spectral), ..Overrides::default() };
     let job = Job::new(loaded, wish).unwrap();
     let outcome = job.render(&mut Control::to_the_end()).unwrap();
     assert_eq!(outcome.dropped.count, 0, "{}: samples that are no numbers", path.display());
@@ -79,7 +80,7 @@ fn all_agree(pattern: Pattern) {
     let faults: Vec<String> = scenes
         .iter()
         .filter_map(|path| {
-            let found = fault(render(path, pattern), &expected(path))?;
+            let found = fault(render(path, pattern, false), &expected(path))?;
             Some(format!("{}: {found}", path.file_name().unwrap_or_default().display()))
         })
         .collect();
@@ -96,11 +97,33 @@ fn closed_forms_with_random_numbers() {
     all_agree(Pattern::Random);
 }
 
+/// Scenes without colour give the same by wavelengths: furnaces above all.
+#[test]
+fn closed_forms_without_colour_by_wavelengths() {
+    let grey: Vec<PathBuf> = scenes()
+        .into_iter()
+        .filter(|path| {
+            let [r, g, b] = expected(path).rgb;
+            let text = std::fs::read_to_string(path).unwrap();
+            r == g && g == b && !text.lines().any(|l| !l.starts_with('#') && l.contains("file:"))
+        })
+        .collect();
+    assert!(grey.iter().filter(|p| p.to_string_lossy().contains("furnace")).count() >= 10);
+    let faults: Vec<String> = grey
+        .iter()
+        .filter_map(|path| {
+            let found = fault(render(path, Pattern::Sobol, true), &expected(path))?;
+            Some(format!("{}: {found}", path.file_name().unwrap_or_default().display()))
+        })
+        .collect();
+    assert!(faults.is_empty(), "by wavelengths, seed 1:\n{}", faults.join("\n"));
+}
+
 #[test]
 fn the_test_can_fail() {
     let path = scenes().into_iter().find(|p| p.ends_with("rectangle-light.yaml")).unwrap();
     let right = expected(&path);
-    let rendered = render(&path, Pattern::Sobol);
+    let rendered = render(&path, Pattern::Sobol, false);
     assert_eq!(fault(rendered, &right), None);
     let wrong = Expected { rgb: right.rgb.map(|v| 1.01 * v), tolerance: right.tolerance };
     assert!(fault(rendered, &wrong).is_some());

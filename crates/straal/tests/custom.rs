@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 use straal::{Control, Job, LoadOptions, Overrides};
-use straal_color::Light;
 use straal_math::{Bounds, Ray, Vec3};
 use straal_render::compile::Custom;
+use straal_render::lanes::ReadRgb;
 use straal_render::material::{Bsdf, CustomMaterial, Diffuse, TexturePoint};
 use straal_render::shape::{CustomShape, ShapeHit, Sphere, SurfacePoint};
 
@@ -34,8 +34,8 @@ impl CustomShape for Ball {
 struct Paint;
 
 impl CustomMaterial for Paint {
-    fn bsdf(&self, _at: &TexturePoint) -> Bsdf<'_> {
-        Bsdf::Diffuse(Diffuse { reflectance: Light::rgb([0.8, 0.4, 0.2]), two_sided: true })
+    fn bsdf(&self, _at: &TexturePoint, read: &dyn ReadRgb) -> Bsdf<'_> {
+        Bsdf::Diffuse(Diffuse { reflectance: read.reflectance([0.8, 0.4, 0.2]), two_sided: true })
     }
 
     fn fingerprint(&self) -> u64 {

@@ -7,6 +7,7 @@ use straal::{Control, Overrides, Picture};
 use straal_math::lowdisc::{Pattern, Purpose};
 use straal_render::driver::Render;
 use straal_render::integrator::{Integrator, PathTracer, Wave};
+use straal_render::lanes::Lanes;
 use straal_render::world::World;
 use straal_scene::Image;
 
@@ -73,13 +74,13 @@ fn heavy_tails_hide_no_two_percent() {
 struct Forgetful(PathTracer);
 
 impl Integrator for Forgetful {
-    type State = <PathTracer as Integrator>::State;
+    type State<L: Lanes> = <PathTracer as Integrator>::State<L>;
 
-    fn start(&self) -> Self::State {
-        self.0.start()
+    fn start<L: Lanes>(&self, lanes: L) -> Self::State<L> {
+        self.0.start(lanes)
     }
 
-    fn step(&self, world: &World, wave: &mut Wave<'_, Self::State>) {
+    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, Self::State<L>>) {
         let pattern = wave.pattern;
         self.0.step(world, wave);
         for path in wave.paths.iter_mut() {

@@ -99,6 +99,23 @@ fn a_crop_is_cut_from_the_whole() {
     }
 }
 
+/// By wavelengths as well, and with wavelengths that part.
+#[test]
+fn by_wavelengths() {
+    for scene in ["scenes/embedded.yaml", "scenes/glass-and-mirror.yaml", "scenes/prism.yaml"] {
+        let wish = || Overrides { spectral: Some(true), ..small() };
+        let plain = hash(scene, Overrides { threads: Some(1), ..wish() });
+        for (name, other) in [
+            ("7 threads, batches of 7", Overrides { threads: Some(7), batch: Some(7), ..wish() }),
+            ("shuffled tiles", Overrides { shuffle_tiles: Some(42), ..wish() }),
+            ("scalar search", Overrides { isa: Some(Isa::Scalar), ..wish() }),
+        ] {
+            assert_eq!(hash(scene, other), plain, "{scene} with {name}");
+        }
+        assert_ne!(plain, hash(scene, Overrides { spectral: Some(false), ..small() }), "{scene}");
+    }
+}
+
 #[test]
 fn seeds_differ() {
     assert_ne!(hash(SCENES[0], Overrides { seed: Some(1), ..small() }), hash(SCENES[0], small()));

@@ -6,6 +6,7 @@ pub mod develop;
 pub mod diff;
 pub mod gamma_chart;
 pub mod info;
+pub mod metamer;
 pub mod render;
 pub mod schema;
 

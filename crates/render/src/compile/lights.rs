@@ -1,7 +1,7 @@
 //! Lights: those of the scene's list, and the surfaces that glow.
 
 use super::CompileError;
-use super::look::ToWork;
+use super::paint::Paint;
 use super::place::Glowing;
 use crate::light::spot::Cone;
 use crate::light::{
@@ -13,7 +13,7 @@ use crate::world::Kind;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{self, Light};
-use straal_scene::{Assets, Scene};
+use straal_scene::{Scene, value};
 
 /// Everything that shines, how to choose among it, and what of it is all around.
 pub(super) struct Lights {
@@ -25,15 +25,17 @@ pub(super) struct Lights {
 /// The glowing surfaces come first, so that their indices are those that the walk over the world gave them.
 pub(super) fn gather(
     scene: &Scene,
-    assets: &Assets,
+    paint: &mut Paint<'_>,
     geometry: &Geometry,
     glowing: Vec<Glowing>,
     search: &accel::Scene,
 ) -> Result<Lights, CompileError> {
-    let to_work = ToWork::of(scene);
-    let mut emitters: Vec<Emitter> = glowing.iter().map(|g| area(g, geometry, &to_work)).collect();
+    let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
+    for g in &glowing {
+        emitters.push(area(g, geometry));
+    }
     for light in &scene.lights {
-        emitters.push(emitter(light, assets, &to_work)?);
+        emitters.push(emitter(light, paint)?);
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
@@ -44,7 +46,7 @@ pub(super) fn gather(
     Ok(Lights { emitters, table, environments })
 }
 
-fn area(g: &Glowing, geometry: &Geometry, to_work: &ToWork) -> Emitter {
+fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
     let surface = match g.kind {
         Kind::Mesh(mesh) => LitSurface::mesh(geometry, mesh),
         Kind::Shapes(shape) => LitSurface::Shape(shape),
@@ -54,17 +56,17 @@ fn area(g: &Glowing, geometry: &Geometry, to_work: &ToWork) -> Emitter {
         (false, true) => Sides::Back,
         (false, false) => Sides::Front,
     };
-    Emitter::Area(AreaLight { surface, radiance: to_work.colour(g.radiance).into(), sides })
+    Emitter::Area(AreaLight { surface, radiance: g.radiance.into(), sides })
 }
 
-fn emitter(light: &Light, assets: &Assets, to_work: &ToWork) -> Result<Emitter, CompileError> {
+fn emitter(light: &Light, paint: &mut Paint<'_>) -> Result<Emitter, CompileError> {
     Ok(match light {
         Light::Point(l) => Emitter::Point(PointLight {
             position: l.position.as_vec3(),
-            intensity: to_work.colour(l.intensity.constant()).into(),
+            intensity: paint.emission(l.intensity.get())?.into(),
         }),
         Light::Directional(l) => Emitter::Directional(
-            DirectionalLight::new(l.direction.as_vec3(), to_work.colour(l.irradiance.constant()))
+            DirectionalLight::new(l.direction.as_vec3(), paint.emission(l.irradiance.get())?)
                 .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))?,
         ),
         Light::Spot(l) => {
@@ -77,20 +79,22 @@ fn emitter(light: &Light, assets: &Assets, to_work: &ToWork) -> Result<Emitter, 
                     desc::Falloff::Smooth => Falloff::Smooth,
                 },
             };
-            let spot = SpotLight::new(l.position.as_vec3(), to_work.colour(l.intensity.constant()), &cone);
+            let spot = SpotLight::new(l.position.as_vec3(), paint.emission(l.intensity.get())?, &cone);
             Emitter::Spot(spot.ok_or_else(|| CompileError::new("the axis of a spot light has no length"))?)
         }
-        Light::Environment(l) => environment(l, assets, to_work)?,
+        Light::Environment(l) => environment(l, paint)?,
     })
 }
 
-fn environment(l: &desc::Environment, assets: &Assets, to_work: &ToWork) -> Result<Emitter, CompileError> {
+fn environment(l: &desc::Environment, paint: &mut Paint<'_>) -> Result<Emitter, CompileError> {
     let Some(file) = &l.file else {
-        let radiance = l.radiance.map_or(Default::default(), |r| r.constant());
-        let radiance = (to_work.colour(radiance) * l.scale as f32).into();
+        let black = desc::Spectrum::grey(0.0);
+        let radiance = l.radiance.as_ref().map_or(&black, value::Value::get);
+        let radiance = paint.emission_times(radiance, l.scale)?.into();
         return Ok(Emitter::Constant(ConstantEnvironment { radiance }));
     };
-    let image = assets
+    let image = paint
+        .assets()
         .image(file)
         .ok_or_else(|| CompileError::at(format!("the picture `{}` was not read", file.value), file.span))?;
     // The scene language has the middle column along -z, the emitter its left edge: half a turn.
@@ -98,7 +102,7 @@ fn environment(l: &desc::Environment, assets: &Assets, to_work: &ToWork) -> Resu
         .zip(l.transform.affine())
         .map(|(turn, own)| turn.then(&own))
         .ok_or_else(|| CompileError::at("this transform is singular", l.transform.span))?;
-    let map = ImageEnvironment::new(&to_work.image(image), l.scale as f32, &placed);
+    let map = ImageEnvironment::new(&paint.image(image), l.scale as f32, &placed);
     let map = map
         .ok_or_else(|| CompileError::at(format!("the picture `{}` has no pixels", file.value), file.span))?;
     Ok(Emitter::Image(Box::new(map)))

@@ -6,6 +6,7 @@
 
 mod lights;
 mod look;
+mod paint;
 mod place;
 
 use crate::camera::{Camera, Orthographic, Perspective, View};
@@ -49,29 +50,42 @@ pub struct Custom {
     pub materials: Vec<(String, Arc<dyn CustomMaterial>)>,
 }
 
-/// Makes the world of a description for a picture of `size` pixels.
-pub fn compile(
-    scene: &Scene,
-    assets: &Assets,
-    custom: &Custom,
-    size: [u32; 2],
-    search: &accel::Options,
-) -> Result<World, CompileError> {
-    let mut build = place::Build::new(scene, assets, custom)?;
+/// What a world is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// What the scene says.
+    pub scene: &'a Scene,
+    /// The files it names.
+    pub assets: &'a Assets,
+    /// What a program adds.
+    pub custom: &'a Custom,
+    /// Width and height of the picture in pixels.
+    pub size: [u32; 2],
+    /// How rays are searched.
+    pub search: &'a accel::Options,
+    /// Whether light is computed by wavelengths.
+    pub spectral: bool,
+}
+
+/// Makes the world of a description.
+pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
+    let Request { scene, assets, custom, size, search, spectral } = *request;
+    let mut build = place::Build::new(scene, assets, custom, spectral)?;
     build.world()?;
     build.custom_shapes(custom)?;
-    let place::Built { input, geometry, looks, instance_materials, top_level, glowing, materials } =
+    let place::Built { input, geometry, looks, instance_materials, top_level, glowing, materials, mut paint } =
         build.finish();
 
     let accel =
         accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
-    let lights = lights::gather(scene, assets, &geometry, glowing, &accel)?;
+    let lights = lights::gather(scene, &mut paint, &geometry, glowing, &accel)?;
     Ok(World {
         camera: camera(&scene.camera, size)?,
         filter: filter(&scene.film.filter)?,
         geometry,
         accel,
         materials,
+        palette: paint.palette,
         emitters: lights.emitters,
         lights: lights.table,
         looks,

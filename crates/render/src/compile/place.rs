@@ -1,7 +1,9 @@
 //! The walk over the tree of the world.
 
 use super::look::Materials;
+use super::paint::Paint;
 use super::{CompileError, Custom};
+use crate::lanes::Colour;
 use crate::material;
 use crate::shape::bezier;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
@@ -11,7 +13,6 @@ use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3, ops};
 use straal_scene::desc::{self, Node, Shading};
-use straal_scene::value::Color;
 use straal_scene::{Assets, Mesh, PartMaterial, Scene};
 
 /// Dissolving instances of what glows stops here, before it eats the machine.
@@ -20,7 +21,7 @@ const MAX_DISSOLVED: usize = 1_000_000;
 /// A surface that glows.
 pub(super) struct Glowing {
     pub kind: Kind,
-    pub radiance: Color,
+    pub radiance: Colour,
     pub two_sided: bool,
     pub flip: bool,
 }
@@ -52,7 +53,7 @@ pub(super) struct Build<'a> {
 }
 
 /// What the walk leaves.
-pub(super) struct Built {
+pub(super) struct Built<'a> {
     pub input: accel::Input,
     pub geometry: Geometry,
     pub looks: Vec<Look>,
@@ -60,14 +61,20 @@ pub(super) struct Built {
     pub top_level: Vec<TopLevel>,
     pub glowing: Vec<Glowing>,
     pub materials: material::Materials,
+    pub paint: Paint<'a>,
 }
 
 impl<'a> Build<'a> {
-    pub fn new(scene: &'a Scene, assets: &'a Assets, custom: &Custom) -> Result<Self, CompileError> {
+    pub fn new(
+        scene: &'a Scene,
+        assets: &'a Assets,
+        custom: &Custom,
+        spectral: bool,
+    ) -> Result<Self, CompileError> {
         Ok(Self {
             scene,
             assets,
-            materials: Materials::new(scene, custom),
+            materials: Materials::new(scene, custom, Paint::new(scene, assets, spectral))?,
             geometry: Geometry::default(),
             input: accel::Input { groups: vec![accel::Group::default()], geometries: Vec::new() },
             looks: Vec::new(),
@@ -112,7 +119,8 @@ impl<'a> Build<'a> {
         Ok(())
     }
 
-    pub fn finish(self) -> Built {
+    pub fn finish(self) -> Built<'a> {
+        let (materials, paint) = self.materials.finish();
         Built {
             input: self.input,
             geometry: self.geometry,
@@ -121,7 +129,8 @@ impl<'a> Build<'a> {
             instance_materials: self.group_materials.concat(),
             top_level: self.top_level,
             glowing: self.glowing,
-            materials: self.materials.finish(),
+            materials,
+            paint,
         }
     }
 
@@ -305,8 +314,9 @@ impl<'a> Build<'a> {
     ) -> Result<(), CompileError> {
         let material = self.materials.of(surface.material.as_ref(), place.material)?;
         let mut look = self.add_shape(shape, place.group, material, flip);
-        if let Some(radiance) = surface.emission {
-            look.emitter = Some(self.glow(look.kind, radiance.constant(), surface.two_sided_emission, flip));
+        if let Some(emission) = &surface.emission {
+            let radiance = self.materials.emission(emission.get())?;
+            look.emitter = Some(self.glow(look.kind, radiance, surface.two_sided_emission, flip));
         }
         self.looks.push(look);
         Ok(())
@@ -325,7 +335,7 @@ impl<'a> Build<'a> {
         self.input.groups[group as usize].geometries.push(id);
     }
 
-    fn glow(&mut self, kind: Kind, radiance: Color, two_sided: bool, flip: bool) -> u32 {
+    fn glow(&mut self, kind: Kind, radiance: Colour, two_sided: bool, flip: bool) -> u32 {
         self.glowing.push(Glowing { kind, radiance, two_sided, flip });
         (self.glowing.len() - 1) as u32
     }
@@ -376,10 +386,18 @@ impl<'a> Build<'a> {
             mesh.normals.iter_mut().for_each(|n| *n = -*n);
         }
         let default = self.materials.of(surface.material.as_ref(), place.material)?;
-        let own_glow = surface.emission.map(|e| e.constant());
+        let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e.get())).transpose()?;
         for run in runs {
-            let material = run.material.map_or(default, |part| self.materials.add(&part.material));
-            let radiance = own_glow.or(run.material.and_then(|part| part.emission));
+            let material = match run.material {
+                Some(part) => self.materials.add(&part.material)?,
+                None => default,
+            };
+            let part_glow = run.material.and_then(|part| part.emission);
+            let radiance = match (own_glow, part_glow) {
+                (Some(own), _) => Some(own),
+                (None, Some(part)) => Some(self.materials.emission(&part.into())?),
+                (None, None) => None,
+            };
             let id = self.geometry.meshes.len() as u32;
             let part = TriangleMesh { indices: run.triangles.clone(), ..mesh.clone() };
             let (positions, indices) = (part.positions.clone(), part.indices.clone());

@@ -10,6 +10,7 @@ mod path;
 pub use path::PathTracer;
 
 use crate::film::Sample;
+use crate::lanes::Lanes;
 use crate::stopwatch::Stopwatch;
 use crate::world::World;
 use straal_accel::Hit;
@@ -20,13 +21,13 @@ use straal_math::lowdisc::{Pattern, SampleName};
 /// A way of gathering light.
 pub trait Integrator: Sync {
     /// What a path carries from one vertex to the next, besides its ray.
-    type State: Copy + Send;
+    type State<L: Lanes>: Copy + Send;
 
     /// The state of a path that leaves the camera.
-    fn start(&self) -> Self::State;
+    fn start<L: Lanes>(&self, lanes: L) -> Self::State<L>;
 
     /// One bounce of every path of a wave.
-    fn step(&self, world: &World, wave: &mut Wave<'_, Self::State>);
+    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, Self::State<L>>);
 }
 
 /// A path in flight.

@@ -2,6 +2,7 @@
 
 use super::{Integrator, ShadowRay, Wave};
 use crate::film::Sample;
+use crate::lanes::Lanes;
 use crate::material::{Bsdf, Transport};
 use crate::shape::offset::End;
 use crate::stopwatch::Phase;
@@ -34,7 +35,9 @@ impl Default for PathTracer {
 
 /// What a path carries.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
+pub struct State<L> {
+    /// By what it reads colours.
+    lanes: L,
     /// Share of the light at the ray's end that reaches the film.
     beta: Light,
     /// The previous vertex.
@@ -63,11 +66,12 @@ struct Vertex<'w> {
 }
 
 impl Integrator for PathTracer {
-    type State = State;
+    type State<L: Lanes> = State<L>;
 
-    fn start(&self) -> State {
+    fn start<L: Lanes>(&self, lanes: L) -> State<L> {
         State {
-            beta: Light::rgb([1.0; 3]),
+            lanes,
+            beta: lanes.full(),
             from: Vec3::ZERO,
             pdf: 0.0,
             delta: true,
@@ -76,7 +80,7 @@ impl Integrator for PathTracer {
         }
     }
 
-    fn step(&self, world: &World, wave: &mut Wave<'_, State>) {
+    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, State<L>>) {
         let mut vertices: [Option<Vertex<'_>>; BLOCK] = [None; BLOCK];
         for block in wave.order.chunks(BLOCK) {
             let vertices = &mut vertices[..block.len()];
@@ -99,10 +103,16 @@ impl Integrator for PathTracer {
 impl PathTracer {
     /// Adds the light emitted where the ray arrives; gives the vertex if the path may go on from there.
     #[inline]
-    fn arrive<'w>(&self, world: &'w World, wave: &mut Wave<'_, State>, index: u32) -> Option<Vertex<'w>> {
+    fn arrive<'w, L: Lanes>(
+        &self,
+        world: &'w World,
+        wave: &mut Wave<'_, State<L>>,
+        index: u32,
+    ) -> Option<Vertex<'w>> {
         let (path, ray) = (&mut wave.paths[index as usize], &wave.rays[index as usize]);
         let sample = &mut wave.samples[path.sample as usize];
         let state = path.state;
+        let reading = world.reading(state.lanes);
         path.alive = false;
 
         // The environment, for what leaves the scene.
@@ -110,9 +120,9 @@ impl PathTracer {
         if !hit.is_hit() {
             for (emitter, environment) in world.environments() {
                 let (radiance, weight) = if state.delta {
-                    (environment.radiance_from(ray.d), 1.0)
+                    (environment.radiance_from(ray.d, &reading), 1.0)
                 } else {
-                    let (radiance, pdf) = environment.radiance_pdf_from(ray.d);
+                    let (radiance, pdf) = environment.radiance_pdf_from(ray.d, &reading);
                     (radiance, balance(state.pdf, world.lights.pmf(emitter) * pdf))
                 };
                 sample.light += state.beta * radiance * weight;
@@ -124,7 +134,7 @@ impl PathTracer {
         let surface = world.surface(ray, hit);
         if let Some(emitter) = surface.emitter {
             let light = &world.emitters[emitter as usize];
-            let radiance = light.radiance_at(&surface.point, -ray.d);
+            let radiance = light.radiance_at(&surface.point, -ray.d, &reading);
             if !radiance.is_black() {
                 let weight = if state.delta {
                     1.0
@@ -137,12 +147,12 @@ impl PathTracer {
         }
 
         // The BSDF, and the guides of the first vertex.
-        let bsdf = world.bsdf(&surface);
+        let bsdf = world.bsdf(&surface, state.lanes);
         let wo = surface.frame.to_local(-ray.d);
         if state.depth == 1 {
             sample.guides = Sample {
                 rgb: [0.0; 3],
-                albedo: bsdf.albedo().to_rgb(),
+                albedo: world.albedo(&surface),
                 normal: surface.point.n.to_array(),
                 depth: hit.t,
             };
@@ -155,7 +165,7 @@ impl PathTracer {
 
     /// Next-event estimation: asks for a shadow ray to a point on a light.
     #[inline]
-    fn light(&self, world: &World, wave: &mut Wave<'_, State>, vertex: &Vertex<'_>) {
+    fn light<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
         if vertex.bsdf.is_delta() {
             return;
         }
@@ -170,7 +180,7 @@ impl PathTracer {
             }
         };
         let Some(pick) = pick else { return };
-        let Some(light) = world.sample_light(pick.index, vertex.end.p, u) else { return };
+        let Some(light) = world.sample_light(pick.index, vertex.end.p, u, path.state.lanes) else { return };
 
         // What it would bring, weighed against the chance that the BSDF finds it.
         let wi = vertex.frame.to_local(light.wi);
@@ -192,7 +202,7 @@ impl PathTracer {
 
     /// Draws the next direction, or ends the path.
     #[inline]
-    fn scatter(&self, wave: &mut Wave<'_, State>, vertex: &Vertex<'_>) {
+    fn scatter<L: Lanes>(&self, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
         let path = &mut wave.paths[vertex.path as usize];
 
         let (u, lobe) = if vertex.bsdf.chooses_lobe() {
@@ -221,7 +231,10 @@ impl PathTracer {
         let ray = &mut wave.rays[vertex.path as usize];
         *ray = Ray { o: vertex.end.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
         path.name = path.name.child(0);
+        let lanes = path.state.lanes;
         path.state = State {
+            // A direction of a single wavelength: the others end here, and their lanes are 0.
+            lanes: if s.wavelength > 0.0 { lanes.only(s.wavelength) } else { lanes },
             beta,
             from: vertex.end.p,
             pdf: s.pdf,

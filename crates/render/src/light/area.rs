@@ -1,5 +1,6 @@
 //! Surfaces that shine.
 
+use crate::lanes::{Colour, Lanes, Reading};
 use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::{Vec3, table::Table1};
@@ -13,7 +14,7 @@ pub struct AreaLight {
     /// What shines.
     pub surface: LitSurface,
     /// Radiance in W/(m² sr).
-    pub radiance: Value<Light>,
+    pub radiance: Value<Colour>,
     /// From which sides.
     pub sides: Sides,
 }
@@ -77,14 +78,20 @@ fn at(point: &SurfacePoint) -> TexturePoint {
 
 impl AreaLight {
     /// The most that any point sends: black only when all are.
-    fn strongest(&self) -> Light {
+    fn strongest(&self) -> Colour {
         let Value::Constant(radiance) = self.radiance;
         radiance
     }
 
     /// See [`super::Emitter::sample`].
     #[inline]
-    pub fn sample(&self, geometry: &Geometry, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+    pub fn sample<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        p: Vec3,
+        u: [f32; 2],
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
         if self.strongest().is_black() {
             return None;
         }
@@ -102,14 +109,14 @@ impl AreaLight {
             return None;
         }
         let target = Target::Point((&s.point).into());
-        let radiance = self.radiance.eval(&at(&s.point));
+        let radiance = reading.light(&self.radiance.eval(&at(&s.point)));
         Some(LightSample { wi: s.wi, radiance, pdf: s.pdf, delta: false, target })
     }
 
     /// See [`super::Emitter::radiance_at`].
     #[inline]
-    pub fn radiance(&self, hit: &SurfacePoint, wo: Vec3) -> Light {
-        if self.sides.lit(hit.ng, wo) { self.radiance.eval(&at(hit)) } else { Light::ZERO }
+    pub fn radiance<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
+        if self.sides.lit(hit.ng, wo) { reading.light(&self.radiance.eval(&at(hit))) } else { Light::ZERO }
     }
 
     /// See [`super::Emitter::pdf_at`].

@@ -1,7 +1,7 @@
 //! Parallel light.
 
+use crate::lanes::{Colour, Lanes, Reading};
 use crate::material::{TexturePoint, Value};
-use straal_color::Light;
 use straal_math::Vec3;
 
 use super::{LightSample, Target, strength};
@@ -10,19 +10,19 @@ use super::{LightSample, Target, strength};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalLight {
     wi: Vec3,
-    irradiance: Value<Light>,
+    irradiance: Value<Colour>,
 }
 
 impl DirectionalLight {
     /// Light that travels in a direction (of any length) and puts `irradiance`, in W/m², on a surface that faces it;
     /// `None` when the direction is none.
-    pub fn new(direction: Vec3, irradiance: impl Into<Value<Light>>) -> Option<Self> {
+    pub fn new(direction: Vec3, irradiance: impl Into<Value<Colour>>) -> Option<Self> {
         Some(Self { wi: (-direction).try_normalize()?, irradiance: irradiance.into() })
     }
 
     /// See [`super::Emitter::sample`].
-    pub fn sample(&self) -> Option<LightSample> {
-        let radiance = self.irradiance.eval(&TexturePoint::default());
+    pub fn sample<L: Lanes>(&self, reading: &Reading<'_, L>) -> Option<LightSample> {
+        let radiance = reading.light(&self.irradiance.eval(&TexturePoint::default()));
         (!radiance.is_black()).then_some(LightSample {
             wi: self.wi,
             radiance,

@@ -1,5 +1,6 @@
 //! Light from all around: one radiance, or a picture.
 
+use crate::lanes::{Colour, Lanes, Reading};
 use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::{Affine, DVec3, Vec3, ops, table::Table2, warp};
@@ -11,18 +12,22 @@ use super::{LightSample, Target, strength};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstantEnvironment {
     /// Radiance in W/(m² sr).
-    pub radiance: Value<Light>,
+    pub radiance: Value<Colour>,
 }
 
 impl ConstantEnvironment {
     /// See [`super::Emitter::radiance_from`].
-    pub fn light(&self) -> Light {
+    pub fn light<L: Lanes>(&self, reading: &Reading<'_, L>) -> Light {
+        reading.light(&self.colour())
+    }
+
+    fn colour(&self) -> Colour {
         self.radiance.eval(&TexturePoint::default())
     }
 
     /// See [`super::Emitter::sample`].
-    pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
-        let radiance = self.light();
+    pub fn sample<L: Lanes>(&self, u: [f32; 2], reading: &Reading<'_, L>) -> Option<LightSample> {
+        let radiance = self.light(reading);
         (!radiance.is_black()).then_some(LightSample {
             wi: warp::uniform_sphere(u),
             radiance,
@@ -34,12 +39,12 @@ impl ConstantEnvironment {
 
     /// See [`super::Emitter::pdf_from`].
     pub fn pdf(&self) -> f32 {
-        if self.light().is_black() { 0.0 } else { warp::uniform_sphere_pdf() }
+        if self.colour().is_black() { 0.0 } else { warp::uniform_sphere_pdf() }
     }
 
     /// What falls on the scene's disc from all sides.
     pub fn power(&self, disc: f64) -> f64 {
-        4.0 * std::f64::consts::PI * disc * strength(self.light())
+        4.0 * std::f64::consts::PI * disc * strength(self.colour())
     }
 }
 
@@ -103,7 +108,7 @@ impl ImageEnvironment {
 
         let cosines: Vec<f64> =
             (0..height).map(|j| ops::sin_cos_degrees(180.0 * j as f64 / (height - 1) as f64).1).collect();
-        let lane = |x: usize, y: usize| strength(Light::rgb(pixels[y * width + x % width]));
+        let lane = |x: usize, y: usize| f64::from(Light::rgb(pixels[y * width + x % width]).max_lane());
         let mut weights = Vec::with_capacity(width * (height - 1));
         for j in 0..height - 1 {
             let band = cosines[j] - cosines[j + 1];
@@ -120,12 +125,12 @@ impl ImageEnvironment {
     }
 
     /// See [`super::Emitter::radiance_from`].
-    pub fn radiance(&self, wi: Vec3) -> Light {
-        self.interpolate(&self.place(wi))
+    pub fn radiance<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> Light {
+        reading.radiance_of_rgb(self.interpolate(&self.place(wi)))
     }
 
     /// See [`super::Emitter::sample`].
-    pub fn sample(&self, u: [f32; 2]) -> Option<LightSample> {
+    pub fn sample<L: Lanes>(&self, u: [f32; 2], reading: &Reading<'_, L>) -> Option<LightSample> {
         let point = self.cells.as_ref()?.sample(u);
         let [column, row] = point.texel;
         let within = |uv: f32, count: usize, index: usize| {
@@ -142,6 +147,7 @@ impl ImageEnvironment {
         let wi = (ax * (sin * s) + ay * cos - az * (sin * c)).try_normalize()?.as_vec3();
         let radiance =
             self.interpolate(&Place { column, row, x: x as f32, y: ops::clamp(y as f32, 0.0, 1.0) });
+        let radiance = reading.radiance_of_rgb(radiance);
         let pdf = self.density(point.pdf, row);
         let sound = !radiance.is_black() && pdf > 0.0 && pdf.is_finite();
         sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
@@ -153,9 +159,9 @@ impl ImageEnvironment {
     }
 
     /// See [`super::Emitter::radiance_pdf_from`].
-    pub fn radiance_pdf(&self, wi: Vec3) -> (Light, f32) {
+    pub fn radiance_pdf<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
         let place = self.place(wi);
-        (self.interpolate(&place), self.pdf_of(&place))
+        (reading.radiance_of_rgb(self.interpolate(&place)), self.pdf_of(&place))
     }
 
     fn pdf_of(&self, place: &Place) -> f32 {

@@ -14,6 +14,7 @@
 //! Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
 //! and mesh ids are those of its [`Geometry`].
 
+use crate::lanes::{Colour, Lanes, Reading};
 use straal_color::Light;
 use straal_math::{Ray, Vec3};
 
@@ -89,22 +90,28 @@ impl LightSample {
 impl Emitter {
     /// A direction from `p` towards the light; `u` uniform in the unit square.
     #[inline]
-    pub fn sample(&self, geometry: &Geometry, p: Vec3, u: [f32; 2]) -> Option<LightSample> {
+    pub fn sample<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        p: Vec3,
+        u: [f32; 2],
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
         match self {
-            Self::Point(l) => l.sample(p),
-            Self::Spot(l) => l.sample(p),
-            Self::Directional(l) => l.sample(),
-            Self::Area(l) => l.sample(geometry, p, u),
-            Self::Constant(l) => l.sample(u),
-            Self::Image(l) => l.sample(u),
+            Self::Point(l) => l.sample(p, reading),
+            Self::Spot(l) => l.sample(p, reading),
+            Self::Directional(l) => l.sample(reading),
+            Self::Area(l) => l.sample(geometry, p, u, reading),
+            Self::Constant(l) => l.sample(u, reading),
+            Self::Image(l) => l.sample(u, reading),
         }
     }
 
     /// The radiance that a point of an emitting surface sends in the unit direction `wo`; 0 for all other lights.
     #[inline]
-    pub fn radiance_at(&self, hit: &SurfacePoint, wo: Vec3) -> Light {
+    pub fn radiance_at<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
         match self {
-            Self::Area(l) => l.radiance(hit, wo),
+            Self::Area(l) => l.radiance(hit, wo, reading),
             _ => Light::ZERO,
         }
     }
@@ -121,10 +128,10 @@ impl Emitter {
 
     /// The radiance that arrives from the unit direction `wi`, from beyond everything; 0 but for environments.
     #[inline]
-    pub fn radiance_from(&self, wi: Vec3) -> Light {
+    pub fn radiance_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> Light {
         match self {
-            Self::Constant(l) => l.light(),
-            Self::Image(l) => l.radiance(wi),
+            Self::Constant(l) => l.light(reading),
+            Self::Image(l) => l.radiance(wi, reading),
             _ => Light::ZERO,
         }
     }
@@ -141,10 +148,10 @@ impl Emitter {
 
     /// [`Emitter::radiance_from`] and [`Emitter::pdf_from`] at once.
     #[inline]
-    pub fn radiance_pdf_from(&self, wi: Vec3) -> (Light, f32) {
+    pub fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
         match self {
-            Self::Image(l) => l.radiance_pdf(wi),
-            _ => (self.radiance_from(wi), self.pdf_from(wi)),
+            Self::Image(l) => l.radiance_pdf(wi, reading),
+            _ => (self.radiance_from(wi, reading), self.pdf_from(wi)),
         }
     }
 
@@ -174,8 +181,8 @@ impl Emitter {
 }
 
 /// The strongest lane, in double precision.
-fn strength(l: Light) -> f64 {
-    f64::from(l.max_lane())
+fn strength(colour: Colour) -> f64 {
+    f64::from(colour.strength)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The point light.
 
+use crate::lanes::{Colour, Lanes, Reading};
 use crate::material::{TexturePoint, Value};
 use straal_color::Light;
 use straal_math::Vec3;
@@ -13,7 +14,7 @@ pub struct PointLight {
     /// Where it is.
     pub position: Vec3,
     /// Radiant intensity in W/sr.
-    pub intensity: Value<Light>,
+    pub intensity: Value<Colour>,
 }
 
 impl PointLight {
@@ -23,8 +24,8 @@ impl PointLight {
     }
 
     /// See [`super::Emitter::sample`].
-    pub fn sample(&self, p: Vec3) -> Option<LightSample> {
-        towards(self.position, p, |_| self.intensity.eval(&self.place()))
+    pub fn sample<L: Lanes>(&self, p: Vec3, reading: &Reading<'_, L>) -> Option<LightSample> {
+        towards(self.position, p, |_| reading.light(&self.intensity.eval(&self.place())))
     }
 
     /// See [`super::Emitter::power`].

@@ -1,7 +1,7 @@
 //! The spot light.
 
+use crate::lanes::{Colour, Lanes, Reading};
 use crate::material::{TexturePoint, Value};
-use straal_color::Light;
 use straal_math::{Vec3, ops};
 
 use super::{LightSample, point::towards, strength};
@@ -11,7 +11,7 @@ use super::{LightSample, point::towards, strength};
 pub struct SpotLight {
     position: Vec3,
     axis: Vec3,
-    intensity: Value<Light>,
+    intensity: Value<Colour>,
     falloff: Falloff,
     /// Angles from the axis in radians, `beam` <= `cutoff`, and their cosines.
     beam: f32,
@@ -50,7 +50,7 @@ impl SpotLight {
 
     /// A spot of an intensity (on its axis, in W/sr); `None` when the axis has no direction. A beam wider than the
     /// cutoff is cut off.
-    pub fn new(position: Vec3, intensity: impl Into<Value<Light>>, cone: &Cone) -> Option<Self> {
+    pub fn new(position: Vec3, intensity: impl Into<Value<Colour>>, cone: &Cone) -> Option<Self> {
         let axis = cone.axis.try_normalize()?;
         let beam = if cone.beam < cone.cutoff { cone.beam } else { cone.cutoff };
         let cosine = |degrees: f64| ops::sin_cos_degrees(degrees).1 as f32;
@@ -67,8 +67,8 @@ impl SpotLight {
     }
 
     /// See [`super::Emitter::sample`].
-    pub fn sample(&self, p: Vec3) -> Option<LightSample> {
-        towards(self.position, p, |wi| self.intensity.eval(&self.place()) * self.share(-wi))
+    pub fn sample<L: Lanes>(&self, p: Vec3, reading: &Reading<'_, L>) -> Option<LightSample> {
+        towards(self.position, p, |wi| reading.light(&self.intensity.eval(&self.place())) * self.share(-wi))
     }
 
     /// How much of the full intensity goes in direction `w`.

@@ -9,6 +9,7 @@ use super::spot::Cone;
 use super::*;
 use crate::shape::tests::{Rng, assert_agrees, monte_carlo};
 use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Shape, Sphere, TriangleMesh};
+use crate::testing::in_rgb;
 
 mod density;
 
@@ -137,13 +138,15 @@ fn what_is_sampled_is_what_is_hit() {
     for entry in registry() {
         for p in VIEWS {
             for _ in 0..500 {
-                let Some(s) = entry.emitter.sample(&entry.geometry, p, rng.square()) else { continue };
+                let Some(s) = entry.emitter.sample(&entry.geometry, p, rng.square(), &in_rgb()) else {
+                    continue;
+                };
                 assert!((s.wi.length() - 1.0).abs() < 1e-6 && !s.delta && s.pdf > 0.0, "{}", entry.name);
                 match s.target {
                     Target::Direction => {
                         let (radiance, pdf) =
-                            (entry.emitter.radiance_from(s.wi), entry.emitter.pdf_from(s.wi));
-                        assert_eq!(entry.emitter.radiance_pdf_from(s.wi), (radiance, pdf));
+                            (entry.emitter.radiance_from(s.wi, &in_rgb()), entry.emitter.pdf_from(s.wi));
+                        assert_eq!(entry.emitter.radiance_pdf_from(s.wi, &in_rgb()), (radiance, pdf));
                         let off = (radiance - s.radiance).map(f32::abs).max_lane();
                         // A direction's rounding, 1e-7, times the steepest slope between pixels, 250 a radian.
                         assert!(off < 1e-4, "{}: {radiance:?} against {s:?}", entry.name);
@@ -153,7 +156,12 @@ fn what_is_sampled_is_what_is_hit() {
                     }
                     Target::Point(end) => {
                         let at = SurfacePoint { p: end.p, p_err: end.p_err, ng: end.ng, ..blank() };
-                        assert_eq!(entry.emitter.radiance_at(&at, -s.wi), s.radiance, "{}", entry.name);
+                        assert_eq!(
+                            entry.emitter.radiance_at(&at, -s.wi, &in_rgb()),
+                            s.radiance,
+                            "{}",
+                            entry.name
+                        );
                         let to = (end.p - p).normalize();
                         assert!((to - s.wi).length() < 1e-5, "{}", entry.name);
                     }
@@ -170,7 +178,7 @@ fn blank() -> SurfacePoint {
 /// Irradiance (first lane) at `p` on a surface facing `n`, with nothing in the way.
 fn irradiance(entry: &Entry, p: Vec3, n: Vec3) -> (f64, f64) {
     monte_carlo(41, 100_000, |u| {
-        entry.emitter.sample(&entry.geometry, p, u).map_or(0.0, |s| {
+        entry.emitter.sample(&entry.geometry, p, u, &in_rgb()).map_or(0.0, |s| {
             let cos = s.wi.dot(n);
             if cos > 0.0 { f64::from(s.radiance[0] * cos / s.pdf) } else { 0.0 }
         })
@@ -248,7 +256,7 @@ fn pictures_lie_as_in_mitsuba() {
     let picture = image(w, h, |x, y| [x as f32, y as f32, 1.0]);
     let e = ImageEnvironment::new(&picture, 1.0, &Affine::IDENTITY).unwrap();
     let near = |d: Vec3, want: [f32; 3]| {
-        let got = e.radiance(d.normalize()).to_rgb();
+        let got = e.radiance(d.normalize(), &in_rgb()).to_rgb();
         let off = (0..3).map(|i| (got[i] - want[i]).abs()).fold(0.0, |a: f32, b| if b > a { b } else { a });
         assert!(off < 1e-5, "{d:?}: {got:?}, expected {want:?}");
     };
@@ -258,10 +266,10 @@ fn pictures_lie_as_in_mitsuba() {
     near(-Vec3::X, [5.5, 2.0, 1.0]);
     near(-Vec3::Z, [3.5, 2.0, 1.0]); // between the last and the first
     near(Vec3::new(1.0, 1.0, 0.0), [1.5, 1.0, 1.0]);
-    assert!((e.radiance(Vec3::Y)[1], e.radiance(-Vec3::Y)[1]) == (0.0, 4.0));
+    assert!((e.radiance(Vec3::Y, &in_rgb())[1], e.radiance(-Vec3::Y, &in_rgb())[1]) == (0.0, 4.0));
     // Turned about +y by 90 degrees, what was along +z is along +x.
     let turned = ImageEnvironment::new(&picture, 1.0, &Affine::rotate(DVec3::Y, 90.0).unwrap()).unwrap();
-    assert!((turned.radiance(Vec3::X)[0] - 3.5).abs() < 1e-4);
+    assert!((turned.radiance(Vec3::X, &in_rgb())[0] - 3.5).abs() < 1e-4);
 }
 
 #[test]
@@ -272,8 +280,8 @@ fn strange_pictures_are_refused_or_read_as_black() {
     assert!(new(&Image { width: usize::MAX, height: 2, pixels: vec![[1.0; 3]; 5] }).is_none());
     let odd = image(4, 3, |x, _| [f32::NAN, -1.0, if x == 2 { f32::INFINITY } else { 0.0 }]);
     let e = new(&odd).unwrap();
-    assert_eq!(e.radiance(Vec3::X), Light::ZERO);
-    assert_eq!((e.sample([0.5; 2]), e.pdf(Vec3::X), e.power(1.0)), (None, 0.0, 0.0));
+    assert_eq!(e.radiance(Vec3::X, &in_rgb()), Light::ZERO);
+    assert_eq!((e.sample([0.5; 2], &in_rgb()), e.pdf(Vec3::X), e.power(1.0)), (None, 0.0, 0.0));
     let even = image(4, 3, |_, _| [1.0; 3]);
     assert!(ImageEnvironment::new(&even, 1.0, &Affine::scale(DVec3::ZERO)).is_none());
 }
@@ -284,9 +292,9 @@ fn delta_lights_give_their_irradiance() {
     let geometry = Geometry::default();
     let position = Vec3::new(0.0, 2.0, 0.0);
     let at = |e: &Emitter, p: Vec3| {
-        let s = e.sample(&geometry, p, [0.3, 0.7]);
+        let s = e.sample(&geometry, p, [0.3, 0.7], &in_rgb());
         assert!(s.is_none_or(|s| s.delta && s.pdf == 1.0 && (s.wi.length() - 1.0).abs() < 1e-6));
-        assert_eq!((e.pdf_from(Vec3::Y), e.radiance_from(Vec3::Y)), (0.0, Light::ZERO));
+        assert_eq!((e.pdf_from(Vec3::Y), e.radiance_from(Vec3::Y, &in_rgb())), (0.0, Light::ZERO));
         s.map_or(0.0, |s| s.radiance[0])
     };
     let point = Emitter::Point(PointLight { position, intensity: intensity.into() });
@@ -321,7 +329,7 @@ fn delta_lights_give_their_irradiance() {
     }
     let sun = Emitter::Directional(DirectionalLight::new(Vec3::new(0.0, -3.0, 0.0), intensity).unwrap());
     assert_eq!((at(&sun, Vec3::ZERO), at(&sun, Vec3::X * 1e9)), (8.0, 8.0));
-    assert_eq!(sun.sample(&geometry, Vec3::ZERO, [0.0; 2]).map(|s| s.wi), Some(Vec3::Y));
+    assert_eq!(sun.sample(&geometry, Vec3::ZERO, [0.0; 2], &in_rgb()).map(|s| s.wi), Some(Vec3::Y));
     assert!(DirectionalLight::new(Vec3::ZERO, intensity).is_none());
 }
 
@@ -337,7 +345,7 @@ fn power_is_what_leaves_in_all_directions() {
         let mut rng = Rng(51);
         let flux = monte_carlo(52, 30_000, |u| {
             let p = rng.direction() * around;
-            entry.emitter.sample(&entry.geometry, p, u).map_or(0.0, |s| {
+            entry.emitter.sample(&entry.geometry, p, u, &in_rgb()).map_or(0.0, |s| {
                 let cos = s.wi.dot(-p.normalize());
                 // The far side of a closed shape that shines on both is hidden.
                 let front = match s.target {
@@ -377,7 +385,12 @@ fn black_lights_are_never_sampled() {
         let table = LightTable::new(std::slice::from_ref(&entry.emitter), &entry.geometry, 1.0);
         assert_eq!((table.pick(0.5), table.pmf(0)), (None, 0.0));
         for p in VIEWS {
-            assert_eq!(entry.emitter.sample(&entry.geometry, p, [0.4, 0.6]), None, "{}", entry.name);
+            assert_eq!(
+                entry.emitter.sample(&entry.geometry, p, [0.4, 0.6], &in_rgb()),
+                None,
+                "{}",
+                entry.name
+            );
             assert_eq!(entry.pdf(p, (-p).normalize()), 0.0, "{}", entry.name);
         }
     }
@@ -391,7 +404,9 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
         for p in VIEWS {
             for _ in 0..300 {
                 let from = Sphere { center: p, ..receiver }.sample_area(rng.square()).point;
-                let Some(s) = entry.emitter.sample(&entry.geometry, from.p, rng.square()) else { continue };
+                let Some(s) = entry.emitter.sample(&entry.geometry, from.p, rng.square(), &in_rgb()) else {
+                    continue;
+                };
                 if s.wi.dot(from.ng) < 0.01 {
                     continue;
                 }

@@ -106,6 +106,7 @@ impl RoughConductor {
             delta: false,
             transmitted: false,
             eta: 1.0,
+            wavelength: 0.0,
         })
     }
 }

@@ -37,6 +37,14 @@ impl Dielectric {
         if u_lobe < split.reflected {
             return Some(reflected(wo, self.reflectance, split.reflected));
         }
+        self.refracted(wo, transport)
+    }
+
+    /// What passes, at its full share; `None` where all is reflected.
+    #[inline]
+    pub(super) fn refracted(&self, wo: Vec3, transport: Transport) -> Option<BsdfSample> {
+        let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
+        let split = fresnel::dielectric(wo.z.abs(), eta);
         let inverse = 1.0 / eta;
         // The tangential part shrinks by the ratio of the indices (Snell), the rest follows from unit length.
         let wi = Vec3::new(-inverse * wo.x, -inverse * wo.y, (-split.cos_refracted).copysign(-wo.z));
@@ -51,6 +59,7 @@ impl Dielectric {
             delta: true,
             transmitted: true,
             eta,
+            wavelength: 0.0,
         })
     }
 }

@@ -42,6 +42,7 @@ impl Diffuse {
             delta: false,
             transmitted: false,
             eta: 1.0,
+            wavelength: 0.0,
         })
     }
 }

@@ -28,5 +28,5 @@ impl Mirror {
 #[inline(always)]
 pub(super) fn reflected(wo: Vec3, weight: Light, pdf: f32) -> BsdfSample {
     let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-    BsdfSample { wi, weight, pdf, delta: true, transmitted: false, eta: 1.0 }
+    BsdfSample { wi, weight, pdf, delta: true, transmitted: false, eta: 1.0, wavelength: 0.0 }
 }

@@ -24,6 +24,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::lanes::{Colour, EtaTable, Lanes, ReadRgb, Reading};
 use straal_color::Light;
 use straal_math::Vec3;
 
@@ -33,6 +34,7 @@ mod diffuse;
 pub mod fresnel;
 mod ggx;
 mod mirror;
+mod prism;
 #[cfg(test)]
 mod tests;
 mod value;
@@ -41,6 +43,7 @@ pub use conductor::{Conductor, Metal, RoughConductor};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
+pub use prism::Prism;
 pub use value::{TexturePoint, Value};
 
 /// What a path carries from the surface on: radiance is traced from the camera, importance from a light.
@@ -67,6 +70,8 @@ pub struct BsdfSample {
     pub transmitted: bool,
     /// Index of refraction on the side of `wi` over that on the side of `wo`: 1 for reflection.
     pub eta: f32,
+    /// Above 0 where the direction is that of a single wavelength, which alone goes on ([`crate::lanes::Lanes::only`]).
+    pub wavelength: f32,
 }
 
 /// How a point of a surface scatters. Where it shines is another's business.
@@ -80,6 +85,8 @@ pub enum Bsdf<'w> {
     Mirror(Mirror),
     /// As smooth glass.
     Dielectric(Dielectric),
+    /// As smooth glass with dispersion.
+    Prism(Prism<'w>),
     /// As polished metal.
     Conductor(Conductor),
     /// As rough metal.
@@ -105,7 +112,9 @@ impl Bsdf<'_> {
     #[inline]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
         match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Conductor(_) => (Light::ZERO, 0.0),
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Prism(_) | Self::Conductor(_) => {
+                (Light::ZERO, 0.0)
+            }
             Self::Diffuse(b) => b.eval_pdf(wo, wi),
             Self::RoughConductor(b) => b.eval_pdf(wo, wi),
             Self::Custom(b) => b.scattering.eval_pdf(&b.parameters, Pair { wo, wi }, transport),
@@ -120,6 +129,7 @@ impl Bsdf<'_> {
             Self::Diffuse(b) => b.sample(wo, u),
             Self::Mirror(b) => b.sample(wo),
             Self::Dielectric(b) => b.sample(wo, u_lobe, transport),
+            Self::Prism(b) => b.sample(wo, [u_lobe, u[0]], transport),
             Self::Conductor(b) => b.sample(wo),
             Self::RoughConductor(b) => b.sample(wo, u),
             Self::Custom(b) => b.scattering.sample(&b.parameters, wo, [u_lobe, u[0], u[1]], transport),
@@ -129,14 +139,14 @@ impl Bsdf<'_> {
     /// Whether [`Self::sample`] reads the number that chooses a lobe.
     #[inline]
     pub fn chooses_lobe(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::Custom(_))
+        matches!(self, Self::Dielectric(_) | Self::Prism(_) | Self::Custom(_))
     }
 
     /// Whether it has nothing but delta lobes: `eval` and `pdf` are 0 everywhere, asking lights is in vain.
     #[inline]
     pub fn is_delta(&self) -> bool {
         match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Conductor(_) => true,
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Prism(_) | Self::Conductor(_) => true,
             Self::Diffuse(_) | Self::RoughConductor(_) => false,
             Self::Custom(b) => b.scattering.is_delta(&b.parameters),
         }
@@ -150,6 +160,7 @@ impl Bsdf<'_> {
             Self::Diffuse(b) => b.reflectance,
             Self::Mirror(b) => b.reflectance,
             Self::Dielectric(b) => b.albedo(),
+            Self::Prism(b) => b.albedo(),
             Self::Conductor(b) => b.metal.albedo(),
             Self::RoughConductor(b) => b.metal.albedo(),
             Self::Custom(b) => b.scattering.albedo(&b.parameters),
@@ -176,14 +187,14 @@ pub enum Material {
     /// Scatters evenly.
     Diffuse {
         /// Share of light that is reflected.
-        reflectance: Value<Light>,
+        reflectance: Value<Colour>,
         /// Whether the back looks like the front; else it is black.
         two_sided: bool,
     },
     /// A perfect mirror.
     Mirror {
         /// Share of light that is reflected.
-        reflectance: Value<Light>,
+        reflectance: Value<Colour>,
         /// Whether the back looks like the front; else it is black.
         two_sided: bool,
     },
@@ -194,20 +205,29 @@ pub enum Material {
         /// Index of refraction outside.
         eta_outside: Value<f32>,
         /// Tint of what is reflected; physical is 1.
-        reflectance: Value<Light>,
+        reflectance: Value<Colour>,
         /// Tint of what passes; physical is 1.
-        transmittance: Value<Light>,
+        transmittance: Value<Colour>,
+    },
+    /// The same with an index that depends on the wavelength.
+    Prism {
+        /// Index inside over index outside.
+        eta: EtaTable,
+        /// Tint of what is reflected; physical is 1.
+        reflectance: Value<Colour>,
+        /// Tint of what passes; physical is 1.
+        transmittance: Value<Colour>,
     },
     /// A metal, polished or rough.
     Conductor {
         /// Real part of the index of refraction, relative to the outside.
-        eta: Value<Light>,
+        eta: Value<Colour>,
         /// Imaginary part: absorption.
-        k: Value<Light>,
+        k: Value<Colour>,
         /// GGX alpha; 0 is polished.
         roughness: Value<f32>,
         /// Tint of what is reflected; physical is 1.
-        reflectance: Value<Light>,
+        reflectance: Value<Colour>,
         /// Whether the back looks like the front; else it is black.
         two_sided: bool,
     },
@@ -227,29 +247,37 @@ pub struct Materials {
 impl Materials {
     /// How material `index` scatters at a point. Black when there is no such material.
     #[inline]
-    pub fn bsdf(&self, index: u32, at: &TexturePoint) -> Bsdf<'_> {
+    pub fn bsdf<'w, L: Lanes>(&'w self, index: u32, at: &TexturePoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         let black = Bsdf::Black;
+        let light = |value: &Value<Colour>| reading.light(&value.eval(at));
         match self.list.get(index as usize) {
             None => black,
             Some(Material::Diffuse { reflectance, two_sided }) => {
-                let reflectance = reflectance.eval(at);
+                let reflectance = light(reflectance);
                 if reflectance.is_black() {
                     return black;
                 }
                 Bsdf::Diffuse(Diffuse { reflectance, two_sided: *two_sided })
             }
             Some(Material::Mirror { reflectance, two_sided }) => {
-                Bsdf::Mirror(Mirror { reflectance: reflectance.eval(at), two_sided: *two_sided })
+                Bsdf::Mirror(Mirror { reflectance: light(reflectance), two_sided: *two_sided })
             }
             Some(Material::Dielectric { eta, eta_outside, reflectance, transmittance }) => {
                 Bsdf::Dielectric(Dielectric {
                     eta: eta.eval(at) / eta_outside.eval(at),
-                    reflectance: reflectance.eval(at),
-                    transmittance: transmittance.eval(at),
+                    reflectance: light(reflectance),
+                    transmittance: light(transmittance),
                 })
             }
+            Some(Material::Prism { eta, reflectance, transmittance }) => Bsdf::Prism(Prism {
+                eta,
+                palette: reading.palette,
+                hue: reading.lanes.hue().packed(),
+                reflectance: light(reflectance),
+                transmittance: light(transmittance),
+            }),
             Some(Material::Conductor { eta, k, roughness, reflectance, two_sided }) => {
-                let metal = Metal { eta: eta.eval(at), k: k.eval(at), reflectance: reflectance.eval(at) };
+                let metal = Metal { eta: light(eta), k: light(k), reflectance: light(reflectance) };
                 let (alpha, two_sided) = (roughness.eval(at), *two_sided);
                 if alpha > 0.0 {
                     let rough = RoughConductor::new(metal, alpha);
@@ -258,15 +286,15 @@ impl Materials {
                     Bsdf::Conductor(Conductor { metal, two_sided })
                 }
             }
-            Some(Material::Custom(i)) => self.custom.get(*i as usize).map_or(black, |m| m.bsdf(at)),
+            Some(Material::Custom(i)) => self.custom.get(*i as usize).map_or(black, |m| m.bsdf(at, reading)),
         }
     }
 }
 
 /// A material that a user of the library brings. It is pure: the same input gives the same bits.
 pub trait CustomMaterial: fmt::Debug + Send + Sync {
-    /// How it scatters at a point: one of the built-in BSDFs, or [`Bsdf::Custom`].
-    fn bsdf(&self, at: &TexturePoint) -> Bsdf<'_>;
+    /// How it scatters at a point: one of the built-in BSDFs, or [`Bsdf::Custom`]. Colours become light through `read`.
+    fn bsdf(&self, at: &TexturePoint, read: &dyn ReadRgb) -> Bsdf<'_>;
     /// A number that differs when the material does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
 }

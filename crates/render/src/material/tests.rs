@@ -5,7 +5,12 @@ use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 use straal_math::{Vec3, ops, warp};
 
 use super::*;
+use crate::lanes::{Colour, EtaTable, Hue, Palette, ReadRgb};
+use crate::testing::in_rgb;
 use crate::testing::{ChiSquare, SphereGrid};
+use std::sync::LazyLock;
+use straal_color::Space;
+use straal_color::spectrum::refraction::{Index, glass};
 
 /// One BSDF under test.
 struct Entry {
@@ -52,6 +57,7 @@ fn registry() -> Vec<Entry> {
         entry("lossless metal, polished", polished(lossless()), 1, Some(1.0)),
         entry("gold, almost polished", rough(gold, 0.01), 6, None),
         entry("gold, satin", rough(gold, 0.05), 4, None),
+        entry("flint, one wavelength", prism(Hue::One(450.0)), 1, Some(1.0)),
         entry("gold, rough", rough(gold, 0.3), 2, None),
         entry("lossless metal, rough", rough(lossless(), 0.5), 1, None),
         entry("lossless metal, very rough", rough(lossless(), 1.0), 1, None),
@@ -65,6 +71,98 @@ fn registry() -> Vec<Entry> {
     ]
 }
 
+/// Flint glass in air.
+fn prism(hue: Hue) -> Bsdf<'static> {
+    static FLINT: LazyLock<(EtaTable, Palette)> = LazyLock::new(|| {
+        let mut palette = Palette::default();
+        palette.see_rainbows(Space::Srgb);
+        (EtaTable::new(&glass("SF11").unwrap(), &Index::Constant(1.0)), palette)
+    });
+    let (eta, palette) = &*FLINT;
+    let lanes = if matches!(hue, Hue::Four(_)) { Light::ONE } else { Light::rgb([1.0; 3]) };
+    Bsdf::Prism(Prism { eta, palette, hue: hue.packed(), reflectance: lanes, transmittance: lanes })
+}
+
+/// Through a prism of 60 degrees by Snell's law with Schott's Sellmeier figures: each wavelength leaves at its angle.
+#[test]
+fn a_prism_bends_as_snell_says() {
+    let flint = glass("SF11").unwrap();
+    for nm in [380.0, 404.656, 435.8, 486.13, 546.07, 587.56, 656.27, 706.5, 780.0] {
+        let n = flint.at(nm);
+        // About the angle of least deviation of yellow, where all get through; angles in degrees.
+        for incidence in [66.0_f64, 70.0, 75.0] {
+            let (sin, cos) = ops::sin_cos_degrees(incidence);
+            let inside = sin / n;
+            // Within the prism of apex A: the angles at the two faces add up to A.
+            let (sin_a, cos_a) = ops::sin_cos_degrees(60.0);
+            let at_second = sin_a * (1.0 - inside * inside).sqrt() - cos_a * inside;
+            let want = n * at_second;
+            let b = prism(Hue::One(nm as f32));
+            let wo = Vec3::new(sin as f32, 0.0, cos as f32);
+            let first = b.sample(wo, 0.999_999, [0.5; 2], Transport::Radiance).unwrap();
+            assert!(first.transmitted && first.delta);
+            // The second face is turned by the apex about y; its normal points out of the glass.
+            let d = first.wi.as_dvec3();
+            let (x, z) = (d.x * cos_a - d.z * sin_a, d.x * sin_a + d.z * cos_a);
+            let wo = Vec3::new(x as f32, 0.0, -z.abs() as f32);
+            let second = b.sample(wo, 0.999_999, [0.5; 2], Transport::Radiance).unwrap();
+            let leaves = f64::from(second.wi.x.abs());
+            let angle = |s: f64| ops::atan2_d(s, (1.0 - s * s).sqrt());
+            assert!(
+                (angle(leaves) - angle(want.abs())).abs() < 1e-4,
+                "{nm} nm at {incidence}: {leaves} {want}"
+            );
+        }
+    }
+}
+
+/// Four lanes together lose nothing: what is reflected and, four times over, what the first lane lets through.
+#[test]
+fn parted_lanes_lose_nothing() {
+    let b = prism(Hue::Four([450.0, 500.0, 550.0, 650.0]));
+    for wo in [Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.3, 0.1, -0.948_683_3), Vec3::new(0.9, 0.0, -0.435_889_9)]
+    {
+        let (mut reflected, mut passed) = (Light::ZERO, Light::ZERO);
+        const N: usize = 1 << 14;
+        for i in 0..N {
+            let u = (i as f32 + 0.5) / N as f32;
+            let Some(s) = b.sample(wo, u, [0.5; 2], Transport::Importance) else { continue };
+            assert!(s.transmitted == (s.wavelength > 0.0));
+            let sum = if s.transmitted { &mut passed } else { &mut reflected };
+            *sum += s.weight * (1.0 / N as f32);
+        }
+        assert!((reflected[0] + 0.25 * passed[0] - 1.0).abs() < 2e-3, "{wo:?} {reflected:?} {passed:?}");
+        assert!(passed.0[1..] == [0.0; 3]);
+    }
+}
+
+/// In RGB the drawn wavelengths' colours average to white, and red is bent least.
+#[test]
+fn rainbows_average_to_white() {
+    let wo = Vec3::new(0.8, 0.0, 0.6);
+    let (mut sum, mut passed) = ([0.0; 3], 0.0);
+    const N: usize = 4096;
+    let (mut red, mut blue) = (Vec3::ZERO, Vec3::ZERO);
+    for i in 0..N {
+        let u = (i as f32 + 0.5) / N as f32;
+        let s = prism(Hue::All).sample(wo, 0.999, [u, 0.0], Transport::Importance).unwrap();
+        assert!(s.transmitted && s.wavelength > 360.0 - 1.0);
+        for c in 0..3 {
+            sum[c] += f64::from(s.weight[c]);
+        }
+        passed += 1.0;
+        if s.wavelength < 450.0 && s.weight[2] > 2.0 * s.weight[0] {
+            blue = s.wi;
+        }
+        if s.wavelength > 640.0 {
+            red = s.wi;
+            assert!(s.weight[0] > s.weight[1] && s.weight[0] > s.weight[2]);
+        }
+    }
+    assert!(sum.iter().all(|v| (v / passed - 1.0).abs() < 2e-3), "{sum:?}");
+    assert!(red.x.abs() > blue.x.abs() && blue.x != 0.0);
+}
+
 /// Which arm a BSDF is. A new arm doesn't compile until it has a number, and then fails until it is registered.
 fn arm(bsdf: &Bsdf) -> usize {
     match bsdf {
@@ -75,6 +173,7 @@ fn arm(bsdf: &Bsdf) -> usize {
         Bsdf::Conductor(_) => 4,
         Bsdf::RoughConductor(_) => 5,
         Bsdf::Custom(_) => 6,
+        Bsdf::Prism(_) => 7,
     }
 }
 
@@ -95,8 +194,15 @@ impl CustomScattering for Varnish {
         u: [f32; 3],
         _: Transport,
     ) -> Option<BsdfSample> {
-        let sample =
-            |wi, pdf, delta| BsdfSample { wi, weight: *colour, pdf, delta, transmitted: false, eta: 1.0 };
+        let sample = |wi, pdf, delta| BsdfSample {
+            wi,
+            weight: *colour,
+            pdf,
+            delta,
+            transmitted: false,
+            eta: 1.0,
+            wavelength: 0.0,
+        };
         if u[0] < share[0] {
             return Some(sample(Vec3::new(-wo.x, -wo.y, wo.z), share[0], true));
         }
@@ -142,9 +248,9 @@ fn for_all(mut f: impl FnMut(&Entry, Vec3)) {
 
 #[test]
 fn every_arm_is_registered() {
-    let mut found = [false; 7];
+    let mut found = [false; 8];
     registry().iter().for_each(|e| found[arm(&e.bsdf)] = true);
-    assert_eq!(found, [true; 7]);
+    assert_eq!(found, [true; 8]);
 }
 
 #[test]
@@ -352,7 +458,7 @@ fn glass_compresses_radiance_and_gives_it_back() {
 
 #[test]
 fn backs_look_like_fronts_or_are_black() {
-    for entry in registry().iter().filter(|e| arm(&e.bsdf) != 3) {
+    for entry in registry().iter().filter(|e| !matches!(arm(&e.bsdf), 3 | 7)) {
         let turned = |d: Vec3| Vec3::new(d.x, d.y, -d.z);
         let one_sided = entry.name.contains("one-sided");
         for i in 0..200 {
@@ -418,7 +524,7 @@ fn extremes_give_nothing_or_finite_numbers() {
 struct Halves;
 
 impl CustomMaterial for Halves {
-    fn bsdf(&self, at: &TexturePoint) -> Bsdf<'_> {
+    fn bsdf(&self, at: &TexturePoint, _: &dyn ReadRgb) -> Bsdf<'_> {
         if at.uv[0] < 0.5 {
             Bsdf::Custom(CustomBsdf { scattering: &Varnish, parameters: [Light::ONE; 2] })
         } else {
@@ -433,7 +539,7 @@ impl CustomMaterial for Halves {
 
 #[test]
 fn materials_become_the_bsdfs_they_describe() {
-    let grey = Value::Constant(Light::rgb([0.5; 3]));
+    let grey: Value<Colour> = Light::rgb([0.5; 3]).into();
     let metal = |roughness: f32| Material::Conductor {
         eta: grey,
         k: grey,
@@ -460,12 +566,12 @@ fn materials_become_the_bsdfs_they_describe() {
         custom: vec![Arc::new(Halves)],
     };
     let at = TexturePoint { uv: [0.2, 0.3], p: Vec3::ZERO };
-    let arms: Vec<usize> = (0..9).map(|i| arm(&materials.bsdf(i, &at))).collect();
+    let arms: Vec<usize> = (0..9).map(|i| arm(&materials.bsdf(i, &at, &in_rgb()))).collect();
     assert_eq!(arms, [1, 0, 2, 3, 4, 5, 6, 0, 0]);
-    let Bsdf::Dielectric(glass) = materials.bsdf(3, &at) else { panic!("not glass") };
+    let Bsdf::Dielectric(glass) = materials.bsdf(3, &at, &in_rgb()) else { panic!("not glass") };
     assert!((glass.eta - 1.25).abs() < 1e-6);
     let other = TexturePoint { uv: [0.7, 0.3], ..at };
-    assert_eq!(materials.bsdf(6, &other).albedo(), Light::rgb([0.3; 3]));
+    assert_eq!(materials.bsdf(6, &other, &in_rgb()).albedo(), Light::rgb([0.3; 3]));
     // Small enough to be handed around by value.
     assert!(std::mem::size_of::<Bsdf>() <= 80);
 }

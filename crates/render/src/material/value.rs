@@ -33,3 +33,10 @@ impl<T> From<T> for Value<T> {
         Self::Constant(v)
     }
 }
+
+/// A colour in RGB alone.
+impl From<straal_color::Light> for Value<crate::lanes::Colour> {
+    fn from(v: straal_color::Light) -> Self {
+        Self::Constant(v.into())
+    }
+}

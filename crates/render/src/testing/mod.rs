@@ -17,3 +17,9 @@ pub use sphere::SphereGrid;
 pub fn sidak(level: f64, tests: usize) -> f64 {
     1.0 - straal_math::ops::pow_d(1.0 - level, 1.0 / tests.max(1) as f64)
 }
+
+/// How a path reads colours in RGB, where no world is at hand.
+pub fn in_rgb() -> crate::lanes::Reading<'static, crate::lanes::Rgb> {
+    static EMPTY: std::sync::LazyLock<crate::lanes::Palette> = std::sync::LazyLock::new(Default::default);
+    crate::lanes::Reading { palette: &EMPTY, lanes: crate::lanes::Rgb::default() }
+}

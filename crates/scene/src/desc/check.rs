@@ -3,13 +3,16 @@
 
 use straal_math::{Affine, DVec3};
 
+use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refraction};
+
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, ColorIn, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Orthographic, Perspective,
-    Plane, Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
+    Bezier, ColorIn, Conductor, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Formula, Index,
+    Measured, Orthographic, Perspective, Plane, Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
+use crate::value::Name;
 
 /// The names that `bezier: { builtin: ... }` knows.
 pub const BUILTIN_PATCHES: &[&str] = &["teapot"];
@@ -81,6 +84,89 @@ pub(super) fn color_in(c: &ColorIn, keys: &Keys<'_>, d: &mut Decoder) {
             let message = format!("a colour takes one of {FORMS}, not `{first}` and `{second}`");
             let first = (keys.key_span(first), format!("`{first}` is here"));
             d.push(Diagnostic::error(keys.key_span(second), message).related(first.0, first.1));
+        }
+    }
+}
+
+pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
+    const FORMS: &str = "`name`, `blackbody`, `daylight`, `file`, and `wavelengths` with `values`";
+    let forms = [
+        ("name", m.name.is_some()),
+        ("blackbody", m.blackbody.is_some()),
+        ("daylight", m.daylight.is_some()),
+        ("file", m.file.is_some()),
+        ("wavelengths", !(m.wavelengths.is_empty() && m.values.is_empty())),
+    ];
+    let given: Vec<&str> = forms.iter().filter(|f| f.1).map(|f| f.0).collect();
+    match given[..] {
+        [] => d.push(Diagnostic::error(keys.owner(), format!("a spectrum needs one of {FORMS}"))),
+        ["wavelengths"] => {
+            if let Err(fault) = Table::new(m.wavelengths.clone(), m.values.clone()) {
+                let key = if matches!(fault, Fault::Negative { .. }) { "values" } else { "wavelengths" };
+                d.push(Diagnostic::error(keys.span(key), fault.to_string()));
+            }
+        }
+        [_] => {
+            if let Some(name) = &m.name {
+                known(name, "illuminant", illuminant::by_name(name).is_some(), illuminant::NAMES, d);
+            }
+        }
+        [first, second, ..] => {
+            let message = format!("a spectrum takes one of {FORMS}, not `{first}` and `{second}`");
+            let first = (keys.key_span(first), format!("`{first}` is here"));
+            d.push(Diagnostic::error(keys.key_span(second), message).related(first.0, first.1));
+        }
+    }
+}
+
+/// Complains of a name that isn't known.
+pub(crate) fn known(name: &Name, what: &str, is_known: bool, names: &[&str], d: &mut Decoder) {
+    if is_known || name.is_empty() {
+        return;
+    }
+    let near = suggest::did_you_mean(name, names.iter().copied());
+    let help = near.unwrap_or_else(|| format!("the names are {}", suggest::list(names.iter().copied())));
+    let message = format!("there is no {what} named `{}`", suggest::brief(name));
+    d.push(Diagnostic::error(name.span, message).help(help));
+}
+
+/// Complains of an index that isn't one at all wavelengths.
+pub(super) fn formula(f: &Formula, keys: &Keys<'_>, d: &mut Decoder) {
+    let forms = (("cauchy", !f.cauchy.is_empty()), ("sellmeier", !f.sellmeier.is_empty()));
+    if !one_of("formula", forms.0, forms.1, keys, d) {
+        return;
+    }
+    let Some(index) = Index::Formula(f.clone()).index() else { return };
+    let wrong = (spectrum::FIRST..=spectrum::LAST).find(|&nm| !(0.1..=10.0).contains(&index.at(nm as f64)));
+    if let Some(nm) = wrong {
+        let key = if forms.0.1 { "cauchy" } else { "sellmeier" };
+        let message = format!(
+            "this formula gives an index of {} at {nm} nm: it must be from 0.1 to 10",
+            index.at(nm as f64)
+        );
+        let help = "wavelengths in it are in micrometres, and C of Sellmeier's formula in square micrometres";
+        d.push(Diagnostic::error(keys.span(key), message).help(help));
+    }
+}
+
+pub(super) fn conductor(c: &Conductor, keys: &Keys<'_>, d: &mut Decoder) {
+    if let Some(name) = &c.metal {
+        let names: Vec<&str> = refraction::metal_names().collect();
+        known(name, "metal", refraction::metal(name).is_some(), &names, d);
+        for (key, given) in [("eta", c.eta.is_some()), ("k", c.k.is_some())] {
+            if given {
+                let message = format!("`conductor` takes `metal` or `{key}`, not both");
+                let help = (keys.key_span("metal"), "`metal` is here");
+                d.push(Diagnostic::error(keys.key_span(key), message).related(help.0, help.1));
+            }
+        }
+        return;
+    }
+    for (key, given) in [("eta", c.eta.is_some()), ("k", c.k.is_some())] {
+        if !given {
+            let message = format!("`conductor` needs `metal`, or `eta` and `k`: there is no `{key}`");
+            d.push(Diagnostic::error(keys.owner(), message));
+            return;
         }
     }
 }

@@ -3,10 +3,11 @@
 use straal_math::DVec3;
 
 use crate::desc::check;
+use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Color, FileRef, Value};
+use crate::value::{FileRef, Value};
 
 describe! {
     /// A light that is not a surface.
@@ -22,13 +23,25 @@ describe! {
     }
 }
 
+impl Light {
+    /// Its colour, unless that is a picture.
+    pub fn spectrum(&self) -> Option<&Spectrum> {
+        match self {
+            Self::Point(l) => Some(l.intensity.get()),
+            Self::Directional(l) => Some(l.irradiance.get()),
+            Self::Spot(l) => Some(l.intensity.get()),
+            Self::Environment(l) => l.radiance.as_ref().map(Value::get),
+        }
+    }
+}
+
 describe! {
     /// A point that shines evenly in all directions.
     pub struct PointLight {
         /// Where it is.
         position: DVec3,
         /// Radiant intensity in W/sr.
-        intensity: Value<Color> [Limit::NON_NEGATIVE] = Value::Constant(Color::grey(1.0)),
+        intensity: Value<Spectrum> [Limit::NON_NEGATIVE] = Value::Constant(Spectrum::grey(1.0)),
     }
 }
 
@@ -38,7 +51,7 @@ describe! {
         /// The direction in which the light travels.
         direction: DVec3,
         /// Irradiance on a surface that faces the light, in W/m^2.
-        irradiance: Value<Color> [Limit::NON_NEGATIVE] = Value::Constant(Color::grey(1.0)),
+        irradiance: Value<Spectrum> [Limit::NON_NEGATIVE] = Value::Constant(Spectrum::grey(1.0)),
     }
 }
 
@@ -52,7 +65,7 @@ describe! {
         /// A point on the axis; give this or `direction`.
         look_at: Option<DVec3> = None,
         /// Radiant intensity on the axis in W/sr.
-        intensity: Value<Color> [Limit::NON_NEGATIVE] = Value::Constant(Color::grey(1.0)),
+        intensity: Value<Spectrum> [Limit::NON_NEGATIVE] = Value::Constant(Spectrum::grey(1.0)),
         /// Angle from the axis, in degrees, beyond which there is no light.
         cutoff: f64 [Limit::within(0.001, 180.0)] = 20.0,
         /// Angle from the axis, in degrees, up to which intensity is full; three quarters of `cutoff` when absent.
@@ -95,7 +108,7 @@ describe! {
     /// middle is seen towards +x.
     pub struct Environment [check::environment] {
         /// Radiance from everywhere, in W/(m^2 sr); give this or `file`.
-        radiance: Option<Value<Color>> [Limit::NON_NEGATIVE] = None,
+        radiance: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// A picture whose pixels are radiance; give this or `radiance`.
         file: Option<FileRef> = None,
         /// What the picture or radiance is multiplied by.

@@ -1,8 +1,10 @@
 //! Materials.
 
+use crate::desc::check;
+use crate::desc::spectrum::{Index, Spectrum};
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Color, Name, Value};
+use crate::value::{Name, Value};
 
 describe! {
     /// What a surface does with light.
@@ -31,7 +33,7 @@ describe! {
     /// An evenly scattering surface.
     pub struct Diffuse {
         /// Share of light that is reflected.
-        reflectance: Value<Color> [Limit::UNIT] = Value::Constant(Color::grey(0.5)),
+        reflectance: Value<Spectrum> [Limit::UNIT] = Value::Constant(Spectrum::grey(0.5)),
         /// Whether the back looks like the front; else it is black.
         two_sided: bool = true,
     }
@@ -41,7 +43,7 @@ describe! {
     /// A perfect mirror.
     pub struct Mirror {
         /// Share of light that is reflected.
-        reflectance: Value<Color> [Limit::UNIT] = Value::Constant(Color::grey(1.0)),
+        reflectance: Value<Spectrum> [Limit::UNIT] = Value::Constant(Spectrum::grey(1.0)),
         /// Whether the back looks like the front; else it is black.
         two_sided: bool = true,
     }
@@ -50,29 +52,46 @@ describe! {
 describe! {
     /// A smooth boundary between two transparent media; normals point to the outside.
     pub struct Dielectric {
-        /// Index of refraction inside.
-        eta: Value<f64> [Limit::within(0.1, 10.0)] = Value::Constant(1.5),
+        /// Index of refraction inside: a number, the name of a glass such as `BK7`, or a formula.
+        eta: Index [Limit::within(0.1, 10.0)] = Index::Constant(1.5),
         /// Index of refraction outside.
-        eta_outside: Value<f64> [Limit::within(0.1, 10.0)] = Value::Constant(1.0),
+        eta_outside: Index [Limit::within(0.1, 10.0)] = Index::Constant(1.0),
         /// Tint of what is reflected; physical is 1.
-        reflectance: Value<Color> [Limit::UNIT] = Value::Constant(Color::grey(1.0)),
+        reflectance: Value<Spectrum> [Limit::UNIT] = Value::Constant(Spectrum::grey(1.0)),
         /// Tint of what passes; physical is 1.
-        transmittance: Value<Color> [Limit::UNIT] = Value::Constant(Color::grey(1.0)),
+        transmittance: Value<Spectrum> [Limit::UNIT] = Value::Constant(Spectrum::grey(1.0)),
     }
 }
 
 describe! {
-    /// A metal: complex index of refraction `eta` + i `k`, relative to air.
-    pub struct Conductor {
+    /// A metal, by name or by its complex index of refraction `eta` + i `k`, relative to air.
+    pub struct Conductor [check::conductor] {
+        /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
+        metal: Option<Name> = None,
         /// Real part of the index of refraction.
-        eta: Value<Color> [Limit::NON_NEGATIVE],
+        eta: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// Imaginary part of the index of refraction: absorption.
-        k: Value<Color> [Limit::NON_NEGATIVE],
+        k: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// GGX alpha of the microfacets: 0 is a polished mirror.
         roughness: Value<f64> [Limit::UNIT] = Value::Constant(0.0),
         /// Tint of what is reflected; physical is 1.
-        reflectance: Value<Color> [Limit::UNIT] = Value::Constant(Color::grey(1.0)),
+        reflectance: Value<Spectrum> [Limit::UNIT] = Value::Constant(Spectrum::grey(1.0)),
         /// Whether the back looks like the front; else it is black.
         two_sided: bool = true,
+    }
+}
+
+impl Material {
+    /// Its colours.
+    pub fn spectra(&self) -> Vec<&Spectrum> {
+        let values: Vec<&Value<Spectrum>> = match self {
+            Self::Diffuse(m) => vec![&m.reflectance],
+            Self::Mirror(m) => vec![&m.reflectance],
+            Self::Dielectric(m) => vec![&m.reflectance, &m.transmittance],
+            Self::Conductor(m) => {
+                [Some(&m.reflectance), m.eta.as_ref(), m.k.as_ref()].into_iter().flatten().collect()
+            }
+        };
+        values.into_iter().map(Value::get).collect()
     }
 }

@@ -2,7 +2,7 @@
 
 pub mod accel;
 pub mod camera;
-mod check;
+pub(crate) mod check;
 pub mod color;
 pub mod light;
 pub mod look;
@@ -10,6 +10,7 @@ pub mod material;
 pub mod node;
 pub mod settings;
 pub mod shape;
+pub mod spectrum;
 pub mod transform;
 
 pub use accel::{
@@ -28,6 +29,7 @@ pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,
 };
+pub use spectrum::{Formula, Index, Measured, Spectrum};
 pub use transform::{Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint};
 
 use crate::describe::describe;
@@ -48,6 +50,8 @@ describe! {
         integrator: Integrator = Integrator::default(),
         /// How rays are searched.
         accel: Accel = Accel::default(),
+        /// Whether light is computed by wavelengths instead of red, green and blue.
+        spectral: bool = false,
         /// Materials by name.
         materials: Named<Material> = Named::default(),
         /// Geometry by name, which is seen only where an `instance` puts it.

@@ -4,10 +4,11 @@ use straal_math::DVec3;
 
 use crate::desc::check;
 use crate::desc::material::MaterialRef;
+use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Color, FileRef, Name, Value};
+use crate::value::{FileRef, Name, Value};
 
 describe! {
     /// What all surfaces share.
@@ -15,7 +16,7 @@ describe! {
         /// What the surface does with light; without one in any group around it, it is diffuse with reflectance 0.5.
         material: Option<MaterialRef> = None,
         /// Radiance that the front sends out, in W/(m^2 sr).
-        emission: Option<Value<Color>> [Limit::NON_NEGATIVE] = None,
+        emission: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// Whether the back glows as well.
         two_sided_emission: bool = false,
         /// Places the shape.

@@ -1,6 +1,7 @@
 //! Every emitter of the registry by the chi-square test.
 
 use super::{VIEWS, registry};
+use crate::testing::in_rgb;
 use crate::testing::{ChiSquare, SphereGrid, sidak};
 
 #[test]
@@ -15,7 +16,7 @@ fn directions_have_the_density_that_is_told() {
             if i == 1 && lit > 0 {
                 continue; // for those that only shine downwards
             }
-            let sample = |u: [f32; 4]| entry.emitter.sample(&entry.geometry, p, [u[0], u[1]]);
+            let sample = |u: [f32; 4]| entry.emitter.sample(&entry.geometry, p, [u[0], u[1]], &in_rgb());
             // Many cells, because the rims of lights cross them, and finer rings where the light is.
             let fine = SphereGrid { rings: 48, sectors: 48, ..SphereGrid::default() };
             let grid = if entry.emitter.is_environment() || p.length() < 1.0 {

@@ -1,0 +1,110 @@
+//! `straal metamer`
+
+use super::{print, read_bytes};
+use crate::args::MetamerArgs;
+use crate::exit::{Exit, Failure};
+use serde_json::{Map, Value as Json, json};
+use std::io::Write;
+use std::path::Path;
+use straal_color::spectrum::{Beyond, Bins, FIRST, illuminant, metamer, uplift::Uplift};
+use straal_formats::{atomic, spd};
+use straal_scene::value::Color;
+
+/// Below this difference colours match: about what trained eyes can tell apart side by side.
+const MATCH: f64 = 1.0;
+
+/// Compares two spectra, or makes a metamer.
+pub fn run(args: &MetamerArgs) -> Result<Exit, Failure> {
+    let a = surface(&args.a)?;
+    let b = match (&args.b, &args.make) {
+        (Some(b), _) => surface(b)?,
+        (None, Some(path)) => make(&a, args, path)?,
+        (None, None) => return Err(Failure::input("a second spectrum, or --make, is needed")),
+    };
+    let rows: Vec<(&str, f64)> = illuminant::NAMES
+        .iter()
+        .filter_map(|name| {
+            let light = illuminant::by_name(name)?.bins(Beyond::Zero);
+            Some((*name, metamer::difference(&a, &b, &light, args.observer)))
+        })
+        .collect();
+    if args.json {
+        let differences: Map<String, Json> =
+            rows.iter().map(|(name, d)| ((*name).to_owned(), json!(d))).collect();
+        print(&format!("{:#}\n", json!({ "delta_e_2000": differences })))?;
+    } else {
+        print(&told(&rows))?;
+    }
+    Ok(Exit::Fine)
+}
+
+fn told(rows: &[(&str, f64)]) -> String {
+    let mut text = String::from("light  dE 2000\n");
+    for (name, difference) in rows {
+        let verdict = if *difference < MATCH { "match" } else { "differ" };
+        text += &format!("{name:5}  {difference:7.2}  {verdict}\n");
+    }
+    let matches = rows.iter().filter(|row| row.1 < MATCH).count();
+    text += match (matches, rows.len() - matches) {
+        (0, _) => "They match under none of these lights.\n",
+        (_, 0) => "They match under all of these lights.\n",
+        _ => "They are metamers: they match under some of these lights.\n",
+    };
+    text
+}
+
+/// A reflectance by what was typed.
+fn surface(typed: &str) -> Result<Bins, Failure> {
+    let flat = typed.parse::<f64>().ok().map(Color::grey);
+    if let Some(Color(rgb)) = flat.or_else(|| Color::from_hex(typed)) {
+        if !rgb.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Err(Failure::input(format!("{typed} is no reflectance: it must be from 0 to 1")));
+        }
+        return Ok(Uplift::new().fit(rgb).bins());
+    }
+    let path = Path::new(typed);
+    let bytes = read_bytes(path)?;
+    let spectrum = spd::read(&bytes).map_err(|e| Failure::input(format!("can't read {typed}: {e}")))?;
+    let bins = spectrum.smooth();
+    if spectrum.peak() > 1.0 {
+        return Err(Failure::input(format!("{typed} is no reflectance: it reaches {}", spectrum.peak())));
+    }
+    Ok(bins)
+}
+
+/// A metamer, which is written to a file as well.
+fn make(a: &Bins, args: &MetamerArgs, path: &Path) -> Result<Bins, Failure> {
+    let light = illuminant::by_name(&args.under)
+        .ok_or_else(|| Failure::input(format!("there is no illuminant {}", args.under)))?
+        .bins(Beyond::Zero);
+    let twin = metamer::of(a, &light, args.observer).ok_or_else(|| {
+        Failure::input(format!(
+            "{} has no metamer: as black or white as it is, there is no room for one",
+            args.a
+        ))
+    })?;
+    let mut text = format!(
+        "# metamer of {} under {}: wavelength in nm, reflectance\n",
+        args.a.escape_debug(),
+        args.under
+    );
+    for (i, v) in twin.iter().enumerate() {
+        text += &format!("{} {v:.9}\n", FIRST + i);
+    }
+    atomic::write(path, |file| file.write_all(text.as_bytes()))
+        .map_err(|e| Failure::system(e.to_string()))?;
+    Ok(twin)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_judged() {
+        assert!(told(&[("A", 3.2), ("D65", 0.04)]).contains("They are metamers"));
+        assert!(told(&[("A", 3.2)]).ends_with("under none of these lights.\n"));
+        assert!(told(&[("A", 0.0)]).ends_with("under all of these lights.\n"));
+        assert!(surface("1.5").is_err() && surface("#zzz").is_err() && surface("0.4").is_ok());
+    }
+}

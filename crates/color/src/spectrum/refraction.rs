@@ -1,0 +1,85 @@
+//! Indices of refraction by wavelength: glasses by formula, metals as they were measured.
+
+use super::Spectrum;
+
+/// The yellow line of helium, in nm, at which an index without further words is told (n_d).
+pub const MIDDLE: f64 = 587.5618;
+
+/// How the index of refraction of a clear medium depends on the wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Index {
+    /// Not at all.
+    Constant(f64),
+    /// n² = 1 + sum of B l² / (l² - C), with l in micrometres (Sellmeier 1871): the pairs [B, C], C in square micrometres.
+    Sellmeier(Vec<[f64; 2]>),
+    /// n = A + B / l² + C / l⁴ + ..., with l in micrometres (Cauchy 1836).
+    Cauchy(Vec<f64>),
+    /// Measured; beyond the table its ends go on.
+    Measured(Spectrum),
+}
+
+impl Index {
+    /// The index at a wavelength in nanometres. It may be no number where a formula doesn't hold.
+    pub fn at(&self, nm: f64) -> f64 {
+        let l2 = nm * nm * 1e-6;
+        match self {
+            Self::Constant(n) => *n,
+            Self::Sellmeier(terms) => {
+                terms.iter().map(|[b, c]| b * l2 / (l2 - c)).fold(1.0, |sum, term| sum + term).sqrt()
+            }
+            Self::Cauchy(terms) => terms.iter().rev().fold(0.0, |n, term| n / l2 + term),
+            Self::Measured(spectrum) => spectrum.at(nm, super::Beyond::Same),
+        }
+    }
+
+    /// Abbe's number V = (n_d - 1) / (n_F - n_C), by the lines of helium at 587.56 and of hydrogen at 486.13 and 656.27
+    /// nm: the smaller, the wider the rainbow. Infinite without dispersion.
+    pub fn abbe_number(&self) -> f64 {
+        (self.at(MIDDLE) - 1.0) / (self.at(486.1327) - self.at(656.2725))
+    }
+}
+
+/// The text after `=` or at the start of lines, up to the colon: the names of a data file.
+fn names_of(text: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let lines = text.lines().filter(|l| !l.starts_with('#'));
+    lines.filter_map(|l| l.split_once(':')).map(|(name, rest)| (name.trim_start_matches("= "), rest))
+}
+
+const GLASSES: &str = include_str!("../../data/glasses.txt");
+const METALS: &str = include_str!("../../data/metals.txt");
+
+/// The names of the clear media that [`glass`] knows.
+pub fn glass_names() -> impl Iterator<Item = &'static str> {
+    names_of(GLASSES).map(|(name, _)| name)
+}
+
+/// A glass or another clear medium by name, in capitals or not; `BK7` does for `N-BK7`.
+pub fn glass(name: &str) -> Option<Index> {
+    let alike = |known: &str| known.eq_ignore_ascii_case(name);
+    let mut exact = names_of(GLASSES).filter(|(known, _)| alike(known));
+    let mut without_n = names_of(GLASSES).filter(|(known, _)| known.strip_prefix("N-").is_some_and(alike));
+    let (_, rest) = exact.next().or_else(|| without_n.next())?;
+    let numbers: Vec<f64> =
+        rest.rsplit(';').next()?.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    Some(Index::Sellmeier(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()))
+}
+
+/// The names of the metals that [`metal`] knows.
+pub fn metal_names() -> impl Iterator<Item = &'static str> {
+    names_of(METALS).map(|(name, _)| name)
+}
+
+/// The real and the imaginary part of a metal's index of refraction, by its English name.
+pub fn metal(name: &str) -> Option<[Spectrum; 2]> {
+    let wanted = metal_names().find(|known| known.eq_ignore_ascii_case(name))?;
+    let lines = METALS.lines().skip_while(|l| l.strip_prefix("= ").is_none_or(|l| !l.starts_with(wanted)));
+    let (mut wavelengths, mut n, mut k) = (Vec::new(), Vec::new(), Vec::new());
+    for line in lines.skip(1).take_while(|l| !l.starts_with('=')) {
+        let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let [nm, real, imaginary] = numbers[..] else { continue };
+        wavelengths.push(nm);
+        n.push(real);
+        k.push(imaginary);
+    }
+    Some([Spectrum::new(wavelengths.clone(), n).ok()?, Spectrum::new(wavelengths, k).ok()?])
+}

@@ -1,0 +1,279 @@
+//! Against the numbers of an independent program, and against what must hold.
+
+use super::*;
+use crate::srgb;
+use straal_math::ops;
+use uplift::Uplift;
+
+/// The folder of shared data, if this machine has it.
+fn shared() -> Option<std::path::PathBuf> {
+    let named = std::env::var_os("STRAAL_SHARED").map(std::path::PathBuf::from);
+    let beside = || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let folder = named.unwrap_or_else(beside).join("scenes/spectral");
+    if !folder.is_dir() {
+        assert!(std::env::var_os("CI").is_none(), "no shared data at {}", folder.display());
+        #[allow(clippy::print_stdout)] // a skipped test says so
+        {
+            println!("skipped: no shared data");
+        }
+        return None;
+    }
+    Some(folder)
+}
+
+/// The numbers in brackets after a label.
+fn expected(text: &str, label: &str) -> Vec<f64> {
+    let at = text.find(label).unwrap_or_else(|| panic!("{label} is not among the expected values"));
+    let rest = &text[at + label.len()..];
+    let (_, rest) = rest.split_once('[').unwrap();
+    let (list, _) = rest.split_once(']').unwrap();
+    list.split_whitespace().map(|word| word.parse().unwrap()).collect()
+}
+
+fn chromaticity([x, y, z]: [f64; 3]) -> [f64; 2] {
+    [x / (x + y + z), y / (x + y + z)]
+}
+
+fn assert_near(found: &[f64], want: &[f64], what: &str) {
+    assert_eq!(found.len(), want.len(), "{what}");
+    for (a, b) in found.iter().zip(want) {
+        assert!((a - b).abs() < 1e-4, "{what}: {found:?}, expected {want:?}");
+    }
+}
+
+#[test]
+fn illuminants_are_those_of_the_oracle() {
+    let Some(folder) = shared() else { return };
+    let text = std::fs::read_to_string(folder.join("expected_values.txt")).unwrap();
+    let white = Observer::Cie1931.light(&illuminant::d65());
+    let want = expected(&text, "XYZ of perfect reflector under D65 (ASTM E308):");
+    assert_near(&white, &want.iter().map(|v| v / 100.0).collect::<Vec<_>>(), "D65");
+    for name in ["A", "D50", "D65", "E"] {
+        let light = illuminant::by_name(name).unwrap();
+        let xy = chromaticity(Observer::Cie1931.light(&light.bins(Beyond::Zero)));
+        assert_near(&xy, &expected(&text, &format!("xy of {name}:")), name);
+    }
+    for kelvin in [1000, 2856, 4000, 5500, 6500, 10000] {
+        let light = thermal::black_body(f64::from(kelvin)).bins(Beyond::Zero);
+        let xy = chromaticity(Observer::Cie1931.light(&light));
+        assert_near(&xy, &expected(&text, &format!("blackbody {kelvin} K xy:")), &format!("{kelvin} K"));
+    }
+}
+
+#[test]
+fn the_color_checker_is_that_of_the_oracle() {
+    let Some(folder) = shared() else { return };
+    let text = std::fs::read_to_string(folder.join("expected_values.txt")).unwrap();
+    let table = std::fs::read_to_string(folder.join("colourchecker_babelcolor_average.csv")).unwrap();
+    let mut lines = table.lines().skip(1);
+    let names: Vec<&str> = lines.next().unwrap().split(',').skip(1).collect();
+    let rows: Vec<Vec<f64>> = lines.map(|l| l.split(',').map(|w| w.parse().unwrap()).collect()).collect();
+    // The matrix that the oracle rounds to four places.
+    let after = text.split_once("sRGB matrix XYZ->RGB:").unwrap().1;
+    let numbers: Vec<f64> = after
+        .split(|c: char| c.is_whitespace() || "[]".contains(c))
+        .filter(|w| !w.is_empty())
+        .map_while(|w| w.parse().ok())
+        .collect();
+    assert_eq!((names.len(), numbers.len()), (24, 9));
+    let white = illuminant::d65();
+    let uplift = Uplift::new();
+    for (k, name) in names.iter().enumerate() {
+        let wavelengths = rows.iter().map(|r| r[0]).collect();
+        let values = rows.iter().map(|r| r[k + 1]).collect();
+        let patch = Spectrum::new(wavelengths, values).unwrap().smooth();
+        let xyz = Observer::Cie1931.surface(&patch, &white);
+        let label = format!("BabelColor Average {name} XYZ under D65 /100:");
+        assert_near(&xyz, &expected(&text, &label), name);
+        let rgb: Vec<f64> = (0..3).map(|r| (0..3).map(|c| numbers[3 * r + c] * xyz[c]).sum()).collect();
+        let after = text.split_once(&label).unwrap().1;
+        let want = expected(after, "linear sRGB:");
+        assert_near(&rgb, &want, name);
+        // The exact matrix differs from the rounded one by more than the tolerance of the table.
+        for (a, b) in uplift.rgb_of_reflectance(&patch).iter().zip(&want) {
+            assert!((a - b).abs() < 6e-4, "{name}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn tables_are_those_that_were_measured() {
+    let Some(folder) = shared() else { return };
+    for (name, file) in
+        [("A", "illuminant_A"), ("C", "illuminant_C"), ("D50", "illuminant_D50"), ("D65", "illuminant_D65")]
+    {
+        let text = std::fs::read_to_string(folder.join(format!("{file}.csv"))).unwrap();
+        let ours = illuminant::by_name(name).unwrap();
+        let points: Vec<(f64, f64)> = text
+            .lines()
+            .filter(|l| !l.starts_with('#'))
+            .map(|l| l.split_once(',').unwrap())
+            .map(|(a, b)| (a.parse().unwrap(), b.parse().unwrap()))
+            .collect();
+        let theirs = |nm: f64| points.iter().find(|p| p.0 == nm).unwrap().1;
+        let scale = theirs(560.0) / ours.at(560.0, Beyond::Zero);
+        for &(nm, value) in points.iter().filter(|p| p.0 >= 360.0) {
+            assert!((ours.at(nm, Beyond::Zero) * scale - value).abs() < 1e-3 * 100.0, "{name} at {nm}");
+        }
+    }
+}
+
+#[test]
+fn daylight_by_formula_is_that_of_the_tables() {
+    for (name, kelvin) in [("D50", 5000.0), ("D65", 6500.0)] {
+        let table = illuminant::by_name(name).unwrap();
+        let formula = illuminant::of_unit_luminance(&thermal::daylight(kelvin).unwrap());
+        for nm in (360..=830).step_by(5) {
+            let (a, b) = (table.at(nm as f64, Beyond::Zero), formula.at(nm as f64, Beyond::Zero));
+            assert!((a - b).abs() < 1e-4, "{name} at {nm}: {a} {b}");
+        }
+    }
+    assert!(thermal::daylight(3999.0).is_none() && thermal::daylight(f64::NAN).is_none());
+    // The CIE's own figures for D55 and D75 (CIE 15:2018, table 3).
+    for (name, want) in [("D55", [0.33243, 0.34744]), ("D75", [0.29903, 0.31488])] {
+        let light = illuminant::by_name(name).unwrap().bins(Beyond::Zero);
+        assert_near(&chromaticity(Observer::Cie1931.light(&light)), &want, name);
+    }
+}
+
+/// Chromaticities of fluorescent lamps as CIE 15:2018 prints them: summed every 5 nm, which lines of mercury feel.
+#[test]
+fn fluorescent_lamps_are_the_cies() {
+    let printed = [("FL2", [0.3721, 0.3751]), ("FL7", [0.3129, 0.3292]), ("FL11", [0.3805, 0.3769])];
+    for (name, want) in printed {
+        let light = illuminant::by_name(name).unwrap().bins(Beyond::Zero);
+        let coarse: Bins = std::array::from_fn(|i| if i % 5 == 0 { light[i] } else { 0.0 });
+        assert_near(&chromaticity(Observer::Cie1931.light(&coarse)), &want, name);
+    }
+    let d65 = Observer::Cie1964.light(&illuminant::d65());
+    assert_near(&chromaticity(d65), &[0.31382, 0.33100], "D65, 10 degrees");
+    for name in illuminant::NAMES {
+        let light = illuminant::by_name(&format!("cie-{}", name.to_lowercase())).unwrap();
+        let [_, y, _] = Observer::Cie1931.light(&light.bins(Beyond::Zero));
+        assert!((y - 1.0).abs() < 1e-12, "{name}");
+    }
+    assert!(illuminant::by_name("D64").is_none() && illuminant::by_name("").is_none());
+}
+
+#[test]
+fn tables_are_refused_with_the_reason() {
+    let of = |w: &[f64], v: &[f64]| Spectrum::new(w.to_vec(), v.to_vec());
+    assert_eq!(of(&[], &[]), Err(Fault::Empty));
+    assert_eq!(of(&[400.0], &[]), Err(Fault::Lengths { wavelengths: 1, values: 0 }));
+    assert_eq!(of(&[400.0, f64::NAN], &[1.0; 2]), Err(Fault::NotFinite(1)));
+    assert_eq!(of(&[400.0], &[f64::INFINITY]), Err(Fault::NotFinite(0)));
+    assert_eq!(of(&[500.0, 500.0], &[1.0; 2]), Err(Fault::Order { index: 1, now: 500.0, before: 500.0 }));
+    assert_eq!(of(&[500.0], &[-0.1]), Err(Fault::Negative { index: 0, wavelength: 500.0, value: -0.1 }));
+    assert_eq!(of(&[0.5], &[1.0]), Err(Fault::NoLight(0.5)));
+    assert_eq!(of(&[900.0, 1000.0], &[1.0; 2]), Err(Fault::Unseen { first: 900.0, last: 1000.0 }));
+}
+
+#[test]
+fn between_and_beyond_the_table() {
+    let s = Spectrum::new(vec![400.0, 410.0, 700.0], vec![1.0, 3.0, 2.0]).unwrap();
+    assert_eq!(
+        [399.0, 400.0, 405.0, 700.0, 701.0].map(|nm| s.at(nm, Beyond::Zero)),
+        [0.0, 1.0, 2.0, 2.0, 0.0]
+    );
+    assert_eq!([399.0, 701.0].map(|nm| s.at(nm, Beyond::Same)), [1.0, 2.0]);
+    // A line half a nanometre wide between two nanometres loses nothing.
+    let line = Spectrum::new(vec![546.2, 546.4, 546.7], vec![0.0, 10.0, 0.0]).unwrap();
+    let sum = |bins: Bins| bins.iter().sum::<f64>();
+    assert!((sum(line.means(Beyond::Zero)) - 2.5).abs() < 1e-12);
+    assert_eq!(sum(line.bins(Beyond::Zero)), 0.0);
+    let flat = Spectrum::new(vec![400.0], vec![0.25]).unwrap();
+    assert!(flat.means(Beyond::Same).iter().all(|v| (v - 0.25).abs() < 1e-12));
+}
+
+#[test]
+fn smooth_curves_meet_their_points_and_parabolas() {
+    let parabola = |nm: f64| 0.1 + 1e-5 * (nm - 500.0) * (nm - 500.0);
+    let wavelengths: Vec<f64> = (36..=83).map(|k| 10.0 * f64::from(k)).collect();
+    let values = wavelengths.iter().map(|&nm| parabola(nm)).collect();
+    let bins = Spectrum::new(wavelengths, values).unwrap().smooth();
+    for (i, v) in bins.iter().enumerate() {
+        assert!((v - parabola((FIRST + i) as f64)).abs() < 1e-12, "{i}");
+    }
+}
+
+/// The greatest difference of a colour and its smooth reflectance's, in sRGB.
+fn round_trip(uplift: &Uplift, rgb: [f64; 3]) -> f32 {
+    let back = uplift.rgb_of_reflectance(&uplift.fit(rgb).bins());
+    let error = |c: usize| (srgb::encode(back[c] as f32) - srgb::encode(rgb[c] as f32)).abs();
+    (0..3).map(error).fold(0.0, ops::max)
+}
+
+#[test]
+fn smooth_reflectances_keep_their_colour() {
+    let uplift = Uplift::new();
+    let mut worst = (0.0, [0.0; 3]);
+    const N: usize = 8;
+    for k in 0..(N + 1) * (N + 1) * (N + 1) {
+        let code = |i: usize| srgb::decode(i as f32 / N as f32);
+        let rgb = [k % (N + 1), k / (N + 1) % (N + 1), k / (N + 1) / (N + 1)].map(|i| f64::from(code(i)));
+        let bins = uplift.fit(rgb).bins();
+        assert!(bins.iter().all(|v| (0.0..=1.0).contains(v)), "{rgb:?}");
+        let error = round_trip(&uplift, rgb);
+        if error > worst.0 {
+            worst = (error, rgb);
+        }
+    }
+    assert!(worst.0 < 1e-3, "{} at {:?}", worst.0, worst.1);
+}
+
+#[test]
+fn mixtures_keep_their_colour_and_their_range() {
+    let uplift = Uplift::new();
+    for rgb in
+        [[0.2, 0.5, 0.9], [0.9, 0.5, 0.2], [0.5, 0.5, 0.5], [0.5, 0.5, 0.1], [0.3, 0.7, 0.7], [1.0, 0.0, 0.4]]
+    {
+        let (white, parts) = uplift::mixture(rgb);
+        let bins: Bins = std::array::from_fn(|i| {
+            parts
+                .iter()
+                .fold(f64::from(white), |sum, &(k, share)| sum + f64::from(share) * uplift.full()[k][i])
+        });
+        assert!(bins.iter().all(|v| (0.0..=1.0 + 1e-6).contains(v)), "{rgb:?}");
+        let back = uplift.rgb_of_reflectance(&bins);
+        for c in 0..3 {
+            assert!((back[c] - f64::from(rgb[c])).abs() < 1e-4, "{rgb:?} {back:?}");
+        }
+    }
+}
+
+#[test]
+fn glasses_are_schotts() {
+    // n_d and Abbe's numbers as in the data sheets of 2017.
+    for (name, n, v) in [
+        ("N-BK7", 1.51680, 64.17),
+        ("bk7", 1.51680, 64.17),
+        ("SF11", 1.78472, 25.76),
+        ("N-SF11", 1.78472, 25.68),
+    ] {
+        let glass = refraction::glass(name).unwrap();
+        assert!((glass.at(587.5618) - n).abs() < 1e-5, "{name}: {}", glass.at(587.5618));
+        assert!((glass.abbe_number() - v).abs() < 0.01, "{name}: {}", glass.abbe_number());
+    }
+    for name in refraction::glass_names() {
+        let glass = refraction::glass(name).unwrap();
+        assert!((FIRST..=LAST).all(|nm| (1.2..2.6).contains(&glass.at(nm as f64))), "{name}");
+        assert!(glass.at(400.0) > glass.at(700.0), "{name}");
+    }
+    let cauchy = refraction::Index::Cauchy(vec![1.5, 0.004]);
+    assert!((cauchy.at(500.0) - 1.516).abs() < 1e-12 && refraction::glass("BK8").is_none());
+}
+
+#[test]
+fn metals_have_their_colours() {
+    for name in refraction::metal_names() {
+        let [n, k] = refraction::metal(name).unwrap();
+        assert!(n.points().len() >= 10 && k.points().len() == n.points().len(), "{name}");
+    }
+    let reflected = |name: &str, nm: f64| {
+        let [n, k] = refraction::metal(name).unwrap().map(|s| s.at(nm, Beyond::Same));
+        ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
+    };
+    assert!(reflected("gold", 650.0) > 0.95 && reflected("Gold", 450.0) < 0.45);
+    assert!(reflected("silver", 450.0) > 0.95 && reflected("copper", 650.0) > 0.9);
+    assert!(refraction::metal("unobtainium").is_none());
+}

@@ -1,0 +1,254 @@
+//! Colours and spectra of the description as light.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use straal_color::spectrum::{
+    Beyond, Bins, COUNT, FIRST, Observer, Spectrum, illuminant, refraction, uplift,
+};
+use straal_color::{Light, Matrix3, Space};
+use straal_scene::desc;
+use straal_scene::span::Span;
+use straal_scene::value::{self, Color};
+use straal_scene::{Assets, Image, Scene};
+
+use super::CompileError;
+use crate::lanes::{Colour, EtaTable, Palette, table_of};
+use crate::material::{Material, Value};
+
+/// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
+pub(super) struct Paint<'a> {
+    assets: &'a Assets,
+    space: Space,
+    /// `None` where linear sRGB is the work space itself.
+    to_work: Option<Matrix3>,
+    /// `None` in RGB.
+    uplift: Option<uplift::Uplift>,
+    /// Tables of RGB colours that were met, by their use and their bits.
+    known: BTreeMap<(Use, [u64; 3]), u32>,
+    /// Tables of measured spectra, by their bits.
+    tables: BTreeMap<Vec<u32>, u32>,
+    /// Filled as colours are met.
+    pub palette: Palette,
+}
+
+/// What a colour is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Use {
+    Reflectance,
+    Emission,
+    Index,
+}
+
+impl<'a> Paint<'a> {
+    pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
+        let space = scene.color.space.space();
+        let uplift = spectral.then(uplift::Uplift::new);
+        let palette = uplift.as_ref().map_or_else(Palette::default, |u| Palette::spectral(space, u));
+        let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
+        Self { assets, space, to_work, uplift, known: BTreeMap::new(), tables: BTreeMap::new(), palette }
+    }
+
+    /// The assets.
+    pub const fn assets(&self) -> &'a Assets {
+        self.assets
+    }
+
+    /// Share of light that comes back.
+    pub fn reflectance(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+        self.colour(s, Use::Reflectance)
+    }
+
+    /// Light that is sent out.
+    pub fn emission(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+        self.colour(s, Use::Emission)
+    }
+
+    /// The same times a factor.
+    pub fn emission_times(&mut self, s: &desc::Spectrum, factor: f64) -> Result<Colour, CompileError> {
+        let colour = self.emission(s)?;
+        if factor == 1.0 {
+            return Ok(colour);
+        }
+        let by = factor as f32;
+        let spectrum = if self.uplift.is_some() { self.palette.add_scaled(colour.spectrum, by) } else { 0 };
+        Ok(Colour { rgb: colour.rgb * by, strength: colour.strength * by, spectrum })
+    }
+
+    /// A picture of radiance: in the work space, or in linear sRGB where its pixels become spectra.
+    pub fn image<'i>(&self, image: &'i Image) -> Cow<'i, Image> {
+        let Some(m) = self.to_work.as_ref().filter(|_| self.uplift.is_none()) else {
+            return Cow::Borrowed(image);
+        };
+        Cow::Owned(Image { pixels: image.pixels.iter().map(|p| m.apply_f32(*p)).collect(), ..*image })
+    }
+
+    fn colour(&mut self, s: &desc::Spectrum, of: Use) -> Result<Colour, CompileError> {
+        match s {
+            desc::Spectrum::Rgb(color) => Ok(self.rgb(*color, of)),
+            desc::Spectrum::Measured(m) => {
+                let (spectrum, span) = self.spectrum(m)?;
+                self.measured(&spectrum, of).map_err(|message| CompileError::at(message, span))
+            }
+        }
+    }
+
+    /// What is a hair below 0 by rounding is 0. Indices of refraction are no colours: they are those of red, green and
+    /// blue in any space.
+    fn rgb(&mut self, color: Color, of: Use) -> Colour {
+        let rgb = match self.to_work {
+            Some(m) if of != Use::Index => m.apply(color.0),
+            _ => color.0,
+        };
+        let rgb = Light::rgb(rgb.map(|v| if v < 0.0 { 0.0 } else { v as f32 }));
+        let mut colour = Colour::from(rgb);
+        let Some(uplift) = &self.uplift else { return colour };
+        if color.0 == [0.0; 3] {
+            return colour;
+        }
+        let key = (of, color.0.map(f64::to_bits));
+        let known = self.known.get(&key).copied();
+        colour.spectrum = known.unwrap_or_else(|| {
+            let id = self.palette.add(smooth(uplift, color, of));
+            self.known.insert(key, id);
+            id
+        });
+        colour
+    }
+
+    /// The table that a description means, and where it says so.
+    fn spectrum(&self, m: &desc::Measured) -> Result<(Spectrum, Span), CompileError> {
+        let span = m.file.as_ref().or(m.name.as_ref()).map_or(Span::NONE, |name| name.span);
+        if let Some(file) = &m.file {
+            let read = self.assets.spectrum(file);
+            let read = read.ok_or_else(|| {
+                CompileError::at(format!("the spectrum `{}` was not read", file.value), file.span)
+            })?;
+            return Ok((read.scaled(m.scale), span));
+        }
+        let found = m.spectrum().ok_or_else(|| CompileError::at("this is no spectrum", span))?;
+        Ok((found, span))
+    }
+
+    fn measured(&mut self, spectrum: &Spectrum, of: Use) -> Result<Colour, String> {
+        let beyond = if of == Use::Emission { Beyond::Zero } else { Beyond::Same };
+        let bins = spectrum.means(beyond);
+        if of == Use::Reflectance
+            && let Some(i) = bins.iter().position(|v| *v > 1.0 + 1e-6)
+        {
+            let (nm, v) = (FIRST + i, bins[i]);
+            return Err(format!("this spectrum reflects more light than falls on it: {v} at {nm} nm"));
+        }
+        let matrix = uplift::rgb_from_xyz(self.space);
+        let rgb = match of {
+            Use::Reflectance => matrix.apply(Observer::Cie1931.surface(&bins, &illuminant::d65())),
+            Use::Emission => matrix.apply(Observer::Cie1931.light(&bins)),
+            Use::Index => {
+                let mean = |part: &Bins| part.iter().zip(&bins).map(|(a, b)| a * b).sum();
+                uplift::positive_parts(self.space).each_ref().map(mean)
+            }
+        };
+        let most = if of == Use::Reflectance { 1.0 } else { f64::MAX };
+        let held = |v: f64| if v > 0.0 { if v < most { v } else { most } } else { 0.0 };
+        let mut colour = Colour::from(Light::rgb(rgb.map(|v| held(v) as f32)));
+        if self.uplift.is_some() && bins.iter().any(|v| *v > 0.0) {
+            let table = table_of(spectrum, beyond);
+            let palette = &mut self.palette;
+            let bits = table.iter().map(|v| v.to_bits()).collect();
+            colour.spectrum = *self.tables.entry(bits).or_insert_with(|| palette.add(table));
+            if colour.strength == 0.0 {
+                colour.strength = (bins.iter().sum::<f64>() / COUNT as f64) as f32;
+            }
+        }
+        Ok(colour)
+    }
+
+    /// What a surface is made of.
+    pub fn material(&mut self, m: &desc::Material) -> Result<Material, CompileError> {
+        let number = |v: &value::Value<f64>| -> Value<f32> { (v.constant() as f32).into() };
+        Ok(match m {
+            desc::Material::Diffuse(d) => Material::Diffuse {
+                reflectance: self.reflectance(d.reflectance.get())?.into(),
+                two_sided: d.two_sided,
+            },
+            desc::Material::Mirror(d) => Material::Mirror {
+                reflectance: self.reflectance(d.reflectance.get())?.into(),
+                two_sided: d.two_sided,
+            },
+            desc::Material::Dielectric(d) => self.dielectric(d)?,
+            desc::Material::Conductor(d) => {
+                let [eta, k] = self.metal(d)?;
+                Material::Conductor {
+                    eta: eta.into(),
+                    k: k.into(),
+                    roughness: number(&d.roughness),
+                    reflectance: self.reflectance(d.reflectance.get())?.into(),
+                    two_sided: d.two_sided,
+                }
+            }
+        })
+    }
+
+    fn dielectric(&mut self, d: &desc::Dielectric) -> Result<Material, CompileError> {
+        let reflectance = self.reflectance(d.reflectance.get())?.into();
+        let transmittance = self.reflectance(d.transmittance.get())?.into();
+        if let (desc::Index::Constant(eta), desc::Index::Constant(outside)) = (&d.eta, &d.eta_outside) {
+            let (eta, eta_outside) = ((*eta as f32).into(), (*outside as f32).into());
+            return Ok(Material::Dielectric { eta, eta_outside, reflectance, transmittance });
+        }
+        let unknown = || CompileError::new("this index of refraction is unknown");
+        let inside = d.eta.index().ok_or_else(unknown)?;
+        let outside = d.eta_outside.index().ok_or_else(unknown)?;
+        let eta = EtaTable::new(&inside, &outside);
+        if !eta.disperses() {
+            let (eta, eta_outside) = (eta.middle.into(), 1.0.into());
+            return Ok(Material::Dielectric { eta, eta_outside, reflectance, transmittance });
+        }
+        if self.uplift.is_none() {
+            self.palette.see_rainbows(self.space);
+        }
+        Ok(Material::Prism { eta, reflectance, transmittance })
+    }
+
+    fn metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
+        if let Some(name) = &d.metal {
+            let [n, k] = refraction::metal(name).ok_or_else(|| {
+                CompileError::at(format!("there is no metal named `{}`", name.value), name.span)
+            })?;
+            let mut colour = |s: &Spectrum| {
+                self.measured(s, Use::Index).map_err(|message| CompileError::at(message, name.span))
+            };
+            return Ok([colour(&n)?, colour(&k)?]);
+        }
+        let (Some(eta), Some(k)) = (&d.eta, &d.k) else {
+            return Err(CompileError::new("a conductor needs `metal`, or `eta` and `k`"));
+        };
+        Ok([self.colour(eta.get(), Use::Index)?, self.colour(k.get(), Use::Index)?])
+    }
+}
+
+/// The spectrum of an RGB colour.
+fn smooth(uplift: &uplift::Uplift, Color(rgb): Color, of: Use) -> [f32; COUNT] {
+    match of {
+        Use::Reflectance => uplift.fit(rgb).bins().map(|v| v as f32),
+        Use::Emission => {
+            // A surface half as bright as its strongest channel, lit by D65: smooth also for full colours.
+            let most = rgb.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+            let scale = if rgb[0] == rgb[1] && rgb[1] == rgb[2] { most } else { 2.0 * most };
+            let bins = uplift.fit(rgb.map(|v| v / scale)).bins();
+            std::array::from_fn(|i| (bins[i] * scale * uplift.white()[i]) as f32)
+        }
+        Use::Index => {
+            // Red, green and blue each where they see most of the light, and between them what lies between.
+            let parts = uplift::positive_parts(Space::Srgb);
+            let mut last = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
+            std::array::from_fn(|i| {
+                let sum: f64 = parts.iter().map(|p| p[i]).sum();
+                if sum > 0.0 {
+                    last = (0..3).map(|c| rgb[c] * parts[c][i]).sum::<f64>() / sum;
+                }
+                last as f32
+            })
+        }
+    }
+}

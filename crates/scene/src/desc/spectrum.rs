@@ -1,0 +1,130 @@
+//! Spectra, and indices of refraction by wavelength.
+
+use straal_color::spectrum::{self, illuminant, refraction};
+
+use crate::desc::check;
+use crate::describe::describe;
+use crate::limit::Limit;
+use crate::value::{Color, FileRef, Name};
+
+/// A colour of the scene: in RGB, or a spectrum.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Spectrum {
+    /// Linear RGB; rendered by wavelengths, a smooth spectrum of that colour.
+    Rgb(Color),
+    /// A spectrum as it was measured or as its name says.
+    Measured(Box<Measured>),
+}
+
+impl Spectrum {
+    /// The same in all channels, or at all wavelengths.
+    pub const fn grey(v: f64) -> Self {
+        Self::Rgb(Color::grey(v))
+    }
+
+    /// Its linear RGB, if that is what the scene says.
+    pub const fn rgb(&self) -> Option<Color> {
+        match self {
+            Self::Rgb(color) => Some(*color),
+            Self::Measured(_) => None,
+        }
+    }
+
+    /// The file it is in, if any.
+    pub fn file(&self) -> Option<&FileRef> {
+        match self {
+            Self::Rgb(_) => None,
+            Self::Measured(m) => m.file.as_ref(),
+        }
+    }
+}
+
+impl From<Color> for Spectrum {
+    fn from(c: Color) -> Self {
+        Self::Rgb(c)
+    }
+}
+
+describe! {
+    /// A spectrum: one of `name`, `blackbody`, `daylight`, `file`, and `wavelengths` with `values`.
+    pub struct Measured [check::measured] {
+        /// An illuminant of the CIE, such as `D65`, `A` or `FL2`, with the luminance of RGB 1.
+        name: Option<Name> = None,
+        /// Light of a black body of this temperature in kelvins, with the luminance of RGB 1.
+        blackbody: Option<f64> [Limit::within(100.0, 1e6)] = None,
+        /// Daylight of this correlated colour temperature in kelvins, with the luminance of RGB 1.
+        daylight: Option<f64> [Limit::within(4000.0, 25000.0)] = None,
+        /// A file with a wavelength in nm and a value on each line.
+        file: Option<FileRef> = None,
+        /// Wavelengths in nm, rising; `values` has as many.
+        wavelengths: Vec<f64> = Vec::new(),
+        /// The value at each of `wavelengths`; straight lines lie between.
+        values: Vec<f64> = Vec::new(),
+        /// What all values are multiplied by.
+        scale: f64 [Limit::NON_NEGATIVE] = 1.0,
+    }
+}
+
+impl Measured {
+    /// The keys of this mapping.
+    pub(crate) const KEYS: [&'static str; 7] =
+        ["name", "blackbody", "daylight", "file", "wavelengths", "values", "scale"];
+
+    /// An illuminant by name.
+    pub fn named(name: Name) -> Self {
+        Self { name: Some(name), ..Self::default() }
+    }
+
+    /// The spectrum, its scale included; `None` for one of a file, and for what a check complains of.
+    pub fn spectrum(&self) -> Option<spectrum::Spectrum> {
+        let light = if let Some(name) = &self.name {
+            illuminant::by_name(name)?
+        } else if let Some(kelvin) = self.blackbody {
+            illuminant::of_unit_luminance(&spectrum::thermal::black_body(kelvin))
+        } else if let Some(kelvin) = self.daylight {
+            illuminant::of_unit_luminance(&spectrum::thermal::daylight(kelvin)?)
+        } else {
+            spectrum::Spectrum::new(self.wavelengths.clone(), self.values.clone()).ok()?
+        };
+        Some(light.scaled(self.scale))
+    }
+}
+
+/// An index of refraction that may depend on the wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Index {
+    /// The same for all wavelengths.
+    Constant(f64),
+    /// A glass or another clear medium by name.
+    Named(Name),
+    /// By a formula.
+    Formula(Formula),
+}
+
+impl From<f64> for Index {
+    fn from(v: f64) -> Self {
+        Self::Constant(v)
+    }
+}
+
+describe! {
+    /// An index of refraction by the wavelength l in micrometres: `cauchy` or `sellmeier`.
+    pub struct Formula [check::formula] {
+        /// n = A + B / l^2 + C / l^4 ...: the list `[A, B, C, ...]`.
+        cauchy: Vec<f64> = Vec::new(),
+        /// n^2 = 1 + sum of B l^2 / (l^2 - C): a list of `[B, C]`.
+        sellmeier: Vec<[f64; 2]> = Vec::new(),
+    }
+}
+
+impl Index {
+    /// The index by wavelength; `None` for a name that nobody knows.
+    pub fn index(&self) -> Option<refraction::Index> {
+        Some(match self {
+            Self::Constant(n) => refraction::Index::Constant(*n),
+            Self::Named(name) => refraction::glass(name)?,
+            Self::Formula(f) if !f.cauchy.is_empty() => refraction::Index::Cauchy(f.cauchy.clone()),
+            Self::Formula(f) => refraction::Index::Sellmeier(f.sellmeier.clone()),
+        })
+    }
+}
