@@ -10,7 +10,7 @@ use straal::CostMeasure;
 use straal::search;
 use straal_accel::{Build, Isa, Structure};
 use straal_color::Tone;
-use straal_math::lowdisc::Pattern;
+use straal_math::lowdisc::PatternKind;
 
 /// The whole command line.
 #[derive(Debug, Parser)]
@@ -112,7 +112,7 @@ pub struct RenderArgs {
 
     /// Pattern of the random numbers
     #[arg(long, value_name = "PATTERN", value_parser = pattern())]
-    pub sampler: Option<Pattern>,
+    pub sampler: Option<PatternKind>,
 
     /// Render R independently seeded sets of --spp samples; the picture is their mean, and its variance is measured
     /// from their spread
@@ -320,8 +320,8 @@ fn named<T: Clone + Send + Sync + 'static>(all: Vec<(&'static str, T)>) -> impl 
     })
 }
 
-fn pattern() -> impl TypedValueParser<Value = Pattern> {
-    named(vec![("sobol", Pattern::Sobol), ("random", Pattern::Random)])
+fn pattern() -> impl TypedValueParser<Value = PatternKind> {
+    named(PatternKind::ALL.map(|k| (k.name(), k)).to_vec())
 }
 
 fn tone() -> impl TypedValueParser<Value = Tone> {
@@ -392,7 +392,7 @@ mod tests {
         assert_eq!((a.spp, a.time), (Some(16), Some(Duration::from_secs(90))));
         assert_eq!((a.threads, a.seed, a.max_depth, a.batch), (Some(3), Some(7), Some(5), Some(7)));
         assert_eq!((a.size, a.crop), (Some(Size([640, 360])), Some(Crop([1, 2, 3, 4]))));
-        assert_eq!((a.sampler, a.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
+        assert_eq!((a.sampler, a.tone), (Some(PatternKind::Random), Some(Tone::Filmic)));
         assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
         assert_eq!(a.exposure, Some(-1.5));
         assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), CostMeasure::Time));

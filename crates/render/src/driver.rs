@@ -2,6 +2,7 @@
 
 use crate::camera::FilmPoint;
 use crate::film::{Film, FilmTile, MAX_SAMPLES};
+use crate::filter::FilterSample;
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
 use crate::settings::Settings;
@@ -13,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
-use straal_math::lowdisc::{Purpose, SampleName};
+use straal_math::lowdisc::Purpose;
 
 /// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel has the same number of
 /// samples, and the sums are those of any other way to get there.
@@ -144,6 +145,8 @@ struct Worker<'a, I: Integrator, P> {
     counts: Vec<u32>,
     samples: Vec<Pending>,
     names: Vec<([u32; 2], u32)>,
+    /// By sample, what the filter multiplies its light by.
+    weights: Vec<f32>,
     shadow_rays: Vec<Ray>,
     shadows: Vec<ShadowRay>,
     transmittance: Vec<Light>,
@@ -171,6 +174,7 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
             counts: Vec::new(),
             samples: Vec::new(),
             names: Vec::new(),
+            weights: Vec::new(),
             shadow_rays: Vec::new(),
             shadows: Vec::new(),
             transmittance: Vec::new(),
@@ -196,7 +200,7 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
             }
             for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
-                sample.rgb = s.light.to_rgb();
+                sample.rgb = s.light.to_rgb().map(|v| v * self.weights[k]);
                 tile.add(pixel, index, &sample);
                 if let Some(cost) = self.probe.cost(k) {
                     tile.add_cost(pixel, &cost);
@@ -211,14 +215,17 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
         let (world, settings) = (self.world, self.settings);
         self.paths.clear();
         self.rays.clear();
+        self.weights.clear();
         self.samples.clear();
         self.samples.resize(self.names.len(), Pending::default());
         self.probe.begin(self.names.len());
         self.primary = true;
         for (k, &(pixel, index)) in self.names.iter().enumerate() {
-            let name = SampleName::new(settings.seed, pixel, index);
-            let offset = world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
+            let name = settings.pattern.name(settings.seed, pixel, index);
+            let FilterSample { offset, weight } =
+                world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
             let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
+            self.weights.push(weight);
             self.rays.push(world.camera.ray(FilmPoint { position }));
             self.paths.push(Path { name, sample: k as u32, alive: true, state: self.integrator.start() });
         }

@@ -5,7 +5,7 @@ use crate::search;
 use straal_accel::{Build, BvhParams, Isa, Structure};
 use straal_color::Tone;
 use straal_formats::load::Loaded;
-use straal_math::lowdisc::Pattern;
+use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom};
 use straal_render::driver::{Render, RenderError};
 use straal_render::film::{Film, MAX_SAMPLES};
@@ -28,7 +28,7 @@ pub struct Overrides {
     /// Seed of all random numbers.
     pub seed: Option<u64>,
     /// Which pattern they follow.
-    pub pattern: Option<Pattern>,
+    pub pattern: Option<PatternKind>,
     /// Largest number of edges of a path.
     pub max_depth: Option<u32>,
     /// Worker threads; all cores when absent.
@@ -176,10 +176,6 @@ impl Job {
                  can be rendered in crops"
             )));
         }
-        let pattern = wish.pattern.unwrap_or(match scene.sampler.kind {
-            desc::SamplerKind::Sobol => Pattern::Sobol,
-            desc::SamplerKind::Random => Pattern::Random,
-        });
         let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
         let structure = built(structure, wish.build)?;
         let spp = wish.spp.unwrap_or(scene.sampler.spp);
@@ -188,6 +184,7 @@ impl Job {
                 "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
             )));
         }
+        let pattern = Pattern::new(wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind)), spp);
         let desc::Integrator::Path(path) = &scene.integrator;
         let integrator = PathTracer {
             max_depth: wish.max_depth.unwrap_or(match path.max_depth {
@@ -236,8 +233,22 @@ impl Job {
         self.world.accel.isa()
     }
 
+    /// Why this job can't be rendered without knowing how many samples there will be, if so.
+    pub fn needs_count(&self) -> Option<String> {
+        let kind = self.settings.pattern.kind();
+        kind.needs_count().then(|| {
+            format!(
+                "the sampler {kind} must know how many samples a pixel gets, since where one lies depends on it; sobol, \
+                 halton and random don't"
+            )
+        })
+    }
+
     /// Renders the picture.
     pub fn render(&self, control: &mut Control<'_>) -> Result<Outcome, Error> {
+        if let Some(reason) = self.needs_count().filter(|_| control.open_ended) {
+            return Err(Error::Request(reason));
+        }
         let of = if control.open_ended { MAX_SAMPLES } else { self.spp };
         let mut progress = Progress { of: u64::from(of), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
@@ -270,14 +281,7 @@ impl Job {
             ("scene_hash", self.scene_hash.clone()),
             ("seed", s.seed.to_string()),
             ("samples", samples.to_string()),
-            (
-                "sampler",
-                match s.pattern {
-                    Pattern::Sobol => "sobol",
-                    Pattern::Random => "random",
-                }
-                .to_string(),
-            ),
+            ("sampler", s.pattern.kind().to_string()),
             ("integrator", "path".to_string()),
             ("max_depth", depth),
             ("roulette_depth", self.integrator.roulette_depth.to_string()),
@@ -325,6 +329,21 @@ impl Job {
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+/// The pattern that a scene names.
+fn pattern_of(kind: &desc::SamplerKind) -> PatternKind {
+    match kind {
+        desc::SamplerKind::Sobol => PatternKind::Sobol,
+        desc::SamplerKind::BlueSobol => PatternKind::BlueSobol,
+        desc::SamplerKind::Halton => PatternKind::Halton,
+        desc::SamplerKind::Hammersley => PatternKind::Hammersley,
+        desc::SamplerKind::MultiJittered => PatternKind::MultiJittered,
+        desc::SamplerKind::NRooks => PatternKind::NRooks,
+        desc::SamplerKind::Jittered => PatternKind::Jittered,
+        desc::SamplerKind::Regular => PatternKind::Regular,
+        desc::SamplerKind::Random => PatternKind::Random,
     }
 }
 

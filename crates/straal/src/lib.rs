@@ -26,7 +26,7 @@ pub use picture::{CostMeasure, Look, Picture};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::Tone;
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
-pub use straal_math::lowdisc::Pattern;
+pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::settings::Region;
 pub use straal_render::stopwatch::{Clock, Phase, Times};
 

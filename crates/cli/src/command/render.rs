@@ -29,6 +29,9 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
         }
     }
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
+    if let Some(reason) = job.needs_count().filter(|_| settings.time.is_some()) {
+        return Err(Failure::input(reason).help("leave out --time, or choose another --sampler"));
+    }
 
     let rendering = Instant::now();
     let outcome = render(&job, &settings, &interrupt, start).map_err(|e| refused(e, &warnings))?;

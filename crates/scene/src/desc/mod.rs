@@ -19,7 +19,10 @@ pub use check::BUILTIN_PATCHES;
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
-pub use settings::{Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind, Tone};
+pub use settings::{
+    BlackmanHarris, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler, SamplerKind,
+    Tent, Tone,
+};
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,
