@@ -75,6 +75,7 @@ impl RenderSettings {
                 size: args.size.map(|s| s.0),
                 crop: args.crop.map(|c| c.0),
                 seed: args.seed,
+                noise: args.noise,
                 pattern: args.sampler,
                 max_depth: args.max_depth,
                 threads: args.threads,

@@ -1,7 +1,7 @@
 //! The driver: passes over the picture, tiles over the threads, waves of paths.
 
 use crate::camera::FilmPoint;
-use crate::film::{Film, FilmTile, MAX_SAMPLES};
+use crate::film::{BLOCK, Film, FilmTile, MAX_SAMPLES, next_look};
 use crate::filter::FilterSample;
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
@@ -16,8 +16,8 @@ use straal_color::Light;
 use straal_math::Ray;
 use straal_math::lowdisc::Purpose;
 
-/// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel has the same number of
-/// samples, and the sums are those of any other way to get there.
+/// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel that is still sampled has the
+/// same number of samples, and the sums are those of any other way to get there.
 pub struct Render<'w, I> {
     world: &'w World,
     integrator: I,
@@ -46,7 +46,12 @@ impl<'w, I: Integrator> Render<'w, I> {
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-        let mut film = Film::new(settings.size, settings.crop);
+        // Blocks end as a whole, so that one that is cut by the crop is rendered as a whole.
+        let region = match settings.noise {
+            Some(_) => settings.crop.in_squares(BLOCK, settings.size),
+            None => settings.crop,
+        };
+        let mut film = Film::over(settings.size, settings.crop, region);
         if settings.cost {
             film.count_costs(clock.is_some());
         }
@@ -65,7 +70,32 @@ impl<'w, I: Integrator> Render<'w, I> {
 
     /// The same, each worker asking what rays hit through a probe of its own; gives the probes back.
     pub fn advance_through<P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
-        let range = self.done..self.done.saturating_add(samples).min(MAX_SAMPLES);
+        let end = self.done.saturating_add(samples).min(MAX_SAMPLES);
+        let mut probes = Vec::new();
+        while self.done < end && !self.is_settled() {
+            let Some(target) = self.settings.noise else {
+                probes.append(&mut self.take(self.done..end, &probe));
+                break;
+            };
+            // Looks come at fixed counts, however the samples are cut into passes.
+            let look = next_look(self.done);
+            probes.append(&mut self.take(self.done..end.min(look), &probe));
+            if self.done == look {
+                for tile in &mut self.film.tiles {
+                    tile.look(look, target);
+                }
+            }
+        }
+        probes
+    }
+
+    /// Whether no pixel needs further samples.
+    pub fn is_settled(&self) -> bool {
+        self.settings.noise.is_some() && !self.film.tiles.iter().any(FilmTile::is_open)
+    }
+
+    /// Takes the given samples of every pixel that needs them.
+    fn take<P: Probe>(&mut self, range: Range<u32>, probe: &(impl Fn() -> P + Sync)) -> Vec<P> {
         let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
         let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
         let next = AtomicUsize::new(0);
@@ -98,7 +128,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         self.film
     }
 
-    /// Samples taken of every pixel.
+    /// Samples taken of every pixel that isn't done before.
     pub fn samples_done(&self) -> u32 {
         self.done
     }
@@ -187,7 +217,9 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
         let region = tile.region;
         let pixels =
             (region.min[1]..region.max[1]).flat_map(|y| (region.min[0]..region.max[0]).map(move |x| [x, y]));
-        let mut names = pixels.flat_map(|p| indices.clone().map(move |i| (p, i)));
+        let sampled = tile.sampled();
+        let mut names =
+            pixels.filter(|p| sampled.contains(*p)).flat_map(|p| indices.clone().map(move |i| (p, i)));
         loop {
             self.names.clear();
             self.names.extend(names.by_ref().take(self.settings.batch.max(1)));

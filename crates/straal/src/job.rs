@@ -27,6 +27,8 @@ pub struct Overrides {
     pub crop: Option<[u32; 4]>,
     /// Seed of all random numbers.
     pub seed: Option<u64>,
+    /// Relative standard error at which a block of pixels needs no further samples.
+    pub noise: Option<f64>,
     /// Which pattern they follow.
     pub pattern: Option<PatternKind>,
     /// Largest number of edges of a path.
@@ -132,7 +134,7 @@ pub struct Progress {
 pub struct Outcome {
     /// The picture with its layers and story.
     pub picture: Picture,
-    /// Samples per pixel taken.
+    /// Samples per pixel taken; of an adaptive render, of the pixels that have the most.
     pub samples: u32,
     /// Passes they were taken in.
     pub passes: u32,
@@ -184,7 +186,12 @@ impl Job {
                 "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
             )));
         }
-        let pattern = Pattern::new(wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind)), spp);
+        let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
+        let noise = wish.noise.or(scene.sampler.noise);
+        if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
+            return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
+        }
+        let pattern = Pattern::new(kind, spp);
         let desc::Integrator::Path(path) = &scene.integrator;
         let integrator = PathTracer {
             max_depth: wish.max_depth.unwrap_or(match path.max_depth {
@@ -205,6 +212,7 @@ impl Job {
             crop,
             pattern,
             seed: wish.seed.unwrap_or(scene.sampler.seed),
+            noise,
             threads,
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
@@ -235,13 +243,7 @@ impl Job {
 
     /// Why this job can't be rendered without knowing how many samples there will be, if so.
     pub fn needs_count(&self) -> Option<String> {
-        let kind = self.settings.pattern.kind();
-        kind.needs_count().then(|| {
-            format!(
-                "the sampler {kind} must know how many samples a pixel gets, since where one lies depends on it; sobol, \
-                 halton and random don't"
-            )
-        })
+        needs_count(self.settings.pattern.kind())
     }
 
     /// Renders the picture.
@@ -261,7 +263,7 @@ impl Job {
             picture,
             samples: run.samples,
             passes: run.passes,
-            complete: control.open_ended || run.samples == of,
+            complete: control.open_ended || run.complete,
             times: run.times,
             threads: run.threads,
             dropped: run.film.dropped(),
@@ -275,6 +277,7 @@ impl Job {
             u32::MAX => "unlimited".to_string(),
             n => n.to_string(),
         };
+        let noise = s.noise.map(|noise| ("noise", noise.to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         [
             ("version", crate::VERSION.to_string()),
@@ -289,6 +292,7 @@ impl Job {
             ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
         ]
         .into_iter()
+        .chain(noise)
         .chain(counted)
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
@@ -315,7 +319,7 @@ impl Job {
         while next > 0 && control.keep_on {
             render.advance(next);
             passes += 1;
-            next = PASS.min(spp - render.samples_done());
+            next = if render.is_settled() { 0 } else { PASS.min(spp - render.samples_done()) };
             progress.samples = before + u64::from(render.samples_done());
             progress.next = u64::from(next);
             progress.times = times;
@@ -324,12 +328,23 @@ impl Job {
         }
         Ok(Run {
             samples: render.samples_done(),
+            complete: next == 0,
             passes,
             times: render.times(),
             threads: render.threads(),
             film: render.into_film(),
         })
     }
+}
+
+/// Why a pattern is of no use before the number of samples is known, if so.
+fn needs_count(kind: PatternKind) -> Option<String> {
+    kind.needs_count().then(|| {
+        format!(
+            "the sampler {kind} must know how many samples a pixel gets, since where one lies depends on it (sobol, \
+             halton and random needn't)"
+        )
+    })
 }
 
 /// The pattern that a scene names.
@@ -363,6 +378,8 @@ fn built(structure: Structure, build: Option<Build>) -> Result<Structure, Error>
 pub(crate) struct Run {
     pub film: Film,
     pub samples: u32,
+    /// Whether there was nothing more to do.
+    pub complete: bool,
     pub passes: u32,
     pub times: Times,
     pub threads: usize,

@@ -18,6 +18,7 @@ pub mod false_colour;
 pub mod job;
 pub mod lab;
 pub mod picture;
+pub mod points;
 pub mod replicates;
 pub mod search;
 

@@ -5,6 +5,7 @@ pub mod check;
 pub mod diff;
 pub mod info;
 pub mod render;
+pub mod sampler;
 pub mod schema;
 
 use crate::exit::Failure;

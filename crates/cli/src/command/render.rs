@@ -82,7 +82,8 @@ fn render(
     start: Instant,
 ) -> Result<Outcome, straal::Error> {
     let rendering = Instant::now();
-    let open_ended = settings.time.is_some() && settings.overrides.spp.is_none();
+    let until_done = settings.time.is_some() || settings.overrides.noise.is_some();
+    let open_ended = until_done && settings.overrides.spp.is_none() && settings.replicates.is_none();
     let of = u64::from(job.spp) * u64::from(settings.replicates.unwrap_or(1));
     let pace = Pace {
         of: (!open_ended).then_some(of),

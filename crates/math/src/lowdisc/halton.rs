@@ -88,7 +88,7 @@ mod tests {
                 let mut counts = vec![0; (columns * rows) as usize];
                 for i in 5 * block..6 * block {
                     let [x, y] = Halton.two(stream, i);
-                    let cell = |v: u32, n: u32| (u64::from(v) * u64::from(n) >> 32) as u32;
+                    let cell = |v: u32, n: u32| ((u64::from(v) * u64::from(n)) >> 32) as u32;
                     counts[(cell(y, rows) * columns + cell(x, columns)) as usize] += 1;
                 }
                 assert!(counts.iter().all(|&c| c == block / (columns * rows)), "{columns} x {rows}");

@@ -190,6 +190,9 @@ fn tally(cells: impl Iterator<Item = usize>, n: usize) -> Vec<u32> {
     counts
 }
 
+/// One number, and four of another purpose.
+type Drawn = (f32, [f32; 4]);
+
 #[test]
 fn sets_have_the_strata_they_promise() {
     for count in [1, 5, 12, 16, 61, 64] {
@@ -203,16 +206,15 @@ fn sets_have_the_strata_they_promise() {
         let cell = |u: f32, n: u32| (f64::from(u) * f64::from(n)) as usize;
         for kind in PatternKind::ALL.into_iter().filter(|k| k.needs_count()) {
             let all: Vec<_> = (0..count).map(|i| draw(kind, i)).collect();
-            let of = |f: &dyn Fn(&(f32, [f32; 4])) -> usize, n: u32| tally(all.iter().map(f), n as usize);
+            let of = |f: &dyn Fn(&Drawn) -> usize, n: u32| tally(all.iter().map(f), n as usize);
             let once = |counts: Vec<u32>| counts.iter().all(|&c| c == 1);
             let most_once = |counts: Vec<u32>| counts.iter().all(|&c| c <= 1);
             if kind != PatternKind::Hammersley && kind != PatternKind::BlueSobol {
                 assert!(once(of(&|p| cell(p.0, count), count)), "{kind}, {count}: one dimension");
             }
             for pair in [0, 2] {
-                let in_grid = |p: &(f32, [f32; 4])| {
-                    cell(p.1[pair], columns) + cell(p.1[pair + 1], rows) * columns as usize
-                };
+                let in_grid =
+                    |p: &Drawn| cell(p.1[pair], columns) + cell(p.1[pair + 1], rows) * columns as usize;
                 if matches!(kind, PatternKind::Regular | PatternKind::Jittered) {
                     assert!(most_once(of(&in_grid, columns * rows)), "{kind}, {count}: grid");
                 }

@@ -103,10 +103,13 @@ describe! {
     pub struct Sampler {
         /// Which pattern.
         kind: SamplerKind = SamplerKind::Sobol,
-        /// Samples per pixel.
+        /// Samples per pixel; with `noise`, the most that a pixel gets.
         spp: u32 [Limit::within(1.0, 262_144.0)] = 64,
         /// Another seed gives other noise.
         seed: u64 = 0,
+        /// Stops where the picture is good enough: each block of 8 x 8 pixels is sampled until its relative standard error
+        /// is at most this, such as 0.02.
+        noise: Option<f64> [Limit::between(0.0, 1.0)] = None,
     }
 }
 
