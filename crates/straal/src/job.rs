@@ -9,7 +9,7 @@ use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom};
 use straal_render::driver::{Render, RenderError};
 use straal_render::film::{Film, MAX_SAMPLES};
-use straal_render::integrator::PathTracer;
+use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
 use straal_render::world::World;
@@ -74,6 +74,8 @@ pub struct Job {
     pub spp: u32,
     /// How light is gathered.
     pub integrator: PathTracer,
+    /// The test function that is shown in place of light, if any.
+    pub chart: Option<SineProduct>,
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
     look: Look,
@@ -192,7 +194,11 @@ impl Job {
             return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
         }
         let pattern = Pattern::new(kind, spp);
-        let desc::Integrator::Path(path) = &scene.integrator;
+        let by_default = desc::PathTracer::default();
+        let (path, chart) = match &scene.integrator {
+            desc::Integrator::Path(path) => (path, None),
+            desc::Integrator::SineProduct => (&by_default, Some(SineProduct)),
+        };
         let integrator = PathTracer {
             max_depth: wish.max_depth.unwrap_or(match path.max_depth {
                 Depth::Unlimited => u32::MAX,
@@ -223,7 +229,16 @@ impl Job {
             desc::Tone::Filmic => Tone::Filmic,
         };
         let look = Look { exposure: scene.film.exposure as f32, tone };
-        Ok(Self { world, settings, spp, integrator, scene_hash: scene_hash(loaded, custom), look, structure })
+        Ok(Self {
+            world,
+            settings,
+            spp,
+            integrator,
+            chart,
+            scene_hash: scene_hash(loaded, custom),
+            look,
+            structure,
+        })
     }
 
     /// How the scene wants its picture developed.
@@ -285,7 +300,7 @@ impl Job {
             ("seed", s.seed.to_string()),
             ("samples", samples.to_string()),
             ("sampler", s.pattern.kind().to_string()),
-            ("integrator", "path".to_string()),
+            ("integrator", if self.chart.is_some() { "sine_product" } else { "path" }.to_string()),
             ("max_depth", depth),
             ("roulette_depth", self.integrator.roulette_depth.to_string()),
             ("size", format!("{}x{}", s.size[0], s.size[1])),
@@ -311,7 +326,20 @@ impl Job {
         progress: &mut Progress,
     ) -> Result<Run, Error> {
         let settings = Settings { seed, ..self.settings.clone() };
-        let mut render = Render::new(&self.world, self.integrator, settings, control.clock.clone())?;
+        match self.chart {
+            None => self.film_by(self.integrator, settings, (spp, control), progress),
+            Some(chart) => self.film_by(chart, settings, (spp, control), progress),
+        }
+    }
+
+    fn film_by<I: Integrator>(
+        &self,
+        integrator: I,
+        settings: Settings,
+        (spp, control): (u32, &mut Control<'_>),
+        progress: &mut Progress,
+    ) -> Result<Run, Error> {
+        let mut render = Render::new(&self.world, integrator, settings, control.clock.clone())?;
         let (before, times) = (progress.samples, progress.times);
         let mut passes = 0;
         // A short first pass gives a picture, and a forecast, at once.

@@ -9,7 +9,7 @@ use serde_json::{Value as Json, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use straal::PatternKind;
-use straal::points::{self, Figures, Request};
+use straal::points::{self, Course, Figures, Request};
 use straal_formats::atomic;
 
 /// Tells how evenly the points of one pattern or of all lie, and draws them.
@@ -28,8 +28,9 @@ pub fn run(args: &SamplerArgs) -> Result<Exit, Failure> {
     if let Some(path) = &picture {
         check_output(path)?;
     }
+    let course = Course::new();
     let found: Vec<(PatternKind, Figures)> =
-        kinds.into_iter().map(|kind| (kind, points::figures(&request(kind)))).collect();
+        kinds.into_iter().map(|kind| (kind, points::figures(&request(kind), &course))).collect();
     if let (Some(path), Some((kind, figures))) = (&picture, found.first()) {
         let drawing = points::svg(&request(*kind), args.map.0, figures);
         write(path, &drawing)?;

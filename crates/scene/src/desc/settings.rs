@@ -142,6 +142,8 @@ describe! {
     pub enum Integrator {
         /// Path tracing with next-event estimation and multiple importance sampling.
         "path" => Path(PathTracer),
+        /// No light but a test of aliasing: (1 + sin(x²y²))/2 of the point where a ray meets the plane z = 0.
+        "sine_product" => SineProduct,
     }
 }
 

@@ -3,7 +3,7 @@
 mod figures;
 mod plot;
 
-pub use figures::{Figures, figures, star_discrepancy};
+pub use figures::{Course, Figures, figures, star_discrepancy};
 pub use plot::svg;
 
 use straal_math::lowdisc::{Pattern, PatternKind, Purpose};
