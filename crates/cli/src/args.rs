@@ -1,7 +1,7 @@
 //! What was typed. What it means is worked out in [`crate::settings`].
 
 use crate::exit;
-use crate::quantity::{self, Crop, Size};
+use crate::quantity::{self, Crop, Dimensions, Shape, Size};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::marker::PhantomData;
@@ -13,7 +13,7 @@ use straal::search;
 use straal::{Bits, CostMeasure, Dither, Exposure, Gamma, Gamut, Look, Tone};
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::{Observer, illuminant};
-use straal_math::lowdisc::Pattern;
+use straal_math::lowdisc::PatternKind;
 
 /// The whole command line.
 #[derive(Debug, Parser)]
@@ -46,6 +46,9 @@ pub enum Command {
     /// Compare search structures on the rays of a scene
     #[command(long_about = ACCEL_ABOUT)]
     Accel(AccelArgs),
+    /// Draw sampling patterns and tell how evenly they lie
+    #[command(long_about = SAMPLER_ABOUT)]
+    Sampler(SamplerArgs),
     /// Print the JSON Schema of the scene language
     Schema,
     /// Compare two pictures of the same scene statistically
@@ -81,6 +84,7 @@ Examples:
   straal render bunny.ply                       a look at a mesh, to bunny.png
   straal render scene.yaml -o a.exr -o a.png    all layers for compositing, and one to look at
   straal render scene.yaml --time 90s           as good as it gets in a minute and a half
+  straal render scene.yaml --noise 2%           as many samples as it takes, where it takes them
   straal render scene.yaml --spp 4 --size 320x180 --crop 100,50,200,120
   straal render scene.yaml --json --quiet | jq .film_hash
   straal render scene.yaml -o a.exr --spp 16 --replicates 16
@@ -107,6 +111,11 @@ pub struct RenderArgs {
     #[arg(long, value_parser = quantity::duration)]
     pub time: Option<Duration>,
 
+    /// Sample each block of 8x8 pixels until its noise, the relative standard error of its pixels, is at most this, such as
+    /// 2%; with --spp, no pixel gets more than that
+    #[arg(long, value_name = "PERCENT", value_parser = quantity::noise)]
+    pub noise: Option<f64>,
+
     /// Width and height of the whole picture, such as 640x360
     #[arg(long, value_name = "WxH", value_parser = quantity::size)]
     pub size: Option<Size>,
@@ -129,7 +138,7 @@ pub struct RenderArgs {
 
     /// Pattern of the random numbers
     #[arg(long, value_name = "PATTERN", value_parser = pattern())]
-    pub sampler: Option<Pattern>,
+    pub sampler: Option<PatternKind>,
 
     /// Render R independently seeded sets of --spp samples; the picture is their mean, and its variance is measured
     /// from their spread
@@ -375,6 +384,51 @@ pub struct AccelArgs {
     pub lenient: bool,
 }
 
+const SAMPLER_ABOUT: &str = "\
+Tells how evenly the points of a sampling pattern, or of all of them, lie in the unit square: their L2-star discrepancy, \
+and by how much the pixels of a picture of (1 + sin(x²y²))/2 are off when each is sampled by them. --plot draws the points, \
+mapped to a disc, a hemisphere or what else --map says, beside their power spectrum.";
+
+const SAMPLER_EXAMPLES: &str = "\
+Examples:
+  straal sampler                                all patterns, 64 points each
+  straal sampler sobol --count 256 --plot       to sobol.svg
+  straal sampler jittered --plot disc.svg --map disc
+  straal sampler n_rooks --map hemisphere:e=10 --plot";
+
+/// `straal sampler`
+#[derive(Debug, Args)]
+#[command(after_help = SAMPLER_EXAMPLES, after_long_help = format!("{SAMPLER_EXAMPLES}\n\n{}", exit::TABLE))]
+pub struct SamplerArgs {
+    /// The pattern; all of them when absent
+    #[arg(value_parser = pattern())]
+    pub pattern: Option<PatternKind>,
+
+    /// How many points
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=straal::points::MOST as i64))]
+    pub count: u32,
+
+    /// Seed of the pattern
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+
+    /// Which two of the four numbers that a sample may draw at once, from 0
+    #[arg(long, value_name = "X,Y", default_value = "0,1", value_parser = quantity::dimensions)]
+    pub dimensions: Dimensions,
+
+    /// Draw the points as an SVG; when no name follows, to one of the pattern's name in the current folder
+    #[arg(long, value_name = "DRAWING")]
+    pub plot: Option<Option<PathBuf>>,
+
+    /// What the square is mapped to in the drawing: square, disc, hemisphere:e=1, sphere, triangle or cone:degrees=30
+    #[arg(long, value_name = "SHAPE", default_value = "square", value_parser = quantity::shape)]
+    pub map: Shape,
+
+    /// Print one JSON array on standard output instead
+    #[arg(long)]
+    pub json: bool,
+}
+
 const DIFF_ABOUT: &str = "\
 Tells whether two pictures of the same scene differ by more than chance: by Welch's t-test at every pixel and on 8 x \
 8 blocks of pixels, corrected for the number of tests.
@@ -487,8 +541,8 @@ fn observer() -> impl TypedValueParser<Value = Observer> {
     named(vec![("2", Observer::Cie1931), ("10", Observer::Cie1964)])
 }
 
-fn pattern() -> impl TypedValueParser<Value = Pattern> {
-    named(vec![("sobol", Pattern::Sobol), ("random", Pattern::Random)])
+fn pattern() -> impl TypedValueParser<Value = PatternKind> {
+    named(PatternKind::ALL.map(|k| (k.name(), k)).to_vec())
 }
 
 /// Reads what has a name that may be followed by more; the help lists the names.
@@ -592,7 +646,7 @@ mod tests {
         assert_eq!((a.spp, a.time), (Some(16), Some(Duration::from_secs(90))));
         assert_eq!((a.threads, a.seed, a.max_depth, a.batch), (Some(3), Some(7), Some(5), Some(7)));
         assert_eq!((a.size, a.crop), (Some(Size([640, 360])), Some(Crop([1, 2, 3, 4]))));
-        assert_eq!((a.sampler, a.look.tone), (Some(Pattern::Random), Some(Tone::Filmic)));
+        assert_eq!((a.sampler, a.look.tone), (Some(PatternKind::Random), Some(Tone::Filmic)));
         assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
         assert_eq!(a.look.exposure, Some(Exposure::stops(-1.5)));
         assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), CostMeasure::Time));

@@ -1,6 +1,7 @@
 //! Quantities as they are typed on the command line, and as people read them.
 
 use std::time::Duration;
+use straal::points::Map;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +50,60 @@ pub fn duration(typed: &str) -> Result<Duration, String> {
         return Err("no time at all".into());
     }
     Ok(Duration::from_secs_f64(seconds))
+}
+
+/// Two of the numbers of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dimensions(pub [usize; 2]);
+
+/// Two different numbers from 0 to 3 such as `0,1`.
+pub fn dimensions(typed: &str) -> Result<Dimensions, String> {
+    let numbers: Option<Vec<usize>> = typed.split(',').map(|n| n.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y]) if x < 4 && y < 4 && x != y => Ok(Dimensions([x, y])),
+        _ => Err("write two different numbers from 0 to 3, such as 0,1".into()),
+    }
+}
+
+/// What points of the unit square are mapped to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape(pub Map);
+
+/// A shape such as `disc`, `hemisphere:e=10` or `cone:degrees=20`.
+pub fn shape(typed: &str) -> Result<Shape, String> {
+    let (name, parameter) = typed.split_once(':').map_or((typed, None), |(n, p)| (n, Some(p)));
+    let number = |key: &str, absent: f32, most: f32| match parameter {
+        None => Ok(absent),
+        Some(p) => p
+            .strip_prefix(key)
+            .and_then(|p| p.strip_prefix('='))
+            .and_then(|p| p.parse::<f32>().ok())
+            .filter(|v| (0.0..=most).contains(v))
+            .ok_or_else(|| format!("write {name}:{key}=NUMBER, the number from 0 to {most}")),
+    };
+    let map = match name {
+        "hemisphere" => Map::Hemisphere(number("e", 1.0, 1e4)?),
+        "cone" => match number("degrees", 30.0, 180.0)? {
+            0.0 => return Err("a cone of 0 degrees holds no directions".into()),
+            degrees => Map::Cone(degrees),
+        },
+        _ if parameter.is_some() => return Err(format!("{name} has no parameters")),
+        "square" => Map::Square,
+        "disc" => Map::Disc,
+        "sphere" => Map::Sphere,
+        "triangle" => Map::Triangle,
+        _ => return Err("it is one of square, disc, hemisphere, sphere, triangle, cone".into()),
+    };
+    Ok(Shape(map))
+}
+
+/// A part of one such as `2%` or `0.02`.
+pub fn noise(typed: &str) -> Result<f64, String> {
+    let (number, unit) = typed.trim().strip_suffix('%').map_or((typed.trim(), 1.0), |n| (n.trim(), 0.01));
+    match number.parse::<f64>().map(|n| n * unit) {
+        Ok(part) if part > 0.0 && part < 1.0 => Ok(part),
+        _ => Err("write a relative error above 0 and below 100%, such as 2% or 0.02".into()),
+    }
 }
 
 /// A size such as `640x360`.

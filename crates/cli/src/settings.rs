@@ -72,6 +72,7 @@ impl RenderSettings {
                 size: args.size.map(|s| s.0),
                 crop: args.crop.map(|c| c.0),
                 seed: args.seed,
+                noise: args.noise,
                 pattern: args.sampler,
                 max_depth: args.max_depth,
                 spectral: args.spectral.then_some(true),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use straal_scene::decode::{Describe, Strictness, read_scene};
-use straal_scene::desc::{Light, Node};
+use straal_scene::desc::{Integrator, Light, Node};
 use straal_scene::diagnostic::start_of;
 use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
@@ -83,7 +83,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), d: &mut d };
     let assets = reader.assets(&scene, &paths);
     let hash = hash(&scene, &reader.hashes);
-    if !d.has_errors() && !gives_light(&scene, &assets) {
+    let needs_light = matches!(scene.integrator, Integrator::Path(_));
+    if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }

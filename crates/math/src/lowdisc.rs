@@ -4,12 +4,21 @@
 //! [`Purpose`] into one, two or four numbers. Nothing counts draws, so that adding a purpose moves no other number
 //! and any pixel, sample or path can be run again alone.
 
+mod blue;
+mod halton;
+mod kind;
+mod pattern;
+mod set;
 mod sobol;
+
+pub use kind::PatternKind;
+pub use pattern::Pattern;
+pub use set::Set;
 
 /// What the random numbers of one vertex of one path are named by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleName {
-    /// A hash of seed and pixel.
+    /// A hash of seed and pixel; what [`Pattern::name`] makes of them where a pattern runs over all pixels.
     pixel: u64,
     /// The hash of the branches taken since the camera, see [`child_node`].
     node: u32,
@@ -19,7 +28,7 @@ pub struct SampleName {
 
 impl SampleName {
     /// The name at the camera: `pixel` is that of the whole picture, whatever is cropped or tiled; `index` is the
-    /// sample's in the pixel.
+    /// sample's in the pixel. For patterns that fill each pixel by itself; [`Pattern::name`] serves all.
     #[inline]
     pub const fn new(seed: u64, pixel: [u32; 2], index: u32) -> Self {
         let place = (pixel[1] as u64) << 32 | pixel[0] as u64;
@@ -116,77 +125,6 @@ impl Purpose {
         Self::Opacity,
         Self::Custom,
     ];
-}
-
-/// How the numbers of one name and purpose lie over the samples of a pixel. All are in [0, 1), strictly below 1, and
-/// multiples of 2^-24.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Pattern {
-    /// Independent.
-    Random,
-    /// Padded Sobol, its order shuffled and its digits scrambled after Owen, by hashes (Burley 2020, "Practical
-    /// Hash-based Owen Scrambling"). Any 2^k samples from a multiple of 2^k on are stratified in each purpose.
-    #[default]
-    Sobol,
-}
-
-impl Pattern {
-    /// One number.
-    #[inline]
-    pub fn d1(self, name: &SampleName, purpose: Purpose) -> f32 {
-        let stream = name.stream(purpose);
-        match self {
-            Self::Random => to_unit(random(stream, name, 0) as u32),
-            Self::Sobol => to_unit(sobol::d1(stream, name.reversed_index)),
-        }
-    }
-
-    /// Two numbers; with Sobol a (0,2)-sequence in base 2. The first is the one that [`Self::d1`] gives.
-    #[inline]
-    pub fn d2(self, name: &SampleName, purpose: Purpose) -> [f32; 2] {
-        let stream = name.stream(purpose);
-        match self {
-            Self::Random => {
-                let r = random(stream, name, 0);
-                [to_unit(r as u32), to_unit((r >> 32) as u32)]
-            }
-            Self::Sobol => sobol::d2(stream, name.reversed_index).map(to_unit),
-        }
-    }
-
-    /// Three numbers. The first two are those that [`Self::d2`] gives; cheaper than one number and two.
-    #[inline]
-    pub fn d3(self, name: &SampleName, purpose: Purpose) -> [f32; 3] {
-        let stream = name.stream(purpose);
-        match self {
-            Self::Random => {
-                let r = random(stream, name, 0);
-                let s = random(stream, name, 1);
-                [r as u32, (r >> 32) as u32, s as u32].map(to_unit)
-            }
-            Self::Sobol => sobol::d3(stream, name.reversed_index).map(to_unit),
-        }
-    }
-
-    /// Four numbers. The first three are those that [`Self::d3`] gives.
-    #[inline]
-    pub fn d4(self, name: &SampleName, purpose: Purpose) -> [f32; 4] {
-        let stream = name.stream(purpose);
-        match self {
-            Self::Random => {
-                let (r, s) = (random(stream, name, 0), random(stream, name, 1));
-                [r as u32, (r >> 32) as u32, s as u32, (s >> 32) as u32].map(to_unit)
-            }
-            Self::Sobol => sobol::d4(stream, name.reversed_index).map(to_unit),
-        }
-    }
-}
-
-/// The `k`th 64 bits of a sample from a stream (Steele et al. 2014, "SplitMix": hashes of a Weyl sequence).
-#[inline(always)]
-fn random(stream: u64, name: &SampleName, k: u64) -> u64 {
-    let counter = u64::from(name.reversed_index) << 1 | k;
-    mix(stream.wrapping_add(counter.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
 }
 
 /// The upper 24 bits as a number in [0, 1).

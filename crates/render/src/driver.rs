@@ -1,7 +1,8 @@
 //! The driver: passes over the picture, tiles over the threads, waves of paths.
 
 use crate::camera::FilmPoint;
-use crate::film::{Film, FilmTile, MAX_SAMPLES};
+use crate::film::{BLOCK, Film, FilmTile, MAX_SAMPLES, next_look};
+use crate::filter::FilterSample;
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
@@ -14,10 +15,10 @@ use std::sync::{Mutex, PoisonError};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
-use straal_math::lowdisc::{Purpose, SampleName};
+use straal_math::lowdisc::Purpose;
 
-/// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel has the same number of
-/// samples, and the sums are those of any other way to get there.
+/// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel that is still sampled has the
+/// same number of samples, and the sums are those of any other way to get there.
 pub struct Render<'w, I> {
     world: &'w World,
     integrator: I,
@@ -46,7 +47,12 @@ impl<'w, I: Integrator> Render<'w, I> {
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-        let mut film = Film::new(settings.size, settings.crop);
+        // Blocks end as a whole, so that one that is cut by the crop is rendered as a whole.
+        let region = match settings.noise {
+            Some(_) => settings.crop.in_squares(BLOCK, settings.size),
+            None => settings.crop,
+        };
+        let mut film = Film::over(settings.size, settings.crop, region);
         if settings.cost {
             film.count_costs(clock.is_some());
         }
@@ -73,7 +79,36 @@ impl<'w, I: Integrator> Render<'w, I> {
     }
 
     fn advance_by<L: Lanes, P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
-        let range = self.done..self.done.saturating_add(samples).min(MAX_SAMPLES);
+        let end = self.done.saturating_add(samples).min(MAX_SAMPLES);
+        let mut probes = Vec::new();
+        while self.done < end && !self.is_settled() {
+            let Some(target) = self.settings.noise else {
+                probes.append(&mut self.take::<L, P>(self.done..end, &probe));
+                break;
+            };
+            // Looks come at fixed counts, however the samples are cut into passes.
+            let look = next_look(self.done);
+            probes.append(&mut self.take::<L, P>(self.done..end.min(look), &probe));
+            if self.done == look {
+                for tile in &mut self.film.tiles {
+                    tile.look(look, target);
+                }
+            }
+        }
+        probes
+    }
+
+    /// Whether no pixel needs further samples.
+    pub fn is_settled(&self) -> bool {
+        self.settings.noise.is_some() && !self.film.tiles.iter().any(FilmTile::is_open)
+    }
+
+    /// Takes the given samples of every pixel that needs them.
+    fn take<L: Lanes, P: Probe>(
+        &mut self,
+        range: Range<u32>,
+        probe: &(impl Fn() -> P + Sync),
+    ) -> Vec<P> {
         let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
         let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
         let next = AtomicUsize::new(0);
@@ -106,7 +141,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         self.film
     }
 
-    /// Samples taken of every pixel.
+    /// Samples taken of every pixel that isn't done before.
     pub fn samples_done(&self) -> u32 {
         self.done
     }
@@ -155,6 +190,8 @@ struct Worker<'a, I: Integrator, P, L: Lanes> {
     names: Vec<([u32; 2], u32)>,
     /// By sample: by what the film takes it.
     lanes: Vec<L>,
+    /// By sample, what the filter multiplies its light by.
+    weights: Vec<f32>,
     shadow_rays: Vec<Ray>,
     shadows: Vec<ShadowRay>,
     transmittance: Vec<Light>,
@@ -183,6 +220,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             samples: Vec::new(),
             names: Vec::new(),
             lanes: Vec::new(),
+            weights: Vec::new(),
             shadow_rays: Vec::new(),
             shadows: Vec::new(),
             transmittance: Vec::new(),
@@ -195,7 +233,9 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         let region = tile.region;
         let pixels =
             (region.min[1]..region.max[1]).flat_map(|y| (region.min[0]..region.max[0]).map(move |x| [x, y]));
-        let mut names = pixels.flat_map(|p| indices.clone().map(move |i| (p, i)));
+        let sampled = tile.sampled();
+        let mut names =
+            pixels.filter(|p| sampled.contains(*p)).flat_map(|p| indices.clone().map(move |i| (p, i)));
         loop {
             self.names.clear();
             self.names.extend(names.by_ref().take(self.settings.batch.max(1)));
@@ -208,7 +248,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             }
             for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
-                sample.rgb = self.lanes[k].film(&self.world.palette, s.light);
+                let light = self.lanes[k].film(&self.world.palette, s.light);
+                sample.rgb = light.map(|v| v * self.weights[k]);
                 tile.add(pixel, index, &sample);
                 if let Some(cost) = self.probe.cost(k) {
                     tile.add_cost(pixel, &cost);
@@ -224,14 +265,17 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         self.paths.clear();
         self.rays.clear();
         self.lanes.clear();
+        self.weights.clear();
         self.samples.clear();
         self.samples.resize(self.names.len(), Pending::default());
         self.probe.begin(self.names.len());
         self.primary = true;
         for (k, &(pixel, index)) in self.names.iter().enumerate() {
-            let name = SampleName::new(settings.seed, pixel, index);
-            let offset = world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
+            let name = settings.pattern.name(settings.seed, pixel, index);
+            let FilterSample { offset, weight } =
+                world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
             let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
+            self.weights.push(weight);
             self.rays.push(world.camera.ray(FilmPoint { position }));
             let u = if L::DRAWN { settings.pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
             let lanes = L::drawn(&world.palette, u);

@@ -32,6 +32,19 @@ impl Region {
         self.width() as usize * self.height() as usize
     }
 
+    /// Whether a pixel is part of it.
+    pub const fn contains(&self, [x, y]: [u32; 2]) -> bool {
+        self.min[0] <= x && x < self.max[0] && self.min[1] <= y && y < self.max[1]
+    }
+
+    /// The least region of whole squares of `side` pixels that this one lies in, but for what is beyond a picture of
+    /// `size`.
+    pub fn in_squares(&self, side: u32, size: [u32; 2]) -> Self {
+        let down = |v: u32| v / side * side;
+        let up = |v: u32| v.div_ceil(side).saturating_mul(side);
+        Self { min: self.min.map(down), max: self.max.map(up) }.intersection(Self::whole(size))
+    }
+
     /// What both have in common.
     pub fn intersection(&self, o: Self) -> Self {
         let pick = |f: fn(u32, u32) -> u32, a: [u32; 2], b: [u32; 2]| [f(a[0], b[0]), f(a[1], b[1])];
@@ -40,7 +53,7 @@ impl Region {
 }
 
 /// How a picture is sampled and on how many threads; none but `size`, `pattern` and `seed` changes the value of a
-/// sample.
+/// sample; `noise` says how many there are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Width and height of the whole picture in pixels.
@@ -51,6 +64,8 @@ pub struct Settings {
     pub pattern: Pattern,
     /// Seed of all random numbers.
     pub seed: u64,
+    /// Ends sampling, block by block, where the relative standard error is at most this (see [`crate::film`]).
+    pub noise: Option<f64>,
     /// Worker threads; 0 for all cores.
     pub threads: usize,
     /// Paths that travel together.
@@ -69,6 +84,7 @@ impl Settings {
             crop: Region::whole(size),
             pattern: Pattern::Sobol,
             seed: 0,
+            noise: None,
             threads: 0,
             batch: 1024,
             shuffle_tiles: None,

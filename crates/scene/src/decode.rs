@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde_json::{Map, Value as Json};
 use straal_color::Space;
 
-use crate::desc::{Light, Scene};
+use crate::desc::{Integrator, Light, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::limit::Limit;
 use crate::schema::{Definitions, Properties};
@@ -393,7 +393,8 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
         ),
     };
     let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
-    if nothing && !lit_by_all {
+    let shows_a_chart = matches!(scene.integrator, Integrator::SineProduct);
+    if nothing && !lit_by_all && !shows_a_chart {
         let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
         diagnostics.push(Diagnostic::error(at, "the world is empty: there is nothing to see").help(help));
     }

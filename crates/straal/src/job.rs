@@ -6,11 +6,11 @@ use crate::search;
 use straal_accel::{Build, BvhParams, Isa, Structure};
 use straal_color::{Dither, Space};
 use straal_formats::load::Loaded;
-use straal_math::lowdisc::Pattern;
+use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom, Request};
 use straal_render::driver::{Render, RenderError};
 use straal_render::film::{Film, MAX_SAMPLES};
-use straal_render::integrator::PathTracer;
+use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
 use straal_render::world::World;
@@ -28,8 +28,10 @@ pub struct Overrides {
     pub crop: Option<[u32; 4]>,
     /// Seed of all random numbers.
     pub seed: Option<u64>,
+    /// Relative standard error at which a block of pixels needs no further samples.
+    pub noise: Option<f64>,
     /// Which pattern they follow.
-    pub pattern: Option<Pattern>,
+    pub pattern: Option<PatternKind>,
     /// Largest number of edges of a path.
     pub max_depth: Option<u32>,
     /// Worker threads; all cores when absent.
@@ -75,6 +77,8 @@ pub struct Job {
     pub spp: u32,
     /// How light is gathered.
     pub integrator: PathTracer,
+    /// The test function that is shown in place of light, if any.
+    pub chart: Option<SineProduct>,
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
     look: Look,
@@ -136,7 +140,7 @@ pub struct Progress {
 pub struct Outcome {
     /// The picture with its layers and story.
     pub picture: Picture,
-    /// Samples per pixel taken.
+    /// Samples per pixel taken; of an adaptive render, of the pixels that have the most.
     pub samples: u32,
     /// Passes they were taken in.
     pub passes: u32,
@@ -180,10 +184,6 @@ impl Job {
                  can be rendered in crops"
             )));
         }
-        let pattern = wish.pattern.unwrap_or(match scene.sampler.kind {
-            desc::SamplerKind::Sobol => Pattern::Sobol,
-            desc::SamplerKind::Random => Pattern::Random,
-        });
         let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
         let structure = built(structure, wish.build)?;
         let spp = wish.spp.unwrap_or(scene.sampler.spp);
@@ -192,7 +192,17 @@ impl Job {
                 "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
             )));
         }
-        let desc::Integrator::Path(path) = &scene.integrator;
+        let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
+        let noise = wish.noise.or(scene.sampler.noise);
+        if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
+            return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
+        }
+        let pattern = Pattern::new(kind, spp);
+        let by_default = desc::PathTracer::default();
+        let (path, chart) = match &scene.integrator {
+            desc::Integrator::Path(path) => (path, None),
+            desc::Integrator::SineProduct => (&by_default, Some(SineProduct)),
+        };
         let integrator = PathTracer {
             max_depth: wish.max_depth.unwrap_or(match path.max_depth {
                 Depth::Unlimited => u32::MAX,
@@ -219,6 +229,7 @@ impl Job {
             crop,
             pattern,
             seed: wish.seed.unwrap_or(scene.sampler.seed),
+            noise,
             threads,
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
@@ -229,6 +240,7 @@ impl Job {
             settings,
             spp,
             integrator,
+            chart,
             scene_hash: scene_hash(loaded, custom),
             look: look(&scene.film),
             space: scene.color.space.space(),
@@ -256,8 +268,16 @@ impl Job {
         self.world.accel.isa()
     }
 
+    /// Why this job can't be rendered without knowing how many samples there will be, if so.
+    pub fn needs_count(&self) -> Option<String> {
+        needs_count(self.settings.pattern.kind())
+    }
+
     /// Renders the picture.
     pub fn render(&self, control: &mut Control<'_>) -> Result<Outcome, Error> {
+        if let Some(reason) = self.needs_count().filter(|_| control.open_ended) {
+            return Err(Error::Request(reason));
+        }
         let of = if control.open_ended { MAX_SAMPLES } else { self.spp };
         let mut progress = Progress { of: u64::from(of), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
@@ -270,7 +290,7 @@ impl Job {
             picture,
             samples: run.samples,
             passes: run.passes,
-            complete: control.open_ended || run.samples == of,
+            complete: control.open_ended || run.complete,
             times: run.times,
             threads: run.threads,
             dropped: run.film.dropped(),
@@ -284,6 +304,7 @@ impl Job {
             u32::MAX => "unlimited".to_string(),
             n => n.to_string(),
         };
+        let noise = s.noise.map(|noise| ("noise", noise.to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         let magnified = self.world.camera.focal_pixels().map(|f| ("focal_pixels", f.to_string()));
         [
@@ -291,23 +312,17 @@ impl Job {
             ("scene_hash", self.scene_hash.clone()),
             ("seed", s.seed.to_string()),
             ("samples", samples.to_string()),
-            (
-                "sampler",
-                match s.pattern {
-                    Pattern::Sobol => "sobol",
-                    Pattern::Random => "random",
-                }
-                .to_string(),
-            ),
+            ("sampler", s.pattern.kind().to_string()),
             ("space", self.space.name().to_string()),
             ("light", if self.world.palette.is_spectral() { "wavelengths" } else { "rgb" }.to_string()),
-            ("integrator", "path".to_string()),
+            ("integrator", if self.chart.is_some() { "sine_product" } else { "path" }.to_string()),
             ("max_depth", depth),
             ("roulette_depth", self.integrator.roulette_depth.to_string()),
             ("size", format!("{}x{}", s.size[0], s.size[1])),
             ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
         ]
         .into_iter()
+        .chain(noise)
         .chain(counted)
         .chain(magnified)
         .map(|(k, v)| (format!("straal.{k}"), v))
@@ -327,7 +342,20 @@ impl Job {
         progress: &mut Progress,
     ) -> Result<Run, Error> {
         let settings = Settings { seed, ..self.settings.clone() };
-        let mut render = Render::new(&self.world, self.integrator, settings, control.clock.clone())?;
+        match self.chart {
+            None => self.film_by(self.integrator, settings, (spp, control), progress),
+            Some(chart) => self.film_by(chart, settings, (spp, control), progress),
+        }
+    }
+
+    fn film_by<I: Integrator>(
+        &self,
+        integrator: I,
+        settings: Settings,
+        (spp, control): (u32, &mut Control<'_>),
+        progress: &mut Progress,
+    ) -> Result<Run, Error> {
+        let mut render = Render::new(&self.world, integrator, settings, control.clock.clone())?;
         let (before, times) = (progress.samples, progress.times);
         let mut passes = 0;
         // A short first pass gives a picture, and a forecast, at once.
@@ -335,7 +363,7 @@ impl Job {
         while next > 0 && control.keep_on {
             render.advance(next);
             passes += 1;
-            next = PASS.min(spp - render.samples_done());
+            next = if render.is_settled() { 0 } else { PASS.min(spp - render.samples_done()) };
             progress.samples = before + u64::from(render.samples_done());
             progress.next = u64::from(next);
             progress.times = times;
@@ -344,6 +372,7 @@ impl Job {
         }
         Ok(Run {
             samples: render.samples_done(),
+            complete: next == 0,
             passes,
             times: render.times(),
             threads: render.threads(),
@@ -367,6 +396,31 @@ fn look(film: &desc::Film) -> Look {
     }
 }
 
+/// Why a pattern is of no use before the number of samples is known, if so.
+fn needs_count(kind: PatternKind) -> Option<String> {
+    kind.needs_count().then(|| {
+        format!(
+            "the sampler {kind} must know how many samples a pixel gets, since where one lies depends on it (sobol, \
+             halton and random needn't)"
+        )
+    })
+}
+
+/// The pattern that a scene names.
+fn pattern_of(kind: &desc::SamplerKind) -> PatternKind {
+    match kind {
+        desc::SamplerKind::Sobol => PatternKind::Sobol,
+        desc::SamplerKind::BlueSobol => PatternKind::BlueSobol,
+        desc::SamplerKind::Halton => PatternKind::Halton,
+        desc::SamplerKind::Hammersley => PatternKind::Hammersley,
+        desc::SamplerKind::MultiJittered => PatternKind::MultiJittered,
+        desc::SamplerKind::NRooks => PatternKind::NRooks,
+        desc::SamplerKind::Jittered => PatternKind::Jittered,
+        desc::SamplerKind::Regular => PatternKind::Regular,
+        desc::SamplerKind::Random => PatternKind::Random,
+    }
+}
+
 /// The structure, built with as much work as is wanted.
 fn built(structure: Structure, build: Option<Build>) -> Result<Structure, Error> {
     match (structure, build) {
@@ -383,6 +437,8 @@ fn built(structure: Structure, build: Option<Build>) -> Result<Structure, Error>
 pub(crate) struct Run {
     pub film: Film,
     pub samples: u32,
+    /// Whether there was nothing more to do.
+    pub complete: bool,
     pub passes: u32,
     pub times: Times,
     pub threads: usize,

@@ -22,6 +22,7 @@ pub mod job;
 pub mod lab;
 pub mod look;
 pub mod picture;
+pub mod points;
 pub mod replicates;
 pub mod search;
 
@@ -31,7 +32,7 @@ pub use picture::{CostMeasure, Picture};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
-pub use straal_math::lowdisc::Pattern;
+pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::settings::Region;
 pub use straal_render::stopwatch::{Clock, Phase, Times};
 

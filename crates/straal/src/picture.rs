@@ -188,6 +188,7 @@ impl Picture {
             one("depth", "Z", l.depth.clone()),
             one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
             Layer::from_rgb("variance", &l.variance),
+            Layer::from_rgb("error", &l.variance.iter().map(|v| v.map(f32::sqrt)).collect::<Vec<_>>()),
         ];
         layers.extend(l.cost.as_ref().map(cost_layer));
         exr::Picture {

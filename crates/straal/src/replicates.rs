@@ -30,7 +30,7 @@ impl Job {
             let d = run.film.dropped();
             dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
             let layers = run.film.layers();
-            if run.samples < self.spp {
+            if !run.complete {
                 partial = Some((Picture::new(&run.film, layers, self.space()), run.samples));
                 break;
             }

@@ -4,7 +4,7 @@ mod common;
 
 use straal::compare::{Estimate, Tails, compare};
 use straal::{Control, Overrides, Picture};
-use straal_math::lowdisc::{Pattern, Purpose};
+use straal_math::lowdisc::{PatternKind, Purpose};
 use straal_render::driver::Render;
 use straal_render::integrator::{Integrator, PathTracer, Wave};
 use straal_render::lanes::Lanes;
@@ -18,7 +18,7 @@ fn replicates(scene: &str, seed: u64, spp: u32) -> Picture {
         size: Some([64, 64]),
         spp: Some(spp),
         seed: Some(seed),
-        pattern: Some(Pattern::Random),
+        pattern: Some(PatternKind::Random),
         ..Overrides::default()
     };
     let job = common::job(scene, wish);
@@ -92,7 +92,7 @@ impl Integrator for Forgetful {
 #[test]
 fn a_roulette_weight_left_out_shows() {
     let scene = "scenes/cornell-box.yaml";
-    let wish = Overrides { size: Some([64, 64]), pattern: Some(Pattern::Random), ..Overrides::default() };
+    let wish = Overrides { size: Some([64, 64]), pattern: Some(PatternKind::Random), ..Overrides::default() };
     let job = common::job(scene, wish);
     let mut settings = job.settings.clone();
     let render = |settings| {

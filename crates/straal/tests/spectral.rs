@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 use straal::compare::{Estimate, Tails, compare};
 use straal::{Control, Job, LoadOptions, Overrides, Picture};
-use straal_math::lowdisc::Pattern;
+use straal_math::lowdisc::PatternKind;
 use straal_scene::Image;
 
 const REPLICATES: u32 = 12;
@@ -14,7 +14,7 @@ fn replicates(text: &str, spectral: bool) -> Picture {
     let loaded = straal::load_str("test.yaml", text, Path::new(""), &LoadOptions::default());
     let wish = Overrides {
         spectral: Some(spectral),
-        pattern: Some(Pattern::Random),
+        pattern: Some(PatternKind::Random),
         seed: Some(u64::from(spectral)),
         ..Overrides::default()
     };

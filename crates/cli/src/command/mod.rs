@@ -8,6 +8,7 @@ pub mod gamma_chart;
 pub mod info;
 pub mod metamer;
 pub mod render;
+pub mod sampler;
 pub mod schema;
 
 use crate::exit::Failure;

@@ -29,6 +29,9 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
         }
     }
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
+    if let Some(reason) = job.needs_count().filter(|_| settings.time.is_some()) {
+        return Err(Failure::input(reason).help("leave out --time, or choose another --sampler"));
+    }
 
     let rendering = Instant::now();
     let outcome = render(&job, &settings, &interrupt, start).map_err(|e| refused(e, &warnings))?;
@@ -79,7 +82,8 @@ fn render(
     start: Instant,
 ) -> Result<Outcome, straal::Error> {
     let rendering = Instant::now();
-    let open_ended = settings.time.is_some() && settings.overrides.spp.is_none();
+    let until_done = settings.time.is_some() || settings.overrides.noise.is_some();
+    let open_ended = until_done && settings.overrides.spp.is_none() && settings.replicates.is_none();
     let of = u64::from(job.spp) * u64::from(settings.replicates.unwrap_or(1));
     let pace = Pace {
         of: (!open_ended).then_some(of),

@@ -71,7 +71,7 @@ fn more_seeds(stream: u64) -> u64 {
 /// The hash of Laine and Karras (2011) with Vegdahl's constants (2021, "Building a Better LK Hash"): a
 /// permutation in which each bit acts on itself and those above it only.
 #[inline(always)]
-fn scramble(mut x: u32, seed: u32) -> u32 {
+pub(super) fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
@@ -88,6 +88,12 @@ const fn second_dimension(mut x: u32) -> u32 {
     x ^= (x >> 4) & 0x0f0f_0f0f;
     x ^= (x >> 2) & 0x3333_3333;
     x ^ ((x >> 1) & 0x5555_5555)
+}
+
+/// The same for indices of 64 bits: the lower half is the first 32 bits of the fraction.
+pub(super) const fn second_dimension_of_64(x: u64) -> u64 {
+    let x = x ^ x >> 32;
+    (second_dimension((x >> 32) as u32) as u64) << 32 | second_dimension(x as u32) as u64
 }
 
 /// A dimension as the exclusive or of one entry for each byte of the index.

@@ -20,15 +20,23 @@ fn plausible(statistic: f64, degrees: usize) -> bool {
 #[test]
 fn numbers_are_in_the_unit_interval() {
     assert_eq!(to_unit(u32::MAX), 1.0 - 2f32.powi(-24));
-    for pattern in [Pattern::Random, Pattern::Sobol] {
+    for kind in PatternKind::ALL {
+        // A set of fewer is gone beyond.
+        let pattern = Pattern::new(kind, 1000);
+        assert_eq!(pattern.kind(), kind);
         for index in 0..4096 {
-            let name = SampleName::new(7, [3, 5], index);
+            let name = pattern.name(7, [3, 5], index);
             assert_eq!(name.index(), index);
             let four = pattern.d4(&name, Purpose::Film);
-            assert!(four.iter().all(|u| (0.0..1.0).contains(u)));
-            assert_eq!(pattern.d3(&name, Purpose::Film), four[..3]);
+            let three = pattern.d3(&name, Purpose::Film);
+            let one = pattern.d1(&name, Purpose::Film);
+            assert!(four.iter().chain(&three).chain([&one]).all(|u| (0.0..1.0).contains(u)));
+            assert_eq!(three[..2], four[..2]);
             assert_eq!(pattern.d2(&name, Purpose::Film), four[..2]);
-            assert_eq!(pattern.d1(&name, Purpose::Film), four[0]);
+            if matches!(kind, PatternKind::Random | PatternKind::Sobol) {
+                assert_eq!(three[2], four[2]);
+                assert_eq!(one, four[0]);
+            }
         }
     }
 }
@@ -65,8 +73,8 @@ fn sobol_is_stratified_in_every_elementary_interval() {
 
 /// Pairs of numbers that should know nothing of one another, by which part of the name differs.
 fn strangers(pattern: Pattern, i: u32) -> Vec<[f32; 2]> {
-    let at = |pixel, index, purpose| pattern.d1(&SampleName::new(9, pixel, index), purpose);
-    let name = SampleName::new(9, [i % 256, i / 256], 3);
+    let at = |pixel, index, purpose| pattern.d1(&pattern.name(9, pixel, index), purpose);
+    let name = pattern.name(9, [i % 256, i / 256], 3);
     let four = pattern.d4(&name, Purpose::Film);
     let two = pattern.d2(&name, Purpose::Direction);
     vec![
@@ -74,12 +82,12 @@ fn strangers(pattern: Pattern, i: u32) -> Vec<[f32; 2]> {
         [at([0, 0], i, Purpose::Lobe), at([1, 0], i, Purpose::Lobe)],
         [at([5, 5], i, Purpose::Lobe), at([5, 6], i, Purpose::Lobe)],
         [
-            pattern.d1(&SampleName::new(1, [2, 2], i), Purpose::Lobe),
-            pattern.d1(&SampleName::new(2, [2, 2], i), Purpose::Lobe),
+            pattern.d1(&pattern.name(1, [2, 2], i), Purpose::Lobe),
+            pattern.d1(&pattern.name(2, [2, 2], i), Purpose::Lobe),
         ],
         [
-            pattern.d1(&SampleName::new(9, [8, 8], i).child(0), Purpose::Lobe),
-            pattern.d1(&SampleName::new(9, [8, 8], i).child(0).child(0), Purpose::Lobe),
+            pattern.d1(&pattern.name(9, [8, 8], i).child(0), Purpose::Lobe),
+            pattern.d1(&pattern.name(9, [8, 8], i).child(0).child(0), Purpose::Lobe),
         ],
         // Across pixels, for one and the same sample index.
         [pattern.d1(&name, Purpose::Lobe), pattern.d1(&name, Purpose::LightChoice)],
@@ -97,7 +105,9 @@ fn strangers(pattern: Pattern, i: u32) -> Vec<[f32; 2]> {
 fn different_names_are_independent() {
     const N: u32 = 1 << 16;
     const SIDE: usize = 16;
-    for pattern in [Pattern::Random, Pattern::Sobol] {
+    // What is regular has its order alone to be independent by, and only as many values as cells.
+    for kind in PatternKind::ALL.into_iter().filter(|k| k.is_unbiased()) {
+        let pattern = Pattern::new(kind, N);
         let pairs: Vec<_> = (0..N).map(|i| strangers(pattern, i)).collect();
         for kind in 0..pairs[0].len() {
             let of_kind = || pairs.iter().map(|p| p[kind]);
@@ -111,10 +121,10 @@ fn different_names_are_independent() {
             );
             let cells = of_kind().map(|[a, b]| ((a * SIDE as f32).floor() + b) / SIDE as f32);
             let statistic = chi_square(cells, SIDE * SIDE);
-            // Stratified margins may make Sobol's counts evener than chance, never less even.
+            // Stratified margins may make counts evener than chance, never less even.
             let degrees = SIDE * SIDE - 1;
             let fine =
-                plausible(statistic, degrees) || (pattern == Pattern::Sobol && statistic < degrees as f64);
+                plausible(statistic, degrees) || (pattern != Pattern::Random && statistic < degrees as f64);
             assert!(fine, "{pattern:?}, pair {kind}: {statistic}");
         }
     }
@@ -148,15 +158,76 @@ fn random_numbers_are_uniform_along_every_axis() {
 
 #[test]
 fn scrambles_are_uniform_over_pixels() {
-    // One sample of many pixels is as good as random: no pixel's first sample favours a place.
-    for index in [0, 1, 6] {
-        let names = || (0..1_u32 << 16).map(move |i| SampleName::new(4, [i % 256, i / 256], index));
-        for d in 0..4 {
-            let statistic = chi_square(names().map(|n| Pattern::Sobol.d4(&n, Purpose::Film)[d]), 1000);
-            assert!(plausible(statistic, 999), "index {index}, dimension {d}: {statistic}");
+    // One sample of many pixels is as good as random: no pixel's first sample favours a place, even in a set whose
+    // number has no good grid. Dealt out over the pixels, points are evener than that.
+    for kind in PatternKind::ALL.into_iter().filter(|k| k.is_unbiased()) {
+        let pattern = Pattern::new(kind, 7);
+        let fine = |statistic: f64, degrees: usize| {
+            plausible(statistic, degrees) || (kind == PatternKind::BlueSobol && statistic < degrees as f64)
+        };
+        for index in [0, 1, 6] {
+            let names = || (0..1_u32 << 16).map(move |i| pattern.name(4, [i % 256, i / 256], index));
+            for d in 0..4 {
+                let statistic = chi_square(names().map(|n| pattern.d4(&n, Purpose::Film)[d]), 1000);
+                assert!(fine(statistic, 999), "{kind}, index {index}, dimension {d}: {statistic}");
+            }
+            let statistic = chi_square(names().map(|n| pattern.d1(&n, Purpose::Lobe)), 1000);
+            assert!(fine(statistic, 999), "{kind}, index {index}: {statistic}");
+            let cells = names().map(|n| {
+                let [u, v] = pattern.d2(&n, Purpose::Direction);
+                ((u * 32.0).floor() * 32.0 + (v * 32.0).floor() + 0.5) / 1024.0
+            });
+            let statistic = chi_square(cells, 1024);
+            assert!(fine(statistic, 1023), "{kind}, index {index}, square: {statistic}");
         }
-        let statistic = chi_square(names().map(|n| Pattern::Sobol.d1(&n, Purpose::Lobe)), 1000);
-        assert!(plausible(statistic, 999), "index {index}: {statistic}");
+    }
+}
+
+/// How often each of `cells` is met.
+fn tally(cells: impl Iterator<Item = usize>, n: usize) -> Vec<u32> {
+    let mut counts = vec![0; n];
+    cells.for_each(|c| counts[c] += 1);
+    counts
+}
+
+/// One number, and four of another purpose.
+type Drawn = (f32, [f32; 4]);
+
+#[test]
+fn sets_have_the_strata_they_promise() {
+    for count in [1, 5, 12, 16, 61, 64] {
+        let set = Set::new(count);
+        let [columns, rows] = set.grid();
+        let draw = |kind, index| {
+            let pattern = Pattern::new(kind, count);
+            let name = pattern.name(5, [9, 2], index).child(0);
+            (pattern.d1(&name, Purpose::Lobe), pattern.d4(&name, Purpose::Direction))
+        };
+        let cell = |u: f32, n: u32| (f64::from(u) * f64::from(n)) as usize;
+        for kind in PatternKind::ALL.into_iter().filter(|k| k.needs_count()) {
+            let all: Vec<_> = (0..count).map(|i| draw(kind, i)).collect();
+            let of = |f: &dyn Fn(&Drawn) -> usize, n: u32| tally(all.iter().map(f), n as usize);
+            let once = |counts: Vec<u32>| counts.iter().all(|&c| c == 1);
+            let most_once = |counts: Vec<u32>| counts.iter().all(|&c| c <= 1);
+            if kind != PatternKind::Hammersley && kind != PatternKind::BlueSobol {
+                assert!(once(of(&|p| cell(p.0, count), count)), "{kind}, {count}: one dimension");
+            }
+            for pair in [0, 2] {
+                let in_grid =
+                    |p: &Drawn| cell(p.1[pair], columns) + cell(p.1[pair + 1], rows) * columns as usize;
+                if matches!(kind, PatternKind::Regular | PatternKind::Jittered) {
+                    assert!(most_once(of(&in_grid, columns * rows)), "{kind}, {count}: grid");
+                }
+                if matches!(kind, PatternKind::NRooks | PatternKind::MultiJittered) {
+                    assert!(once(of(&|p| cell(p.1[pair + 1], count), count)), "{kind}, {count}: rows");
+                    let fine = if kind == PatternKind::NRooks { count } else { columns * rows };
+                    assert!(most_once(of(&|p| cell(p.1[pair], fine), fine)), "{kind}, {count}: columns");
+                }
+                if kind == PatternKind::MultiJittered && columns * rows == count {
+                    assert!(once(of(&in_grid, count)), "{kind}, {count}: grid");
+                }
+            }
+        }
     }
 }
 

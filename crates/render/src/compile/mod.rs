@@ -10,7 +10,7 @@ mod paint;
 mod place;
 
 use crate::camera::{Camera, Orthographic, Perspective, View};
-use crate::filter::{Filter, Gaussian};
+use crate::filter::{Filter, Profile, Separable};
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
 use crate::world::World;
@@ -134,10 +134,16 @@ fn camera(camera: &desc::Camera, size: [u32; 2]) -> Result<Camera, CompileError>
 }
 
 fn filter(filter: &desc::Filter) -> Result<Filter, CompileError> {
-    match filter {
-        desc::Filter::Box => Ok(Filter::Box),
-        desc::Filter::Gaussian(g) => Gaussian::new(g.radius, g.sigma)
-            .map(Filter::Gaussian)
-            .ok_or_else(|| CompileError::new("the Gaussian filter is empty: its `sigma` is too small")),
-    }
+    let (profile, radius) = match filter {
+        desc::Filter::Box => return Ok(Filter::Box),
+        desc::Filter::Tent(f) => (Profile::Tent, f.radius),
+        desc::Filter::Gaussian(f) => (Profile::Gaussian { sigma: f.sigma }, f.radius),
+        desc::Filter::Mitchell(f) => (Profile::Mitchell { b: f.b, c: f.c }, f.radius),
+        desc::Filter::BlackmanHarris(f) => (Profile::BlackmanHarris, f.radius),
+        desc::Filter::Lanczos(f) => (Profile::Lanczos, f.radius),
+    };
+    Separable::new(profile, radius).map(Filter::Separable).ok_or_else(|| {
+        let name = filter.kind();
+        CompileError::new(format!("the filter `{name}` is empty: nothing of it is above 0 within its radius"))
+    })
 }

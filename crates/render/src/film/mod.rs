@@ -3,13 +3,17 @@
 //! Film sums are associative, so that threads, tiles, batches, shards and interruptions can't change a bit
 //! (ARCHITECTURE.md, "Same bits"): each sample's numbers are rounded once to fixed point and added as integers.
 
+mod adaptive;
 mod fixed;
 mod hash;
 
+pub use adaptive::{BLOCK, DARK};
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
 
 use crate::settings::Region;
+use adaptive::Sampled;
+pub(crate) use adaptive::next_look;
 use fixed::{Guide, Square, Value};
 use straal_math::ops;
 
@@ -43,6 +47,16 @@ struct Pixel {
     dropped: u32,
 }
 
+impl Pixel {
+    /// The mean of a channel and the variance of that mean, estimated from the samples' spread; 0 for a single sample.
+    fn mean_and_variance(&self, channel: usize) -> (f64, f64) {
+        let count = f64::from(self.count.max(1));
+        let mean = self.value[channel].to_f64() / count;
+        let spread = self.square[channel].to_f64() / count - mean * mean;
+        (mean, if self.count > 1 && spread > 0.0 { spread / (count - 1.0) } else { 0.0 })
+    }
+}
+
 /// What the searches of one sample cost: all rays of its path, the camera's, the bounces and the shadow rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CostSample {
@@ -64,11 +78,18 @@ pub struct FilmTile {
     costs: Vec<CostSample>,
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
     first_dropped: Option<([u32; 2], u32)>,
+    sampled: Sampled,
 }
 
 impl FilmTile {
     fn new(region: Region) -> Self {
-        Self { region, pixels: vec![Pixel::default(); region.area()], costs: Vec::new(), first_dropped: None }
+        Self {
+            region,
+            pixels: vec![Pixel::default(); region.area()],
+            costs: Vec::new(),
+            first_dropped: None,
+            sampled: Sampled::default(),
+        }
     }
 
     fn index(&self, [x, y]: [u32; 2]) -> usize {
@@ -177,13 +198,18 @@ pub struct CostLayers {
 impl Film {
     /// An empty film for the part `crop` of a picture.
     pub fn new(size: [u32; 2], crop: Region) -> Self {
+        Self::over(size, crop, crop)
+    }
+
+    /// The same where more than the crop is rendered: all of `region`, which the crop lies in.
+    pub(crate) fn over(size: [u32; 2], crop: Region, region: Region) -> Self {
         let mut tiles = Vec::new();
-        for ty in crop.min[1] / TILE..crop.max[1].div_ceil(TILE) {
-            for tx in crop.min[0] / TILE..crop.max[0].div_ceil(TILE) {
+        for ty in region.min[1] / TILE..region.max[1].div_ceil(TILE) {
+            for tx in region.min[0] / TILE..region.max[0].div_ceil(TILE) {
                 let tile = Region { min: [tx * TILE, ty * TILE], max: [(tx + 1) * TILE, (ty + 1) * TILE] };
-                let region = tile.intersection(crop);
-                if region.area() > 0 {
-                    tiles.push(FilmTile::new(region));
+                let part = tile.intersection(region);
+                if part.area() > 0 {
+                    tiles.push(FilmTile::new(part));
                 }
             }
         }
@@ -232,17 +258,17 @@ impl Film {
         for tile in &self.tiles {
             for (k, p) in tile.pixels.iter().enumerate() {
                 let tw = tile.region.width() as usize;
-                let x = (tile.region.min[0] - self.crop.min[0]) as usize + k % tw;
-                let y = (tile.region.min[1] - self.crop.min[1]) as usize + k / tw;
+                let pixel = [tile.region.min[0] + (k % tw) as u32, tile.region.min[1] + (k / tw) as u32];
+                if !self.crop.contains(pixel) {
+                    continue;
+                }
+                let [x, y] = [0, 1].map(|a| (pixel[a] - self.crop.min[a]) as usize);
                 let i = y * w + x;
                 let count = f64::from(p.count.max(1));
                 for c in 0..3 {
-                    let mean = p.value[c].to_f64() / count;
+                    let (mean, variance) = p.mean_and_variance(c);
                     out.rgb[i][c] = mean as f32;
-                    let spread = p.square[c].to_f64() / count - mean * mean;
-                    if p.count > 1 && spread > 0.0 {
-                        out.variance[i][c] = (spread / (count - 1.0)) as f32;
-                    }
+                    out.variance[i][c] = variance as f32;
                     out.albedo[i][c] = (p.albedo[c].to_f64() / count) as f32;
                     out.normal[i][c] = (p.normal[c].to_f64() / count) as f32;
                 }

@@ -6,8 +6,10 @@
 //! gives the same bits as a wave of a thousand: a step reads nothing of its neighbours.
 
 mod path;
+mod sine_product;
 
 pub use path::PathTracer;
+pub use sine_product::SineProduct;
 
 use crate::film::Sample;
 use crate::lanes::Lanes;

@@ -24,7 +24,10 @@ pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotL
 pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
-pub use settings::{Film, Filter, Gaussian, Integrator, PathTracer, Sampler, SamplerKind};
+pub use settings::{
+    BlackmanHarris, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler, SamplerKind,
+    Tent,
+};
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,

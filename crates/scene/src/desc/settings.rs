@@ -6,6 +6,9 @@ use crate::limit::Limit;
 use crate::value::Depth;
 use straal_color::Exposure;
 
+/// Pixels that a filter may reach.
+const FILTER_RADIUS: Limit = Limit { min: 0.0, max: 16.0, open: true };
+
 describe! {
     /// The picture to make.
     pub struct Film [check::film] {
@@ -36,8 +39,52 @@ describe! {
     pub enum Filter {
         /// Each pixel is the plain mean of the samples inside it.
         "box" => Box,
+        /// Falls evenly from the pixel's centre to the middles of its neighbours.
+        "tent" => Tent(Tent),
         /// A bell that overlaps neighbours: smoother edges.
         "gaussian" => Gaussian(Gaussian),
+        /// Mitchell and Netravali's cubic: sharp, with faint dark lines along edges.
+        "mitchell" => Mitchell(Mitchell),
+        /// The four-term window of Blackman and Harris: a bell with a soft end.
+        "blackman_harris" => BlackmanHarris(BlackmanHarris),
+        /// A windowed sinc: the sharpest, and it rings along edges.
+        "lanczos" => Lanczos(Lanczos),
+    }
+}
+
+describe! {
+    /// Falls evenly to 0.
+    pub struct Tent {
+        /// Half its width in pixels.
+        radius: f64 [FILTER_RADIUS] = 1.0,
+    }
+}
+
+describe! {
+    /// The cubic of Mitchell and Netravali (1988).
+    pub struct Mitchell {
+        /// Half its width in pixels.
+        radius: f64 [FILTER_RADIUS] = 2.0,
+        /// How much it blurs.
+        b: f64 [Limit::UNIT] = 1.0 / 3.0,
+        /// How much it rings.
+        c: f64 [Limit::UNIT] = 1.0 / 3.0,
+    }
+}
+
+describe! {
+    /// The four-term window of Blackman and Harris.
+    pub struct BlackmanHarris {
+        /// Half its width in pixels.
+        radius: f64 [FILTER_RADIUS] = 1.5,
+    }
+}
+
+describe! {
+    /// A sinc, windowed by the middle lobe of one that is as wide as the filter.
+    pub struct Lanczos {
+        /// Half its width in pixels, which is how many lobes it has on each side.
+        radius: f64 [FILTER_RADIUS] = 3.0,
     }
 }
 
@@ -45,7 +92,7 @@ describe! {
     /// A Gaussian, lowered so that it ends in 0 at `radius`.
     pub struct Gaussian {
         /// Half its width in pixels.
-        radius: f64 [Limit { min: 0.0, max: 16.0, open: true }] = 1.5,
+        radius: f64 [FILTER_RADIUS] = 1.5,
         /// Standard deviation in pixels.
         sigma: f64 [Limit { min: 0.0, max: 16.0, open: true }] = 0.5,
     }
@@ -56,10 +103,13 @@ describe! {
     pub struct Sampler {
         /// Which pattern.
         kind: SamplerKind = SamplerKind::Sobol,
-        /// Samples per pixel.
+        /// Samples per pixel; with `noise`, the most that a pixel gets.
         spp: u32 [Limit::within(1.0, 262_144.0)] = 64,
         /// Another seed gives other noise.
         seed: u64 = 0,
+        /// Stops where the picture is good enough: each block of 8 x 8 pixels is sampled until its relative standard error
+        /// is at most this, such as 0.02.
+        noise: Option<f64> [Limit::between(0.0, 1.0)] = None,
     }
 }
 
@@ -68,6 +118,20 @@ describe! {
     pub enum SamplerKind {
         /// Owen-scrambled Sobol points: less noise at the same number of samples.
         "sobol" => Sobol,
+        /// The same points dealt out over neighbouring pixels: the same noise, finer to the eye.
+        "blue_sobol" => BlueSobol,
+        /// Scrambled Halton points.
+        "halton" => Halton,
+        /// Scrambled Hammersley points.
+        "hammersley" => Hammersley,
+        /// Correlated multi-jittered points.
+        "multi_jittered" => MultiJittered,
+        /// One point in each row and each column.
+        "n_rooks" => NRooks,
+        /// One point in each cell of a grid.
+        "jittered" => Jittered,
+        /// The middles of a grid's cells: shows what happens without chance.
+        "regular" => Regular,
         /// Independent random numbers.
         "random" => Random,
     }
@@ -78,6 +142,8 @@ describe! {
     pub enum Integrator {
         /// Path tracing with next-event estimation and multiple importance sampling.
         "path" => Path(PathTracer),
+        /// No light but a test of aliasing: (1 + sin(x²y²))/2 of the point where a ray meets the plane z = 0.
+        "sine_product" => SineProduct,
     }
 }
 
