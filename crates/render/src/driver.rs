@@ -197,6 +197,9 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
             for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
                 sample.rgb = s.light.to_rgb();
+                for (v, taken) in sample.rgb.iter_mut().zip(s.taken) {
+                    *v *= taken;
+                }
                 tile.add(pixel, index, &sample);
                 if let Some(cost) = self.probe.cost(k) {
                     tile.add_cost(pixel, &cost);
@@ -215,11 +218,26 @@ impl<'a, I: Integrator, P: Probe> Worker<'a, I, P> {
         self.samples.resize(self.names.len(), Pending::default());
         self.probe.begin(self.names.len());
         self.primary = true;
+        let needs = world.camera.needs();
         for (k, &(pixel, index)) in self.names.iter().enumerate() {
             let name = SampleName::new(settings.seed, pixel, index);
-            let offset = world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
+            // The first two of four numbers are the same as two by themselves, which are cheaper.
+            let (film, lens) = if needs.lens {
+                let [x, y, u, v] = settings.pattern.d4(&name, Purpose::Film);
+                ([x, y], [u, v])
+            } else {
+                (settings.pattern.d2(&name, Purpose::Film), [0.5; 2])
+            };
+            let time = if needs.time { settings.pattern.d1(&name, Purpose::Time) } else { 0.0 };
+            let offset = world.filter.sample(film);
             let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
-            self.rays.push(world.camera.ray(FilmPoint { position }));
+            let at = FilmPoint { pixel, position, lens, time };
+            if needs.taken {
+                self.samples[k].taken = world.camera.taken(&at);
+            }
+            // Where nothing is seen there is no path, and the sample is black.
+            let Some(ray) = world.camera.ray(&at) else { continue };
+            self.rays.push(ray);
             self.paths.push(Path { name, sample: k as u32, alive: true, state: self.integrator.start() });
         }
         self.stopwatch.lap(Phase::Camera);

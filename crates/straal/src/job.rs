@@ -226,6 +226,11 @@ impl Job {
         self.look
     }
 
+    /// What follows from the camera's settings.
+    pub fn camera(&self) -> crate::CameraFacts {
+        self.world.camera.facts()
+    }
+
     /// The search structure in use.
     pub fn structure(&self) -> Structure {
         self.structure
