@@ -4,8 +4,8 @@ use straal_math::DVec3;
 use straal_scene::MeshAsset;
 use straal_scene::desc::{
     Accel, Camera, ColorSettings, Diffuse, Environment, Film, FovAxis, Integrator, Light, Material,
-    MaterialRef, Node, Perspective, Plane, Rectangle, Sampler, Scene, Shading, Spectrum, Step, Surface, Tone,
-    Transform, TriangleMesh, Viewpoint,
+    MaterialRef, Node, Observer, Perspective, Plane, Rectangle, Sampler, Scene, Shading, Spectrum, Step,
+    Surface, Tone, Transform, TriangleMesh, Viewpoint,
 };
 use straal_scene::value::{Color, Factors, Named, Value};
 
@@ -136,11 +136,6 @@ fn frame(center: DVec3, points: impl Iterator<Item = DVec3>, size: [u32; 2]) -> 
             }
         }
     }
-    Perspective {
-        eye: center + w * distance,
-        look_at: center,
-        up: DVec3::Y,
-        fov: FOV.0,
-        fov_axis: FovAxis::Y,
-    }
+    let observer = Observer { eye: center + w * distance, look_at: center, ..Observer::default() };
+    Perspective { fov: Some(FOV.0), fov_axis: FovAxis::Y, observer, ..Perspective::default() }
 }

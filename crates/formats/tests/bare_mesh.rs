@@ -12,7 +12,8 @@ use straal_scene::value::Color;
 /// The mesh node, and that everything its camera should see is in view.
 fn framed(loaded: &Loaded) -> &Node {
     let Camera::Perspective(camera) = &loaded.scene.camera else { panic!("not a perspective") };
-    let to_camera = Affine::look_at(camera.eye, camera.look_at, camera.up).unwrap().inverse().unwrap();
+    let observer = &camera.observer;
+    let to_camera = Affine::look_at(observer.eye, observer.look_at, observer.up).unwrap().inverse().unwrap();
     let tan = 0.267_949_192_431;
     let [width, height] = loaded.scene.film.size.map(f64::from);
     let mesh = &loaded.assets.meshes.values().next().unwrap().mesh;

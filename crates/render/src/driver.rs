@@ -104,11 +104,7 @@ impl<'w, I: Integrator> Render<'w, I> {
     }
 
     /// Takes the given samples of every pixel that needs them.
-    fn take<L: Lanes, P: Probe>(
-        &mut self,
-        range: Range<u32>,
-        probe: &(impl Fn() -> P + Sync),
-    ) -> Vec<P> {
+    fn take<L: Lanes, P: Probe>(&mut self, range: Range<u32>, probe: &(impl Fn() -> P + Sync)) -> Vec<P> {
         let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
         let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
         let next = AtomicUsize::new(0);
@@ -249,7 +245,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
                 let light = self.lanes[k].film(&self.world.palette, s.light);
-                sample.rgb = light.map(|v| v * self.weights[k]);
+                sample.rgb = std::array::from_fn(|i| light[i] * self.weights[k] * s.taken[i]);
                 tile.add(pixel, index, &sample);
                 if let Some(cost) = self.probe.cost(k) {
                     tile.add_cost(pixel, &cost);
@@ -270,16 +266,30 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         self.samples.resize(self.names.len(), Pending::default());
         self.probe.begin(self.names.len());
         self.primary = true;
+        let needs = world.camera.needs();
         for (k, &(pixel, index)) in self.names.iter().enumerate() {
             let name = settings.pattern.name(settings.seed, pixel, index);
-            let FilterSample { offset, weight } =
-                world.filter.sample(settings.pattern.d2(&name, Purpose::Film));
+            // The first two of four numbers are the same as two by themselves, which are cheaper.
+            let (film, lens) = if needs.lens {
+                let [x, y, u, v] = settings.pattern.d4(&name, Purpose::Film);
+                ([x, y], [u, v])
+            } else {
+                (settings.pattern.d2(&name, Purpose::Film), [0.5; 2])
+            };
+            let time = if needs.time { settings.pattern.d1(&name, Purpose::Time) } else { 0.0 };
+            let FilterSample { offset, weight } = world.filter.sample(film);
             let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
-            self.weights.push(weight);
-            self.rays.push(world.camera.ray(FilmPoint { position }));
+            let at = FilmPoint { pixel, position, lens, time };
             let u = if L::DRAWN { settings.pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
             let lanes = L::drawn(&world.palette, u);
+            self.weights.push(weight);
             self.lanes.push(lanes);
+            if needs.taken {
+                self.samples[k].taken = world.camera.taken(&at);
+            }
+            // Where nothing is seen there is no path, and the sample is black.
+            let Some(ray) = world.camera.ray(&at) else { continue };
+            self.rays.push(ray);
             self.paths.push(Path {
                 name,
                 sample: k as u32,

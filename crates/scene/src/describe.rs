@@ -20,7 +20,7 @@ macro_rules! describe {
         #[derive(Clone, Debug, PartialEq)]
         pub struct $T {
             $( $(#[doc = $fdoc])+ pub $f: $ty, )*
-            $( /// What all surfaces share; its keys are written beside the others.
+            $( /// What several kinds share; its keys are written beside the others.
             pub $flat: $Flat, )?
         }
 
@@ -119,6 +119,8 @@ macro_rules! describe {
     ) => {
         $(#[doc = $doc])+
         #[derive(Clone, Debug, PartialEq)]
+        // A scene has one camera, and few of what else differs much in size.
+        #[allow(clippy::large_enum_variant)]
         pub enum $T {
             $( $(#[doc = $vdoc])+ $V $(($P))?, )+
         }

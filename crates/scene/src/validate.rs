@@ -22,6 +22,7 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
         walk.placement(node, &Affine::IDENTITY);
     }
     walk.nesting();
+    walk.focus();
 }
 
 impl Node {
@@ -58,6 +59,21 @@ impl Node {
             Self::Instance(i) => i.material.as_ref(),
             _ => self.surface().and_then(|s| s.material.as_ref()),
         }
+    }
+
+    /// What a camera may call it.
+    pub fn name(&self) -> Option<&Name> {
+        match self {
+            Self::Group(g) => g.name.as_ref(),
+            Self::Instance(i) => i.name.as_ref(),
+            _ => self.surface().and_then(|s| s.name.as_ref()),
+        }
+    }
+
+    /// Whether a camera that is focused on `name` is focused on this: it goes by its own name, or by its object's.
+    pub fn goes_by(&self, name: &str) -> bool {
+        let own = self.name().is_some_and(|n| n.value == name);
+        own || matches!(self, Self::Instance(i) if i.of.value == name)
     }
 
     /// The nodes directly inside.
@@ -197,6 +213,36 @@ impl Walk<'_> {
     fn near<'n>(&self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
         const MOST: usize = 1000;
         if self.d.is_full() { None } else { suggest::did_you_mean(name, names.take(MOST)) }
+    }
+
+    /// What the camera is focused on must be in the world, outside of objects: there it could be in many places.
+    fn focus(&mut self) {
+        let Some(name) = self.scene.camera.focus_on().filter(|n| !n.is_empty()) else { return };
+        let mut names: Vec<&str> = Vec::new();
+        for node in &self.scene.world {
+            node.visit(&mut |n| {
+                names.extend(n.name().map(|n| n.value.as_str()));
+                if let Node::Instance(i) = n {
+                    names.push(&i.of);
+                }
+            });
+        }
+        if names.contains(&name.value.as_str()) {
+            return;
+        }
+        let message = format!("nothing in the world is named `{}`", suggest::brief(name));
+        let help = if self.scene.objects.get(name).is_some() {
+            "there is such an object, but no instance of it in the world".to_owned()
+        } else {
+            names.sort_unstable();
+            names.dedup();
+            let all = names.iter().copied();
+            self.near(name, all.clone()).unwrap_or_else(|| match names.len() {
+                0 => "give it a name: `- sphere: { name: ball }`".to_owned(),
+                _ => format!("the names in the world are {}", suggest::list(all.take(12))),
+            })
+        };
+        self.d.push(Diagnostic::error(name.span, message).help(help));
     }
 
     fn edges(&self, node: &Node) -> Vec<Edge> {

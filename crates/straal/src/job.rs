@@ -258,6 +258,11 @@ impl Job {
         self.space
     }
 
+    /// What follows from the camera's settings.
+    pub fn camera(&self) -> crate::CameraFacts {
+        self.world.camera.facts()
+    }
+
     /// The search structure in use.
     pub fn structure(&self) -> Structure {
         self.structure

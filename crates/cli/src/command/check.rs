@@ -7,7 +7,7 @@ use crate::exit::{Exit, Failure};
 use crate::out;
 use crate::quantity::{count, tell_bytes};
 use serde_json::json;
-use straal::{Job, LoadOptions, Overrides};
+use straal::{CameraFacts as Facts, Job, LoadOptions, Overrides};
 use straal_accel::Structure;
 use straal_scene::forecast::{Forecast, forecast};
 
@@ -22,13 +22,21 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let overrides = Overrides { accel: Some(Structure::Brute), ..Overrides::default() };
     let job = Job::new(loaded, overrides).map_err(|e| refused(e, &warnings))?;
 
+    let camera = job.camera();
+
     out::say(&complaint::show(&warnings, out::has_colours()));
     if args.json {
+        let focus = camera.focus.map(|f| {
+            let [near, far] = f.sharp;
+            // JSON knows no infinity: a depth without end has null.
+            json!({ "lens_radius": f.radius, "distance": f.distance, "sharp": [near, far] })
+        });
         let report = json!({
             "scene": args.scene.to_string_lossy(),
             "scene_hash": job.scene_hash,
             "size": size,
             "samples": spp,
+            "camera": { "kind": camera.kind, "degrees": camera.degrees, "focus": focus },
             "triangles": needs.triangles,
             "visible_primitives": needs.visible,
             "memory_bytes": {
@@ -43,9 +51,38 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
         print(&format!("{report:#}\n"))?;
     } else {
         let frame = format!("{} x {} pixels, {}", size[0], size[1], count(spp.into(), "sample"));
-        print(&format!("{}: in order\n{}", args.scene.display(), tell(&needs, &frame)))?;
+        let (camera, table) = (tell_camera(&camera), tell(&needs, &frame));
+        print(&format!("{}: in order\n{camera}{table}", args.scene.display()))?;
     }
     Ok(Exit::Fine)
+}
+
+/// What follows from the camera's settings, for people.
+fn tell_camera(facts: &Facts) -> String {
+    let mut text = format!("camera: {}", facts.kind);
+    if let Some([across, up]) = facts.degrees {
+        text += &format!(", {} x {} degrees", short(across), short(up));
+    }
+    if let Some(f) = facts.focus {
+        let far = if f.sharp[1].is_finite() { format!("to {}", short(f.sharp[1])) } else { "on".to_owned() };
+        let (radius, distance, near) = (short(f.radius), short(f.distance), short(f.sharp[0]));
+        text +=
+            &format!(", lens of radius {radius} in focus at {distance}, sharp to a pixel from {near} {far}");
+    }
+    text + "\n"
+}
+
+/// A number above 0 with four significant digits, or as many as stand before the point.
+fn short(v: f64) -> String {
+    let (mut places, mut rest) = (3_usize, v);
+    while rest >= 10.0 && places > 0 {
+        (places, rest) = (places - 1, rest / 10.0);
+    }
+    while rest > 0.0 && rest < 1.0 && places < 15 {
+        (places, rest) = (places + 1, rest * 10.0);
+    }
+    let text = format!("{v:.places$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// What a render will take, for people.
@@ -75,6 +112,17 @@ fn tell(needs: &Forecast, frame: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_camera_tells_what_follows() {
+        use straal::CameraFocus as Focus;
+        let focus = Focus { radius: 0.15, distance: 6.0, sharp: [5.932_04, f64::INFINITY] };
+        let facts = Facts { kind: "thin lens", degrees: Some([40.0, 20.630_7]), focus: Some(focus) };
+        let want = "camera: thin lens, 40 x 20.63 degrees, lens of radius 0.15 in focus at 6, sharp to a pixel from 5.932 on\n";
+        assert_eq!(tell_camera(&facts), want);
+        assert_eq!(tell_camera(&Facts { kind: "fisheye", degrees: None, focus: None }), "camera: fisheye\n");
+        assert_eq!([short(0.000_123_456), short(123_456.0), short(0.0)], ["0.0001235", "123456", "0"]);
+    }
 
     #[test]
     fn the_forecast_is_a_table() {

@@ -4,19 +4,19 @@
 //! a named object stays what it is, one shared copy with a transform, and even that is dissolved when the object
 //! glows, so that every light stands in world space.
 
+mod camera;
+mod focus;
 mod lights;
 mod look;
 mod paint;
 mod place;
 
-use crate::camera::{Camera, Orthographic, Perspective, View};
 use crate::filter::{Filter, Profile, Separable};
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
 use crate::world::World;
 use std::sync::Arc;
 use straal_accel as accel;
-use straal_math::ops;
 use straal_scene::desc;
 use straal_scene::span::Span;
 use straal_scene::{Assets, Scene};
@@ -73,14 +73,25 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
     let mut build = place::Build::new(scene, assets, custom, spectral)?;
     build.world()?;
     build.custom_shapes(custom)?;
-    let place::Built { input, geometry, looks, instance_materials, top_level, glowing, materials, mut paint } =
-        build.finish();
+    let place::Built {
+        input,
+        geometry,
+        looks,
+        instance_materials,
+        top_level,
+        named,
+        glowing,
+        materials,
+        mut paint,
+    } = build.finish();
 
+    let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
+    let camera = camera::camera(scene, size, &seen)?;
     let accel =
         accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
     let lights = lights::gather(scene, &mut paint, &geometry, glowing, &accel)?;
     Ok(World {
-        camera: camera(&scene.camera, size)?,
+        camera,
         filter: filter(&scene.film.filter)?,
         geometry,
         accel,
@@ -92,44 +103,6 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
         instance_materials,
         top_level,
         environments: lights.environments,
-    })
-}
-
-fn camera(camera: &desc::Camera, size: [u32; 2]) -> Result<Camera, CompileError> {
-    let (eye, target, up) = match camera {
-        desc::Camera::Perspective(c) => (c.eye, c.look_at, c.up),
-        desc::Camera::Orthographic(c) => (c.eye, c.look_at, c.up),
-    };
-    let view = View::look_at(eye, target, up).ok_or_else(|| {
-        CompileError::new("the camera looks nowhere: `eye` and `look_at` coincide, or `up` is along the view")
-    })?;
-    Ok(match camera {
-        desc::Camera::Perspective(c) => {
-            let (w, h) = (f64::from(size[0]), f64::from(size[1]));
-            let (sin, cos) = ops::sin_cos_degrees(0.5 * c.fov);
-            let tan = sin / cos;
-            let along = match c.fov_axis {
-                desc::FovAxis::X => w,
-                desc::FovAxis::Y => h,
-                desc::FovAxis::Smaller => {
-                    if w < h {
-                        w
-                    } else {
-                        h
-                    }
-                }
-                desc::FovAxis::Larger => {
-                    if w > h {
-                        w
-                    } else {
-                        h
-                    }
-                }
-                desc::FovAxis::Diagonal => (w * w + h * h).sqrt(),
-            };
-            Camera::Perspective(Perspective::new(&view, tan * w / along, size))
-        }
-        desc::Camera::Orthographic(c) => Camera::Orthographic(Orthographic::new(&view, c.width, size)),
     })
 }
 

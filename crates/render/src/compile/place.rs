@@ -34,6 +34,8 @@ struct Place {
     /// For what has none of its own.
     material: u32,
     group: u32,
+    /// Within an object whose instance is dissolved, where names aren't for the camera.
+    dissolved: bool,
 }
 
 pub(super) struct Build<'a> {
@@ -50,6 +52,9 @@ pub(super) struct Build<'a> {
     glowing: Vec<Glowing>,
     dissolved: usize,
     top_level: Vec<TopLevel>,
+    /// What the camera is to be focused on, if that has a name.
+    focus: Option<&'a str>,
+    named: Vec<TopLevel>,
 }
 
 /// What the walk leaves.
@@ -59,6 +64,8 @@ pub(super) struct Built<'a> {
     pub looks: Vec<Look>,
     pub instance_materials: Vec<u32>,
     pub top_level: Vec<TopLevel>,
+    /// What goes by the name that the camera is focused on.
+    pub named: Vec<TopLevel>,
     pub glowing: Vec<Glowing>,
     pub materials: material::Materials,
     pub paint: Paint<'a>,
@@ -83,22 +90,28 @@ impl<'a> Build<'a> {
             glowing: Vec::new(),
             dissolved: 0,
             top_level: Vec::new(),
+            focus: scene.camera.focus_on().map(|name| name.value.as_str()),
+            named: Vec::new(),
         })
     }
 
     pub fn world(&mut self) -> Result<(), CompileError> {
-        let mut place = Place { transform: Affine::IDENTITY, material: 0, group: 0 };
+        let mut place = Place { transform: Affine::IDENTITY, material: 0, group: 0, dissolved: false };
         // Down to what `Scene::top_level` gives.
         let mut nodes = self.scene.world.as_slice();
-        while let [Node::Group(g)] = nodes {
+        let mut is_all_named = false;
+        while let [node @ Node::Group(g)] = nodes {
+            is_all_named |= self.focus.is_some_and(|name| node.goes_by(name));
             place = self.step_into(&g.transform, g.material.as_ref(), place)?;
             nodes = &g.children;
         }
         for node in nodes {
             let before = self.in_world();
             self.node(node, place)?;
-            let after = self.in_world();
-            self.top_level.push(TopLevel { geometries: before[0]..after[0], instances: before[1]..after[1] });
+            self.top_level.push(self.since(before));
+        }
+        if is_all_named {
+            self.named.push(self.since([0, 0]));
         }
         Ok(())
     }
@@ -107,6 +120,12 @@ impl<'a> Build<'a> {
     fn in_world(&self) -> [usize; 2] {
         let world = &self.input.groups[0];
         [world.geometries.len(), world.instances.len()]
+    }
+
+    /// What came to the world's own group since it held so many.
+    fn since(&self, before: [usize; 2]) -> TopLevel {
+        let after = self.in_world();
+        TopLevel { geometries: before[0]..after[0], instances: before[1]..after[1] }
     }
 
     pub fn custom_shapes(&mut self, custom: &Custom) -> Result<(), CompileError> {
@@ -128,6 +147,7 @@ impl<'a> Build<'a> {
             // The search structure numbers instances group by group, in this order.
             instance_materials: self.group_materials.concat(),
             top_level: self.top_level,
+            named: self.named,
             glowing: self.glowing,
             materials,
             paint,
@@ -135,6 +155,17 @@ impl<'a> Build<'a> {
     }
 
     fn node(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
+        let is_for_camera = place.group == 0 && !place.dissolved;
+        if !(is_for_camera && self.focus.is_some_and(|name| node.goes_by(name))) {
+            return self.kind_of_node(node, place);
+        }
+        let before = self.in_world();
+        self.kind_of_node(node, place)?;
+        self.named.push(self.since(before));
+        Ok(())
+    }
+
+    fn kind_of_node(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
         match node {
             Node::Group(g) => {
                 let inner = self.step_into(&g.transform, g.material.as_ref(), place)?;
@@ -229,7 +260,7 @@ impl<'a> Build<'a> {
                     i.of.span,
                 ));
             }
-            return self.node(object, inner);
+            return self.node(object, Place { dissolved: true, ..inner });
         }
 
         let group = match self.objects.get(i.of.value.as_str()) {
@@ -239,7 +270,8 @@ impl<'a> Build<'a> {
                 self.input.groups.push(accel::Group::default());
                 self.group_materials.push(Vec::new());
                 self.objects.insert(&i.of.value, group);
-                self.node(object, Place { transform: Affine::IDENTITY, material: INHERIT, group })?;
+                let place = Place { transform: Affine::IDENTITY, material: INHERIT, group, dissolved: false };
+                self.node(object, place)?;
                 group
             }
         };

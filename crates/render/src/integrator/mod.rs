@@ -77,10 +77,18 @@ pub struct Wave<'a, S> {
 }
 
 /// A sample whose light is still being gathered.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Pending {
     /// Radiance so far.
     pub light: Light,
     /// Guides of the first vertex; its `rgb` is filled when the sample is done.
     pub guides: Sample,
+    /// How much of red, green and blue the film takes, see [`crate::camera::Camera::taken`].
+    pub taken: [f32; 3],
+}
+
+impl Default for Pending {
+    fn default() -> Self {
+        Self { light: Light::default(), guides: Sample::default(), taken: [1.0; 3] }
+    }
 }

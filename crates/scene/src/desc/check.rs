@@ -1,14 +1,15 @@
 //! What the parts of one description must be to each other. Each function is named at its definition and is called
 //! when the parts by themselves are sound.
 
-use straal_math::{Affine, DVec3};
+use straal_math::{Affine, DVec3, ops};
 
 use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refraction};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, ColorIn, Conductor, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film, Formula, Index,
-    Measured, Orthographic, Perspective, Plane, Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
+    Bezier, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film,
+    Fisheye, FisheyeProjection, Formula, Index, Lens, LensProfile, Measured, Observer, Orthographic,
+    Panorama, Perspective, Plane, Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
@@ -32,12 +33,118 @@ fn view(eye: DVec3, target: DVec3, up: DVec3, key: &str, keys: &Keys<'_>, d: &mu
     }
 }
 
+/// A camera's place and view, at the beginning and at the end of its way.
+fn observer(o: &Observer, keys: &Keys<'_>, d: &mut Decoder) {
+    view(o.eye, o.look_at, o.up, "look_at", keys, d);
+    let [open, close] = o.shutter;
+    if open > close {
+        let message = format!("the shutter closes at {close}, before it opens at {open}");
+        d.push(Diagnostic::error(keys.span("shutter"), message).help("it is `[open, close]`"));
+    }
+    let Some(to) = &o.moving_to else { return };
+    let (eye, look_at, up) =
+        (to.eye.unwrap_or(o.eye), to.look_at.unwrap_or(o.look_at), to.up.unwrap_or(o.up));
+    let message = if eye == look_at {
+        "at the end of its way the camera is where it looks, so there is no direction to look in"
+    } else if Affine::look_at(eye, look_at, up).is_none() {
+        "at the end of the camera's way `up` has no direction, or that of the view"
+    } else {
+        return;
+    };
+    d.push(Diagnostic::error(keys.key_span("moving_to"), message));
+}
+
 pub(super) fn perspective(c: &Perspective, keys: &Keys<'_>, d: &mut Decoder) {
-    view(c.eye, c.look_at, c.up, "look_at", keys, d);
+    observer(&c.observer, keys, d);
+    for (a, has_a, b, has_b) in [
+        ("view_distance", c.view_distance.is_some(), "pixel_size", c.pixel_size.is_some()),
+        ("pixel_size", c.pixel_size.is_some(), "view_distance", c.view_distance.is_some()),
+    ] {
+        if has_a && !has_b {
+            let message = format!("`{a}` needs `{b}`: together they say how much of the view plane is seen");
+            d.push(Diagnostic::error(keys.key_span(a), message));
+        }
+    }
+    // What the angle of view is by each of the ways to tell it.
+    let degrees =
+        |tan: f64| format!("{:.4}", 2.0 * ops::atan2_d(tan, 1.0).to_degrees()).parse::<f64>().unwrap_or(0.0);
+    let mut said = Vec::new();
+    if let Some(fov) = c.fov {
+        said.push(("fov", format!("`fov` of {fov} degrees")));
+    }
+    if let Some(f) = c.focal_length {
+        let angle = degrees(0.5 * c.sensor / f);
+        said.push((
+            "focal_length",
+            format!("`focal_length` of {f} mm ({angle} degrees with a sensor of {} mm)", c.sensor),
+        ));
+    }
+    if c.view_distance.is_some() {
+        said.push(("view_distance", "`view_distance` and `pixel_size`".to_owned()));
+    }
+    if let [(first, a), .., (last, b)] = said.as_slice() {
+        let complaint = Diagnostic::error(
+            keys.key_span(last),
+            format!("the angle of view is said twice: by {a} and by {b}"),
+        );
+        let complaint = complaint.related(keys.key_span(first), format!("`{first}` is here"));
+        d.push(complaint.help("say it in one way only"));
+    }
+}
+
+pub(super) fn lens(l: &Lens, keys: &Keys<'_>, d: &mut Decoder) {
+    one_of("lens", ("radius", l.radius.is_some()), ("f_number", l.f_number.is_some()), keys, d);
+    if l.focus_distance.is_some() && l.focus_on.is_some() {
+        let complaint = Diagnostic::error(
+            keys.key_span("focus_on"),
+            "`lens` takes `focus_distance` or `focus_on`, not both",
+        );
+        d.push(complaint.related(keys.key_span("focus_distance"), "`focus_distance` is here"));
+    }
+    if l.blades.is_some() && l.profile != LensProfile::Uniform {
+        let message = "a Gaussian opening is round: it has no `blades`";
+        let complaint = Diagnostic::error(keys.key_span("blades"), message);
+        d.push(complaint.related(keys.key_span("profile"), "`profile` is here"));
+    }
 }
 
 pub(super) fn orthographic(c: &Orthographic, keys: &Keys<'_>, d: &mut Decoder) {
-    view(c.eye, c.look_at, c.up, "look_at", keys, d);
+    observer(&c.observer, keys, d);
+}
+
+pub(super) fn fisheye(c: &Fisheye, keys: &Keys<'_>, d: &mut Decoder) {
+    observer(&c.observer, keys, d);
+    let wrong = match c.projection {
+        FisheyeProjection::Orthographic if c.fov > 180.0 => {
+            "an orthographic fisheye sees at most 180 degrees"
+        }
+        FisheyeProjection::Stereographic if c.fov > 359.0 => {
+            "a stereographic fisheye sees at most 359 degrees"
+        }
+        _ => return,
+    };
+    let message = format!("{wrong}, found {}", c.fov);
+    let complaint = Diagnostic::error(keys.span("fov"), message);
+    d.push(complaint.help("`equidistant` and `equisolid` see up to 360 degrees"));
+}
+
+pub(super) fn panorama(c: &Panorama, keys: &Keys<'_>, d: &mut Decoder) {
+    observer(&c.observer, keys, d);
+    for (key, [from, to], order) in
+        [("longitude", c.longitude, "`[left, right]`"), ("latitude", c.latitude, "`[lower, upper]`")]
+    {
+        if from >= to {
+            let message = format!("`{key}` must grow: {from} is not below {to}");
+            d.push(Diagnostic::error(keys.span(key), message).help(format!("it is {order}")));
+        } else if to - from > 360.0 {
+            let message = format!("`{key}` spans {} degrees, more than 360", to - from);
+            d.push(Diagnostic::error(keys.span(key), message));
+        }
+    }
+}
+
+pub(super) fn cube_map(c: &CubeMap, keys: &Keys<'_>, d: &mut Decoder) {
+    observer(&c.observer, keys, d);
 }
 
 pub(super) fn viewpoint(v: &Viewpoint, keys: &Keys<'_>, d: &mut Decoder) {

@@ -17,7 +17,10 @@ pub use accel::{
     Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, Split, Structure, UniformGrid,
     VolumeKind, WideBvh,
 };
-pub use camera::{Camera, FovAxis, Orthographic, Perspective};
+pub use camera::{
+    Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
+    Observer, Orthographic, Panorama, PanoramaRows, Perspective, Pose, Stereo, StereoLayout,
+};
 pub use check::BUILTIN_PATCHES;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};

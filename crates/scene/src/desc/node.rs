@@ -43,6 +43,8 @@ describe! {
         material: Option<MaterialRef> = None,
         /// The nodes.
         children: Vec<Node>,
+        /// What the camera's `focus_on` calls it.
+        name: Option<Name> = None,
     }
 }
 
@@ -55,5 +57,7 @@ describe! {
         transform: Transform = Transform::default(),
         /// Material of what has none of its own in the object.
         material: Option<MaterialRef> = None,
+        /// What the camera's `focus_on` calls it, besides the name of the object.
+        name: Option<Name> = None,
     }
 }

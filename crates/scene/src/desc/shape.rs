@@ -23,6 +23,8 @@ describe! {
         transform: Transform = Transform::default(),
         /// Swaps front and back.
         flip: bool = false,
+        /// What the camera's `focus_on` calls it.
+        name: Option<Name> = None,
     }
 }
 

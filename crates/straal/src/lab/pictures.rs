@@ -86,9 +86,11 @@ fn tests(world: &World, film: [u32; 2], [w, h]: [u32; 2], (scene, block): (&Scen
                 (low + high) as f32 * 0.5
             };
             let (x, y) = (middle(i % across, w), middle(i / across, h));
-            let ray = world.camera.ray(FilmPoint { position: [x * scale[0], y * scale[1]] });
-            let cost = scene.closest_counted(&world.geometry, &ray).1;
-            cost.nodes as f32 + cost.primitives as f32
+            let at = FilmPoint::at([x * scale[0], y * scale[1]]);
+            world.camera.ray(&at).map_or(0.0, |ray| {
+                let cost = scene.closest_counted(&world.geometry, &ray).1;
+                cost.nodes as f32 + cost.primitives as f32
+            })
         })
         .collect();
     let pixel = |i: u32| blocks[((i / w / block) * across + i % w / block) as usize];

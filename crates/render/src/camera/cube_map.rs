@@ -1,0 +1,81 @@
+//! Cube maps: all directions on six square faces.
+
+use super::view::Axes;
+use super::{FilmPoint, View};
+use straal_math::{Ray, Vec3};
+
+/// Where in the picture the faces are. Each is what a pinhole of 90 degrees sees from the middle of the cube, those to the
+/// sides with the same direction up, the upper one with its lower edge to the front, the lower one with its upper edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CubeLayout {
+    /// 4 by 3 faces: left, front, right and back in the middle, up and down above and below the front.
+    Cross,
+    /// 6 faces: right, left, up, down, back, front.
+    Row,
+}
+
+impl CubeLayout {
+    /// Faces across and down.
+    pub const fn faces(self) -> [u32; 2] {
+        match self {
+            Self::Cross => [4, 3],
+            Self::Row => [6, 1],
+        }
+    }
+
+    /// Which of right, left, up, down, back and front stands in a place.
+    const fn face(self, column: u32, row: u32) -> Option<usize> {
+        match (self, column, row) {
+            (Self::Cross, 2, 1) => Some(0),
+            (Self::Cross, 0, 1) => Some(1),
+            (Self::Cross, 1, 0) => Some(2),
+            (Self::Cross, 1, 2) => Some(3),
+            (Self::Cross, 3, 1) => Some(4),
+            (Self::Cross, 1, 1) => Some(5),
+            (Self::Row, column @ 0..6, 0) => Some(column as usize),
+            _ => None,
+        }
+    }
+}
+
+/// A camera that sees all around, on the faces of a cube.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CubeMap {
+    eye: Vec3,
+    /// Views of right, left, up, down, back and front.
+    faces: [Axes; 6],
+    layout: CubeLayout,
+    /// Side of a face in pixels.
+    side: u32,
+}
+
+impl CubeMap {
+    /// Faces as large as whole pixels allow; the rest of the picture, to the right and below, stays black. `None` when there
+    /// is no room for faces.
+    pub fn new(view: &View, layout: CubeLayout, size: [u32; 2]) -> Option<Self> {
+        let [columns, rows] = layout.faces();
+        let side = (size[0] / columns).min(size[1] / rows);
+        let View { right, up, forward, .. } = *view;
+        let face = |right, up, forward| Axes::from(&View { right, up, forward, eye: view.eye });
+        let faces = [
+            face(-forward, up, right),
+            face(forward, up, -right),
+            face(right, -forward, up),
+            face(right, forward, -up),
+            face(-right, up, -forward),
+            face(right, up, forward),
+        ];
+        (side > 0).then_some(Self { eye: view.eye.as_vec3(), faces, layout, side })
+    }
+
+    #[inline]
+    pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        let [column, row] = at.pixel.map(|n| n / self.side);
+        let face = &self.faces[self.layout.face(column, row)?];
+        // From -1 to 1 over the face; a little more where a filter reaches over its edge.
+        let within = |position: f32, first: u32| 2.0 * (position - first as f32) / self.side as f32 - 1.0;
+        let x = within(at.position[0], column * self.side);
+        let y = -within(at.position[1], row * self.side);
+        Some(Ray { time: at.time, ..Ray::new(self.eye, face.direction(x, y, 1.0).normalize()) })
+    }
+}

@@ -1,0 +1,74 @@
+//! Fisheyes: pictures of up to all directions in a circle.
+
+use super::view::Axes;
+use super::{FilmPoint, View};
+use straal_math::{Ray, ops};
+
+/// How the angle a to the view follows from the distance r from the middle, both relative to those of the circle's edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Projection {
+    /// a as r.
+    Equidistant,
+    /// sin(a/2) as r: equal areas are equal solid angles.
+    Equisolid,
+    /// sin(a) as r, up to 90 degrees.
+    Orthographic,
+    /// tan(a/2) as r, below 180 degrees.
+    Stereographic,
+}
+
+/// A camera whose picture is a circle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fisheye {
+    axes: Axes,
+    middle: [f32; 2],
+    /// One over the circle's radius in pixels.
+    scale: f32,
+    projection: Projection,
+    /// What the projection does to the largest angle: the angle itself in radians, or its function.
+    edge: f32,
+}
+
+impl Fisheye {
+    /// `degrees` is the angle across the circle, at most 360, and `diameter` the circle's in pixels.
+    pub fn new(view: &View, (projection, degrees): (Projection, f64), diameter: f64, size: [u32; 2]) -> Self {
+        let (s, c) = ops::sin_cos_degrees(0.25 * degrees);
+        let edge = match projection {
+            Projection::Equidistant => (0.5 * degrees).to_radians(),
+            Projection::Equisolid => s,
+            Projection::Orthographic => ops::sin_cos_degrees(0.5 * degrees).0,
+            Projection::Stereographic => s / c,
+        };
+        Self {
+            axes: view.into(),
+            middle: size.map(|n| (0.5 * f64::from(n)) as f32),
+            scale: (2.0 / diameter) as f32,
+            projection,
+            edge: edge as f32,
+        }
+    }
+
+    #[inline]
+    pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        let x = (at.position[0] - self.middle[0]) * self.scale;
+        let y = (self.middle[1] - at.position[1]) * self.scale;
+        let r = (x * x + y * y).sqrt();
+        if r > 1.0 {
+            return None;
+        }
+        let q = r * self.edge;
+        let (sin, cos) = match self.projection {
+            Projection::Equidistant => ops::sin_cos(q),
+            // By the half angle's sine or tangent q: sin a = 2 sin(a/2) cos(a/2), cos a = 1 - 2 sin(a/2)².
+            Projection::Equisolid => (2.0 * q * ops::max(1.0 - q * q, 0.0).sqrt(), 1.0 - 2.0 * q * q),
+            Projection::Orthographic => (q, ops::max(1.0 - q * q, 0.0).sqrt()),
+            Projection::Stereographic => {
+                let n = 1.0 / (1.0 + q * q);
+                (2.0 * q * n, (1.0 - q * q) * n)
+            }
+        };
+        let across = if r > 0.0 { sin / r } else { 0.0 };
+        let d = self.axes.direction(x * across, y * across, cos);
+        Some(Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) })
+    }
+}

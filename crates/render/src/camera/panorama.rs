@@ -1,0 +1,57 @@
+//! Panoramas: all directions by longitude and latitude.
+
+use super::view::Axes;
+use super::{FilmPoint, View};
+use straal_math::{Ray, ops};
+
+/// Where in the picture the ends of the latitudes are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// At its upper and lower edge.
+    Even,
+    /// In the middle of its first and last row, as [`crate::light::ImageEnvironment`] has them.
+    Centered,
+}
+
+/// A camera that sees all around. A pixel at longitude l and latitude b looks in the direction
+/// cos b (sin l right + cos l forward) + sin b up.
+///
+/// Places above the upper pole, where a filter may reach, are those across it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panorama {
+    axes: Axes,
+    /// Longitude of the left edge and of a pixel's width, latitude of the upper edge and of a pixel's height, in radians.
+    left: f32,
+    across: f32,
+    top: f32,
+    down: f32,
+}
+
+impl Panorama {
+    /// Longitudes from left to right and latitudes from below to above, in degrees.
+    pub fn new(view: &View, longitude: [f64; 2], (latitude, rows): ([f64; 2], Rows), size: [u32; 2]) -> Self {
+        let [w, h] = size.map(f64::from);
+        let [bottom, top] = latitude;
+        // A single row has no first and last.
+        let (height, above) = match rows {
+            Rows::Centered if size[1] > 1 => ((top - bottom) / (h - 1.0), 0.5),
+            _ => ((top - bottom) / h, 0.0),
+        };
+        Self {
+            axes: view.into(),
+            left: longitude[0].to_radians() as f32,
+            across: ((longitude[1] - longitude[0]) / w).to_radians() as f32,
+            top: (top + above * height).to_radians() as f32,
+            down: height.to_radians() as f32,
+        }
+    }
+
+    #[inline]
+    pub(super) fn ray(&self, at: &FilmPoint) -> Ray {
+        let [x, y] = at.position;
+        let (sin_l, cos_l) = ops::sin_cos(self.left + self.across * x);
+        let (sin_b, cos_b) = ops::sin_cos(self.top - self.down * y);
+        let d = self.axes.direction(sin_l * cos_b, sin_b, cos_l * cos_b);
+        Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) }
+    }
+}

@@ -1,0 +1,146 @@
+//! Cameras by what the course and the photographer know of them.
+
+mod all_around;
+mod course;
+mod eyes_and_motion;
+mod lens;
+
+use super::*;
+use straal_math::{DVec3, Vec3};
+
+/// Pixels of the test pictures.
+const SIZE: [u32; 2] = [200, 100];
+
+/// What the film is off by: positions are single precision, and so are the rays by which they are found.
+const PIXELS: f64 = 3e-3;
+
+fn view() -> View {
+    View::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y).unwrap()
+}
+
+/// One that looks askew.
+fn slanted() -> View {
+    View::look_at(DVec3::new(2.0, 1.5, 4.0), DVec3::new(-0.3, 0.2, 0.4), DVec3::new(0.1, 1.0, 0.0))
+        .unwrap()
+        .rolled(20.0)
+}
+
+fn pinhole(view: &View) -> Camera {
+    Camera::Perspective(Perspective::new(view, &Window::new(0.5, SIZE)))
+}
+
+fn ray(camera: &Camera, position: [f32; 2]) -> Ray {
+    camera.ray(&FilmPoint::at(position)).expect("a ray")
+}
+
+/// Where on the film a point of the world is seen: found by looking at rays only, so that it holds for any camera whose rays
+/// change smoothly.
+fn seen(camera: &Camera, p: DVec3) -> [f64; 2] {
+    seen_through(camera, p, [0.5; 2])
+}
+
+/// The same through a given place on the lens. Newton's method on how far the ray passes by.
+fn seen_through(camera: &Camera, p: DVec3, lens: [f32; 2]) -> [f64; 2] {
+    let off = |x: f64, y: f64| {
+        let at = FilmPoint { lens, ..FilmPoint::at([x as f32, y as f32]) };
+        let ray = camera.ray(&at).expect("a ray");
+        let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
+        // The point of the ray nearest to p, seen from p.
+        o + d * ((p - o).dot(d) / d.dot(d)) - p
+    };
+    let [mut x, mut y] = SIZE.map(|n| 0.5 * f64::from(n));
+    for _ in 0..20 {
+        let here = off(x, y);
+        const H: f64 = 0.5;
+        let (a, b) =
+            ((off(x + H, y) - off(x - H, y)) / (2.0 * H), (off(x, y + H) - off(x, y - H)) / (2.0 * H));
+        // Least squares of here + a dx + b dy.
+        let (aa, ab, bb, ah, bh) = (a.dot(a), a.dot(b), b.dot(b), a.dot(here), b.dot(here));
+        let det = aa * bb - ab * ab;
+        x -= (bb * ah - ab * bh) / det;
+        y -= (aa * bh - ab * ah) / det;
+    }
+    assert!(off(x, y).length() < 1e-4 * (1.0 + p.length()), "{p:?} isn't seen");
+    [x, y]
+}
+
+fn near(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
+    (a[0] - b[0]).abs() < tolerance && (a[1] - b[1]).abs() < tolerance
+}
+
+/// Every kind of camera for a picture of [`SIZE`].
+fn every_kind(view: &View) -> Vec<(&'static str, Camera)> {
+    let window = Window::new(0.5, SIZE).shifted([0.1, -0.2]);
+    let lens = |iris| Camera::ThinLens(Box::new(ThinLens::new(view, &window, iris, 3.0)));
+    let fisheye = |projection, degrees| {
+        Camera::Fisheye(Box::new(Fisheye::new(view, (projection, degrees), 100.0, SIZE)))
+    };
+    let panorama = |rows| {
+        let p = Panorama::new(view, [-180.0, 180.0], ([-90.0, 90.0], rows), SIZE);
+        Camera::Panorama(Box::new(p))
+    };
+    let cube = |layout| Camera::CubeMap(Box::new(CubeMap::new(view, layout, SIZE).unwrap()));
+    let stereo = |layout| {
+        let own = Window { size: Stereo::picture(layout, SIZE), ..window };
+        let eyes = [0, 1].map(|i| {
+            let (view, window) = Eyes { separation: 0.3, convergence: 4.0 }.eye(i, view, &own);
+            Camera::Perspective(Perspective::new(&view, &window))
+        });
+        Camera::Stereo(Box::new(Stereo::new(eyes, layout, own.size[0])))
+    };
+    let own = Camera::Perspective(Perspective::new(&View::ORIGIN, &window));
+    let stand =
+        |x: f64| Stand { eye: DVec3::new(x, 0.0, 4.0), look_at: DVec3::ZERO, up: DVec3::Y, roll: 9.0 * x };
+    vec![
+        ("pinhole", Camera::Perspective(Perspective::new(view, &window))),
+        ("round lens", lens(Iris::round(0.2))),
+        ("soft lens", lens(Iris::gaussian(0.2, 0.4))),
+        ("blades", lens(Iris::polygon(0.2, 5, 10.0))),
+        ("orthographic", Camera::Orthographic(Orthographic::new(view, 4.0, SIZE))),
+        ("equidistant", fisheye(Projection::Equidistant, 360.0)),
+        ("equisolid", fisheye(Projection::Equisolid, 360.0)),
+        ("orthographic fisheye", fisheye(Projection::Orthographic, 180.0)),
+        ("stereographic", fisheye(Projection::Stereographic, 300.0)),
+        ("panorama", panorama(Rows::Even)),
+        ("panorama for surroundings", panorama(Rows::Centered)),
+        ("cross", cube(CubeLayout::Cross)),
+        ("row", cube(CubeLayout::Row)),
+        ("parallel", stereo(StereoLayout::Parallel)),
+        ("crossed", stereo(StereoLayout::Crossed)),
+        ("anaglyph", stereo(StereoLayout::Anaglyph)),
+        ("moving", Camera::Moving(Box::new(Moving::new(own, [stand(-1.0), stand(1.0)], [0.25, 0.75])))),
+    ]
+}
+
+#[test]
+fn every_ray_keeps_the_contract() {
+    for (name, camera) in every_kind(&slanted()) {
+        let needs = camera.needs();
+        let mut count = 0;
+        for i in 0..40_000_u32 {
+            let unit = |k: u32| (f64::from(i.wrapping_mul(k)) / f64::from(u32::MAX)) as f32 * 0.999;
+            let pixel = [i % SIZE[0], i / SIZE[0] % SIZE[1]];
+            let position =
+                [pixel[0] as f32 + 2.0 * unit(0x9e37_79b9) - 0.5, pixel[1] as f32 + unit(0x85eb_ca6b)];
+            let at = FilmPoint {
+                pixel,
+                position,
+                lens: [unit(0xc2b2_ae35), unit(0x27d4_eb2f)],
+                time: unit(0x1656_67b1),
+            };
+            let Some(ray) = camera.ray(&at) else { continue };
+            count += 1;
+            assert!(ray.is_valid() && (ray.d.length() - 1.0).abs() < 1e-6, "{name}: {ray:?}");
+            assert!(ray.time == at.time && ray.t_min == 0.0 && ray.t_max == f32::INFINITY, "{name}");
+            // What a camera says it doesn't need makes no difference.
+            let other = FilmPoint { lens: if needs.lens { at.lens } else { [0.1, 0.9] }, ..at };
+            assert_eq!(camera.ray(&other), Some(ray), "{name}");
+            assert!(needs.taken || camera.taken(&at) == [1.0; 3], "{name}");
+            let later = camera.ray(&FilmPoint { time: 0.5 * at.time, ..at }).expect("the same place");
+            if at.time > 0.01 {
+                assert_eq!(needs.time, (later.o, later.d) != (ray.o, ray.d), "{name}");
+            }
+        }
+        assert!(count > 10_000, "{name} sees only {count}");
+    }
+}
