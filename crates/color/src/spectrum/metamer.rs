@@ -23,8 +23,8 @@ pub fn black(spectrum: &Bins, light: &Bins, observer: Observer) -> Bins {
             *x -= share * b;
         }
     };
-    for c in 0..3 {
-        let mut v: Bins = std::array::from_fn(|i| functions[i][c] * light[i]);
+    let seen: [Bins; 3] = std::array::from_fn(|c| std::array::from_fn(|i| functions[i][c] * light[i]));
+    for mut v in seen {
         for b in &basis {
             let share = dot(&v, b);
             take(&mut v, b, share);

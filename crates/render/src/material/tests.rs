@@ -147,8 +147,8 @@ fn rainbows_average_to_white() {
         let u = (i as f32 + 0.5) / N as f32;
         let s = prism(Hue::All).sample(wo, 0.999, [u, 0.0], Transport::Importance).unwrap();
         assert!(s.transmitted && s.wavelength > 360.0 - 1.0);
-        for c in 0..3 {
-            sum[c] += f64::from(s.weight[c]);
+        for (c, sum) in sum.iter_mut().enumerate() {
+            *sum += f64::from(s.weight[c]);
         }
         passed += 1.0;
         if s.wavelength < 450.0 && s.weight[2] > 2.0 * s.weight[0] {

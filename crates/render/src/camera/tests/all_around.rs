@@ -141,7 +141,8 @@ fn surroundings_are_read_as_they_were_seen() {
             assert!((d.y.abs() - 1.0).abs() < 1e-6);
             continue;
         }
-        let found = light.radiance(ray(&c, [x as f32 + 0.5, y as f32 + 0.5]).d).to_rgb();
+        let d = ray(&c, [x as f32 + 0.5, y as f32 + 0.5]).d;
+        let found = light.radiance(d, &crate::testing::in_rgb()).to_rgb();
         for (found, want) in found.into_iter().zip(image.pixels[i]) {
             assert!((found - want).abs() < 1e-4, "pixel {x} {y}: {found} {want}");
         }
