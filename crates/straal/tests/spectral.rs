@@ -109,7 +109,7 @@ fn the_cornell_box_has_its_colours() {
     let Some(shared) = common::shared() else { return };
     for name in ["cbox-spectral", "cbox-rgb"] {
         let wish = Overrides { size: Some([64, 64]), spp: Some(64), ..Overrides::default() };
-        let ours = common::render(&format!("scenes/reference/{name}.yaml"), wish).picture.layers;
+        let ours = common::render(&format!("scenes/cbox/{name}.yaml"), wish).picture.layers;
         let bytes = std::fs::read(shared.join("reference").join(name).join("mean.exr")).expect("a reference");
         let theirs =
             straal_formats::image::read(&bytes, &straal_formats::Limits::default()).expect("a picture");
