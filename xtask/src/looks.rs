@@ -7,14 +7,14 @@ use straal::focus::{Blur, Lens};
 use straal::{Control, Job, LoadOptions, Look, Overrides};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
+use straal_scene::desc::Camera;
 
 const FOLDER: &str = "book/src/images";
 const SCENE: &str = "scenes/bright-colours.yaml";
 const SIZE: [u32; 2] = [320, 180];
 
-/// The scene that is blurred, and the lens.
-const BLURRED: &str = "scenes/embedded.yaml";
-const LENS: Lens = Lens { focus: 8.0, radius: 0.15 };
+/// The scene that is blurred as its own lens would.
+const BLURRED: &str = "scenes/depth-of-field.yaml";
 
 /// Renders the scene once and develops it by every curve; draws the curves; blurs another.
 pub fn run() -> Result<bool, Failure> {
@@ -34,16 +34,19 @@ pub fn run() -> Result<bool, Failure> {
     Ok(true)
 }
 
-/// A sharp picture and the same blurred by its depth.
+/// A scene seen through a pinhole, blurred by its depth as much as its lens blurs it: to be shown beside what the lens sees.
 fn blurred() -> Result<(), Failure> {
-    let loaded = straal::load(&root().join(BLURRED), &LoadOptions::default())
+    let mut loaded = straal::load(&root().join(BLURRED), &LoadOptions::default())
         .map_err(|_| format!("the scene is wrong; see `straal check {BLURRED}`"))?;
-    let [width, height] = loaded.scene.film.size;
-    let size = [2 * SIZE[0], 2 * SIZE[0] * height / width];
-    let job = Job::new(loaded, Overrides { size: Some(size), ..Overrides::default() })?;
+    let seen = Job::new(loaded.clone(), Overrides::default())?.camera().focus.ok_or("there is no lens")?;
+    if let Camera::Perspective(camera) = &mut loaded.scene.camera {
+        camera.lens = None;
+    }
+    let job = Job::new(loaded, Overrides::default())?;
     let mut plate = Plate::from(&job.render(&mut Control::to_the_end())?.picture);
     let focal_pixels = plate.focal_pixels().ok_or("the camera doesn't magnify")?;
-    plate.blur(&Blur { lens: LENS, focal_pixels })?;
+    let lens = Lens { focus: seen.distance, radius: seen.radius };
+    plate.blur(&Blur { lens, focal_pixels })?;
     let file = format!("{FOLDER}/blur-by-depth.png");
     plate.save(&root().join(&file), &job.look())?;
     println!("{file}");

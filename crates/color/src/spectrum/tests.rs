@@ -139,7 +139,19 @@ fn daylight_by_formula_is_that_of_the_tables() {
 /// Chromaticities of fluorescent lamps as CIE 15:2018 prints them: summed every 5 nm, which lines of mercury feel.
 #[test]
 fn fluorescent_lamps_are_the_cies() {
-    let printed = [("FL2", [0.3721, 0.3751]), ("FL7", [0.3129, 0.3292]), ("FL11", [0.3805, 0.3769])];
+    let printed = [
+        ("FL1", [0.3131, 0.3371]),
+        ("FL2", [0.3721, 0.3751]),
+        ("FL3", [0.4091, 0.3941]),
+        ("FL4", [0.4402, 0.4031]),
+        ("FL5", [0.3138, 0.3452]),
+        ("FL6", [0.3779, 0.3882]),
+        ("FL7", [0.3129, 0.3292]),
+        ("FL8", [0.3458, 0.3586]),
+        ("FL9", [0.3741, 0.3727]),
+        ("FL11", [0.3805, 0.3769]),
+        ("FL12", [0.4370, 0.4042]),
+    ];
     for (name, want) in printed {
         let light = illuminant::by_name(name).unwrap().bins(Beyond::Zero);
         let coarse: Bins = std::array::from_fn(|i| if i % 5 == 0 { light[i] } else { 0.0 });
