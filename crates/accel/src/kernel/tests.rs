@@ -62,7 +62,7 @@ fn steps<K: Kernel>(kernel: K, ray: &LocalRay, node: &Node, limit: f32) -> [Vec<
 }
 
 /// Whether a rounding of exits decides which boxes are entered.
-fn is_close(r: &LocalRay, node: &Node, limit: f32) -> bool {
+fn is_close(r: &LocalRay, node: &Node) -> bool {
     (0..8).any(|lane| {
         let crossed = |axis: usize, far: u8| {
             let side = usize::from((r.neg[axis] ^ far) & 1);
@@ -134,7 +134,7 @@ fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
                 boxed += 1;
             }
         }
-        if is_close(&ray, &node, limit) {
+        if is_close(&ray, &node) {
             close += 1;
         } else {
             let want = steps(scalar::Scalar, &ray, &node, limit);
