@@ -10,7 +10,7 @@ use std::str::FromStr;
 use std::time::Duration;
 use straal::focus::Lens;
 use straal::search;
-use straal::{Bits, CostMeasure, Dither, Exposure, Gamma, Gamut, Look, Tone};
+use straal::{Bits, CostMeasure, Dither, Exposure, Gamma, Gamut, Look, Recording, Tone};
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::{Observer, illuminant};
 use straal_math::lowdisc::PatternKind;
@@ -131,6 +131,11 @@ pub struct RenderArgs {
     /// Compute light by wavelengths instead of red, green and blue
     #[arg(long)]
     pub spectral: bool,
+
+    /// In which numbers an EXR holds the picture: rgb of the work space; xyz; or spectral, by wavelengths in 16 bands from 380
+    /// to 780 nm besides rgb, or in bands as in spectral:40 or spectral:40:400:700
+    #[arg(long, value_name = "NUMBERS", value_parser = quantity::recording)]
+    pub channels: Option<Recording>,
 
     /// Seed of all random numbers
     #[arg(long, value_name = "N")]

@@ -1,7 +1,7 @@
 //! The driver: passes over the picture, tiles over the threads, waves of paths.
 
 use crate::camera::FilmPoint;
-use crate::film::{BLOCK, Film, FilmTile, MAX_SAMPLES, next_look};
+use crate::film::{BLOCK, BandSample, Film, FilmTile, MAX_SAMPLES, next_look};
 use crate::filter::FilterSample;
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
@@ -53,6 +53,9 @@ impl<'w, I: Integrator> Render<'w, I> {
             None => settings.crop,
         };
         let mut film = Film::over(settings.size, settings.crop, region);
+        if let Some(bands) = world.palette.recording().bands() {
+            film.hold_bands(*bands);
+        }
         if settings.cost {
             film.count_costs(clock.is_some());
         }
@@ -188,6 +191,8 @@ struct Worker<'a, I: Integrator, P, L: Lanes> {
     lanes: Vec<L>,
     /// By sample, what the filter multiplies its light by.
     weights: Vec<f32>,
+    /// What the sample that the film takes adds to bands of wavelengths.
+    bands: Vec<BandSample>,
     shadow_rays: Vec<Ray>,
     shadows: Vec<ShadowRay>,
     transmittance: Vec<Light>,
@@ -217,6 +222,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             names: Vec::new(),
             lanes: Vec::new(),
             weights: Vec::new(),
+            bands: Vec::new(),
             shadow_rays: Vec::new(),
             shadows: Vec::new(),
             transmittance: Vec::new(),
@@ -246,7 +252,9 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 let mut sample = s.guides;
                 let light = self.lanes[k].film(&self.world.palette, s.light);
                 sample.rgb = std::array::from_fn(|i| light[i] * self.weights[k] * s.taken[i]);
-                tile.add(pixel, index, &sample);
+                self.bands.clear();
+                self.lanes[k].bands(&self.world.palette, s.light * self.weights[k], &mut self.bands);
+                tile.add(pixel, index, &sample, &self.bands);
                 if let Some(cost) = self.probe.cost(k) {
                     tile.add_cost(pixel, &cost);
                 }

@@ -1,7 +1,7 @@
 //! How much memory a scene will need, before anything is rendered.
 
 use crate::Assets;
-use crate::desc::{Bezier, BezierPatches, MeshSource, Node, Scene, TriangleMesh};
+use crate::desc::{Bezier, BezierPatches, Channels, MeshSource, Node, Scene, TriangleMesh};
 
 /// Bytes that a scene needs while it is rendered, and what it is made of. Rough by nature: a search tree's size
 /// depends on where the triangles are.
@@ -76,7 +76,11 @@ pub fn forecast(scene: &Scene, assets: &Assets) -> Forecast {
     f.search_bytes = (f.triangles + shapes) * SEARCH;
     let pixels = |i: &crate::Image| (i.width as u64).saturating_mul(i.height as u64);
     f.image_bytes = assets.images.values().map(|i| pixels(i).saturating_mul(PIXEL)).sum();
-    f.film_bytes = u64::from(scene.film.size[0]) * u64::from(scene.film.size[1]) * FILM;
+    let bands = match &scene.film.channels {
+        Channels::Spectral(s) => u64::from(s.bands),
+        Channels::Rgb | Channels::Xyz => 0,
+    };
+    f.film_bytes = u64::from(scene.film.size[0]) * u64::from(scene.film.size[1]) * (FILM + 16 * bands);
     let mut visible = Visible { scene, assets, known: vec![None; scene.objects.len()] };
     f.visible = scene.world.iter().fold(0, |sum: u64, node| sum.saturating_add(visible.count(node)));
     f

@@ -4,12 +4,12 @@ use crate::look::{Bits, Gamma, Look};
 use crate::picture::Picture;
 use crate::search;
 use straal_accel::{Build, BvhParams, Isa, Structure};
-use straal_color::{Dither, Space};
+use straal_color::{Dither, RgbSpace, Space};
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom, Request};
 use straal_render::driver::{Render, RenderError};
-use straal_render::film::{Film, MAX_SAMPLES};
+use straal_render::film::{Film, MAX_SAMPLES, Recording};
 use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
@@ -50,6 +50,8 @@ pub struct Overrides {
     pub cost: Option<bool>,
     /// Computes light by wavelengths instead of red, green and blue.
     pub spectral: Option<bool>,
+    /// In which numbers the film takes light.
+    pub recording: Option<Recording>,
 }
 
 /// Why a job can't be done.
@@ -177,10 +179,14 @@ impl Job {
         let scene = &loaded.scene;
         let size = wish.size.unwrap_or(scene.film.size);
         let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
+        let spectral = wish.spectral.unwrap_or(scene.spectral);
+        let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
+        check_recording(recording, spectral)?;
         let pixels = crop.area();
-        if size.contains(&0) || pixels > MAX_PIXELS {
+        let most = MAX_PIXELS * Film::bytes_a_pixel(Recording::Rgb) / Film::bytes_a_pixel(recording);
+        if size.contains(&0) || pixels > most {
             return Err(Error::Request(format!(
-                "{pixels} pixels can't be rendered at once: it must be from 1 to {MAX_PIXELS}; a larger picture \
+                "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture \
                  can be rendered in crops"
             )));
         }
@@ -221,8 +227,16 @@ impl Job {
             custom,
             size,
             search: &search,
-            spectral: wish.spectral.unwrap_or(scene.spectral),
+            spectral,
+            recording,
         })?;
+        if recording != Recording::Rgb && world.camera.needs().taken {
+            return Err(Error::Request(format!(
+                "an anaglyph gives each eye colours of its own in red, green and blue, which a film of the kind `{}` \
+                 doesn't have",
+                recording.name()
+            )));
+        }
         let threads = wish.threads.unwrap_or(0);
         let settings = Settings {
             size,
@@ -253,9 +267,17 @@ impl Job {
         self.look
     }
 
-    /// The work space: that of the film's colours.
+    /// The work space.
     pub fn space(&self) -> Space {
         self.space
+    }
+
+    /// What the three numbers of the film's pixels are.
+    pub fn film_space(&self) -> RgbSpace {
+        match self.world.palette.recording() {
+            Recording::Xyz => RgbSpace::XYZ,
+            Recording::Rgb | Recording::Spectral(_) => self.space.rgb(),
+        }
     }
 
     /// What follows from the camera's settings.
@@ -287,7 +309,7 @@ impl Job {
         let mut progress = Progress { of: u64::from(of), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
         let layers = run.film.layers();
-        let mut picture = Picture::new(&run.film, layers, self.space);
+        let mut picture = Picture::new(&run.film, layers, self.film_space());
         picture.story = self.story(run.samples);
         picture.story.push(("straal.passes".into(), run.passes.to_string()));
         picture.story.push(("straal.film_hash".into(), run.film.hash()));
@@ -311,6 +333,8 @@ impl Job {
         };
         let noise = s.noise.map(|noise| ("noise", noise.to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
+        let recording = self.world.palette.recording();
+        let channels = (recording != Recording::Rgb).then(|| ("channels", recording.name().to_string()));
         let magnified = self.world.camera.focal_pixels().map(|f| ("focal_pixels", f.to_string()));
         [
             ("version", crate::VERSION.to_string()),
@@ -330,6 +354,7 @@ impl Job {
         .chain(noise)
         .chain(counted)
         .chain(magnified)
+        .chain(channels)
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
     }
@@ -399,6 +424,29 @@ fn look(film: &desc::Film) -> Look {
         bits: Bits::of(film.bits).unwrap_or_default(),
         dither: if film.dither { Dither::On } else { Dither::Off },
     }
+}
+
+/// In which numbers a scene wants its film to take light.
+fn recorded(channels: &desc::Channels) -> Result<Recording, Error> {
+    Ok(match channels {
+        desc::Channels::Rgb => Recording::Rgb,
+        desc::Channels::Xyz => Recording::Xyz,
+        desc::Channels::Spectral(s) => {
+            let none = || Error::Request("the film's bands of wavelengths make no sense".into());
+            Recording::Spectral(s.bands().ok_or_else(none)?)
+        }
+    })
+}
+
+fn check_recording(recording: Recording, spectral: bool) -> Result<(), Error> {
+    if recording.bands().is_some() && !spectral {
+        return Err(Error::Request(
+            "a film of wavelengths needs light that is computed by wavelengths: say `spectral: true` in the scene, or \
+             --spectral"
+                .into(),
+        ));
+    }
+    Ok(())
 }
 
 /// Why a pattern is of no use before the number of samples is known, if so.

@@ -2,7 +2,8 @@
 
 use crate::job::{Control, Error, Job, Outcome};
 use crate::picture::Picture;
-use straal_render::film::{CostLayers, Dropped, Layers};
+use straal_color::spectrum::Bands;
+use straal_render::film::{BandLayers, CostLayers, Dropped, Layers};
 use straal_render::stopwatch::Times;
 
 /// Distance of the replicates' seeds: odd, and far from what people type.
@@ -31,12 +32,14 @@ impl Job {
             dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
             let layers = run.film.layers();
             if !run.complete {
-                partial = Some((Picture::new(&run.film, layers, self.space()), run.samples));
+                partial = Some((Picture::new(&run.film, layers, self.film_space()), run.samples));
                 break;
             }
             whole += 1;
-            sums.get_or_insert_with(|| Sums::new(Picture::new(&run.film, Layers::default(), self.space())))
-                .add(&layers);
+            sums.get_or_insert_with(|| {
+                Sums::new(Picture::new(&run.film, Layers::default(), self.film_space()))
+            })
+            .add(&layers);
         }
         let (mut picture, samples) = match (sums, partial) {
             (Some(sums), _) => (sums.picture(whole), self.spp.saturating_mul(whole)),
@@ -64,6 +67,8 @@ struct Sums {
     /// Nodes, primitives and nanoseconds; empty when they aren't counted.
     costs: Vec<[f64; 3]>,
     timed: bool,
+    /// Light by wavelengths.
+    bands: Option<(Bands, Vec<Vec<f64>>)>,
     count: f64,
 }
 
@@ -80,6 +85,7 @@ impl Sums {
             samples: vec![0; n],
             costs: Vec::new(),
             timed: false,
+            bands: None,
             count: 0.0,
         }
     }
@@ -93,6 +99,13 @@ impl Sums {
                 sum[0] += f64::from(cost.nodes[i]);
                 sum[1] += f64::from(cost.primitives[i]);
                 sum[2] += cost.time.as_ref().map_or(0.0, |time| f64::from(time[i]));
+            }
+        }
+        if let Some(BandLayers { bands, planes }) = &l.bands {
+            let nothing = || (*bands, planes.iter().map(|plane| vec![0.0; plane.len()]).collect());
+            let (_, sums) = self.bands.get_or_insert_with(nothing);
+            for (sum, v) in sums.iter_mut().flatten().zip(planes.iter().flatten()) {
+                *sum += f64::from(*v);
             }
         }
         for i in 0..self.rgb.len() {
@@ -128,6 +141,10 @@ impl Sums {
             cost: (!self.costs.is_empty()).then(|| {
                 let mean = |k: usize| self.costs.iter().map(|c| (c[k] / n) as f32).collect();
                 CostLayers { nodes: mean(0), primitives: mean(1), time: self.timed.then(|| mean(2)) }
+            }),
+            bands: self.bands.map(|(bands, sums)| {
+                let mean = |plane: Vec<f64>| plane.into_iter().map(|v| (v / n) as f32).collect();
+                BandLayers { bands, planes: sums.into_iter().map(mean).collect() }
             }),
         };
         Picture { layers, ..self.frame }

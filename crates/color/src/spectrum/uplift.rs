@@ -105,6 +105,56 @@ impl Uplift {
         Smooth::Sigmoid(c)
     }
 
+    /// The smooth reflectance of any colour in linear sRGB, also of one that sRGB doesn't hold but a wider space; `Err` with
+    /// the nearest on the way to a grey where no smooth reflectance is so colourful or bright.
+    pub fn reach(&self, rgb: [f64; 3]) -> Result<Smooth, Smooth> {
+        if rgb.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Ok(self.fit(rgb));
+        }
+        // From the grey that is as bright, within what a surface can be.
+        let luminance: f64 = { Space::Srgb.rgb().luminance() }.iter().zip(rgb).map(|(w, v)| w * v).sum();
+        let grey = if luminance > 0.02 { if luminance < 0.98 { luminance } else { 0.98 } } else { 0.02 };
+        let at = |share: f64| rgb.map(|v| grey + (v - grey) * share);
+        let mut c = [0.0; 3];
+        let mut reached = 0.0;
+        let mut step = 1.0 / 16.0;
+        while reached < 1.0 {
+            let share = if reached + step < 1.0 { reached + step } else { 1.0 };
+            let mut next = c;
+            if self.refine(&mut next, at(share)) {
+                (c, reached) = (next, share);
+            } else {
+                step *= 0.5;
+                if step < 1e-3 {
+                    return Err(Smooth::Sigmoid(c));
+                }
+            }
+        }
+        Ok(Smooth::Sigmoid(c))
+    }
+
+    /// The smooth spectrum of light of a colour in linear sRGB: a surface lit by D65, about half as bright as its strongest
+    /// channel, or darker where only a dark surface is so colourful; gives the surface and what it is multiplied by. `Err`
+    /// with the nearest where light has no such colour.
+    pub fn reach_light(&self, rgb: [f64; 3]) -> Result<(Smooth, f64), (Smooth, f64)> {
+        let most = rgb.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+        if most <= 0.0 {
+            return Err((Smooth::Grey(0.0), 1.0));
+        }
+        if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
+            return Ok((Smooth::Grey(1.0), most));
+        }
+        let mut nearest = (Smooth::Grey(0.0), 1.0);
+        for strongest in [0.5, 0.25, 0.1, 0.04, 0.016] {
+            let scale = most / strongest;
+            match self.reach(rgb.map(|v| v / scale)) {
+                Ok(smooth) => return Ok((smooth, scale)),
+                Err(smooth) => nearest = (smooth, scale),
+            }
+        }
+        Err(nearest)
+    }
+
     /// Gauss-Newton steps, damped after Levenberg and Marquardt; whether the colour was met.
     fn refine(&self, c: &mut [f64; 3], rgb: [f64; 3]) -> bool {
         let squares = |r: [f64; 3]| r[0] * r[0] + r[1] * r[1] + r[2] * r[2];

@@ -6,24 +6,27 @@
 mod adaptive;
 mod fixed;
 mod hash;
+mod recording;
 
 pub use adaptive::{BLOCK, DARK};
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
+pub use recording::Recording;
 
 use crate::settings::Region;
 use adaptive::Sampled;
 pub(crate) use adaptive::next_look;
 use fixed::{Guide, Square, Value};
+use straal_color::spectrum::Bands;
 use straal_math::ops;
 
 /// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
 pub const TILE: u32 = 16;
 
-/// One sample as the film takes it: linear RGB and, for the guide layers, what the camera ray met first.
+/// One sample as the film takes it: its light and, for the guide layers, what the camera ray met first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Radiance, linear RGB.
+    /// Radiance: linear RGB, or X, Y and Z, see [`Recording`].
     pub rgb: [f32; 3],
     /// Share of light that the first surface reflects or passes on, linear RGB; the radiance of what emits is no part.
     pub albedo: [f32; 3],
@@ -57,6 +60,15 @@ impl Pixel {
     }
 }
 
+/// What one sample adds to a band of wavelengths.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BandSample {
+    /// Which band.
+    pub band: u16,
+    /// Radiance.
+    pub value: f32,
+}
+
 /// What the searches of one sample cost: all rays of its path, the camera's, the bounces and the shadow rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CostSample {
@@ -76,6 +88,8 @@ pub struct FilmTile {
     pixels: Vec<Pixel>,
     /// By pixel; empty when costs aren't counted.
     costs: Vec<CostSample>,
+    /// By pixel, as many as there are bands; empty when there are none.
+    bands: Vec<Value>,
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
     first_dropped: Option<([u32; 2], u32)>,
     sampled: Sampled,
@@ -87,6 +101,7 @@ impl FilmTile {
             region,
             pixels: vec![Pixel::default(); region.area()],
             costs: Vec::new(),
+            bands: Vec::new(),
             first_dropped: None,
             sampled: Sampled::default(),
         }
@@ -106,12 +121,13 @@ impl FilmTile {
         }
     }
 
-    /// Adds one sample of a pixel given in coordinates of the whole picture.
-    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample) {
+    /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some.
+    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) {
         let i = self.index(pixel);
+        let of_each = self.bands.len() / self.pixels.len();
         let p = &mut self.pixels[i];
         p.count += 1;
-        let fits = sample.rgb.iter().all(|v| v.abs() < MAX_VALUE);
+        let fits = { sample.rgb.iter() }.chain(bands.iter().map(|b| &b.value)).all(|v| v.abs() < MAX_VALUE);
         if !fits {
             p.dropped += 1;
             let at = (pixel, index);
@@ -126,6 +142,9 @@ impl FilmTile {
             p.square[c].add(sample.rgb[c]);
             p.albedo[c].add(sample.albedo[c]);
             p.normal[c].add(sample.normal[c]);
+        }
+        for b in bands {
+            self.bands[i * of_each + usize::from(b.band)].add(b.value);
         }
         // A plane's horizon may be farther than the film can hold: the guide says as far as it can.
         p.depth.add(ops::clamp(sample.depth, 0.0, MAX_VALUE));
@@ -142,6 +161,8 @@ pub struct Film {
     pub(crate) tiles: Vec<FilmTile>,
     /// Whether costs are counted, and whether with their time.
     costs: Costs,
+    /// Bands of wavelengths that are held besides RGB.
+    bands: Option<Bands>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,7 +188,7 @@ pub struct Layers {
     pub width: usize,
     /// Height of the crop.
     pub height: usize,
-    /// Mean radiance, linear RGB.
+    /// Mean radiance: linear RGB, or X, Y and Z.
     pub rgb: Vec<[f32; 3]>,
     /// Variance of that mean, estimated from the samples' spread; 0 for a single sample.
     pub variance: Vec<[f32; 3]>,
@@ -181,6 +202,17 @@ pub struct Layers {
     pub samples: Vec<u32>,
     /// What the searches cost, if that was counted. No part of the film's hash.
     pub cost: Option<CostLayers>,
+    /// Light by wavelengths, if the film holds it. No part of the film's hash.
+    pub bands: Option<BandLayers>,
+}
+
+/// Mean radiance in bands of wavelengths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BandLayers {
+    /// Which bands.
+    pub bands: Bands,
+    /// By band, then by pixel.
+    pub planes: Vec<Vec<f32>>,
 }
 
 /// What a sample's searches cost on average, by pixel: all rays of its path, the camera's, the bounces and the shadow
@@ -213,7 +245,15 @@ impl Film {
                 }
             }
         }
-        Self { size, crop, tiles, costs: Costs::No }
+        Self { size, crop, tiles, costs: Costs::No, bands: None }
+    }
+
+    /// Makes room for bands of wavelengths.
+    pub(crate) fn hold_bands(&mut self, bands: Bands) {
+        self.bands = Some(bands);
+        for tile in &mut self.tiles {
+            tile.bands = vec![Value::default(); tile.region.area() * bands.count()];
+        }
     }
 
     /// Makes room for costs; `timed` says whether they come with their time.
@@ -224,9 +264,9 @@ impl Film {
         }
     }
 
-    /// Bytes that a film of this many pixels takes.
-    pub fn bytes_for(pixels: usize) -> usize {
-        pixels * size_of::<Pixel>()
+    /// Bytes that a film takes for each pixel.
+    pub fn bytes_a_pixel(recording: Recording) -> usize {
+        size_of::<Pixel>() + recording.bands().map_or(0, Bands::count) * size_of::<Value>()
     }
 
     /// Samples that were dropped, and where the first was.
@@ -254,6 +294,7 @@ impl Film {
                 primitives: vec![0.0; n],
                 time: (self.costs == Costs::TestsAndTime).then(|| vec![0.0; n]),
             }),
+            bands: self.bands.map(|bands| BandLayers { bands, planes: vec![vec![0.0; n]; bands.count()] }),
         };
         for tile in &self.tiles {
             for (k, p) in tile.pixels.iter().enumerate() {
@@ -274,6 +315,12 @@ impl Film {
                 }
                 out.depth[i] = (p.depth.to_f64() / count) as f32;
                 out.samples[i] = p.count;
+                if let Some(out) = &mut out.bands {
+                    let sums = &tile.bands[k * out.bands.count()..];
+                    for (plane, sum) in out.planes.iter_mut().zip(sums) {
+                        plane[i] = (sum.to_f64() / count) as f32;
+                    }
+                }
                 if let (Some(out), Some(sum)) = (&mut out.cost, tile.costs.get(k)) {
                     let mean = |sum: u64| (sum as f64 / count) as f32;
                     out.nodes[i] = mean(sum.nodes);
@@ -312,7 +359,7 @@ mod tests {
         let render = |order: &mut dyn Iterator<Item = f32>| {
             let mut f = Film::new([1, 1], whole(1, 1));
             for (i, v) in order.enumerate() {
-                f.tiles[0].add([0, 0], i as u32, &grey(v));
+                f.tiles[0].add([0, 0], i as u32, &grey(v), &[]);
             }
             f.hash()
         };
@@ -323,7 +370,7 @@ mod tests {
     fn mean_and_variance_of_the_mean() {
         let mut f = Film::new([1, 1], whole(1, 1));
         for (i, v) in [1.0, 2.0, 3.0, 4.0].into_iter().enumerate() {
-            f.tiles[0].add([0, 0], i as u32, &grey(v));
+            f.tiles[0].add([0, 0], i as u32, &grey(v), &[]);
         }
         let l = f.layers();
         assert_eq!(l.rgb[0], [2.5; 3]);
@@ -337,9 +384,9 @@ mod tests {
         let mut f = Film::new([20, 20], whole(20, 20));
         let tile =
             f.tiles.iter().position(|t| t.region.min == [16, 0]).expect("second tile of the first row");
-        f.tiles[tile].add([17, 3], 0, &grey(1.0));
-        f.tiles[tile].add([17, 3], 1, &grey(f32::NAN));
-        f.tiles[tile].add([17, 2], 7, &grey(f32::INFINITY));
+        f.tiles[tile].add([17, 3], 0, &grey(1.0), &[]);
+        f.tiles[tile].add([17, 3], 1, &grey(f32::NAN), &[]);
+        f.tiles[tile].add([17, 2], 7, &grey(f32::INFINITY), &[]);
         assert_eq!(f.dropped(), Dropped { count: 2, first: Some(([17, 2], 7)) });
         // A dropped sample still counts in N.
         assert_eq!(f.layers().rgb[3 * 20 + 17], [0.5; 3]);

@@ -9,7 +9,7 @@ use crate::decode::{Decoder, Keys};
 use crate::desc::{
     Bezier, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film,
     Fisheye, FisheyeProjection, Formula, Index, Lens, LensProfile, Measured, Observer, Orthographic,
-    Panorama, Perspective, Plane, Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
+    Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight, Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
@@ -168,6 +168,16 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
     } else if x1 > width || y1 > height {
         let message = format!("this crop ends at {x1}, {y1}, outside the picture of {width} x {height}");
         d.push(Diagnostic::error(keys.span("crop"), message));
+    }
+}
+
+pub(super) fn spectral_channels(c: &SpectralChannels, keys: &Keys<'_>, d: &mut Decoder) {
+    if c.from >= c.to {
+        let message = format!("bands from {} nm must end beyond that, not at {} nm", c.from, c.to);
+        d.push(Diagnostic::error(keys.span("to"), message));
+    } else if c.bands().is_none() {
+        let message = format!("{} bands from {} to {} nm are narrower than 1 nm each", c.bands, c.from, c.to);
+        d.push(Diagnostic::error(keys.span("bands"), message));
     }
 }
 

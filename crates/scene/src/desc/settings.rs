@@ -5,6 +5,7 @@ use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::Depth;
 use straal_color::Exposure;
+use straal_color::spectrum::Bands;
 
 /// Pixels that a filter may reach.
 const FILTER_RADIUS: Limit = Limit { min: 0.0, max: 16.0, open: true };
@@ -16,6 +17,8 @@ describe! {
         size: [u32; 2] [Limit::within(1.0, 65536.0)] = [640, 360],
         /// How samples are weighed around a pixel.
         filter: Filter = Filter::Box,
+        /// In which numbers an EXR holds the picture.
+        channels: Channels = Channels::Rgb,
         /// The part to render, `[x0, y0, x1, y1]` in pixels from the top left; the ends are exclusive.
         crop: Option<[u32; 4]> = None,
         /// Exposure of pictures for the screen in stops, each of which doubles the light; or by a meter: `auto`, which makes
@@ -31,6 +34,37 @@ describe! {
         bits: u32 [Limit::within(8.0, 16.0)] = 8,
         /// Whether pictures for the screen are dithered, so that smooth gradients show no steps.
         dither: bool = false,
+    }
+}
+
+describe! {
+    /// In which numbers an EXR holds the picture.
+    pub enum Channels {
+        /// Linear red, green and blue of the work space.
+        "rgb" => Rgb,
+        /// X, Y and Z of the observer of 1931, where the scene's white is D65.
+        "xyz" => Xyz,
+        /// Red, green and blue, and the mean radiance in bands of wavelengths; needs light by wavelengths.
+        "spectral" => Spectral(SpectralChannels),
+    }
+}
+
+describe! {
+    /// Bands of wavelengths of equal width.
+    pub struct SpectralChannels [check::spectral_channels] {
+        /// How many.
+        bands: u32 [Limit::within(2.0, 470.0)] = 16,
+        /// Where the first begins, in nm.
+        from: f64 [Limit::within(360.0, 830.0)] = 380.0,
+        /// Where the last ends, in nm.
+        to: f64 [Limit::within(360.0, 830.0)] = 780.0,
+    }
+}
+
+impl SpectralChannels {
+    /// The bands, where they make sense.
+    pub fn bands(&self) -> Option<Bands> {
+        Bands::new(self.from, self.to, self.bands)
     }
 }
 
