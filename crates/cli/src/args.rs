@@ -132,6 +132,10 @@ pub struct RenderArgs {
     #[arg(long)]
     pub spectral: bool,
 
+    /// Let a sample count in every pixel that the filter reaches it from, in place of one pixel by whose filter it is drawn
+    #[arg(long, conflicts_with = "noise")]
+    pub splat: bool,
+
     /// In which numbers an EXR holds the picture: rgb of the work space; xyz; or spectral, by wavelengths in 16 bands from 380
     /// to 780 nm besides rgb, or in bands as in spectral:40 or spectral:40:400:700
     #[arg(long, value_name = "NUMBERS", value_parser = quantity::recording)]

@@ -77,6 +77,7 @@ impl RenderSettings {
                 max_depth: args.max_depth,
                 spectral: args.spectral.then_some(true),
                 recording: args.channels,
+                splat: args.splat.then_some(true),
                 threads: args.threads,
                 accel: args.accel,
                 build: args.build,

@@ -48,6 +48,8 @@ pub struct Overrides {
     pub shuffle_tiles: Option<u64>,
     /// Counts what the searches of each pixel cost.
     pub cost: Option<bool>,
+    /// Lets a sample count in all pixels whose filter reaches it.
+    pub splat: Option<bool>,
     /// Computes light by wavelengths instead of red, green and blue.
     pub spectral: Option<bool>,
     /// In which numbers the film takes light.
@@ -183,7 +185,10 @@ impl Job {
         let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
         check_recording(recording, spectral)?;
         let pixels = crop.area();
-        let most = MAX_PIXELS * Film::bytes_a_pixel(Recording::Rgb) / Film::bytes_a_pixel(recording);
+        let splat = wish.splat.unwrap_or(scene.film.splat);
+        let radius = splat.then(|| scene.film.filter.radius());
+        let usual = Film::bytes_a_pixel(Recording::Rgb, None);
+        let most = MAX_PIXELS * usual / Film::bytes_a_pixel(recording, radius);
         if size.contains(&0) || pixels > most {
             return Err(Error::Request(format!(
                 "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture \
@@ -202,6 +207,13 @@ impl Job {
         let noise = wish.noise.or(scene.sampler.noise);
         if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
             return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
+        }
+        if splat && noise.is_some() {
+            return Err(Error::Request(
+                "samples that count in several pixels (`splat`) can't be taken by the noise of each: pixels with many samples \
+                 would weigh more in their neighbours"
+                    .into(),
+            ));
         }
         let pattern = Pattern::new(kind, spp);
         let by_default = desc::PathTracer::default();
@@ -244,6 +256,7 @@ impl Job {
             pattern,
             seed: wish.seed.unwrap_or(scene.sampler.seed),
             noise,
+            splat,
             threads,
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
@@ -355,6 +368,7 @@ impl Job {
         .chain(counted)
         .chain(magnified)
         .chain(channels)
+        .chain(s.splat.then(|| ("splat", "true".to_string())))
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
     }

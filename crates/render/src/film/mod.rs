@@ -7,12 +7,15 @@ mod adaptive;
 mod fixed;
 mod hash;
 mod recording;
+mod splat;
 
 pub use adaptive::{BLOCK, DARK};
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
 pub use recording::Recording;
+pub use splat::{Flying, Splats, reach};
 
+use crate::filter::Filter;
 use crate::settings::Region;
 use adaptive::Sampled;
 pub(crate) use adaptive::next_look;
@@ -90,6 +93,8 @@ pub struct FilmTile {
     costs: Vec<CostSample>,
     /// By pixel, as many as there are bands; empty when there are none.
     bands: Vec<Value>,
+    /// Where samples count in several pixels.
+    splats: Option<Splats>,
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
     first_dropped: Option<([u32; 2], u32)>,
     sampled: Sampled,
@@ -102,6 +107,7 @@ impl FilmTile {
             pixels: vec![Pixel::default(); region.area()],
             costs: Vec::new(),
             bands: Vec::new(),
+            splats: None,
             first_dropped: None,
             sampled: Sampled::default(),
         }
@@ -121,8 +127,14 @@ impl FilmTile {
         }
     }
 
-    /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some.
-    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) {
+    /// The sums of samples that count in several pixels, where the film has such.
+    pub fn splats(&mut self) -> Option<&mut Splats> {
+        self.splats.as_mut()
+    }
+
+    /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some. False
+    /// where it was dropped.
+    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) -> bool {
         let i = self.index(pixel);
         let of_each = self.bands.len() / self.pixels.len();
         let p = &mut self.pixels[i];
@@ -135,7 +147,7 @@ impl FilmTile {
             if self.first_dropped.is_none_or(|first| order(at) < order(first)) {
                 self.first_dropped = Some(at);
             }
-            return;
+            return false;
         }
         for c in 0..3 {
             p.value[c].add(sample.rgb[c]);
@@ -148,6 +160,7 @@ impl FilmTile {
         }
         // A plane's horizon may be farther than the film can hold: the guide says as far as it can.
         p.depth.add(ops::clamp(sample.depth, 0.0, MAX_VALUE));
+        true
     }
 }
 
@@ -248,6 +261,14 @@ impl Film {
         Self { size, crop, tiles, costs: Costs::No, bands: None }
     }
 
+    /// Makes room for samples that count in all pixels that a filter reaches from; bands, if any, are held before.
+    pub(crate) fn splat(&mut self, filter: &Filter) {
+        let bands = self.bands.as_ref().map_or(0, Bands::count);
+        for tile in &mut self.tiles {
+            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands));
+        }
+    }
+
     /// Makes room for bands of wavelengths.
     pub(crate) fn hold_bands(&mut self, bands: Bands) {
         self.bands = Some(bands);
@@ -264,9 +285,11 @@ impl Film {
         }
     }
 
-    /// Bytes that a film takes for each pixel.
-    pub fn bytes_a_pixel(recording: Recording) -> usize {
-        size_of::<Pixel>() + recording.bands().map_or(0, Bands::count) * size_of::<Value>()
+    /// Bytes that a film takes for each pixel; where samples are splatted, with a filter of that radius.
+    pub fn bytes_a_pixel(recording: Recording, splat_radius: Option<f64>) -> usize {
+        let bands = recording.bands().map_or(0, Bands::count);
+        let splats = splat_radius.map_or(0, |radius| splat::bytes_a_pixel(radius, bands));
+        size_of::<Pixel>() + bands * size_of::<Value>() + splats
     }
 
     /// Samples that were dropped, and where the first was.
@@ -330,6 +353,9 @@ impl Film {
                     }
                 }
             }
+        }
+        if self.tiles.iter().any(|t| t.splats.is_some()) {
+            self.show_splats(&mut out);
         }
         out
     }

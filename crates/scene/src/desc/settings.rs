@@ -17,6 +17,8 @@ describe! {
         size: [u32; 2] [Limit::within(1.0, 65536.0)] = [640, 360],
         /// How samples are weighed around a pixel.
         filter: Filter = Filter::Box,
+        /// Whether a sample counts in every pixel that the filter reaches it from, in place of one pixel by whose filter it is drawn.
+        splat: bool = false,
         /// In which numbers an EXR holds the picture.
         channels: Channels = Channels::Rgb,
         /// The part to render, `[x0, y0, x1, y1]` in pixels from the top left; the ends are exclusive.
@@ -83,6 +85,20 @@ describe! {
         "blackman_harris" => BlackmanHarris(BlackmanHarris),
         /// A windowed sinc: the sharpest, and it rings along edges.
         "lanczos" => Lanczos(Lanczos),
+    }
+}
+
+impl Filter {
+    /// Half its width in pixels.
+    pub const fn radius(&self) -> f64 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent(f) => f.radius,
+            Self::Gaussian(f) => f.radius,
+            Self::Mitchell(f) => f.radius,
+            Self::BlackmanHarris(f) => f.radius,
+            Self::Lanczos(f) => f.radius,
+        }
     }
 }
 
