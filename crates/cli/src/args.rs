@@ -112,7 +112,7 @@ pub struct RenderArgs {
     pub time: Option<Duration>,
 
     /// Sample each block of 8x8 pixels until its noise, the relative standard error of its pixels, is at most this, such as
-    /// 2%; with --spp, no pixel gets more than that
+    /// 2%. No pixel gets more samples than --spp says, without it 262144
     #[arg(long, value_name = "PERCENT", value_parser = quantity::noise)]
     pub noise: Option<f64>,
 

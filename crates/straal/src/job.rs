@@ -9,7 +9,7 @@ use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom, Request};
 use straal_render::driver::{Render, RenderError};
-use straal_render::film::{Film, MAX_SAMPLES, Recording};
+use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
 use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
@@ -150,6 +150,8 @@ pub struct Outcome {
     pub passes: u32,
     /// Whether all samples asked for were taken.
     pub complete: bool,
+    /// Blocks of 8 x 8 pixels that are noisier than was asked, of an adaptive render; in replicates, of all of them together.
+    pub noisy_blocks: u64,
     /// Rays, and time by phase where a clock was lent.
     pub times: Times,
     /// Worker threads.
@@ -187,8 +189,10 @@ impl Job {
         let pixels = crop.area();
         let splat = wish.splat.unwrap_or(scene.film.splat);
         let radius = splat.then(|| scene.film.filter.radius());
-        let usual = Film::bytes_a_pixel(Recording::Rgb, None);
-        let most = MAX_PIXELS * usual / Film::bytes_a_pixel(recording, radius);
+        let usual = Film::bytes_a_pixel(&Extent::default());
+        let adapts = wish.noise.or(scene.sampler.noise).is_some();
+        let extent = Extent { recording, splat_radius: radius, adapts };
+        let most = MAX_PIXELS * usual / Film::bytes_a_pixel(&extent);
         if size.contains(&0) || pixels > most {
             return Err(Error::Request(format!(
                 "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture \
@@ -331,6 +335,7 @@ impl Job {
             samples: run.samples,
             passes: run.passes,
             complete: control.open_ended || run.complete,
+            noisy_blocks: self.noisy_blocks(&run.film),
             times: run.times,
             threads: run.threads,
             dropped: run.film.dropped(),
@@ -371,6 +376,11 @@ impl Job {
         .chain(s.splat.then(|| ("splat", "true".to_string())))
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
+    }
+
+    /// Blocks of a film that are noisier than was asked.
+    pub(crate) fn noisy_blocks(&self, film: &Film) -> u64 {
+        if self.settings.noise.is_some() { film.open_blocks() } else { 0 }
     }
 
     pub(crate) fn progress(&self) -> Progress {

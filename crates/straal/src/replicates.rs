@@ -20,7 +20,7 @@ impl Job {
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;
         let (mut times, mut passes, mut threads, mut dropped) = (Times::default(), 0, 0, Dropped::default());
-        let mut whole = 0;
+        let (mut whole, mut noisy_blocks) = (0, 0);
         let mut partial = None;
         for r in 0..replicates {
             let seed = self.settings.seed.wrapping_add(u64::from(r).wrapping_mul(SEED_STEP));
@@ -28,6 +28,7 @@ impl Job {
             passes += run.passes;
             threads = run.threads;
             times += run.times;
+            noisy_blocks += self.noisy_blocks(&run.film);
             let d = run.film.dropped();
             dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
             let layers = run.film.layers();
@@ -50,7 +51,8 @@ impl Job {
         picture.story.push(("straal.replicates".into(), whole.to_string()));
         picture.story.push(("straal.passes".into(), passes.to_string()));
         picture.story.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
-        Ok(Outcome { picture, samples, passes, complete: whole == replicates, times, threads, dropped })
+        let complete = whole == replicates;
+        Ok(Outcome { picture, samples, passes, complete, noisy_blocks, times, threads, dropped })
     }
 }
 

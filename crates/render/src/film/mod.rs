@@ -17,8 +17,8 @@ pub use splat::{Flying, Splats, reach};
 
 use crate::filter::Filter;
 use crate::settings::Region;
-use adaptive::Sampled;
-pub(crate) use adaptive::next_look;
+pub(crate) use adaptive::{Evidence, next_look};
+use adaptive::{Marks, Sampled};
 use fixed::{Guide, Square, Value};
 use straal_color::spectrum::Bands;
 use straal_math::ops;
@@ -98,6 +98,8 @@ pub struct FilmTile {
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
     first_dropped: Option<([u32; 2], u32)>,
     sampled: Sampled,
+    /// By pixel; empty unless noise is told by batches.
+    marks: Vec<Marks>,
 }
 
 impl FilmTile {
@@ -110,6 +112,7 @@ impl FilmTile {
             splats: None,
             first_dropped: None,
             sampled: Sampled::default(),
+            marks: Vec::new(),
         }
     }
 
@@ -183,6 +186,17 @@ enum Costs {
     No,
     Tests,
     TestsAndTime,
+}
+
+/// What a film holds beyond colours and guides, for a forecast of its size.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    /// In which numbers it takes light.
+    pub recording: Recording,
+    /// Radius of the filter in pixels where samples are splatted.
+    pub splat_radius: Option<f64>,
+    /// Whether sampling ends by noise.
+    pub adapts: bool,
 }
 
 /// Samples that a film refused.
@@ -261,6 +275,18 @@ impl Film {
         Self { size, crop, tiles, costs: Costs::No, bands: None }
     }
 
+    /// Says by what the noise of pixels is told.
+    pub(crate) fn judge_by(&mut self, evidence: Evidence) {
+        if evidence == Evidence::Batches {
+            self.tiles.iter_mut().for_each(FilmTile::mark_batches);
+        }
+    }
+
+    /// How many blocks need further samples, of a film that adapts.
+    pub fn open_blocks(&self) -> u64 {
+        self.tiles.iter().map(|t| u64::from(t.open_blocks())).sum()
+    }
+
     /// Makes room for samples that count in all pixels that a filter reaches from; bands, if any, are held before.
     pub(crate) fn splat(&mut self, filter: &Filter) {
         let bands = self.bands.as_ref().map_or(0, Bands::count);
@@ -285,11 +311,12 @@ impl Film {
         }
     }
 
-    /// Bytes that a film takes for each pixel; where samples are splatted, with a filter of that radius.
-    pub fn bytes_a_pixel(recording: Recording, splat_radius: Option<f64>) -> usize {
-        let bands = recording.bands().map_or(0, Bands::count);
-        let splats = splat_radius.map_or(0, |radius| splat::bytes_a_pixel(radius, bands));
-        size_of::<Pixel>() + bands * size_of::<Value>() + splats
+    /// Bytes that a film takes for each pixel.
+    pub fn bytes_a_pixel(of: &Extent) -> usize {
+        let bands = of.recording.bands().map_or(0, Bands::count);
+        let splats = of.splat_radius.map_or(0, |radius| splat::bytes_a_pixel(radius, bands));
+        let marks = if of.adapts { size_of::<Marks>() } else { 0 };
+        size_of::<Pixel>() + bands * size_of::<Value>() + splats + marks
     }
 
     /// Samples that were dropped, and where the first was.

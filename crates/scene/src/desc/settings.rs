@@ -153,7 +153,7 @@ describe! {
     pub struct Sampler {
         /// Which pattern.
         kind: SamplerKind = SamplerKind::Sobol,
-        /// Samples per pixel; with `noise`, the most that a pixel gets.
+        /// Samples per pixel; with `noise`, the most that a pixel gets, unless the command line asks for `--noise` without `--spp`.
         spp: u32 [Limit::within(1.0, 262_144.0)] = 64,
         /// Another seed gives other noise.
         seed: u64 = 0,
