@@ -213,13 +213,16 @@ impl Lanes for Wavelengths {
 
     #[inline]
     fn radiance_of_rgb(self, palette: &Palette, rgb: Light) -> Light {
-        self.reflectance_of_rgb(palette, rgb) * self.each(|b| palette.white[b])
+        let Some(table) = palette.uplift else { return Light::default() };
+        let light = table.light(rgb.to_rgb());
+        self.each(|b| light.at(b) * palette.white[b])
     }
 
     #[inline]
     fn reflectance_of_rgb(self, palette: &Palette, rgb: Light) -> Light {
-        let (white, [(second, of_second), (first, of_first)]) = uplift::mixture(rgb.to_rgb());
-        self.each(|b| white + of_second * palette.full[b][second] + of_first * palette.full[b][first])
+        let Some(table) = palette.uplift else { return Light::default() };
+        let surface = table.reflectance(rgb.to_rgb());
+        self.each(|b| surface.at(b))
     }
 
     #[inline]
@@ -316,8 +319,8 @@ pub struct Palette {
     recording: Recording,
     /// D65.
     white: Vec<f32>,
-    /// By nanometre: the reflectances of full colours, see [`uplift::mixture`].
-    full: Vec<[f32; 6]>,
+    /// Spectra of pixels.
+    uplift: Option<&'static uplift::UpliftTable>,
     rainbow: Option<Rainbow>,
 }
 
@@ -334,7 +337,7 @@ impl Palette {
     ///
     /// Wavelengths are drawn half by 1 / cosh²(0.0072 (l - 538 nm)) (Radziszewski et al. 2009) and half by the root of the
     /// sum of the squares of linear sRGB's sensitivities under D65: the first alone leaves blue noisy.
-    pub(crate) fn spectral(space: Space, uplift: &uplift::Uplift) -> Self {
+    pub(crate) fn spectral(space: Space) -> Self {
         let white = illuminant::d65();
         let functions = Observer::Cie1931.functions();
         let srgb = uplift::rgb_from_xyz(Space::Srgb);
@@ -351,12 +354,11 @@ impl Palette {
         let (bells, all_seen) = (total(&bell), total(&seen));
         let weights: Vec<f32> = (0..COUNT).map(|i| (bell(i) / bells + seen(i) / all_seen) as f32).collect();
         let draw = Table1::new(&weights);
-        let full = (0..COUNT).map(|i| uplift.full().each_ref().map(|bins| bins[i] as f32)).collect();
         let mut palette = Self {
             spectra: vec![[0.0; COUNT]],
             draw,
             white: white.iter().map(|&v| v as f32).collect(),
-            full,
+            uplift: Some(uplift::UpliftTable::embedded()),
             ..Self::default()
         };
         palette.film = palette.response(&uplift::rgb_from_xyz(space));

@@ -260,26 +260,6 @@ fn colours_beyond_srgb_are_met_where_they_can_be() {
 }
 
 #[test]
-fn mixtures_keep_their_colour_and_their_range() {
-    let uplift = Uplift::new();
-    for rgb in
-        [[0.2, 0.5, 0.9], [0.9, 0.5, 0.2], [0.5, 0.5, 0.5], [0.5, 0.5, 0.1], [0.3, 0.7, 0.7], [1.0, 0.0, 0.4]]
-    {
-        let (white, parts) = uplift::mixture(rgb);
-        let bins: Bins = std::array::from_fn(|i| {
-            parts
-                .iter()
-                .fold(f64::from(white), |sum, &(k, share)| sum + f64::from(share) * uplift.full()[k][i])
-        });
-        assert!(bins.iter().all(|v| (0.0..=1.0 + 1e-6).contains(v)), "{rgb:?}");
-        let back = uplift.rgb_of_reflectance(&bins);
-        for c in 0..3 {
-            assert!((back[c] - f64::from(rgb[c])).abs() < 1e-4, "{rgb:?} {back:?}");
-        }
-    }
-}
-
-#[test]
 fn glasses_are_schotts() {
     // n_d and Abbe's numbers as in the data sheets of 2017.
     for (name, n, v) in [

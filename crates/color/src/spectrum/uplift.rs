@@ -5,6 +5,10 @@
 //! Spectral Upsampling"). The three coefficients are found by Gauss-Newton steps so that the surface has the wanted linear
 //! sRGB under D65. Greys are constant.
 
+mod table;
+
+pub use table::{Lifted, UpliftTable};
+
 use crate::{Adaptation, Matrix3, Space, White, Xyz};
 
 use super::{Bins, COUNT, Observer, illuminant};
@@ -16,8 +20,6 @@ pub struct Uplift {
     white: Bins,
     /// By nanometre: the linear sRGB that a reflectance of 1 there alone has under D65.
     weights: [[f64; 3]; COUNT],
-    /// The reflectances of red, green, blue, cyan, magenta and yellow at their fullest.
-    full: [Bins; 6],
 }
 
 /// The reflectance of a colour.
@@ -54,11 +56,7 @@ impl Uplift {
         let unit: f64 = Observer::Cie1931.functions().iter().map(|xyz| xyz[1]).sum();
         let functions = Observer::Cie1931.functions();
         let weights = std::array::from_fn(|i| matrix.apply(functions[i]).map(|v| v * white[i] / unit));
-        let mut uplift = Self { white, weights, full: [[0.0; COUNT]; 6] };
-        for (k, full) in FULL.into_iter().enumerate() {
-            uplift.full[k] = uplift.fit(full).bins();
-        }
-        uplift
+        Self { white, weights }
     }
 
     /// D65 of luminance 1: the spectrum of a light of RGB 1.
@@ -212,37 +210,6 @@ impl Uplift {
         }
         (residual, jacobian)
     }
-
-    /// The reflectances whose mixture makes any colour: white, then red, green, blue, cyan, magenta, yellow. See [`mixture`].
-    pub fn full(&self) -> &[Bins; 6] {
-        &self.full
-    }
-}
-
-/// The colours of [`Uplift::full`].
-const FULL: [[f64; 3]; 6] =
-    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
-
-/// A colour as so much white, and so much of two of the full colours, by their place in [`Uplift::full`] (Smits 1999, "An
-/// RGB-to-Spectrum Conversion for Reflectances"): for colours that can't be fitted one by one, such as the pixels of
-/// pictures. It is continuous, and exact as far as the full colours are.
-#[inline]
-pub fn mixture(rgb: [f32; 3]) -> (f32, [(usize, f32); 2]) {
-    let (mut least, mut most) = (0, 0);
-    for c in 1..3 {
-        if rgb[c] < rgb[least] {
-            least = c;
-        }
-        if rgb[c] >= rgb[most] {
-            most = c;
-        }
-    }
-    let middle = 3 - least - most;
-    if least == most {
-        return (rgb[0], [(0, 0.0), (0, 0.0)]);
-    }
-    // The two channels above the least make the secondary colour that lacks it: cyan lacks red.
-    (rgb[least], [(3 + least, rgb[middle] - rgb[least]), (most, rgb[most] - rgb[middle])])
 }
 
 impl Smooth {
@@ -260,6 +227,7 @@ impl Smooth {
 }
 
 /// Where a nanometre is between the first and the last.
+#[inline]
 fn place(bin: usize) -> f64 {
     bin as f64 / (COUNT - 1) as f64
 }

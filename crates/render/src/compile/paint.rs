@@ -49,7 +49,7 @@ impl<'a> Paint<'a> {
     pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
         let space = scene.color.space.space();
         let uplift = spectral.then(uplift::Uplift::new);
-        let palette = uplift.as_ref().map_or_else(Palette::default, |u| Palette::spectral(space, u));
+        let palette = if spectral { Palette::spectral(space) } else { Palette::default() };
         let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
         let (known, tables, notes) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
         Self { assets, space, to_work, uplift, known, tables, palette, notes }
