@@ -23,7 +23,7 @@ pub use camera::{
 };
 pub use check::BUILTIN_PATCHES;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
-pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
+pub use light::{DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight};
 pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
