@@ -206,23 +206,21 @@ fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
         Some(row) => row.1.push(seconds),
         None => rows.push((name, vec![seconds], bytes / triangles)),
     };
+    let peers = [Quality::Low, Quality::Medium, Quality::High];
+    let ours = [
+        ("fast", Build::Fast, false),
+        ("default", Build::Default, false),
+        ("best", Build::Best, false),
+        ("compact", Build::Default, true),
+    ];
+    // In turns: what is built right after one's own kind finds its memory already there.
     for _ in 0..plan.rounds {
-        if let Some(e) = embree {
-            for (name, quality) in [
-                ("embree low", Quality::Low),
-                ("embree medium", Quality::Medium),
-                ("embree high", Quality::High),
-            ] {
+        for (i, (name, build, compact)) in ours.into_iter().enumerate() {
+            if let (Some(e), Some(&quality)) = (embree, peers.get(i)) {
                 let scene = e.build(&mesh.positions, &mesh.indices, quality, cpu_seconds);
+                let name = ["embree low", "embree medium", "embree high"][i];
                 add(name.to_owned(), scene.seconds, scene.bytes() as f64);
             }
-        }
-        for (name, build, compact) in [
-            ("fast", Build::Fast, false),
-            ("default", Build::Default, false),
-            ("best", Build::Best, false),
-            ("compact", Build::Default, true),
-        ] {
             let input = input(mesh);
             let structure = Structure::Bvh(BvhParams { build, compact });
             let options = Options { structure, isa: plan.isa, ..Options::default() };
