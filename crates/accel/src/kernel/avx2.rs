@@ -5,7 +5,7 @@
 //! Safety: an [`Avx2`] is made only where the processor has AVX2, BMI1 and BMI2, which all functions here need.
 
 use super::{
-    Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, by_class,
+    Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, ahead, by_class,
     descent::Descent,
     entry::entry_points,
     vec3::{own_box_avx, prepare_avx},
@@ -156,12 +156,12 @@ impl Kernel for Avx2 {
             let (enter, exit) = interval(r, node, limit);
             let entered = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit);
             let mask = _mm256_movemask_ps(entered) as u32;
+            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
+            let keys = _mm256_blendv_epi8(none, keys(enter), _mm256_castps_si256(entered));
+            let least = ahead(least(keys));
             if mask & mask.wrapping_sub(1) == 0 {
                 return (mask != 0).then(|| node.children[(mask.trailing_zeros() & 7) as usize]);
             }
-            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
-            let keys = _mm256_blendv_epi8(none, keys(enter), _mm256_castps_si256(entered));
-            let least = least(keys);
             let order = far_to_near(r);
             let keys = _mm256_permutevar8x32_epi32(keys, order);
             let others = _mm256_and_si256(

@@ -6,7 +6,7 @@
 //! Safety: an [`Avx512`] is made only where the processor has AVX-512 F, DQ and VL, and all that AVX2 needs.
 
 use super::{
-    Children, Kernel, Lanes, NOT_ENTERED,
+    Children, Kernel, Lanes, NOT_ENTERED, ahead,
     avx2::{self, block_avx2, classes_avx2, far_to_near, inside_avx2, keys, least, no_more_avx2},
     descent::Descent,
     entry::entry_points,
@@ -152,12 +152,12 @@ impl Kernel for Avx512 {
         unsafe {
             let (enter, exit) = avx2::interval(r, node, limit);
             let entered = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
+            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
+            let keys = _mm256_mask_mov_epi32(none, entered, keys(enter));
+            let least = ahead(least(keys));
             if entered & entered.wrapping_sub(1) == 0 {
                 return (entered != 0).then(|| node.children[(entered.trailing_zeros() & 7) as usize]);
             }
-            let none = _mm256_set1_epi32(NOT_ENTERED as i32);
-            let keys = _mm256_mask_mov_epi32(none, entered, keys(enter));
-            let least = least(keys);
             let order = far_to_near(r);
             let keys = _mm256_permutexvar_epi32(order, keys);
             let others = _mm256_cmpgt_epi32_mask(keys, _mm256_set1_epi32(least as i32));

@@ -279,6 +279,18 @@ fn by_class(high: u32, low: u32) -> [u32; 4] {
     [!high & !low, !high & low, high & !low, high & low]
 }
 
+/// The same number, computed before what follows: the compiler would put off until after a branch what is used only there.
+/// Where branches are often guessed wrongly, the number is ready when that is found out.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn ahead(mut x: u32) -> u32 {
+    // SAFETY: no instruction at all.
+    unsafe {
+        std::arch::asm!("/* {0:e} */", inout(reg) x, options(nomem, nostack, preserves_flags));
+    }
+    x
+}
+
 /// By a ray's octant, the slots of a node from the farthest to the nearest.
 static FAR_TO_NEAR: [[u32; 8]; 8] = {
     let mut out = [[0; 8]; 8];
