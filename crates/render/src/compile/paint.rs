@@ -134,9 +134,8 @@ impl<'a> Paint<'a> {
         let beyond = if of == Use::Emission { Beyond::Zero } else { Beyond::Same };
         let bins = spectrum.means(beyond);
         if of == Use::Reflectance
-            && let Some(i) = bins.iter().position(|v| *v > 1.0 + 1e-6)
+            && let Some((nm, v)) = spectrum.above_one()
         {
-            let (nm, v) = (FIRST + i, bins[i]);
             return Err(format!("this spectrum reflects more light than falls on it: {v} at {nm} nm"));
         }
         let matrix = uplift::rgb_from_xyz(self.space);
