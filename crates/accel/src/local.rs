@@ -1,18 +1,16 @@
 //! A ray in the space of one group, with what every test there needs.
 
-use crate::{bvh::WIDTH, slab};
+use crate::{bvh::WIDTH, slab::NODE_EXIT};
 use straal_math::{Ray, Vec3};
 
 /// A valid ray in a group's space. Computed once a level; scalar code and vector kernels read the same numbers.
 ///
 /// What tests of boxes read is in the first cache line, what tests of triangles read is in the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(16))]
+#[repr(C)]
 pub(crate) struct LocalRay {
     /// The ray with its interval cut to finite numbers from 0 on: a hit never lies at infinity or behind the origin.
     pub ray: Ray,
-    /// `t_max`, loosened as [`slab::loosened`] does: nodes entered later hold no hit.
-    pub leave: f32,
     /// 255 where `inv` is negative, else 0: which of a box' two planes on each axis comes first.
     pub neg: [u8; 3],
     /// The same in the lowest three bits.
@@ -21,6 +19,8 @@ pub(crate) struct LocalRay {
     pub inv: Vec3,
     /// `t_min`, raised to [`LEAST_ENTRY`]: where the ray enters a node that it starts in.
     pub enter: f32,
+    /// `inv` for the far planes of nodes: times [`NODE_EXIT`].
+    pub far: [f32; 3],
     /// The origin along the axes x, y, z of the sheared space of `triangle.rs`.
     pub origin: [f32; 3],
     /// Shear and scale: d[x] / d[z], d[y] / d[z], 1 / d[z].
@@ -40,11 +40,11 @@ impl LocalRay {
     /// Some ray, to be overwritten.
     pub const IDLE: Self = Self {
         ray: Ray::new(Vec3::ZERO, Vec3::X),
-        leave: 0.0,
         neg: [0; 3],
         octant: 0,
         inv: Vec3::ONE,
         enter: 0.0,
+        far: [0.0; 3],
         origin: [0.0; 3],
         shear: [0.0; 3],
         rows: [0; 4],
@@ -81,11 +81,11 @@ impl LocalRay {
         let octant = (0..3).fold(0, |bits, axis| bits | usize::from(inv[axis] < 0.0) << axis);
         let local = Self {
             ray: Ray { t_min, t_max, ..*r },
-            leave: slab::loosened(t_max),
             neg: NEG[octant],
             octant: octant as u8,
             inv: Vec3::from_array(inv),
             enter: if t_min > LEAST_ENTRY { t_min } else { LEAST_ENTRY },
+            far: inv.map(|x| x * NODE_EXIT),
             origin: [o[x], o[y], o[z]],
             shear: [d[x] * scale, d[y] * scale, scale],
             rows: [x as u8 * ROW, y as u8 * ROW, z as u8 * ROW, 0],

@@ -1,17 +1,17 @@
 //! The tests that every structure makes: one triangle, one object, one group.
 
 use crate::{
-    bvh::Block,
+    bvh::{Block, WIDTH},
     hit::{Chain, Cost, Hit},
     input::Shapes,
-    kernel::Kernel,
+    kernel::{Kernel, LaneHit},
     local::LocalRay,
     scene::{GroupData, Object, ObjectKind, Scene},
     slab,
     structure::{Place, PrimKind, Search, Searcher, each},
     triangle,
 };
-use straal_math::{Ray, Vec3, ops};
+use straal_math::{Ray, Vec3};
 
 /// One ray's search through a scene.
 pub(crate) struct Query<'a, K, S, const COUNT: bool> {
@@ -23,10 +23,18 @@ pub(crate) struct Query<'a, K, S, const COUNT: bool> {
     pub cost: Cost,
 }
 
-/// The least t at which a hit at `t` in a box entered at `entry` counts.
+/// The least t at which a hit at `t` in a box entered at `entry` counts. A branch rather than a maximum: that the entry comes
+/// later is rare, and what follows the hit needn't wait for the box.
 #[inline(always)]
 fn not_before(t: f32, entry: f32) -> f32 {
-    ops::max(t, entry)
+    if entry > t { later(entry) } else { t }
+}
+
+/// Keeps the compiler from making the branch above a maximum.
+#[cold]
+#[inline(never)]
+fn later(entry: f32) -> f32 {
+    entry
 }
 
 impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
@@ -170,11 +178,15 @@ impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
 
     /// The same of a block's triangle.
     #[inline(always)]
-    pub fn lane_counts(&self, at: &Place<'_>, block: &Block, lane: usize, t: f32) -> Option<f32> {
+    pub fn lane_counts(&self, at: &Place<'_>, block: &Block, found: &LaneHit) -> Option<f32> {
+        let (lane, t) = (found.lane as usize % WIDTH, found.hit.t);
         if !self.sees(at, block.id[lane]) {
             return None;
         }
-        self.kernel.own_box(at.ray, block, lane).map(|entry| not_before(t, entry))
+        match found.boxed {
+            true => Some(t),
+            false => self.kernel.own_box(at.ray, block, lane).map(|entry| not_before(t, entry)),
+        }
     }
 
     /// Whether the ray's mask and that of a triangle's mesh share a bit.

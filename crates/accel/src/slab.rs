@@ -11,6 +11,11 @@ use straal_math::{Bounds, Vec3, ops};
 /// sheared vertices in `triangle.rs`, which move with their distance from the origin, as a crossing does.
 pub(crate) const EXIT: f32 = 1.0 + 16.0 * f32::EPSILON;
 
+/// The same for the boxes of wide nodes, whose far planes are crossed with a reciprocal direction that is raised by this
+/// beforehand: one rounding more and one elsewhere than where the exit is raised, so that what leaves a box late enough
+/// leaves the nodes around it late enough.
+pub(crate) const NODE_EXIT: f32 = 1.0 + 20.0 * f32::EPSILON;
+
 /// Where a primitive is large beside its distance, the roundings of its vertices move with its size instead: boxes grow
 /// by this part of their longest edge on each side.
 pub(crate) const PAD_EXTENT: f32 = 8.0 * f32::EPSILON;

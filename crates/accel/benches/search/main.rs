@@ -97,7 +97,7 @@ fn main() {
         classics(&plan, &mesh);
     }
     if plan.wants(&PARTS, "scale") {
-        scale(&plan);
+        scale(&plan, embree.as_ref());
     }
 }
 
@@ -206,23 +206,21 @@ fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
         Some(row) => row.1.push(seconds),
         None => rows.push((name, vec![seconds], bytes / triangles)),
     };
+    let peers = [Quality::Low, Quality::Medium, Quality::High];
+    let ours = [
+        ("fast", Build::Fast, false),
+        ("default", Build::Default, false),
+        ("best", Build::Best, false),
+        ("compact", Build::Default, true),
+    ];
+    // In turns: what is built right after one's own kind finds its memory already there.
     for _ in 0..plan.rounds {
-        if let Some(e) = embree {
-            for (name, quality) in [
-                ("embree low", Quality::Low),
-                ("embree medium", Quality::Medium),
-                ("embree high", Quality::High),
-            ] {
+        for (i, (name, build, compact)) in ours.into_iter().enumerate() {
+            if let (Some(e), Some(&quality)) = (embree, peers.get(i)) {
                 let scene = e.build(&mesh.positions, &mesh.indices, quality, cpu_seconds);
+                let name = ["embree low", "embree medium", "embree high"][i];
                 add(name.to_owned(), scene.seconds, scene.bytes() as f64);
             }
-        }
-        for (name, build, compact) in [
-            ("fast", Build::Fast, false),
-            ("default", Build::Default, false),
-            ("best", Build::Best, false),
-            ("compact", Build::Default, true),
-        ] {
             let input = input(mesh);
             let structure = Structure::Bvh(BvhParams { build, compact });
             let options = Options { structure, isa: plan.isa, ..Options::default() };
@@ -292,25 +290,35 @@ fn steps(scene: &Scene, set: &rays::Set) -> [f64; 2] {
 }
 
 /// Bounces on spheres of 20 thousand to 10 million triangles.
-fn scale(plan: &Plan) {
-    println!("\nscale: bounces on the sphere");
+fn scale(plan: &Plan, embree: Option<&Embree>) {
+    println!("\nscale: bounces on the sphere, and the rate times log2 n");
     for levels in 5..=9 {
-        scale_of(plan, &scenes::sphere("sphere", levels));
+        scale_of(plan, &scenes::sphere("sphere", levels), embree);
     }
-    scale_of(plan, &scenes::sphere("sphere", 9).twice());
+    scale_of(plan, &scenes::sphere("sphere", 9).halved(), embree);
 }
 
-fn scale_of(plan: &Plan, mesh: &Mesh) {
+fn scale_of(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
     let options = Options { isa: plan.isa, ..Options::default() };
     let scene = Scene::build(input(mesh), &(), &options).expect("a sound mesh");
+    let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, cpu_seconds));
     let sets = rays::sets(&scene, mesh);
     let rays = &sets[1].rays;
-    let mut hits = vec![(0, 0.0); rays.len()];
+    let (mut hits, mut peer_hits) = (vec![(0, 0.0); rays.len()], vec![(0, 0.0); rays.len()]);
     let mut contestants: Vec<Contestant<'_>> =
-        vec![("", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
-    let seconds = median(duel(plan.rounds, &mut contestants).remove(0));
-    let (n, rate) = (mesh.indices.len(), rays.len() as f64 / seconds * 1e-6);
-    println!("  {n:8} triangles {rate:6.2} Mrays/s, times log2 n {:.1}", rate * (n as f64).log2());
+        vec![("straal", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
+    if let Some(peer) = &peer {
+        contestants.push(("embree", Box::new(|| peer.closest(rays, &mut peer_hits))));
+    }
+    let times = duel(plan.rounds, &mut contestants);
+    let n = mesh.indices.len();
+    let [nodes, blocks] = steps(&scene, &sets[1]);
+    print!("  {n:8} triangles");
+    for ((name, _), t) in contestants.iter().zip(times) {
+        let rate = rays.len() as f64 / median(t) * 1e-6;
+        print!("  {name} {rate:6.2} Mrays/s, {:6.1}", rate * (n as f64).log2());
+    }
+    println!("  {nodes:.1} nodes, {blocks:.1} blocks a ray");
 }
 
 /// Every structure with its default parameters, one ray at a time.

@@ -71,14 +71,15 @@ pub fn room() -> Mesh {
 }
 
 impl Mesh {
-    /// With a copy beside it.
-    pub fn twice(mut self) -> Self {
-        let n = self.positions.len() as u32;
-        self.positions.extend_from_within(..);
-        self.positions[n as usize..].iter_mut().for_each(|p| p.x += 2.5);
-        self.indices.extend_from_within(..);
-        let half = self.indices.len() / 2;
-        self.indices[half..].iter_mut().flatten().for_each(|i| *i += n);
+    /// With each triangle cut in two.
+    pub fn halved(mut self) -> Self {
+        for i in 0..self.indices.len() {
+            let [a, b, c] = self.indices[i];
+            let middle = self.positions.len() as u32;
+            self.positions.push((self.positions[a as usize] + self.positions[b as usize]) * 0.5);
+            self.indices[i] = [a, middle, c];
+            self.indices.push([middle, b, c]);
+        }
         self
     }
 

@@ -66,12 +66,12 @@ pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>)
     if refs.is_empty() {
         return Bvh::EMPTY;
     }
-    if params.build == Build::Best {
-        refs.iter_mut().for_each(|r| *r = spatial_split::whole(*r));
-    }
     let mut root = Span::of(&refs, 0, 0);
-    if params.build == Build::Best {
-        root.room = spatial_split::room(refs.len());
+    let cuts = params.build == Build::Best || spatial_split::is_crowded(&refs, &root);
+    let room = if cuts { spatial_split::room(params.build, refs.len()) } else { 0 };
+    if room > 0 {
+        refs.iter_mut().for_each(|r| *r = spatial_split::whole(*r));
+        root = Span { room, ..Span::of(&refs, 0, 0) };
         refs.resize(root.places().end, Ref::NONE);
     }
     let least_overlap = spatial_split::OVERLAP * root.bounds.half_area();

@@ -15,7 +15,7 @@ use crate::{
     hit::{Chain, Hit},
     input::Shapes,
     kernel::{
-        First, Kernel,
+        Kernel, LaneHit,
         descent::{Descent, Spilled},
     },
     local::LocalRay,
@@ -85,7 +85,7 @@ impl Bvh {
         let mut elsewhere = [Hit::MISS; FLIGHT];
         let mut stacks = Descent::<STACK>::many::<FLIGHT>();
         let mut spilled: [Spilled; FLIGHT] = std::array::from_fn(|_| Spilled::new());
-        let mut first = [First::NONE; FLIGHT];
+        let mut first = [LaneHit::NONE; FLIGHT];
         let mut room = None;
         let mut waiting = Waiting { rays, next: 0 };
         // Rays that are searched or may be.
@@ -123,7 +123,7 @@ impl Bvh {
                 }
                 let node = &self.nodes[next.0[i].index()];
                 let child = match ANY {
-                    true => q.kernel.step_any(&f.ray, node, stack),
+                    true => q.kernel.step_any(&f.ray, node, f.near.limit, stack),
                     false => q.kernel.step(&f.ray, node, f.near.limit, stack),
                 };
                 next.0[i] = child;
@@ -147,8 +147,7 @@ impl Bvh {
                 let (f, stack) = (&mut flights[i], &mut stacks[i]);
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
                 let block = self.block(q.scene, group, next.0[i].index(), &mut room);
-                let First { lane, hit } = first[i];
-                if Self::offer(q, &at, (block, lane as usize), hit, &mut f.near, &elsewhere[i]) {
+                if Self::offer(q, &at, (block, &first[i]), &mut f.near, &elsewhere[i]) {
                     match ANY {
                         true => stack.reset(),
                         false => stack.keep_within(f.near.key()),

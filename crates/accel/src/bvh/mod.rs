@@ -127,6 +127,18 @@ impl Child {
         (self.0 & (Self::OBJECT - 1)) as usize
     }
 
+    /// Whether it is a node.
+    #[inline(always)]
+    pub const fn is_node(self) -> bool {
+        self.0 < Self::OBJECT
+    }
+
+    /// Whether it is a block.
+    #[inline(always)]
+    pub const fn is_block(self) -> bool {
+        self.class() == class::BLOCK
+    }
+
     /// One of [`class`].
     #[inline(always)]
     pub const fn class(self) -> usize {

@@ -16,7 +16,7 @@ use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, near::Near};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
-    kernel::{First, Kernel},
+    kernel::{Kernel, LaneHit},
     local::LocalRay,
     query::Query,
     scene::GroupData,
@@ -110,7 +110,7 @@ struct Packet {
     rays: [LocalRay; PACKET],
     near: [Near; PACKET],
     best: [Hit; PACKET],
-    first: [First; PACKET],
+    first: [LaneHit; PACKET],
     o: [[Lanes; PACKET / WIDTH]; 3],
     inv: [[Lanes; PACKET / WIDTH]; 3],
     enter: [Lanes; PACKET / WIDTH],
@@ -232,7 +232,7 @@ impl Bvh {
             rays: [LocalRay::IDLE; PACKET],
             near: [Near::nothing(0.0); PACKET],
             best: [Hit::MISS; PACKET],
-            first: [First::NONE; PACKET],
+            first: [LaneHit::NONE; PACKET],
             o: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
             inv: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
             enter: [[0.0; WIDTH]; PACKET / WIDTH],
@@ -355,8 +355,7 @@ impl Bvh {
                 }
                 for i in Members(one) {
                     let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
-                    let First { lane, hit } = p.first[i];
-                    if Self::offer(q, &at, (block, lane as usize), hit, &mut p.near[i], &p.best[i]) {
+                    if Self::offer(q, &at, (block, &p.first[i]), &mut p.near[i], &p.best[i]) {
                         let limit = if ANY { -1.0 } else { p.near[i].limit };
                         p.set_limit(i, limit);
                     }

@@ -5,8 +5,8 @@
 //! apart. So a triangle may have several references, each with the box of a part of it. A plane is looked for only where
 //! the boxes of the cheapest heaps overlap by more than [`OVERLAP`] of the root's area (there, section 4.1) and by more
 //! than [`OWN_OVERLAP`] of their own range's; where there are no such triangles, little is lost. A reference that would
-//! be cut is left whole where that is cheaper ("reference unsplitting", section 4.2). The tree may have no more than
-//! [`room`] references beyond one for each triangle. A range shares its room out to its halves by the areas of their
+//! be cut is left whole where that is cheaper ("reference unsplitting", section 4.2). The tree has room for a limited number
+//! of references beyond one for each triangle. A range shares its room out to its halves by the areas of their
 //! boxes, since that is where cutting pays.
 //!
 //! # Exactness
@@ -25,6 +25,7 @@ use super::{
     WIDTH,
     build::Plan,
     object_split::{PIECE, blocks},
+    params::Build,
     span::{Box4, Ref, Span},
 };
 use rayon::prelude::*;
@@ -32,17 +33,15 @@ use rayon::prelude::*;
 /// Bins on each axis.
 const BINS: usize = 16;
 
-/// Heaps whose boxes overlap by less of the root's area than this are good enough.
-pub(super) const OVERLAP: f32 = 1e-5;
+/// Heaps whose boxes overlap by less of the root's area than this are good enough. Where overlaps are smaller, cutting gains
+/// nothing that could be measured.
+pub(super) const OVERLAP: f32 = 1e-3;
 
 /// The same, of the area of their range's box.
 const OWN_OVERLAP: f32 = 0.2;
 
-/// Of ranges longer than this, only every [`STRIDE`]-th reference is put into bins.
-const MANY: usize = 1 << 14;
-
-/// See [`MANY`].
-const STRIDE: usize = 8;
+/// No more references of a range than this, evenly spaced, are put into bins.
+const SAMPLE: usize = 1 << 10;
 
 /// So few references aren't cut: they fill two blocks.
 const FEW: usize = 2 * WIDTH;
@@ -57,10 +56,25 @@ const PAD: f32 = 64.0 * f32::EPSILON;
 const PAD_COORDINATE: f32 = 2.0 * f32::EPSILON;
 
 /// How many references there may be beyond one for each of `n` primitives.
-pub(super) const fn room(n: usize) -> usize {
-    // References are numbered with 30 bits.
-    if n < 1 << 29 { n / 4 } else { 0 }
+pub(super) const fn room(build: Build, n: usize) -> usize {
+    match build {
+        // References are numbered with 30 bits.
+        _ if n >= 1 << 29 => 0,
+        Build::Fast => 0,
+        Build::Default => n / 16,
+        Build::Best => n / 4,
+    }
 }
+
+/// Whether boxes of triangles overlap so much that cutting them is worth the time: whether a ray across the whole crosses
+/// more than [`CROWD`] of them on the mean.
+pub(super) fn is_crowded(refs: &[Ref], whole: &Span) -> bool {
+    let areas = refs.iter().filter(|r| !r.object).map(|r| f64::from(r.bounds().half_area()));
+    areas.sum::<f64>() > CROWD * f64::from(whole.bounds.half_area())
+}
+
+/// Boxes on a ray: about four on a sphere of even triangles, 26 in a room of long ones.
+const CROWD: f64 = 8.0;
 
 /// A reference to a whole triangle, with room for what its parts' boxes are grown by.
 pub(super) fn whole(r: Ref) -> Ref {
@@ -227,7 +241,7 @@ impl Bins {
 /// The cheapest plane between slabs for which there is room.
 pub(super) fn find(refs: &[Ref], span: &Span, plan: &Plan<'_>) -> Option<SpatialSplit> {
     let slabs = [0, 1, 2].map(|axis| Slabs::new(span, axis));
-    let stride = if refs.len() > MANY { STRIDE } else { 1 };
+    let stride = refs.len().div_ceil(SAMPLE);
     let bins = if refs.len() > PIECE {
         let pieces: Vec<_> =
             refs.par_chunks(PIECE).map(|piece| Bins::of(piece, stride, &slabs, plan)).collect();

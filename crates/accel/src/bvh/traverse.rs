@@ -1,7 +1,7 @@
 //! Searching the tree with one ray.
 
 use super::{
-    Block, Bvh, ChildKind, WIDTH,
+    Block, Bvh, Child, WIDTH,
     near::{Candidate, Near},
     packet::PACKET,
 };
@@ -9,11 +9,12 @@ use crate::{
     hit::Hit,
     input::Shapes,
     kernel::{
-        Kernel,
+        Kernel, LaneHit,
         descent::{ALL, Descent},
     },
     query::Query,
     scene::GroupData,
+    slab::loosened,
     structure::{Place, Search, Stats},
     triangle,
 };
@@ -37,9 +38,9 @@ impl Bvh {
         let mut mask = lanes.hit;
         while mask != 0 {
             let lane = take(&mut mask);
-            let hit = lanes.candidate(lane);
-            if hit.t <= near.t {
-                moved |= Self::offer(q, at, (block, lane), hit, near, best);
+            let found = lanes.certain(lane);
+            if found.hit.t <= near.t {
+                moved |= Self::offer(q, at, (block, &found), near, best);
             }
         }
         let mut mask = lanes.doubtful;
@@ -47,7 +48,8 @@ impl Bvh {
             let lane = take(&mut mask);
             if let Some([t, u, v]) = triangle::intersect(&block.vertices(lane), at.ray, near.t) {
                 let hit = Candidate { t, uv: [u, v], det: 1.0 };
-                moved |= Self::offer(q, at, (block, lane), hit, near, best);
+                let found = LaneHit { lane: lane as u32, boxed: false, hit };
+                moved |= Self::offer(q, at, (block, &found), near, best);
             }
         }
         moved
@@ -57,13 +59,15 @@ impl Bvh {
     pub(super) fn offer<K: Kernel, S: Shapes, const COUNT: bool>(
         q: &Query<'_, K, S, COUNT>,
         at: &Place<'_>,
-        (block, lane): (&Block, usize),
-        hit: Candidate,
+        (block, found): (&Block, &LaneHit),
         near: &mut Near,
         best: &Hit,
     ) -> bool {
-        match q.lane_counts(at, block, lane, hit.t) {
-            Some(t) => near.offer(at, block.id[lane], Candidate { t, ..hit }, best),
+        match q.lane_counts(at, block, found) {
+            Some(t) => {
+                let id = block.id[found.lane as usize % WIDTH];
+                near.offer(at, id, Candidate { t, ..found.hit }, best)
+            }
             None => false,
         }
     }
@@ -81,9 +85,15 @@ impl Bvh {
         let mut mask = lanes.hit | lanes.doubtful;
         while mask != 0 {
             let lane = take(&mut mask);
-            let found = lanes.hit >> lane & 1 == 1
-                || triangle::intersect(&block.vertices(lane), at.ray, at.ray.ray.t_max).is_some();
-            if found && q.lane_counts(at, block, lane, 0.0).is_some() {
+            let is_certain = lanes.hit >> lane & 1 == 1;
+            let found = LaneHit {
+                lane: lane as u32,
+                boxed: is_certain && lanes.boxed >> lane & 1 == 1,
+                ..LaneHit::NONE
+            };
+            let is_hit =
+                is_certain || triangle::intersect(&block.vertices(lane), at.ray, at.ray.ray.t_max).is_some();
+            if is_hit && q.lane_counts(at, block, &found).is_some() {
                 return true;
             }
         }
@@ -159,8 +169,8 @@ impl Search for Bvh {
         let mut room = None;
         let mut stack = Descent::<ALL>::new();
         loop {
-            while let ChildKind::Node(i) = child.kind() {
-                let node = &self.nodes[i as usize];
+            while child.is_node() {
+                let node = &self.nodes[child.index()];
                 if COUNT {
                     q.count_node(node.count());
                 }
@@ -169,17 +179,15 @@ impl Search for Bvh {
                     None => stack.pop_within(near.key()),
                 };
             }
-            match child.kind() {
-                ChildKind::Block(i) => {
-                    let block = self.block(q.scene, at.group, i as usize, &mut room);
-                    Self::block_closest(q, at, block, &mut near, best);
-                }
-                ChildKind::Object(i) => {
-                    near.settle(at, best);
-                    q.object_closest(at, i, best);
-                    near = Near::new(best);
-                }
-                ChildKind::Node(_) | ChildKind::Done => break,
+            if child.is_block() {
+                let block = self.block(q.scene, at.group, child.index(), &mut room);
+                Self::block_closest(q, at, block, &mut near, best);
+            } else if child == Child::DONE {
+                break;
+            } else {
+                near.settle(at, best);
+                q.object_closest(at, child.index() as u32, best);
+                near = Near::new(best);
             }
             child = stack.pop_within(near.key());
         }
@@ -195,26 +203,27 @@ impl Search for Bvh {
         at: &Place<'_>,
     ) -> bool {
         let Some(mut child) = self.root else { return false };
+        let limit = loosened(at.ray.ray.t_max);
         let mut room = None;
         let mut stack = Descent::<ALL>::new();
         loop {
-            while let ChildKind::Node(i) = child.kind() {
-                let node = &self.nodes[i as usize];
+            while child.is_node() {
+                let node = &self.nodes[child.index()];
                 if COUNT {
                     q.count_node(node.count());
                 }
-                child = match q.kernel.any(at.ray, node, &mut stack) {
+                child = match q.kernel.any(at.ray, node, limit, &mut stack) {
                     Some(next) => next,
                     None => stack.pop(),
                 };
             }
-            let found = match child.kind() {
-                ChildKind::Block(i) => {
-                    let block = self.block(q.scene, at.group, i as usize, &mut room);
-                    Self::block_occluded(q, at, block)
-                }
-                ChildKind::Object(i) => q.object_occluded(at, i),
-                ChildKind::Node(_) | ChildKind::Done => return false,
+            let found = if child.is_block() {
+                let block = self.block(q.scene, at.group, child.index(), &mut room);
+                Self::block_occluded(q, at, block)
+            } else if child == Child::DONE {
+                return false;
+            } else {
+                q.object_occluded(at, child.index() as u32)
             };
             if found {
                 return true;

@@ -1,6 +1,6 @@
 //! Whether a tree is what searches rely on.
 
-use super::{Bvh, Child, ChildKind, WIDTH, build, spatial_split};
+use super::{Bvh, Child, ChildKind, WIDTH, build, params::Build, spatial_split};
 use crate::{
     clip,
     structure::{Prim, PrimKind},
@@ -51,7 +51,7 @@ impl Bvh {
                 }
             }
         }
-        let most = prims.len() + spatial_split::room(prims.len());
+        let most = prims.len() + spatial_split::room(Build::Best, prims.len());
         if references > most {
             return Err(format!("{references} references are more than {most}"));
         }

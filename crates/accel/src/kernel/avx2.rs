@@ -13,7 +13,6 @@ use super::{
 use crate::{
     bvh::{Block, Child, Node, many::Next},
     local::LocalRay,
-    slab::EXIT,
     triangle::FLAT,
 };
 use std::arch::x86_64::*;
@@ -46,10 +45,10 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
+    fn entered(self, r: &LocalRay, node: &Node, limit: f32) -> u32 {
         // SAFETY: see the head of the file.
         unsafe {
-            let (enter, exit) = interval(r, node, r.leave);
+            let (enter, exit) = interval(r, node, limit);
             _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(enter, exit)) as u32
         }
     }
@@ -83,10 +82,16 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn step_any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Child {
+    fn step_any<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Child {
         // SAFETY: as above.
         unsafe {
-            let mask = self.entered(r, node);
+            let mask = self.entered(r, node, limit);
             let children = _mm256_loadu_si256(node.children.as_ptr().cast());
             let children = _mm256_permutevar8x32_epi32(children, set_first(mask));
             stack.step(mask.count_ones() as usize, |k: *mut u32, c: *mut u32| {
@@ -103,8 +108,14 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Option<Child> {
-        let entered = self.entered(r, node);
+    fn any<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
+        let entered = self.entered(r, node, limit);
         let others = entered & entered.wrapping_sub(1);
         if others != 0 {
             // SAFETY: as with `step`.
@@ -194,12 +205,11 @@ pub(super) unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256,
     // SAFETY: the caller's promise.
     unsafe {
         // Planes of an axis stand side by side, the near one second where the direction is negative.
-        let near = |axis: usize| plane(r, node, axis, 64 * axis + usize::from(r.neg[axis] & 32));
-        let far = |axis: usize| plane(r, node, axis, 64 * axis + usize::from(!r.neg[axis] & 32));
-        let enter = _mm256_max_ps(_mm256_max_ps(near(0), near(1)), near(2));
-        let enter = _mm256_max_ps(enter, _mm256_set1_ps(r.enter));
-        let exit = _mm256_min_ps(_mm256_min_ps(far(0), far(1)), far(2));
-        let exit = _mm256_min_ps(_mm256_mul_ps(exit, _mm256_set1_ps(EXIT)), _mm256_set1_ps(limit));
+        // As few operations as can be stand between the last plane and the result.
+        let (x, y, z) = (near(r, node, 0), near(r, node, 1), near(r, node, 2));
+        let enter = _mm256_max_ps(_mm256_max_ps(x, y), _mm256_max_ps(z, _mm256_set1_ps(r.enter)));
+        let (x, y, z) = (far(r, node, 0), far(r, node, 1), far(r, node, 2));
+        let exit = _mm256_min_ps(_mm256_min_ps(x, y), _mm256_min_ps(z, _mm256_set1_ps(limit)));
         (enter, exit)
     }
 }
@@ -291,34 +301,54 @@ static SET_FIRST: [[u8; 8]; 256] = {
     out
 };
 
-/// Where the ray crosses a plane of each box, which stands in one of a node's rows.
+/// Where the ray crosses the near plane of each box.
 ///
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, row: usize) -> __m256 {
-    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of six rows of eight.
+unsafe fn near(r: &LocalRay, node: &Node, axis: usize) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_mul_ps(from(r, node, axis, r.neg[axis] & 32), _mm256_set1_ps(r.inv[axis])) }
+}
+
+/// Where the ray crosses the far plane of each box.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn far(r: &LocalRay, node: &Node, axis: usize) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_mul_ps(from(r, node, axis, !r.neg[axis] & 32), _mm256_set1_ps(r.far[axis])) }
+}
+
+/// A plane of each box, from the ray's origin; `row` is 0 or 32, the offset of the lesser or of the greater planes.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn from(r: &LocalRay, node: &Node, axis: usize, row: u8) -> __m256 {
+    // SAFETY: the caller's promise; an axis has two rows of eight.
     unsafe {
-        let b = _mm256_loadu_ps((&raw const node.planes).byte_add(row).cast());
-        _mm256_mul_ps(_mm256_sub_ps(b, _mm256_set1_ps(r.ray.o[axis])), _mm256_set1_ps(r.inv[axis]))
+        let b = _mm256_loadu_ps((&raw const node.planes).byte_add(64 * axis + usize::from(row)).cast());
+        _mm256_sub_ps(b, _mm256_set1_ps(r.ray.o[axis]))
     }
 }
 
-/// A vertex of each triangle, moved to the ray's origin and sheared.
+/// A vertex of each triangle, moved to the ray's origin, and the same sheared.
 ///
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3]) -> [__m256; 3] {
+unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3]) -> [[__m256; 3]; 2] {
     // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three rows of eight.
     unsafe {
         let row = |axis| _mm256_loadu_ps((&raw const *vertex).byte_add(usize::from(r.rows[axis])).cast());
         let x = _mm256_sub_ps(row(0), _mm256_set1_ps(r.origin[0]));
         let y = _mm256_sub_ps(row(1), _mm256_set1_ps(r.origin[1]));
         let z = _mm256_sub_ps(row(2), _mm256_set1_ps(r.origin[2]));
-        let x = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(r.shear[0]), z));
-        let y = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(r.shear[1]), z));
-        [x, y, z]
+        let sheared_x = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(r.shear[0]), z));
+        let sheared_y = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(r.shear[1]), z));
+        [[x, y, z], [sheared_x, sheared_y, z]]
     }
 }
 
@@ -334,6 +364,8 @@ unsafe fn edge(p: &[__m256; 3], q: &[__m256; 3]) -> __m256 {
 
 /// Eight triangles as `triangle::edges` has one.
 struct Crossing {
+    /// The vertices, moved to the ray's origin.
+    moved: [[__m256; 3]; 3],
     a: [__m256; 3],
     b: [__m256; 3],
     c: [__m256; 3],
@@ -349,11 +381,13 @@ impl Crossing {
     unsafe fn new(r: &LocalRay, block: &Block) -> Self {
         // SAFETY: the caller's promise.
         unsafe {
-            let (a, b, c) = (sheared(r, &block.v[0]), sheared(r, &block.v[1]), sheared(r, &block.v[2]));
+            let [moved_a, a] = sheared(r, &block.v[0]);
+            let [moved_b, b] = sheared(r, &block.v[1]);
+            let [moved_c, c] = sheared(r, &block.v[2]);
             let edges @ [u, v, w] = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
             let least = _mm256_min_ps(u, _mm256_min_ps(v, w));
             let most = _mm256_max_ps(u, _mm256_max_ps(v, w));
-            Self { a, b, c, edges, least, most }
+            Self { moved: [moved_a, moved_b, moved_c], a, b, c, edges, least, most }
         }
     }
 
@@ -369,6 +403,39 @@ impl Crossing {
             let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(self.least, zero);
             _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_LE_OQ>(self.most, zero))
         }
+    }
+}
+
+/// Where the ray enters and leaves the boxes of triangles whose vertices were moved to its origin. Rounding doesn't change
+/// an order, so that these are the crossings of the boxes' planes by `slab.rs`.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn own_boxes(r: &LocalRay, moved: &[[__m256; 3]; 3]) -> [__m256; 2] {
+    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three numbers.
+    unsafe {
+        let [x, x_far] = crossings(r, moved, 0);
+        let [y, y_far] = crossings(r, moved, 1);
+        let [z, z_far] = crossings(r, moved, 2);
+        [_mm256_max_ps(_mm256_max_ps(x, y), z), _mm256_min_ps(_mm256_min_ps(x_far, y_far), z_far)]
+    }
+}
+
+/// The first and the last crossing of vertices along an axis of the sheared space.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn crossings(r: &LocalRay, moved: &[[__m256; 3]; 3], axis: usize) -> [__m256; 2] {
+    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three numbers.
+    unsafe {
+        let inv = *(&raw const r.inv).cast::<f32>().byte_add(usize::from(r.rows[axis] / 8));
+        let inv = _mm256_set1_ps(inv);
+        let a = _mm256_mul_ps(moved[0][axis], inv);
+        let b = _mm256_mul_ps(moved[1][axis], inv);
+        let c = _mm256_mul_ps(moved[2][axis], inv);
+        [_mm256_min_ps(_mm256_min_ps(a, b), c), _mm256_max_ps(_mm256_max_ps(a, b), c)]
     }
 }
 
@@ -396,7 +463,7 @@ pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lane
         if inside == 0 {
             return out;
         }
-        let Crossing { a, b, c, edges: [u, v, w], least, most } = crossing;
+        let Crossing { moved, a, b, c, edges: [u, v, w], least, most } = crossing;
         let zero = _mm256_setzero_ps();
         let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);
         let on_edge = _mm256_or_ps(on_edge, _mm256_cmp_ps::<_CMP_EQ_OQ>(most, zero));
@@ -415,6 +482,10 @@ pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lane
         let late = _mm256_cmp_ps::<_CMP_GE_OQ>(t, _mm256_set1_ps(r.ray.t_min));
         let early = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
         out.hit = _mm256_movemask_ps(_mm256_and_ps(late, early)) as u32 & inside & !out.doubtful;
+        let [enter, exit] = own_boxes(r, &moved);
+        let past = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, t);
+        let before = _mm256_cmp_ps::<_CMP_LE_OQ>(t, exit);
+        out.boxed = _mm256_movemask_ps(_mm256_and_ps(past, before)) as u32;
         _mm256_storeu_ps(out.t.as_mut_ptr(), t);
         _mm256_storeu_ps(out.det.as_mut_ptr(), det);
         _mm256_storeu_ps(out.e1.as_mut_ptr(), v);

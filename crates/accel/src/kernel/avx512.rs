@@ -15,7 +15,7 @@ use super::{
 use crate::{
     bvh::{Block, Child, Node, many::Next},
     local::LocalRay,
-    slab::EXIT,
+    slab::NODE_EXIT,
 };
 use std::arch::x86_64::*;
 use straal_math::Ray;
@@ -55,10 +55,10 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
+    fn entered(self, r: &LocalRay, node: &Node, limit: f32) -> u32 {
         // SAFETY: see the head of the file.
         unsafe {
-            let (enter, exit) = avx2::interval(r, node, r.leave);
+            let (enter, exit) = avx2::interval(r, node, limit);
             u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit))
         }
     }
@@ -84,10 +84,16 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn step_any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Child {
+    fn step_any<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Child {
         // SAFETY: as above.
         unsafe {
-            let (enter, exit) = interval(r, node, r.leave);
+            let (enter, exit) = interval(r, node, limit);
             let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
             let children = _mm256_loadu_si256(node.children.as_ptr().cast());
             let children = _mm256_maskz_compress_epi32(mask, children);
@@ -99,8 +105,14 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Option<Child> {
-        let entered = self.entered(r, node);
+    fn any<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
+        let entered = self.entered(r, node, limit);
         let others = entered & entered.wrapping_sub(1);
         if others != 0 {
             // SAFETY: as with `step`.
@@ -184,29 +196,39 @@ impl Kernel for Avx512 {
 
 /// Where the ray enters and leaves each box, no earlier than its start and no later than `limit`: fewer instructions than
 /// `avx2::interval`, which counts where many rays are in flight, but a longer way to the result, which counts where one is.
+/// Exits are raised at the end.
 ///
 /// # Safety
 /// The processor must have AVX-512 F, DQ and VL.
 #[inline(always)]
 unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
-    /// The lanes of far planes.
-    const FAR: __mmask16 = 0xff00;
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (x, y, z) = (crossed(r, node, 0), crossed(r, node, 1), crossed(r, node, 2));
+        // The latest of the near crossings, the earliest of the far ones.
+        let both = _mm512_mask_min_ps(_mm512_max_ps(x, y), FAR, x, y);
+        let both = _mm512_mask_min_ps(_mm512_max_ps(both, z), FAR, both, z);
+        let enter = _mm256_max_ps(_mm512_castps512_ps256(both), _mm256_set1_ps(r.enter));
+        let exit = _mm256_mul_ps(_mm512_extractf32x8_ps::<1>(both), _mm256_set1_ps(NODE_EXIT));
+        (enter, _mm256_min_ps(exit, _mm256_set1_ps(limit)))
+    }
+}
+
+/// The lanes of far planes.
+const FAR: __mmask16 = 0xff00;
+
+/// Where the ray crosses the near planes of an axis, and in the lanes [`FAR`] the far ones.
+///
+/// # Safety
+/// The processor must have AVX-512 F and DQ.
+#[inline(always)]
+unsafe fn crossed(r: &LocalRay, node: &Node, axis: usize) -> __m512 {
     // SAFETY: the caller's promise; the two rows of an axis, of eight numbers each, follow each other.
     unsafe {
-        let crossed = |axis: usize| {
-            let planes =
-                _mm512_castps_pd(_mm512_loadu_ps((&raw const node.planes).byte_add(64 * axis).cast()));
-            // Near planes first: the halves change places where the direction is negative.
-            let planes = _mm512_mask_shuffle_f64x2::<0b01_00_11_10>(planes, r.neg[axis], planes, planes);
-            let from = _mm512_sub_ps(_mm512_castpd_ps(planes), _mm512_set1_ps(r.ray.o[axis]));
-            _mm512_mul_ps(from, _mm512_set1_ps(r.inv[axis]))
-        };
-        // The latest of the near crossings, the earliest of the far ones.
-        let both = |a, b| _mm512_mask_min_ps(_mm512_max_ps(a, b), FAR, a, b);
-        let both = both(both(crossed(0), crossed(1)), crossed(2));
-        let enter = _mm256_max_ps(_mm512_castps512_ps256(both), _mm256_set1_ps(r.enter));
-        let exit = _mm512_extractf32x8_ps::<1>(both);
-        let exit = _mm256_min_ps(_mm256_mul_ps(exit, _mm256_set1_ps(EXIT)), _mm256_set1_ps(limit));
-        (enter, exit)
+        let planes = _mm512_castps_pd(_mm512_loadu_ps((&raw const node.planes).byte_add(64 * axis).cast()));
+        // Near planes first: the halves change places where the direction is negative.
+        let planes = _mm512_mask_shuffle_f64x2::<0b01_00_11_10>(planes, r.neg[axis], planes, planes);
+        let from = _mm512_sub_ps(_mm512_castpd_ps(planes), _mm512_set1_ps(r.ray.o[axis]));
+        _mm512_mul_ps(from, _mm512_set1_ps(r.inv[axis]))
     }
 }

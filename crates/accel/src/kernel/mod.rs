@@ -62,6 +62,9 @@ pub(crate) struct Lanes {
     pub hit: u32,
     /// Lanes with an edge function of 0, or too flat for single precision, for the scalar routine to decide.
     pub doubtful: u32,
+    /// Hits that lie for certain in the triangle's own box, in the sense of `slab.rs`, no earlier than its entry. For those
+    /// that aren't told so, the box is to be tested.
+    pub boxed: u32,
     /// Ray parameters.
     pub t: [f32; 8],
     /// Sum of the edge functions.
@@ -73,36 +76,46 @@ pub(crate) struct Lanes {
 }
 
 impl Lanes {
-    const NONE: Self = Self { hit: 0, doubtful: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
+    const NONE: Self =
+        Self { hit: 0, doubtful: 0, boxed: 0, t: [0.0; 8], det: [0.0; 8], e1: [0.0; 8], e2: [0.0; 8] };
 }
 
-/// A certain hit of a block.
+/// A hit of a block.
 #[derive(Clone, Copy)]
-pub(crate) struct First {
+pub(crate) struct LaneHit {
     pub lane: u32,
+    /// Whether it lies for certain in the triangle's own box.
+    pub boxed: bool,
     pub hit: Candidate,
 }
 
-impl First {
-    pub const NONE: Self = Self { lane: 0, hit: Candidate { t: 0.0, uv: [0.0; 2], det: 1.0 } };
+impl LaneHit {
+    pub const NONE: Self = Self { lane: 0, boxed: false, hit: Candidate { t: 0.0, uv: [0.0; 2], det: 1.0 } };
 }
 
 impl Lanes {
     /// The hit of a lane that is certain.
     #[inline(always)]
-    pub fn candidate(&self, lane: usize) -> Candidate {
+    pub fn certain(&self, lane: usize) -> LaneHit {
         // Each number apart: the compiler would make one wide load of several, which has to wait until the stores that wrote
         // them have left the processor.
         // SAFETY: a read of an initialised number.
         let number = |of: &[f32; 8]| unsafe { (&raw const of[lane & 7]).read_volatile() };
-        Candidate { t: number(&self.t), uv: [number(&self.e1), number(&self.e2)], det: number(&self.det) }
+        LaneHit {
+            lane: lane as u32,
+            boxed: self.boxed >> (lane & 7) & 1 == 1,
+            hit: Candidate {
+                t: number(&self.t),
+                uv: [number(&self.e1), number(&self.e2)],
+                det: number(&self.det),
+            },
+        }
     }
 
     /// The first certain hit; of no use where there is none.
     #[inline(always)]
-    pub fn first(&self) -> First {
-        let lane = self.hit.trailing_zeros() & 7;
-        First { lane, hit: self.candidate(lane as usize) }
+    pub fn first(&self) -> LaneHit {
+        self.certain((self.hit.trailing_zeros() & 7) as usize)
     }
 
     /// 1 if one hit is certain and there is no other, else 0.
@@ -134,8 +147,8 @@ pub(crate) trait Kernel: Copy {
     /// The boxes entered no later than `limit`.
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children;
 
-    /// The mask alone of the boxes entered in the ray's interval.
-    fn entered(self, r: &LocalRay, node: &Node) -> u32;
+    /// The mask alone of the boxes entered no later than `limit`.
+    fn entered(self, r: &LocalRay, node: &Node, limit: f32) -> u32;
 
     /// One step down: pushes the children entered no later than `limit`, in the order of the ray's octant (see
     /// `bvh/slots.rs`), the first on top, and takes what is on top. The stack isn't full.
@@ -150,10 +163,16 @@ pub(crate) trait Kernel: Copy {
         stack.pop()
     }
 
-    /// The same with the children entered in the ray's interval, in any order and without keys.
+    /// The same in any order and without keys.
     #[inline(always)]
-    fn step_any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Child {
-        let mut mask = self.entered(r, node);
+    fn step_any<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Child {
+        let mut mask = self.entered(r, node, limit);
         while mask != 0 {
             stack.push(0, node.children[(mask.trailing_zeros() & 7) as usize]);
             mask &= mask - 1;
@@ -161,12 +180,18 @@ pub(crate) trait Kernel: Copy {
         stack.pop()
     }
 
-    /// A child entered in the ray's interval, while the others are pushed, without keys; `None` when there is none.
+    /// A child entered no later than `limit`, while the others are pushed, without keys; `None` when there is none.
     #[inline(always)]
-    fn any<const N: usize>(self, r: &LocalRay, node: &Node, stack: &mut Descent<N>) -> Option<Child> {
-        match self.entered(r, node) {
+    fn any<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
+        match self.entered(r, node, limit) {
             0 => None,
-            _ => Some(self.step_any(r, node, stack)),
+            _ => Some(self.step_any(r, node, limit, stack)),
         }
     }
 

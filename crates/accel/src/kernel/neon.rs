@@ -9,7 +9,6 @@ use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
 use crate::{
     bvh::{Block, Node},
     local::LocalRay,
-    slab::EXIT,
     triangle::FLAT,
 };
 use std::arch::aarch64::*;
@@ -32,12 +31,12 @@ impl Kernel for Neon {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
                 let [x, y, z] = r.neg.map(|n| usize::from(n & 1));
-                let enter = more(plane(r, node, 0, x, half), plane(r, node, 1, y, half));
-                let enter = more(enter, plane(r, node, 2, z, half));
+                let near = |axis, side| vmulq_n_f32(from(r, node, axis, side, half), r.inv[axis]);
+                let far = |axis, side| vmulq_n_f32(from(r, node, axis, side ^ 1, half), r.far[axis]);
+                let enter = more(more(near(0, x), near(1, y)), near(2, z));
                 let enter = more(enter, vdupq_n_f32(r.enter));
-                let exit = less(plane(r, node, 0, x ^ 1, half), plane(r, node, 1, y ^ 1, half));
-                let exit = less(exit, plane(r, node, 2, z ^ 1, half));
-                let exit = less(vmulq_f32(exit, vdupq_n_f32(EXIT)), vdupq_n_f32(limit));
+                let exit = less(less(far(0, x), far(1, y)), far(2, z));
+                let exit = less(exit, vdupq_n_f32(limit));
                 let entered = vcleq_f32(enter, exit);
                 out.mask |= mask(entered) << half;
                 let lanes = vaddq_u32(vld1q_u32(LANES.as_ptr()), vdupq_n_u32(half as u32));
@@ -50,8 +49,8 @@ impl Kernel for Neon {
     }
 
     #[inline(always)]
-    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
-        self.node(r, node, r.leave).mask
+    fn entered(self, r: &LocalRay, node: &Node, limit: f32) -> u32 {
+        self.node(r, node, limit).mask
     }
 
     #[inline(always)]
@@ -129,16 +128,16 @@ unsafe fn less(a: float32x4_t, b: float32x4_t) -> float32x4_t {
     unsafe { vbslq_f32(vcltq_f32(a, b), a, b) }
 }
 
-/// Where the ray crosses a plane of four boxes.
+/// A plane of four boxes, from the ray's origin.
 ///
 /// # Safety
 /// The processor must have NEON, and `half` be at most 4.
 #[inline(always)]
-unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize) -> float32x4_t {
+unsafe fn from(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize) -> float32x4_t {
     // SAFETY: the caller's promise; four numbers are read from within an array of eight.
     unsafe {
         let b = vld1q_f32(node.planes[2 * axis + (side & 1)].as_ptr().add(half));
-        vmulq_f32(vsubq_f32(b, vdupq_n_f32(r.ray.o[axis])), vdupq_n_f32(r.inv[axis]))
+        vsubq_f32(b, vdupq_n_f32(r.ray.o[axis]))
     }
 }
 

@@ -4,7 +4,6 @@ use super::{Children, Kernel, Lanes, entry::entry_points};
 use crate::{
     bvh::{Block, Node, WIDTH},
     local::LocalRay,
-    slab::EXIT,
     triangle,
 };
 use straal_math::ops;
@@ -17,14 +16,13 @@ impl Kernel for Scalar {
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;
-        let plane = |axis: usize, side: usize, lane: usize| {
-            (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
-        };
+        let from =
+            |axis: usize, side: usize, lane: usize| node.planes[2 * axis + (side & 1)][lane] - r.ray.o[axis];
         for lane in 0..WIDTH {
-            let near = |axis: usize| plane(axis, usize::from(r.neg[axis] & 1), lane);
-            let far = |axis: usize| plane(axis, usize::from(r.neg[axis] & 1) ^ 1, lane);
+            let near = |axis: usize| from(axis, usize::from(r.neg[axis]), lane) * r.inv[axis];
+            let far = |axis: usize| from(axis, usize::from(!r.neg[axis]), lane) * r.far[axis];
             let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.enter);
-            let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)) * EXIT, limit);
+            let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)), limit);
             if enter <= exit {
                 out.keys[lane] = enter.to_bits() & !7 | lane as u32;
                 out.mask |= 1 << lane;
@@ -34,8 +32,8 @@ impl Kernel for Scalar {
     }
 
     #[inline(always)]
-    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
-        self.node(r, node, r.leave).mask
+    fn entered(self, r: &LocalRay, node: &Node, limit: f32) -> u32 {
+        self.node(r, node, limit).mask
     }
 
     #[inline(always)]

@@ -8,7 +8,6 @@ use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
 use crate::{
     bvh::{Block, Child, Node},
     local::LocalRay,
-    slab::EXIT,
     triangle::FLAT,
 };
 use std::arch::x86_64::*;
@@ -31,12 +30,13 @@ impl Kernel for Sse {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
                 let [x, y, z] = r.neg.map(|n| usize::from(n & 1));
-                let enter = _mm_max_ps(plane(r, node, 0, x, half), plane(r, node, 1, y, half));
-                let enter = _mm_max_ps(enter, plane(r, node, 2, z, half));
+                let near = |axis, side| _mm_mul_ps(from(r, node, axis, side, half), _mm_set1_ps(r.inv[axis]));
+                let far =
+                    |axis, side| _mm_mul_ps(from(r, node, axis, side ^ 1, half), _mm_set1_ps(r.far[axis]));
+                let enter = _mm_max_ps(_mm_max_ps(near(0, x), near(1, y)), near(2, z));
                 let enter = _mm_max_ps(enter, _mm_set1_ps(r.enter));
-                let exit = _mm_min_ps(plane(r, node, 0, x ^ 1, half), plane(r, node, 1, y ^ 1, half));
-                let exit = _mm_min_ps(exit, plane(r, node, 2, z ^ 1, half));
-                let exit = _mm_min_ps(_mm_mul_ps(exit, _mm_set1_ps(EXIT)), _mm_set1_ps(limit));
+                let exit = _mm_min_ps(_mm_min_ps(far(0, x), far(1, y)), far(2, z));
+                let exit = _mm_min_ps(exit, _mm_set1_ps(limit));
                 let entered = _mm_cmple_ps(enter, exit);
                 out.mask |= (_mm_movemask_ps(entered) as u32) << half;
                 let bits = _mm_castps_si128(enter);
@@ -51,8 +51,8 @@ impl Kernel for Sse {
     }
 
     #[inline(always)]
-    fn entered(self, r: &LocalRay, node: &Node) -> u32 {
-        self.node(r, node, r.leave).mask
+    fn entered(self, r: &LocalRay, node: &Node, limit: f32) -> u32 {
+        self.node(r, node, limit).mask
     }
 
     #[inline(always)]
@@ -127,16 +127,16 @@ impl Kernel for Sse {
     entry_points!("sse4.2,popcnt");
 }
 
-/// Where the ray crosses a plane of four boxes.
+/// A plane of four boxes, from the ray's origin.
 ///
 /// # Safety
 /// The processor must have SSE4.2, and `half` be at most 4.
 #[inline(always)]
-unsafe fn plane(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize) -> __m128 {
+unsafe fn from(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize) -> __m128 {
     // SAFETY: the caller's promise; four numbers are read from within an array of eight.
     unsafe {
         let b = _mm_loadu_ps(node.planes[2 * axis + (side & 1)].as_ptr().add(half));
-        _mm_mul_ps(_mm_sub_ps(b, _mm_set1_ps(r.ray.o[axis])), _mm_set1_ps(r.inv[axis]))
+        _mm_sub_ps(b, _mm_set1_ps(r.ray.o[axis]))
     }
 }
 

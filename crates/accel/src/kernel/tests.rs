@@ -1,7 +1,8 @@
-//! Each vector kernel gives the scalar kernel's bits.
+//! Each vector kernel gives the scalar kernel's bits, but where a box is left just when it is entered: kernels round the exits
+//! of nodes apart, which `slab::NODE_EXIT` allows for.
 
 use super::*;
-use straal_math::Vec3;
+use straal_math::{Vec3, ops};
 
 /// Numbers of all sizes, with zeros and repetitions.
 struct Random(u64);
@@ -48,10 +49,10 @@ fn steps<K: Kernel>(kernel: K, ray: &LocalRay, node: &Node, limit: f32) -> [Vec<
     let mut nearest: Vec<Child> = kernel.nearest(ray, node, limit, &mut stack).into_iter().collect();
     nearest.extend(rest(stack));
     let mut stack = Descent::<24>::new();
-    let mut any: Vec<Child> = kernel.any(ray, node, &mut stack).into_iter().collect();
+    let mut any: Vec<Child> = kernel.any(ray, node, limit, &mut stack).into_iter().collect();
     any.extend(rest(stack));
     let mut stack = Descent::<24>::new();
-    let mut step_any = vec![kernel.step_any(ray, node, &mut stack)];
+    let mut step_any = vec![kernel.step_any(ray, node, limit, &mut stack)];
     step_any.extend(rest(stack));
     let step_any = sorted(step_any, 0);
     let any = sorted(any, 0);
@@ -60,9 +61,23 @@ fn steps<K: Kernel>(kernel: K, ray: &LocalRay, node: &Node, limit: f32) -> [Vec<
     [octant, sorted(nearest, from), any]
 }
 
-fn same_as_scalar<K: Kernel>(kernel: K) {
+/// Whether a rounding of exits decides which boxes are entered.
+fn is_close(r: &LocalRay, node: &Node) -> bool {
+    (0..8).any(|lane| {
+        let crossed = |axis: usize, far: u8| {
+            let side = usize::from((r.neg[axis] ^ far) & 1);
+            (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
+        };
+        let enter = (0..3).map(|axis| crossed(axis, 0)).fold(r.enter, ops::max);
+        let exit = (0..3).map(|axis| crossed(axis, 255)).fold(f32::INFINITY, ops::min) * slab::NODE_EXIT;
+        exit.is_finite() && (enter - exit).abs() <= 4.0 * f32::EPSILON * exit.abs()
+    })
+}
+
+/// Returns how many hits were told to lie in their own boxes for certain.
+fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
     let mut r = Random(11);
-    let (mut entered, mut hit, mut zero, mut boxes) = (0, 0, 0, 0);
+    let (mut entered, mut hit, mut zero, mut boxes, mut boxed, mut close) = (0, 0, 0, 0, 0, 0);
     for _ in 0..20_000 {
         let mut planes = [[0.0; 8]; 6];
         for axis in planes.chunks_mut(2) {
@@ -113,17 +128,27 @@ fn same_as_scalar<K: Kernel>(kernel: K) {
                 (kernel.own_box(&ray, &block, lane), scalar::Scalar.own_box(&ray, &block, lane));
             assert_eq!(got, want);
             boxes += u32::from(want.is_some());
+            if (got_lanes.hit & got_lanes.boxed) >> lane & 1 == 1 {
+                // A box told for certain is crossed, and entered no later than the hit.
+                assert!(want.is_some_and(|entry| entry <= got_lanes.t[lane]));
+                boxed += 1;
+            }
         }
-        let (got, want) = (steps(kernel, &ray, &node, limit), steps(scalar::Scalar, &ray, &node, limit));
-        assert_eq!(got, want);
+        if is_close(&ray, &node) {
+            close += 1;
+        } else {
+            let want = steps(scalar::Scalar, &ray, &node, limit);
+            assert_eq!(steps(kernel, &ray, &node, limit), want);
+        }
         entered += want_children.count_ones();
         hit += want_lanes.hit.count_ones();
         zero += want_lanes.doubtful.count_ones();
     }
     assert!(
-        entered > 2000 && hit > 500 && zero > 100 && boxes > 500,
-        "{entered} {hit} {zero} {boxes}: too few"
+        entered > 2000 && hit > 500 && zero > 100 && boxes > 500 && close < 200,
+        "{entered} {hit} {zero} {boxes}: too few, or {close}: too many"
     );
+    boxed
 }
 
 #[test]
@@ -138,7 +163,7 @@ fn sse_is_scalar() {
 #[cfg(target_arch = "x86_64")]
 fn avx2_is_scalar() {
     if let Some(kernel) = avx2::Avx2::new() {
-        same_as_scalar(kernel);
+        assert!(same_as_scalar(kernel) > 100);
     }
 }
 
@@ -146,7 +171,7 @@ fn avx2_is_scalar() {
 #[cfg(target_arch = "x86_64")]
 fn avx512_is_scalar() {
     if let Some(kernel) = avx512::Avx512::new() {
-        same_as_scalar(kernel);
+        assert!(same_as_scalar(kernel) > 100);
     }
 }
 

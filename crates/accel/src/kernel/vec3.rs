@@ -5,7 +5,7 @@
 use crate::{
     bvh::Block,
     local::{LEAST, LEAST_ENTRY, LocalRay, NEG, ROW},
-    slab::{EXIT, PAD_COORDINATE, PAD_EXTENT},
+    slab::{EXIT, NODE_EXIT, PAD_COORDINATE, PAD_EXTENT},
 };
 use std::{arch::x86_64::*, mem::offset_of};
 use straal_math::Ray;
@@ -17,7 +17,8 @@ use straal_math::Ray;
 #[inline(always)]
 pub(super) unsafe fn prepare_avx(ray: &Ray, out: &mut LocalRay) -> bool {
     // SAFETY: the caller's promise. Origin and direction are each followed by one more number of `Ray`, the reciprocal by
-    // `enter`, the sheared origin by `shear`, and that by `rows`, so that four numbers from each are inside.
+    // `enter`, that of far planes by `origin`, that by `shear`, and that by `rows`, so that four numbers from each are inside;
+    // each is written before what follows it.
     unsafe {
         let o = _mm_loadu_ps((&raw const *ray).byte_add(offset_of!(Ray, o)).cast());
         let d = _mm_loadu_ps((&raw const *ray).byte_add(offset_of!(Ray, d)).cast());
@@ -44,12 +45,10 @@ pub(super) unsafe fn prepare_avx(ray: &Ray, out: &mut LocalRay) -> bool {
         let divisor = _mm_blendv_ps(_mm_or_ps(least, _mm_and_ps(sign, d)), d, kept);
         let one = _mm_set1_ps(1.0);
         let inv = _mm_div_ps(one, divisor);
-        let least_entry = _mm_set1_ps(LEAST_ENTRY);
-        let enter = _mm_max_ps(start, least_entry);
+        let enter = _mm_max_ps(start, _mm_set1_ps(LEAST_ENTRY));
         _mm_storeu_ps(to.byte_add(offset_of!(LocalRay, inv)).cast(), _mm_blend_ps::<8>(inv, enter));
-        let leave = _mm_min_ps(_mm_set1_ps(f32::MAX), _mm_mul_ps(end, _mm_set1_ps(EXIT)));
-        let leave = _mm_max_ps(leave, least_entry);
-        _mm_store_ss(&raw mut (*to).leave, _mm_shuffle_ps::<0b11_11_11_11>(leave, leave));
+        let far = _mm_mul_ps(inv, _mm_set1_ps(NODE_EXIT));
+        _mm_storeu_ps(to.byte_add(offset_of!(LocalRay, far)).cast(), far);
         let octant = (_mm_movemask_ps(inv) & 7) as usize;
         ((*to).neg, (*to).octant) = (NEG[octant], octant as u8);
 
