@@ -3,9 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use straal_color::spectrum::{
-    Beyond, Bins, COUNT, FIRST, Observer, Spectrum, illuminant, refraction, uplift,
-};
+use straal_color::spectrum::{Beyond, Bins, COUNT, Observer, Spectrum, illuminant, refraction, uplift};
 use straal_color::{Light, Matrix3, Space};
 use straal_scene::desc;
 use straal_scene::span::Span;
