@@ -1,7 +1,7 @@
 //! Full-size comparison with the reference pictures, which another renderer made of the same scenes.
 //!
-//! They lie in the folder `shared` beside the project, or where `STRAAL_SHARED` says: `reference/NAME/mean.exr` and
-//! `var.exr`, the variance of that mean from 16 seeds.
+//! They lie in `tests/references`, else in the folder `shared` beside the project, or where `STRAAL_SHARED` says, under
+//! `reference`: `NAME/mean.exr`, and `NAME/var.exr`, the variance of that mean from 16 seeds.
 
 use crate::{Failure, root, scenes};
 use std::path::{Path, PathBuf};
@@ -14,8 +14,9 @@ use straal_scene::Image;
 /// Independently seeded pictures of each scene, so that its variance is measured.
 const REPLICATES: u32 = 16;
 
-/// Samples a pixel in each.
-const SPP: u32 = 16;
+/// Samples a pixel in each of a picture of [`PIXELS`]; more in a smaller one, so that it is judged as sharply.
+const SPP: usize = 16;
+const PIXELS: usize = 256 * 256;
 
 /// Renders the scenes of `scenes/reference`, or those named, and compares; whether all agree.
 pub fn run(names: &[String]) -> Result<bool, Failure> {
@@ -35,7 +36,9 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
         let started = Instant::now();
         let text = std::fs::read_to_string(&path)?;
         let heavy = text.lines().any(|l| l == "# judge: heavy tails");
-        let found = judge(&path, &folder.join(&name), if heavy { Tails::Heavy } else { Tails::Light })?;
+        let own = root().join("tests/references").join(&name);
+        let reference = if own.exists() { own } else { folder.join(&name) };
+        let found = judge(&path, &reference, if heavy { Tails::Heavy } else { Tails::Light })?;
         println!(
             "{name:18} {:>8.2} {:>8.2} {:>8.2} {:>10.2e} {:>10.2e} {:>9} {:>9} {:>7.1}  {}{}",
             found.mean_z[0],
@@ -61,12 +64,14 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
 fn judge(scene: &Path, reference: &Path, tails: Tails) -> Result<Comparison, Failure> {
     let loaded = straal::load(scene, &LoadOptions::default())
         .map_err(|_| format!("the scene is wrong; see `straal check {}`", scene.display()))?;
-    let job = Job::new(loaded, Overrides { spp: Some(SPP), ..Overrides::default() })?;
+    let (their_mean, their_variance) =
+        (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);
+    let size = [u32::try_from(their_mean.width)?, u32::try_from(their_mean.height)?];
+    let spp = u32::try_from(SPP.max(SPP * PIXELS / their_mean.pixels.len().max(1)))?;
+    let job = Job::new(loaded, Overrides { spp: Some(spp), size: Some(size), ..Overrides::default() })?;
     let ours = job.render_replicates(REPLICATES, &mut Control::to_the_end())?.picture.layers;
     let picture = |pixels| Image { width: ours.width, height: ours.height, pixels };
     let (mean, variance) = (picture(ours.rgb.clone()), picture(ours.variance.clone()));
-    let (their_mean, their_variance) =
-        (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);
     let a = Estimate { dof: f64::from(REPLICATES - 1), ..Estimate::new(&mean, Some(&variance)) };
     Ok(compare(a, Estimate::new(&their_mean, Some(&their_variance)), tails)?)
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use straal_scene::decode::{Describe, Strictness, read_scene};
-use straal_scene::desc::{Integrator, Light, Node};
+use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
 use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
@@ -244,6 +244,15 @@ impl Reader<'_> {
                     self.hashes.insert(file.value.clone(), blake3::hash(&bytes).into());
                 }
                 Err(e) => self.fail(file, &e),
+            }
+        }
+        for reflectance in scene.reflectances() {
+            if let Spectrum::Measured(m) = reflectance
+                && let Some(file) = &m.file
+                && let Some(spectrum) = assets.spectrum(file)
+                && let Some(complaint) = too_bright(&spectrum.scaled(m.scale), file.span)
+            {
+                self.d.push(complaint);
             }
         }
         assets

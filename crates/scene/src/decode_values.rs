@@ -251,7 +251,9 @@ impl Describe for Spectrum {
                 let name = Spanned::new(s.clone(), tree.span);
                 let found = illuminant::by_name(s).is_some();
                 check::known(&name, "illuminant", found, illuminant::NAMES, d);
-                Self::Measured(Box::new(Measured::named(name)))
+                let measured = Measured::named(name);
+                check::reflectance(&measured, tree.span, limit, d);
+                Self::Measured(Box::new(measured))
             }
             // Its first key tells a spectrum from a colour, one that is nearly right as well.
             Datum::Mapping(entries)
@@ -262,7 +264,9 @@ impl Describe for Spectrum {
                         || !colour.contains(&key) && suggest::did_you_mean(key, Measured::KEYS).is_some()
                 }) =>
             {
-                Self::Measured(Box::new(Measured::read(tree, limit, d)))
+                let measured = Measured::read(tree, limit, d);
+                check::reflectance(&measured, tree.span, limit, d);
+                Self::Measured(Box::new(measured))
             }
             _ => Self::Rgb(Color::read(tree, limit, d)),
         }

@@ -138,6 +138,17 @@ impl Scene {
         files
     }
 
+    /// The colours of surfaces that are parts of the light that arrives.
+    pub fn reflectances(&self) -> Vec<&Spectrum> {
+        let mut found: Vec<&Spectrum> = self.materials.iter().flat_map(|(_, m)| m.reflectances()).collect();
+        self.visit(|node| {
+            if let Some(MaterialRef::Inline(material)) = node.material() {
+                found.extend(material.reflectances());
+            }
+        });
+        found
+    }
+
     /// The picture files that are named, with repetitions.
     pub fn image_files(&self) -> Vec<&FileRef> {
         let environments = self.lights.iter().filter_map(|l| match l {

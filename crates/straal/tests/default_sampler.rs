@@ -9,7 +9,10 @@ use straal::{Overrides, PatternKind};
 use straal_formats::{Limits, image};
 
 /// What Mitsuba's multi-jittered sampler leaves at 64 samples, by the table beside the reference pictures. Multi-jittered
-/// points of 8 x 8 strata leave as little here; Sobol's, which needn't know how many they are, a tenth more.
+/// points of 8 x 8 strata leave as little here (.00081); Sobol's, which needn't know how many they are, .00087 over 16 seeds.
+/// Nearly all of that difference is the direction at the first vertex: multi-jittered points there and Sobol's elsewhere leave as little.
+/// It is in the points themselves: neither an order shuffled without blocks (-3 %), nor better hashes (+0.5 %), nor plain digital
+/// shifts (-1 %), nor four dimensions for place and light (-1 %) or place and direction (+1 %) or light and direction (+4 %) close it.
 const MITSUBA: f64 = 8.0e-4;
 
 #[test]

@@ -179,6 +179,13 @@ impl Spectrum {
         })
     }
 
+    /// The first nanometre, with the value there, at which a surface of this reflectance would give back more light than
+    /// falls on it, rounding aside.
+    pub fn above_one(&self) -> Option<(usize, f64)> {
+        let bins = self.means(Beyond::Same);
+        bins.iter().position(|v| *v > 1.0 + 1e-6).map(|i| (FIRST + i, bins[i]))
+    }
+
     /// The integral over wavelengths from `from` to `to`.
     fn integral(&self, from: f64, to: f64, beyond: Beyond) -> f64 {
         let mut sum = 0.0;

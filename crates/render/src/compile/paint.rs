@@ -3,9 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use straal_color::spectrum::{
-    Beyond, Bins, COUNT, FIRST, Observer, Spectrum, illuminant, refraction, uplift,
-};
+use straal_color::spectrum::{Beyond, Bins, COUNT, Observer, Spectrum, illuminant, refraction, uplift};
 use straal_color::{Light, Matrix3, Space};
 use straal_scene::desc;
 use straal_scene::span::Span;
@@ -146,9 +144,8 @@ impl<'a> Paint<'a> {
         let beyond = if of == Use::Emission { Beyond::Zero } else { Beyond::Same };
         let bins = spectrum.means(beyond);
         if of == Use::Reflectance
-            && let Some(i) = bins.iter().position(|v| *v > 1.0 + 1e-6)
+            && let Some((nm, v)) = spectrum.above_one()
         {
-            let (nm, v) = (FIRST + i, bins[i]);
             return Err(format!("this spectrum reflects more light than falls on it: {v} at {nm} nm"));
         }
         let matrix = uplift::rgb_from_xyz(self.space);

@@ -13,6 +13,8 @@ use crate::desc::{
     TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
+use crate::limit::Limit;
+use crate::span::Span;
 use crate::suggest;
 use crate::value::Name;
 
@@ -235,6 +237,24 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
             d.push(Diagnostic::error(keys.key_span(second), message).related(first.0, first.1));
         }
     }
+}
+
+/// Complains of a spectrum that is no reflectance where one is wanted, which `limit` says. What a file says is not known
+/// here; [`too_bright`] is for who reads it.
+pub(crate) fn reflectance(m: &Measured, span: Span, limit: Limit, d: &mut Decoder) {
+    let complaint =
+        m.spectrum().filter(|_| limit.max == 1.0 && m.file.is_none()).and_then(|s| too_bright(&s, span));
+    if let Some(complaint) = complaint {
+        d.push(complaint);
+    }
+}
+
+/// The complaint of a reflectance above 1.
+pub fn too_bright(reflectance: &Table, span: Span) -> Option<Diagnostic> {
+    let (nm, v) = reflectance.above_one()?;
+    let message = format!("this spectrum reflects more light than falls on it: {v:.4} at {nm} nm");
+    let help = "`scale` multiplies all its values; a table in percent needs 0.01";
+    Some(Diagnostic::error(span, message).help(help))
 }
 
 /// Complains of a name that isn't known.

@@ -94,4 +94,14 @@ impl Material {
         };
         values.into_iter().map(Value::get).collect()
     }
+
+    /// Those of its colours that are parts of the light that arrives.
+    pub fn reflectances(&self) -> Vec<&Spectrum> {
+        match self {
+            Self::Diffuse(m) => vec![m.reflectance.get()],
+            Self::Mirror(m) => vec![m.reflectance.get()],
+            Self::Dielectric(m) => vec![m.reflectance.get(), m.transmittance.get()],
+            Self::Conductor(m) => vec![m.reflectance.get()],
+        }
+    }
 }

@@ -21,7 +21,7 @@ pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Pose, Stereo, StereoLayout,
 };
-pub use check::BUILTIN_PATCHES;
+pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use light::{DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight};
 pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};

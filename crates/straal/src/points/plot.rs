@@ -40,7 +40,7 @@ pub fn svg(request: &Request, map: Map, figures: &Figures) -> String {
     out
 }
 
-/// Power 0 to 2 upwards, frequency to the right; a line at 1, which is what independent points have.
+/// Power 0 to 2 upwards, frequency to the right, each with its scale; 1 is what independent points have.
 fn spectrum(power: &[f64], left: f64) -> String {
     let top = power.len().saturating_sub(1).max(1) as f64;
     let at = |k: usize, p: f64| {
@@ -56,12 +56,34 @@ fn spectrum(power: &[f64], left: f64) -> String {
             format!("{x:.1},{y:.1}")
         })
         .collect();
-    let (_, one) = at(0, 1.0);
-    let (right, bottom) = (left + WIDTH, GAP + SIDE + 18.0);
-    format!(
-        "<line x1=\"{left}\" y1=\"{one}\" x2=\"{right}\" y2=\"{one}\" stroke=\"#ccc\"/>\n\
-         <polyline points=\"{}\" fill=\"none\" stroke=\"#b3341e\" stroke-width=\"1.5\"/>\n\
-         <text x=\"{left}\" y=\"{bottom}\">power by frequency, 0 to {top} cycles a side; line: independent points</text>\n",
-        line.join(" ")
-    )
+    let mut out = String::new();
+    for power in [0.0, 1.0, 2.0] {
+        let (x, y) = at(0, power);
+        let _ = writeln!(
+            out,
+            "<line x1=\"{x}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" stroke=\"#ccc\"/>\n\
+             <text x=\"{}\" y=\"{}\" text-anchor=\"end\">{power}</text>",
+            left + WIDTH,
+            left - 6.0,
+            y + 4.0
+        );
+    }
+    for share in [0.0, 0.5, 1.0] {
+        let (x, y) = (left + WIDTH * share, GAP + SIDE);
+        let _ = writeln!(
+            out,
+            "<path d=\"M{x} {y}v4\" stroke=\"#999\"/>\n<text x=\"{x}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+            y + 17.0,
+            top * share
+        );
+    }
+    let _ = writeln!(
+        out,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"#b3341e\" stroke-width=\"1.5\"/>\n\
+         <text x=\"{}\" y=\"{}\" text-anchor=\"middle\">power by cycles a side; 1 is that of independent points</text>",
+        line.join(" "),
+        left + 0.5 * WIDTH,
+        GAP + SIDE + 34.0
+    );
+    out
 }
