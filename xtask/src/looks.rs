@@ -1,4 +1,4 @@
-//! The book's pictures of development: one scene under each tone curve, the curves themselves, and blur by depth.
+//! The book's pictures of development: one scene under each tone curve, the curves themselves, blur by depth, and two ways to filter.
 
 use crate::{Failure, root};
 use std::fmt::Write;
@@ -7,7 +7,7 @@ use straal::focus::{Blur, Lens};
 use straal::{Control, Job, LoadOptions, Look, Overrides};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
-use straal_scene::desc::Camera;
+use straal_scene::desc::{Camera, Filter, Gaussian};
 
 const FOLDER: &str = "book/src/images";
 const SCENE: &str = "scenes/bright-colours.yaml";
@@ -15,6 +15,9 @@ const SIZE: [u32; 2] = [320, 180];
 
 /// The scene that is blurred as its own lens would.
 const BLURRED: &str = "scenes/depth-of-field.yaml";
+
+/// The scene that shows the two ways to filter.
+const FILTERED: &str = "scenes/lights.yaml";
 
 /// Renders the scene once and develops it by every curve; draws the curves; blurs another.
 pub fn run() -> Result<bool, Failure> {
@@ -31,7 +34,24 @@ pub fn run() -> Result<bool, Failure> {
     std::fs::write(root().join(&file), curves())?;
     println!("{file}");
     blurred()?;
+    filtered()?;
     Ok(true)
+}
+
+/// The same few samples, each in one pixel and in all that the filter reaches from.
+fn filtered() -> Result<(), Failure> {
+    let mut loaded = straal::load(&root().join(FILTERED), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {FILTERED}`"))?;
+    loaded.scene.film.filter = Filter::Gaussian(Gaussian::default());
+    for (name, splat) in [("drawn", false), ("splatted", true)] {
+        let (size, spp, splat) = (Some(SIZE), Some(4), Some(splat));
+        let job = Job::new(loaded.clone(), Overrides { size, spp, splat, ..Overrides::default() })?;
+        let picture = job.render(&mut Control::to_the_end())?.picture;
+        let file = format!("{FOLDER}/filter-{name}.png");
+        picture.save(&root().join(&file), &job.look())?;
+        println!("{file}");
+    }
+    Ok(())
 }
 
 /// A scene seen through a pinhole, blurred by its depth as much as its lens blurs it: to be shown beside what the lens sees.

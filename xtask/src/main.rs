@@ -8,6 +8,7 @@ mod gallery;
 mod keys;
 mod looks;
 mod references;
+mod uplift_table;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,7 +22,8 @@ usage: cargo xtask CHORE [NAME...]
   gallery      render the scenes of scenes/ (or those named) to book/src/images
   references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
   keys         write the book's list of all keys of the scene language
-  looks        develop one scene by every tone curve for the book, and draw the curves";
+  looks        develop one scene by every tone curve for the book, and draw the curves
+  uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
         "references" => references::run(names),
         "keys" => keys::run(),
         "looks" => looks::run(),
+        "uplift-table" => uplift_table::run(names),
         _ => {
             eprintln!("there is no chore `{chore}`\n\n{USAGE}");
             return ExitCode::from(2);

@@ -10,7 +10,7 @@ use std::str::FromStr;
 use std::time::Duration;
 use straal::focus::Lens;
 use straal::search;
-use straal::{Bits, CostMeasure, Dither, Exposure, Gamma, Gamut, Look, Tone};
+use straal::{Bits, CostMeasure, Dither, Exposure, Gamma, Gamut, Look, Recording, Tone};
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::{Observer, illuminant};
 use straal_math::lowdisc::PatternKind;
@@ -112,7 +112,7 @@ pub struct RenderArgs {
     pub time: Option<Duration>,
 
     /// Sample each block of 8x8 pixels until its noise, the relative standard error of its pixels, is at most this, such as
-    /// 2%; with --spp, no pixel gets more than that
+    /// 2%. No pixel gets more samples than --spp says, without it 262144
     #[arg(long, value_name = "PERCENT", value_parser = quantity::noise)]
     pub noise: Option<f64>,
 
@@ -131,6 +131,15 @@ pub struct RenderArgs {
     /// Compute light by wavelengths instead of red, green and blue
     #[arg(long)]
     pub spectral: bool,
+
+    /// Let a sample count in every pixel that the filter reaches it from, in place of one pixel by whose filter it is drawn
+    #[arg(long, conflicts_with = "noise")]
+    pub splat: bool,
+
+    /// In which numbers an EXR holds the picture: rgb of the work space; xyz; or spectral, by wavelengths in 16 bands from 380
+    /// to 780 nm besides rgb, or in bands as in spectral:40 or spectral:40:400:700
+    #[arg(long, value_name = "NUMBERS", value_parser = quantity::recording)]
+    pub channels: Option<Recording>,
 
     /// Seed of all random numbers
     #[arg(long, value_name = "N")]

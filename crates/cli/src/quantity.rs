@@ -1,7 +1,9 @@
 //! Quantities as they are typed on the command line, and as people read them.
 
 use std::time::Duration;
+use straal::Recording;
 use straal::points::Map;
+use straal_scene::desc::SpectralChannels;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +52,31 @@ pub fn duration(typed: &str) -> Result<Duration, String> {
         return Err("no time at all".into());
     }
     Ok(Duration::from_secs_f64(seconds))
+}
+
+/// In which numbers a film takes light: `rgb`, `xyz`, `spectral`, `spectral:40` or `spectral:40:400:700`.
+pub fn recording(typed: &str) -> Result<Recording, String> {
+    let mut parts = typed.split(':');
+    let kind = parts.next().unwrap_or_default();
+    let numbers: Vec<&str> = parts.collect();
+    match (kind, numbers.as_slice()) {
+        ("rgb", []) => Ok(Recording::Rgb),
+        ("xyz", []) => Ok(Recording::Xyz),
+        ("spectral", [] | [_] | [_, _, _]) => {
+            const HINT: &str = "write spectral:BANDS or spectral:BANDS:FROM:TO, at least 2 bands of 1 nm or more within 360 to \
+                                830 nm";
+            let mut bands = SpectralChannels::default();
+            if let [count, range @ ..] = numbers.as_slice() {
+                bands.bands = count.parse().map_err(|_| HINT)?;
+                if let [from, to] = range {
+                    bands.from = from.parse().map_err(|_| HINT)?;
+                    bands.to = to.parse().map_err(|_| HINT)?;
+                }
+            }
+            bands.bands().map(Recording::Spectral).ok_or_else(|| HINT.into())
+        }
+        _ => Err("expected rgb, xyz, spectral, or spectral:BANDS".into()),
+    }
 }
 
 /// Two of the numbers of a sample.

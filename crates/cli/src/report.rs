@@ -56,6 +56,19 @@ impl<'a> Report<'a> {
                 pixel[1],
             );
         }
+        if let (Some(noise), 1..) = (self.job.settings.noise, o.noisy_blocks) {
+            text += &format!(
+                "{} of 8 x 8 pixels {} noisier than {} %: {}\n",
+                count(o.noisy_blocks, "block"),
+                if o.noisy_blocks == 1 { "is" } else { "are" },
+                100.0 * noise,
+                if o.samples >= straal::MAX_SAMPLES {
+                    format!("no pixel can have more than {} samples", straal::MAX_SAMPLES)
+                } else {
+                    format!("no pixel was given more than {}", count(o.samples.into(), "sample"))
+                }
+            );
+        }
         let names: Vec<String> = self.pictures.iter().map(|p| p.display().to_string()).collect();
         let mut facts = vec![count(o.samples.into(), "sample"), tell_duration(self.seconds)];
         if self.job.settings.noise.is_some() {
@@ -101,6 +114,7 @@ impl<'a> Report<'a> {
             "million_samples_per_cpu_second": throughput,
             "threads": o.threads,
             "share_of_time": shares(&o.times),
+            "noisy_blocks": o.noisy_blocks,
             "dropped": { "count": o.dropped.count, "first": first_dropped },
             "isa": self.job.isa().name(),
             "structure": self.job.structure().name(),

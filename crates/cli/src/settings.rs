@@ -76,6 +76,8 @@ impl RenderSettings {
                 pattern: args.sampler,
                 max_depth: args.max_depth,
                 spectral: args.spectral.then_some(true),
+                recording: args.channels,
+                splat: args.splat.then_some(true),
                 threads: args.threads,
                 accel: args.accel,
                 build: args.build,

@@ -2,6 +2,7 @@
 
 use crate::adaptation::Adaptation;
 use crate::matrix::Matrix3;
+use crate::spectrum::{Observer, illuminant};
 use crate::xyz::{Chromaticity, White, Xyz};
 
 /// Three primaries and a white: all that a linear RGB space is. The white is R = G = B = 1, with luminance 1.
@@ -85,6 +86,30 @@ impl Space {
 }
 
 impl RgbSpace {
+    /// CIE XYZ told as RGB, as OpenEXR files of XYZ do: red is X, green Y and blue Z. The white is that of equal energy by
+    /// form only: as elsewhere D65 is what looks white, see [`RgbSpace::neutral`].
+    pub const XYZ: Self =
+        Self { primaries: [at(1.0, 0.0), at(0.0, 1.0), at(0.0, 0.0)], white: at(1.0 / 3.0, 1.0 / 3.0) };
+
+    /// What looks white: R = G = B, or where the numbers are XYZ the tabulated D65.
+    pub fn neutral(&self) -> Chromaticity {
+        if *self != Self::XYZ {
+            return self.white;
+        }
+        let white = Xyz::new(Observer::Cie1931.light(&illuminant::d65()));
+        white.chromaticity().unwrap_or(White::D65.chromaticity())
+    }
+
+    /// The space of primaries and a white that a file tells in single precision: the exact one where it is known.
+    pub fn recognised(self) -> Self {
+        let near = |a: Chromaticity, b: Chromaticity| (a.x - b.x).abs() < 2e-5 && (a.y - b.y).abs() < 2e-5;
+        let pairs = self.primaries.into_iter().zip(Self::XYZ.primaries);
+        if { pairs }.all(|(a, b)| near(a, b)) {
+            return Self::XYZ;
+        }
+        Space::of(&self).map_or(self, Space::rgb)
+    }
+
     /// White with luminance 1.
     pub fn white_xyz(&self) -> Xyz {
         self.white.with_luminance(1.0)
@@ -113,9 +138,10 @@ impl RgbSpace {
         self.to_xyz().inverse().unwrap_or(Matrix3::IDENTITY)
     }
 
-    /// From linear RGB of this space to that of another, so that this white becomes the other's.
+    /// From linear RGB of this space to that of another, so that what is neutral here is there.
     pub fn to(&self, other: &Self, adaptation: Adaptation) -> Matrix3 {
-        let adapt = adaptation.matrix(self.white_xyz(), other.white_xyz());
+        let neutral = |space: &Self| space.neutral().with_luminance(1.0);
+        let adapt = adaptation.matrix(neutral(self), neutral(other));
         other.from_xyz() * adapt * self.to_xyz()
     }
 
@@ -191,6 +217,22 @@ mod tests {
         {
             let m = small.to(large);
             assert!(m.0.iter().flatten().all(|v| *v >= 0.0), "{small:?} {large:?} {m:?}");
+        }
+    }
+
+    #[test]
+    fn the_neutral_of_xyz_is_daylight() {
+        let xyz = RgbSpace::XYZ;
+        near(xyz.to_xyz(), Matrix3::IDENTITY.0, 1e-15);
+        let d65 = Observer::Cie1931.light(&illuminant::d65());
+        for space in Space::ALL {
+            let white = xyz.to(&space.rgb(), Adaptation::Bradford).apply(d65);
+            assert!(white.iter().all(|v| (v - 1.0).abs() < 1e-12), "{space:?} {white:?}");
+        }
+        let told = |c: Chromaticity| at(f64::from(c.x as f32), f64::from(c.y as f32));
+        for space in Space::ALL.map(Space::rgb).into_iter().chain([xyz]) {
+            let file = RgbSpace { primaries: space.primaries.map(told), white: told(space.white) };
+            assert_eq!(file.recognised(), space);
         }
     }
 

@@ -4,7 +4,7 @@
 //! neighbours near one another where it can, so that stratified numbers stay stratified.
 
 use crate::{Vec3, ops};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_4, PI, TAU};
 
 /// A point of the unit disc, evenly by area (pdf 1/pi), without tearing the square apart (Shirley and Chiu 1997, "A
 /// Low Distortion Map Between Disk and Square").
@@ -22,11 +22,16 @@ pub fn concentric_disc(u: [f32; 2]) -> [f32; 2] {
     if about_x { [r * c, r * s] } else { [r * s, r * c] }
 }
 
-/// The point (`radius`, `height`) turned about the z axis by `u` of a whole turn.
+/// A point of [`concentric_disc`] with the square of its radius, which rounding leaves at most at 1.
 #[inline]
-fn around(u: f32, radius: f32, height: f32) -> Vec3 {
-    let (s, c) = ops::sin_cos(TAU * u);
-    Vec3::new(radius * c, radius * s, height)
+fn disc_and_square(u: [f32; 2]) -> ([f32; 2], f32) {
+    let [x, y] = concentric_disc(u);
+    let rr = x * x + y * y;
+    if rr <= 1.0 {
+        return ([x, y], rr);
+    }
+    let shrink = 1.0 / rr.sqrt();
+    ([x * shrink, y * shrink], 1.0)
 }
 
 /// Square root of what rounding may have left a little below 0.
@@ -64,12 +69,25 @@ pub fn uniform_hemisphere_pdf(cos_theta: f32) -> f32 {
     if cos_theta >= 0.0 { 0.5 * FRAC_1_PI } else { 0.0 }
 }
 
-/// A direction of the upper hemisphere in proportion to a power of its cosine, `exponent` >= 0 (Phong's lobe).
+/// A direction of the upper hemisphere in proportion to a power of its cosine, `exponent` >= 0 (Phong's lobe). Its z may be 0,
+/// where the pdf is 0 unless the exponent is.
 #[inline]
 pub fn cosine_power_hemisphere(u: [f32; 2], exponent: f32) -> Vec3 {
-    // 1 - u is never 0.
-    let cos = ops::pow(1.0 - u[0], 1.0 / (exponent + 1.0));
-    around(u[1], safe_sqrt((1.0 - cos) * (1.0 + cos)), cos)
+    // The lobe's share within an angle is 1 - cos^(e + 1): the disc's within a radius, r².
+    let ([x, y], rr) = disc_and_square(u);
+    let power = 1.0 / (exponent + 1.0);
+    // By how much the cosine falls from 1, over r²: of -ln(1 - r²) / r² first, then of (1 - exp(-t)) / t, by their series
+    // where differences have no digits left. At the rim the logarithm ends.
+    let log = if rr < 0.01 {
+        1.0 + rr * (0.5 + rr * (1.0 / 3.0 + 0.25 * rr))
+    } else {
+        -ops::ln(ops::max(1.0 - rr, 0.5 * f32::EPSILON)) / rr
+    };
+    let t = power * rr * log;
+    let fall =
+        power * log * if t < 0.01 { 1.0 - t * (0.5 - t * (1.0 / 6.0)) } else { (1.0 - ops::exp(-t)) / t };
+    let stretch = safe_sqrt(fall * (2.0 - rr * fall));
+    Vec3::new(x * stretch, y * stretch, ops::max(1.0 - rr * fall, 0.0))
 }
 
 /// The density of [`cosine_power_hemisphere`].
@@ -78,11 +96,20 @@ pub fn cosine_power_hemisphere_pdf(cos_theta: f32, exponent: f32) -> f32 {
     if cos_theta < 0.0 { 0.0 } else { (exponent + 1.0) * 0.5 * FRAC_1_PI * ops::pow(cos_theta, exponent) }
 }
 
-/// Any direction, evenly.
+/// Any direction, evenly, without tearing the square apart (Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere using
+/// SIMD"): the diamond within the square becomes the upper half by four concentric maps, the corners fold down to the lower.
 #[inline]
 pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
-    let z = 1.0 - 2.0 * u[0];
-    around(u[1], 2.0 * safe_sqrt(u[0] * (1.0 - u[0])), z)
+    let [a, b] = u.map(|v| 2.0 * v - 1.0);
+    let (across, up) = (a.abs(), b.abs());
+    // From the diamond's rim inwards; less than 0 in the corners.
+    let depth = 1.0 - (across + up);
+    let r = 1.0 - depth.abs();
+    // From -1 to 1 over a quarter of a turn, 0 in its middle.
+    let turned = if r > 0.0 { ops::clamp((up - across) / r, -1.0, 1.0) } else { 0.0 };
+    let (s, c) = ops::sin_cos_eighth(FRAC_PI_4 * turned);
+    let radius = FRAC_1_SQRT_2 * r * safe_sqrt(2.0 - r * r);
+    Vec3::new((radius * (c - s)).copysign(a), (radius * (c + s)).copysign(b), (1.0 - r * r).copysign(depth))
 }
 
 /// The density of [`uniform_sphere`].
@@ -95,8 +122,10 @@ pub fn uniform_sphere_pdf() -> f32 {
 /// the size of a narrow cone. In (0, 2].
 #[inline]
 pub fn uniform_cone(u: [f32; 2], spread: f32) -> Vec3 {
-    let lack = u[0] * spread;
-    around(u[1], safe_sqrt(lack * (2.0 - lack)), 1.0 - lack)
+    let ([x, y], rr) = disc_and_square(u);
+    let lack = rr * spread;
+    let stretch = safe_sqrt(spread * (2.0 - lack));
+    Vec3::new(x * stretch, y * stretch, 1.0 - lack)
 }
 
 /// The density of [`uniform_cone`] inside of the cone.
@@ -189,14 +218,85 @@ mod tests {
         }
     }
 
+    /// Maps neither tear the square nor stretch it much: neighbours stay neighbours. Of maps that keep areas up to a factor
+    /// it also follows that none is squeezed much.
+    #[test]
+    fn warps_have_no_seams() {
+        /// The greatest distance that `warp` puts between points of the square, over theirs; for steps of this length.
+        fn stretch(warp: impl Fn([f32; 2]) -> Vec3, step: f32) -> f32 {
+            let n = (1.0 / step) as u32;
+            let at = |i: u32, j: u32| warp([i as f32 * step, j as f32 * step]);
+            let mut most = 0.0;
+            for j in 0..=n {
+                for i in 0..n {
+                    for (a, b) in [(at(i, j), at(i + 1, j)), (at(j, i), at(j, i + 1))] {
+                        most = ops::max(most, (a - b).length() / step);
+                    }
+                }
+            }
+            most
+        }
+        const STEP: f32 = 1.0 / 512.0;
+        // Without any distortion it were the root of the area: 3.5 for the sphere. Polar coordinates have no bound.
+        let sphere = stretch(uniform_sphere, STEP);
+        assert!(sphere < 2.1 * (4.0 * PI).sqrt(), "{sphere}");
+        let hemisphere = stretch(uniform_hemisphere, STEP);
+        assert!(hemisphere < 2.1 * TAU.sqrt(), "{hemisphere}");
+        for spread in [1e-6_f32, 0.1, 1.0] {
+            let cone = stretch(|u| uniform_cone(u, spread), STEP);
+            assert!(cone < 2.1 * (TAU * spread).sqrt(), "{spread}: {cone}");
+        }
+        // At the rim the density is 0, and directions are far apart: as the root of the distance, or a smaller power.
+        for exponent in [1.0, 7.5] {
+            let power = 1.0 / (exponent + 1.0);
+            let near = stretch(|u| cosine_power_hemisphere(u, exponent), STEP) * STEP;
+            let bound = 2.5 * ops::pow(4.0 * STEP, if exponent > 1.0 { power } else { 0.5 });
+            assert!(near < bound, "{exponent}: {near} {bound}");
+            // Away from it they are as near as the lobe is narrow.
+            let inner = |u: [f32; 2]| cosine_power_hemisphere(u.map(|v| 0.25 + 0.5 * v), exponent);
+            let within = stretch(inner, STEP);
+            assert!(within < 2.1 * (0.25 * TAU * power).sqrt() * 2.0, "{exponent}: {within}");
+        }
+    }
+
+    #[test]
+    fn spheres_fold_onto_themselves_at_the_edges_of_the_square() {
+        for i in 0..=64_u8 {
+            let v = f32::from(i) / 64.0;
+            for (a, b) in [([0.0, v], [0.0, 1.0 - v]), ([1.0, v], [1.0, 1.0 - v]), ([v, 0.0], [1.0 - v, 0.0])]
+            {
+                assert!((uniform_sphere(a) - uniform_sphere(b)).length() < 1e-6, "{a:?}");
+            }
+        }
+        assert_eq!(uniform_sphere([0.5, 0.5]), Vec3::new(0.0, 0.0, 1.0));
+        for corner in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]] {
+            assert_eq!(uniform_sphere(corner).z, -1.0);
+        }
+    }
+
+    #[test]
+    fn narrow_lobes_are_as_wide_as_their_power_says() {
+        // Within the angle where cos^(e + 1) is 3/4 lies a quarter of the lobe, the disc's inner half.
+        for exponent in [0.0, 1.0, 100.0, 1e4] {
+            let rim = cosine_power_hemisphere([0.5, 0.25], exponent).z;
+            let share = 1.0 - ops::pow(rim, exponent + 1.0);
+            assert!((share - 0.25).abs() < 2e-3, "{exponent}: {share}");
+            // The series near the middle meets the rest.
+            let near = |r: f32| cosine_power_hemisphere([0.5, 0.5 - 0.5 * r], exponent);
+            for r in [0.0316, 0.0999, 0.3] {
+                let (a, b) = (near(r), near(r * 1.01));
+                assert!((b.y / a.y - 1.01).abs() < 2e-3, "{exponent}: {a:?} {b:?}");
+            }
+        }
+    }
+
     #[test]
     fn narrow_cones_stay_cones() {
         let spread = 1e-10;
-        let widest =
-            (0..1000).map(|i| uniform_cone([0.999_999, i as f32 / 1000.0], spread)).fold(0.0, |m, d| {
-                let r = d.x.hypot(d.y);
-                if r > m { r } else { m }
-            });
+        let widest = (0..1000).map(|i| uniform_cone([0.0, i as f32 / 1000.0], spread)).fold(0.0, |m, d| {
+            let r = d.x.hypot(d.y);
+            if r > m { r } else { m }
+        });
         assert!((f64::from(widest) / (2e-10_f64).sqrt() - 1.0).abs() < 1e-4);
     }
 

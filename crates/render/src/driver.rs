@@ -1,12 +1,12 @@
 //! The driver: passes over the picture, tiles over the threads, waves of paths.
 
 use crate::camera::FilmPoint;
-use crate::film::{BLOCK, Film, FilmTile, MAX_SAMPLES, next_look};
-use crate::filter::FilterSample;
+use crate::film::{BLOCK, BandSample, Evidence, Film, FilmTile, Flying, MAX_SAMPLES, next_look, reach};
+use crate::filter::{Filter, FilterSample};
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
-use crate::settings::Settings;
+use crate::settings::{Region, Settings};
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
 use crate::world::World;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
-use straal_math::lowdisc::Purpose;
+use straal_math::lowdisc::{Pattern, Purpose};
 
 /// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel that is still sampled has the
 /// same number of samples, and the sums are those of any other way to get there.
@@ -50,9 +50,26 @@ impl<'w, I: Integrator> Render<'w, I> {
         // Blocks end as a whole, so that one that is cut by the crop is rendered as a whole.
         let region = match settings.noise {
             Some(_) => settings.crop.in_squares(BLOCK, settings.size),
+            // Samples beyond the crop count in it.
+            None if settings.splat => {
+                let reach = reach(f64::from(world.filter.radius()));
+                settings.crop.grown(reach).intersection(Region::whole(settings.size))
+            }
             None => settings.crop,
         };
         let mut film = Film::over(settings.size, settings.crop, region);
+        if let Some(bands) = world.palette.recording().bands() {
+            film.hold_bands(*bands);
+        }
+        if settings.splat {
+            film.splat(&world.filter);
+        }
+        if settings.noise.is_some() {
+            film.judge_by(match settings.pattern {
+                Pattern::Random => Evidence::Spread,
+                _ => Evidence::Batches,
+            });
+        }
         if settings.cost {
             film.count_costs(clock.is_some());
         }
@@ -188,6 +205,10 @@ struct Worker<'a, I: Integrator, P, L: Lanes> {
     lanes: Vec<L>,
     /// By sample, what the filter multiplies its light by.
     weights: Vec<f32>,
+    /// By sample, where it lies from its pixel's centre.
+    offsets: Vec<[f32; 2]>,
+    /// What the sample that the film takes adds to bands of wavelengths.
+    bands: Vec<BandSample>,
     shadow_rays: Vec<Ray>,
     shadows: Vec<ShadowRay>,
     transmittance: Vec<Light>,
@@ -217,6 +238,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             names: Vec::new(),
             lanes: Vec::new(),
             weights: Vec::new(),
+            offsets: Vec::new(),
+            bands: Vec::new(),
             shadow_rays: Vec::new(),
             shadows: Vec::new(),
             transmittance: Vec::new(),
@@ -246,7 +269,14 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 let mut sample = s.guides;
                 let light = self.lanes[k].film(&self.world.palette, s.light);
                 sample.rgb = std::array::from_fn(|i| light[i] * self.weights[k] * s.taken[i]);
-                tile.add(pixel, index, &sample);
+                self.bands.clear();
+                self.lanes[k].bands(&self.world.palette, s.light * self.weights[k], &mut self.bands);
+                let taken = tile.add(pixel, index, &sample, &self.bands);
+                if let Some(splats) = tile.splats() {
+                    let (offset, sample) = (self.offsets[k], taken.then_some(&sample));
+                    let flying = Flying { pixel, offset, sample, bands: &self.bands };
+                    splats.add(&self.world.filter, &flying);
+                }
                 if let Some(cost) = self.probe.cost(k) {
                     tile.add_cost(pixel, &cost);
                 }
@@ -262,6 +292,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         self.rays.clear();
         self.lanes.clear();
         self.weights.clear();
+        self.offsets.clear();
         self.samples.clear();
         self.samples.resize(self.names.len(), Pending::default());
         self.probe.begin(self.names.len());
@@ -277,12 +308,14 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 (settings.pattern.d2(&name, Purpose::Film), [0.5; 2])
             };
             let time = if needs.time { settings.pattern.d1(&name, Purpose::Time) } else { 0.0 };
-            let FilterSample { offset, weight } = world.filter.sample(film);
+            let FilterSample { offset, weight } =
+                if settings.splat { Filter::Box.sample(film) } else { world.filter.sample(film) };
             let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
             let at = FilmPoint { pixel, position, lens, time };
             let u = if L::DRAWN { settings.pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
             let lanes = L::drawn(&world.palette, u);
             self.weights.push(weight);
+            self.offsets.push(offset);
             self.lanes.push(lanes);
             if needs.taken {
                 self.samples[k].taken = world.camera.taken(&at);

@@ -40,6 +40,15 @@ impl Filter {
         }
     }
 
+    /// The height at `x` pixels from the centre as a part of the greatest there is.
+    #[inline]
+    pub fn relative_height(&self, x: f32) -> f32 {
+        match self {
+            Self::Box => self.height(x),
+            Self::Separable(f) => f.step_at(x).map_or(0.0, |step| f.relative[step]),
+        }
+    }
+
     /// Half the filter's width in pixels.
     pub fn radius(&self) -> f32 {
         match self {
@@ -130,6 +139,8 @@ pub struct Separable {
     steps: Table1,
     /// By step, what a sample there weighs: plus or minus the integral of |f| over that of f.
     weights: Vec<f32>,
+    /// f as a part of its greatest height.
+    relative: Vec<f32>,
     radius: f32,
 }
 
@@ -151,7 +162,9 @@ impl Separable {
             return None;
         }
         let weights = heights.iter().map(|h| (sign(h) / mean) as f32).collect();
-        Some(Self { steps, weights, radius: radius as f32 })
+        let most = absolute.iter().copied().fold(0.0, ops::max);
+        let relative = heights.iter().map(|h| h / most).collect();
+        Some(Self { steps, weights, relative, radius: radius as f32 })
     }
 
     /// Signed distance from the centre for a number in [0, 1), and the weight.
@@ -162,13 +175,16 @@ impl Separable {
         (x, self.weights[choice.index])
     }
 
+    /// The step that a place belongs to, in pixels from the centre.
+    #[inline]
+    fn step_at(&self, x: f32) -> Option<usize> {
+        let place = (x / self.radius + 1.0) * (STEPS as f32 / 2.0);
+        (0.0..STEPS as f32).contains(&place).then_some(place as usize)
+    }
+
     #[inline]
     fn height(&self, x: f32) -> f32 {
-        let place = (x / self.radius + 1.0) * (STEPS as f32 / 2.0);
-        if !(0.0..STEPS as f32).contains(&place) {
-            return 0.0;
-        }
-        let step = place as usize;
+        let Some(step) = self.step_at(x) else { return 0.0 };
         self.steps.pmf(step) * self.weights[step] * (STEPS as f32 / 2.0) / self.radius
     }
 }

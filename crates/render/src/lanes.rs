@@ -10,8 +10,10 @@
 use std::fmt;
 
 use straal_color::spectrum::{Beyond, COUNT, FIRST, Observer, Spectrum, illuminant, refraction, uplift};
-use straal_color::{Light, Space};
+use straal_color::{Adaptation, Light, Matrix3, RgbSpace, Space};
 use straal_math::{ops, table::Table1};
+
+use crate::film::{BandSample, Recording};
 
 /// A colour of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,8 +67,11 @@ pub trait Lanes: Copy + fmt::Debug + Send + Sync + 'static {
     /// What goes on when a refraction has parted the lanes: this wavelength, in the first lane where lanes are wavelengths.
     fn only(self, nm: f32) -> Self;
 
-    /// Light as the film takes it, in the work space.
+    /// Light as the film takes it: in the work space, or as X, Y and Z.
     fn film(self, palette: &Palette, light: Light) -> [f32; 3];
+
+    /// What light adds to the film's bands of wavelengths, if it has any.
+    fn bands(self, palette: &Palette, light: Light, out: &mut Vec<BandSample>);
 }
 
 /// Wavelengths, as a medium with dispersion must know them.
@@ -149,9 +154,15 @@ impl Lanes for Rgb {
     }
 
     #[inline(always)]
-    fn film(self, _: &Palette, light: Light) -> [f32; 3] {
-        light.to_rgb()
+    fn film(self, palette: &Palette, light: Light) -> [f32; 3] {
+        match &palette.to_film {
+            None => light.to_rgb(),
+            Some(matrix) => matrix.apply_f32(light.to_rgb()),
+        }
     }
+
+    #[inline(always)]
+    fn bands(self, _: &Palette, _: Light, _: &mut Vec<BandSample>) {}
 }
 
 /// Four wavelengths.
@@ -202,13 +213,16 @@ impl Lanes for Wavelengths {
 
     #[inline]
     fn radiance_of_rgb(self, palette: &Palette, rgb: Light) -> Light {
-        self.reflectance_of_rgb(palette, rgb) * self.each(|b| palette.white[b])
+        let Some(table) = palette.uplift else { return Light::default() };
+        let light = table.light(rgb.to_rgb());
+        self.each(|b| light.at(b) * palette.white[b])
     }
 
     #[inline]
     fn reflectance_of_rgb(self, palette: &Palette, rgb: Light) -> Light {
-        let (white, [(second, of_second), (first, of_first)]) = uplift::mixture(rgb.to_rgb());
-        self.each(|b| white + of_second * palette.full[b][second] + of_first * palette.full[b][first])
+        let Some(table) = palette.uplift else { return Light::default() };
+        let surface = table.reflectance(rgb.to_rgb());
+        self.each(|b| surface.at(b))
     }
 
     #[inline]
@@ -236,6 +250,19 @@ impl Lanes for Wavelengths {
             }
         }
         rgb
+    }
+
+    #[inline]
+    fn bands(self, palette: &Palette, light: Light, out: &mut Vec<BandSample>) {
+        if palette.bands.is_empty() {
+            return;
+        }
+        for (&bin, v) in self.bins.iter().zip(light.0) {
+            let (first, weights) = palette.bands[bin as usize];
+            let samples = [(first, weights[0]), (first + 1, weights[1])];
+            let seen = samples.into_iter().filter(|(_, weight)| *weight > 0.0);
+            out.extend(seen.map(|(band, weight)| BandSample { band, value: weight * v }));
+        }
     }
 }
 
@@ -282,12 +309,18 @@ pub struct Palette {
     spectra: Vec<[f32; COUNT]>,
     /// Chooses a wavelength.
     draw: Option<Table1>,
-    /// By nanometre: what one lane of 1 adds to R, G and B.
+    /// By nanometre: what one lane of 1 adds to R, G and B, or to X, Y and Z.
     film: Vec<[f32; 3]>,
+    /// By nanometre: a band of the film, what one lane of 1 adds to it, and to the next. Empty where there are none.
+    bands: Vec<(u16, [f32; 2])>,
+    /// From the work space to what the film takes, where that is another and lanes are RGB.
+    to_film: Option<Matrix3>,
+    /// In which numbers the film takes light.
+    recording: Recording,
     /// D65.
     white: Vec<f32>,
-    /// By nanometre: the reflectances of full colours, see [`uplift::mixture`].
-    full: Vec<[f32; 6]>,
+    /// Spectra of pixels.
+    uplift: Option<&'static uplift::UpliftTable>,
     rainbow: Option<Rainbow>,
 }
 
@@ -304,10 +337,9 @@ impl Palette {
     ///
     /// Wavelengths are drawn half by 1 / cosh²(0.0072 (l - 538 nm)) (Radziszewski et al. 2009) and half by the root of the
     /// sum of the squares of linear sRGB's sensitivities under D65: the first alone leaves blue noisy.
-    pub(crate) fn spectral(space: Space, uplift: &uplift::Uplift) -> Self {
+    pub(crate) fn spectral(space: Space) -> Self {
         let white = illuminant::d65();
         let functions = Observer::Cie1931.functions();
-        let unit: f64 = functions.iter().map(|xyz| xyz[1]).sum();
         let srgb = uplift::rgb_from_xyz(Space::Srgb);
         let bell = |i: usize| {
             let x = 0.0072 * ((FIRST + i) as f64 - 538.0);
@@ -322,20 +354,52 @@ impl Palette {
         let (bells, all_seen) = (total(&bell), total(&seen));
         let weights: Vec<f32> = (0..COUNT).map(|i| (bell(i) / bells + seen(i) / all_seen) as f32).collect();
         let draw = Table1::new(&weights);
-        let matrix = uplift::rgb_from_xyz(space);
-        let probability = |i: usize| draw.as_ref().map_or(1.0, |t| f64::from(t.pmf(i)));
-        let film = (0..COUNT)
-            .map(|i| matrix.apply(functions[i]).map(|v| (v / (4.0 * unit * probability(i))) as f32))
-            .collect();
-        let full = (0..COUNT).map(|i| uplift.full().each_ref().map(|bins| bins[i] as f32)).collect();
-        Self {
+        let mut palette = Self {
             spectra: vec![[0.0; COUNT]],
             draw,
-            film,
             white: white.iter().map(|&v| v as f32).collect(),
-            full,
-            rainbow: None,
+            uplift: Some(uplift::UpliftTable::embedded()),
+            ..Self::default()
+        };
+        palette.film = palette.response(&uplift::rgb_from_xyz(space));
+        palette
+    }
+
+    /// By nanometre: what one lane of 1 adds to a matrix times X, Y and Z.
+    fn response(&self, matrix: &Matrix3) -> Vec<[f32; 3]> {
+        let functions = Observer::Cie1931.functions();
+        let unit: f64 = functions.iter().map(|xyz| xyz[1]).sum();
+        let of =
+            |i: usize| matrix.apply(functions[i]).map(|v| (v / (4.0 * unit * self.probability(i))) as f32);
+        (0..COUNT).map(of).collect()
+    }
+
+    /// Of a nanometre to be drawn.
+    fn probability(&self, nanometre: usize) -> f64 {
+        self.draw.as_ref().map_or(1.0, |t| f64::from(t.pmf(nanometre)))
+    }
+
+    /// Says in which numbers the film takes light of a work space.
+    pub(crate) fn record(&mut self, recording: Recording, space: Space) {
+        self.recording = recording;
+        match recording {
+            Recording::Rgb => {}
+            Recording::Xyz if self.is_spectral() => self.film = self.response(&Matrix3::IDENTITY),
+            Recording::Xyz => self.to_film = Some(space.rgb().to(&RgbSpace::XYZ, Adaptation::Bradford)),
+            Recording::Spectral(bands) => {
+                let weighed = |i: usize| {
+                    let (first, shares) = bands.shares(i);
+                    let weight = |share: f64| (share / (4.0 * bands.width() * self.probability(i))) as f32;
+                    (first as u16, shares.map(weight))
+                };
+                self.bands = (0..COUNT).map(weighed).collect();
+            }
         }
+    }
+
+    /// In which numbers the film takes light.
+    pub fn recording(&self) -> Recording {
+        self.recording
     }
 
     /// Whether lanes are wavelengths.

@@ -45,6 +45,11 @@ impl Region {
         Self { min: self.min.map(down), max: self.max.map(up) }.intersection(Self::whole(size))
     }
 
+    /// With so many pixels more on every side, but none left of or above the first.
+    pub fn grown(&self, by: u32) -> Self {
+        Self { min: self.min.map(|v| v.saturating_sub(by)), max: self.max.map(|v| v.saturating_add(by)) }
+    }
+
     /// What both have in common.
     pub fn intersection(&self, o: Self) -> Self {
         let pick = |f: fn(u32, u32) -> u32, a: [u32; 2], b: [u32; 2]| [f(a[0], b[0]), f(a[1], b[1])];
@@ -52,7 +57,7 @@ impl Region {
     }
 }
 
-/// How a picture is sampled and on how many threads; none but `size`, `pattern` and `seed` changes the value of a
+/// How a picture is sampled and on how many threads; none but `size`, `pattern`, `seed` and `splat` changes the value of a
 /// sample; `noise` says how many there are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -66,6 +71,8 @@ pub struct Settings {
     pub seed: u64,
     /// Ends sampling, block by block, where the relative standard error is at most this (see [`crate::film`]).
     pub noise: Option<f64>,
+    /// Lets a sample count in all pixels whose filter reaches it, in place of one pixel whose filter it is drawn by.
+    pub splat: bool,
     /// Worker threads; 0 for all cores.
     pub threads: usize,
     /// Paths that travel together.
@@ -85,6 +92,7 @@ impl Settings {
             pattern: Pattern::Sobol,
             seed: 0,
             noise: None,
+            splat: false,
             threads: 0,
             batch: 1024,
             shuffle_tiles: None,

@@ -73,6 +73,8 @@ pub struct World {
     pub top_level: Vec<TopLevel>,
     /// Emitters that surround the scene.
     pub(crate) environments: Vec<u32>,
+    /// What its author should know of how the description was understood.
+    pub notes: Vec<String>,
 }
 
 impl World {

@@ -3,7 +3,7 @@
 mod search;
 
 use crate::Assets;
-use crate::desc::{Bezier, BezierPatches, MeshSource, Node, Scene, TriangleMesh};
+use crate::desc::{Bezier, BezierPatches, Channels, MeshSource, Node, Scene, TriangleMesh};
 
 /// Bytes that a scene needs while it is rendered, and what it is made of. Rough by nature: a search tree's size
 /// depends on where the triangles are.
@@ -36,6 +36,9 @@ const PIXEL: u64 = 12 + 16 + 8;
 
 /// Sums of 64 bits of the colour and its square (6), the AOVs (7) and the counts (3).
 const FILM: u64 = 8 * 16;
+
+/// Sums of 128 bits of weighted colours (9) and weights (2).
+const SPLAT: u64 = 11 * 16;
 
 /// Control points of the built-in teapot make this many patches.
 const TEAPOT_PATCHES: u64 = 32;
@@ -76,7 +79,17 @@ pub fn forecast(scene: &Scene, assets: &Assets) -> Forecast {
     f.search_bytes = search::bytes(&scene.accel.structure, f.triangles + shapes, instances);
     let pixels = |i: &crate::Image| (i.width as u64).saturating_mul(i.height as u64);
     f.image_bytes = assets.images.values().map(|i| pixels(i).saturating_mul(PIXEL)).sum();
-    f.film_bytes = u64::from(scene.film.size[0]) * u64::from(scene.film.size[1]) * FILM;
+    let bands = match &scene.film.channels {
+        Channels::Spectral(s) => u64::from(s.bands),
+        Channels::Rgb | Channels::Xyz => 0,
+    };
+    let mut each = FILM + 16 * bands;
+    if scene.film.splat {
+        // Tiles of 16 x 16 hold sums for the pixels around them as well.
+        let side = 16 + 2 * scene.film.filter.radius().ceil() as u64;
+        each += (SPLAT + 16 * bands) * side * side / 256;
+    }
+    f.film_bytes = u64::from(scene.film.size[0]) * u64::from(scene.film.size[1]) * each;
     let mut visible = Visible { scene, assets, known: vec![None; scene.objects.len()] };
     f.visible = scene.world.iter().fold(0, |sum: u64, node| sum.saturating_add(visible.count(node)));
     f

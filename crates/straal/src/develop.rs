@@ -5,7 +5,7 @@ use crate::look::{Look, Negative, to_screen};
 use crate::picture::{Format, LOOK, Picture, SaveError, with_look, write_png};
 use std::path::Path;
 use straal_color::{RgbSpace, Space};
-use straal_formats::image::exr::{self, Layer, Window};
+use straal_formats::image::exr::{self, Beauty, Layer, Window};
 use straal_formats::image::{self, hdr, pfm};
 use straal_formats::{Limits, ReadError, atomic};
 use straal_scene::Image;
@@ -17,14 +17,17 @@ pub struct Plate {
     picture: exr::Picture,
     /// The pixels of the layer without a name, or of the first that has colours.
     pixels: Vec<[f32; 3]>,
-    /// Which layer that is.
+    /// What they are, where the file says it.
+    space: Option<RgbSpace>,
+    /// Which layer they come from.
     beauty: String,
 }
 
 impl From<&Picture> for Plate {
     /// The plate that the picture's EXR holds, but for the look, which a picture doesn't know.
     fn from(picture: &Picture) -> Self {
-        Self { picture: picture.to_exr(), pixels: picture.layers.rgb.clone(), beauty: String::new() }
+        let pixels = picture.layers.rgb.clone();
+        Self { picture: picture.to_exr(), pixels, space: Some(picture.space), beauty: String::new() }
     }
 }
 
@@ -33,18 +36,15 @@ impl Plate {
     pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
             let picture = exr::read(bytes, limits)?;
-            let unnamed = picture.layer("").filter(|l| l.rgb().is_some());
-            let beauty = unnamed.or_else(|| picture.layers.iter().find(|l| l.rgb().is_some()));
-            let Some((pixels, name)) = beauty.and_then(|l| Some((l.rgb()?, l.name.clone()))) else {
-                return Err(ReadError::file("the file has no layer with channels R, G and B, or Y"));
-            };
-            return Ok(Self { picture, pixels, beauty: name });
+            let Beauty { pixels, space, layer } = picture.beauty()?;
+            return Ok(Self { picture, pixels, space, beauty: layer });
         }
         let Image { width, height, pixels } = image::read(bytes, limits)?;
         let mut picture = exr::Picture::of_size(width, height);
         picture.space = Some(Space::Srgb.rgb());
         picture.layers.push(Layer::from_rgb("", &pixels));
-        Ok(Self { picture, pixels, beauty: String::new() })
+        let space = picture.space;
+        Ok(Self { picture, pixels, space, beauty: String::new() })
     }
 
     /// The look that its story tells; the usual one where it tells none that can be understood.
@@ -69,7 +69,7 @@ impl Plate {
 
     /// The space of its colours; sRGB where the file doesn't say.
     pub fn space(&self) -> RgbSpace {
-        self.picture.space.unwrap_or(Space::Srgb.rgb())
+        self.space.unwrap_or(Space::Srgb.rgb())
     }
 
     /// Blurs the colours by the layer `depth`.
@@ -81,9 +81,17 @@ impl Plate {
         let center = [middle(data.x, display.x, display.width), middle(data.y, display.y, display.height)];
         let plane = focus::Plane { pixels: &self.pixels, depth, width: data.width, center };
         self.pixels = plane.blurred(blur);
-        if let Some(layer) = self.picture.layers.iter_mut().find(|l| l.name == self.beauty) {
-            *layer = Layer::from_rgb(&self.beauty, &self.pixels);
+        // What is by wavelengths is not blurred and no longer the same picture; its sum becomes the picture.
+        if self.picture.layer(exr::SPECTRAL_LAYER).is_some() {
+            self.picture.layers.retain(|l| l.name != exr::SPECTRAL_LAYER);
+            self.picture.metadata.retain(|(key, _)| !exr::is_spectral_attribute(key));
         }
+        if self.beauty == exr::SPECTRAL_LAYER {
+            self.beauty.clear();
+            self.picture.space = self.space;
+        }
+        self.picture.layers.retain(|l| l.name != self.beauty);
+        self.picture.layers.insert(0, Layer::from_rgb(&self.beauty, &self.pixels));
         // The fingerprint was of other pixels, and so was the variance.
         self.picture.layers.retain(|l| l.name != "variance");
         self.picture.metadata.retain(|(key, _)| key != "straal.film_hash");
@@ -122,5 +130,8 @@ impl Plate {
 
 /// Whether a PNG can hold it: keywords are short and plain there.
 fn is_png_text(key: &str, value: &str) -> bool {
-    (1..=79).contains(&key.len()) && key.bytes().all(|b| b.is_ascii_graphic()) && !value.contains('\0')
+    !exr::is_spectral_attribute(key)
+        && (1..=79).contains(&key.len())
+        && key.bytes().all(|b| b.is_ascii_graphic())
+        && !value.contains('\0')
 }

@@ -4,12 +4,12 @@ use crate::look::{Bits, Gamma, Look};
 use crate::picture::Picture;
 use crate::search;
 use straal_accel::{Build, BvhParams, Isa, Structure};
-use straal_color::{Dither, Space};
+use straal_color::{Dither, RgbSpace, Space};
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom, Request};
 use straal_render::driver::{Render, RenderError};
-use straal_render::film::{Film, MAX_SAMPLES};
+use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
 use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
@@ -48,8 +48,12 @@ pub struct Overrides {
     pub shuffle_tiles: Option<u64>,
     /// Counts what the searches of each pixel cost.
     pub cost: Option<bool>,
+    /// Lets a sample count in all pixels whose filter reaches it.
+    pub splat: Option<bool>,
     /// Computes light by wavelengths instead of red, green and blue.
     pub spectral: Option<bool>,
+    /// In which numbers the film takes light.
+    pub recording: Option<Recording>,
 }
 
 /// Why a job can't be done.
@@ -146,6 +150,8 @@ pub struct Outcome {
     pub passes: u32,
     /// Whether all samples asked for were taken.
     pub complete: bool,
+    /// Blocks of 8 x 8 pixels that are noisier than was asked, of an adaptive render; in replicates, of all of them together.
+    pub noisy_blocks: u64,
     /// Rays, and time by phase where a clock was lent.
     pub times: Times,
     /// Worker threads.
@@ -177,10 +183,19 @@ impl Job {
         let scene = &loaded.scene;
         let size = wish.size.unwrap_or(scene.film.size);
         let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
+        let spectral = wish.spectral.unwrap_or(scene.spectral);
+        let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
+        check_recording(recording, spectral)?;
         let pixels = crop.area();
-        if size.contains(&0) || pixels > MAX_PIXELS {
+        let splat = wish.splat.unwrap_or(scene.film.splat);
+        let radius = splat.then(|| scene.film.filter.radius());
+        let usual = Film::bytes_a_pixel(&Extent::default());
+        let adapts = wish.noise.or(scene.sampler.noise).is_some();
+        let extent = Extent { recording, splat_radius: radius, adapts };
+        let most = MAX_PIXELS * usual / Film::bytes_a_pixel(&extent);
+        if size.contains(&0) || pixels > most {
             return Err(Error::Request(format!(
-                "{pixels} pixels can't be rendered at once: it must be from 1 to {MAX_PIXELS}; a larger picture \
+                "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture \
                  can be rendered in crops"
             )));
         }
@@ -196,6 +211,13 @@ impl Job {
         let noise = wish.noise.or(scene.sampler.noise);
         if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
             return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
+        }
+        if splat && noise.is_some() {
+            return Err(Error::Request(
+                "samples that count in several pixels (`splat`) can't be taken by the noise of each: pixels with many samples \
+                 would weigh more in their neighbours"
+                    .into(),
+            ));
         }
         let pattern = Pattern::new(kind, spp);
         let by_default = desc::PathTracer::default();
@@ -221,8 +243,16 @@ impl Job {
             custom,
             size,
             search: &search,
-            spectral: wish.spectral.unwrap_or(scene.spectral),
+            spectral,
+            recording,
         })?;
+        if recording != Recording::Rgb && world.camera.needs().taken {
+            return Err(Error::Request(format!(
+                "an anaglyph gives each eye colours of its own in red, green and blue, which a film of the kind `{}` \
+                 doesn't have",
+                recording.name()
+            )));
+        }
         let threads = wish.threads.unwrap_or(0);
         let settings = Settings {
             size,
@@ -230,6 +260,7 @@ impl Job {
             pattern,
             seed: wish.seed.unwrap_or(scene.sampler.seed),
             noise,
+            splat,
             threads,
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
@@ -253,9 +284,17 @@ impl Job {
         self.look
     }
 
-    /// The work space: that of the film's colours.
+    /// The work space.
     pub fn space(&self) -> Space {
         self.space
+    }
+
+    /// What the three numbers of the film's pixels are.
+    pub fn film_space(&self) -> RgbSpace {
+        match self.world.palette.recording() {
+            Recording::Xyz => RgbSpace::XYZ,
+            Recording::Rgb | Recording::Spectral(_) => self.space.rgb(),
+        }
     }
 
     /// What follows from the camera's settings.
@@ -287,7 +326,7 @@ impl Job {
         let mut progress = Progress { of: u64::from(of), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
         let layers = run.film.layers();
-        let mut picture = Picture::new(&run.film, layers, self.space);
+        let mut picture = Picture::new(&run.film, layers, self.film_space());
         picture.story = self.story(run.samples);
         picture.story.push(("straal.passes".into(), run.passes.to_string()));
         picture.story.push(("straal.film_hash".into(), run.film.hash()));
@@ -296,6 +335,7 @@ impl Job {
             samples: run.samples,
             passes: run.passes,
             complete: control.open_ended || run.complete,
+            noisy_blocks: self.noisy_blocks(&run.film),
             times: run.times,
             threads: run.threads,
             dropped: run.film.dropped(),
@@ -311,6 +351,8 @@ impl Job {
         };
         let noise = s.noise.map(|noise| ("noise", noise.to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
+        let recording = self.world.palette.recording();
+        let channels = (recording != Recording::Rgb).then(|| ("channels", recording.name().to_string()));
         let magnified = self.world.camera.focal_pixels().map(|f| ("focal_pixels", f.to_string()));
         [
             ("version", crate::VERSION.to_string()),
@@ -330,8 +372,15 @@ impl Job {
         .chain(noise)
         .chain(counted)
         .chain(magnified)
+        .chain(channels)
+        .chain(s.splat.then(|| ("splat", "true".to_string())))
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
+    }
+
+    /// Blocks of a film that are noisier than was asked.
+    pub(crate) fn noisy_blocks(&self, film: &Film) -> u64 {
+        if self.settings.noise.is_some() { film.open_blocks() } else { 0 }
     }
 
     pub(crate) fn progress(&self) -> Progress {
@@ -399,6 +448,29 @@ fn look(film: &desc::Film) -> Look {
         bits: Bits::of(film.bits).unwrap_or_default(),
         dither: if film.dither { Dither::On } else { Dither::Off },
     }
+}
+
+/// In which numbers a scene wants its film to take light.
+fn recorded(channels: &desc::Channels) -> Result<Recording, Error> {
+    Ok(match channels {
+        desc::Channels::Rgb => Recording::Rgb,
+        desc::Channels::Xyz => Recording::Xyz,
+        desc::Channels::Spectral(s) => {
+            let none = || Error::Request("the film's bands of wavelengths make no sense".into());
+            Recording::Spectral(s.bands().ok_or_else(none)?)
+        }
+    })
+}
+
+fn check_recording(recording: Recording, spectral: bool) -> Result<(), Error> {
+    if recording.bands().is_some() && !spectral {
+        return Err(Error::Request(
+            "a film of wavelengths needs light that is computed by wavelengths: say `spectral: true` in the scene, or \
+             --spectral"
+                .into(),
+        ));
+    }
+    Ok(())
 }
 
 /// Why a pattern is of no use before the number of samples is known, if so.

@@ -4,12 +4,12 @@ use crate::false_colour::{Chart, Scale};
 use crate::look::{self, Look, Negative};
 use std::io;
 use std::path::Path;
-use straal_color::Space;
+use straal_color::RgbSpace;
 use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{hdr, pfm, png};
 pub use straal_render::film::hash_of as film_hash;
-use straal_render::film::{CostLayers, Film, Layers};
+use straal_render::film::{BandLayers, CostLayers, Film, Layers};
 use straal_render::settings::Region;
 use straal_scene::Image;
 
@@ -22,8 +22,8 @@ pub struct Picture {
     pub crop: Region,
     /// Radiance, its variance and the guides.
     pub layers: Layers,
-    /// The space of its colours.
-    pub space: Space,
+    /// What the three numbers of a pixel are: RGB of a space, or XYZ.
+    pub space: RgbSpace,
     /// What the picture tells about itself: keys that start with `straal.`, and values.
     pub story: Vec<(String, String)>,
 }
@@ -109,7 +109,7 @@ impl Format {
 }
 
 impl Picture {
-    pub(crate) fn new(film: &Film, layers: Layers, space: Space) -> Self {
+    pub(crate) fn new(film: &Film, layers: Layers, space: RgbSpace) -> Self {
         Self { size: film.size, crop: film.crop, layers, space, story: Vec::new() }
     }
 
@@ -122,17 +122,20 @@ impl Picture {
     /// tells the look in its story, so that it can be developed again.
     pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
         let format = Format::of(path)?;
-        let story = with_look(&self.story, look);
         atomic::write(path, |mut file| match format {
-            Format::Exr => exr::write(&mut file, &exr::Picture { metadata: story, ..self.to_exr() }),
+            Format::Exr => {
+                let picture = self.to_exr();
+                let metadata = with_look(&picture.metadata, look);
+                exr::write(&mut file, &exr::Picture { metadata, ..picture })
+            }
             Format::Png => {
                 let negative = Negative {
                     pixels: &self.layers.rgb,
                     width: self.layers.width,
                     at: self.crop.min,
-                    space: self.space.rgb(),
+                    space: self.space,
                 };
-                write_png(&mut file, &negative, look, &story)
+                write_png(&mut file, &negative, look, &with_look(&self.story, look))
             }
             Format::Hdr => hdr::write(&mut file, &self.to_srgb()),
             Format::Pfm => pfm::write(&mut file, &self.to_srgb()),
@@ -156,7 +159,7 @@ impl Picture {
     /// Linear RGB alone, with the primaries of sRGB: formats that can't say otherwise are taken to have them.
     fn to_srgb(&self) -> Image {
         let mut image = self.to_image();
-        if let Some(matrix) = look::to_screen(&self.space.rgb()) {
+        if let Some(matrix) = look::to_screen(&self.space) {
             image.pixels.iter_mut().for_each(|pixel| *pixel = matrix.apply_f32(*pixel));
         }
         image
@@ -191,12 +194,19 @@ impl Picture {
             Layer::from_rgb("error", &l.variance.iter().map(|v| v.map(f32::sqrt)).collect::<Vec<_>>()),
         ];
         layers.extend(l.cost.as_ref().map(cost_layer));
+        let mut metadata = self.story.clone();
+        if let Some(BandLayers { bands, planes }) = &l.bands {
+            let middles = (0..bands.count()).map(|k| bands.center(k));
+            let (layer, attributes) = exr::spectral_layer(middles.zip(planes.iter().cloned()));
+            layers.push(layer);
+            metadata.extend(attributes);
+        }
         exr::Picture {
             display_window: Window::of_size(self.size[0] as usize, self.size[1] as usize),
             data_window: Window { x, y, width: l.width, height: l.height },
-            space: Some(self.space.rgb()),
+            space: Some(self.space),
             layers,
-            metadata: self.story.clone(),
+            metadata,
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::job::{Control, Error, Job, Outcome};
 use crate::picture::Picture;
-use straal_render::film::{CostLayers, Dropped, Layers};
+use straal_color::spectrum::Bands;
+use straal_render::film::{BandLayers, CostLayers, Dropped, Layers};
 use straal_render::stopwatch::Times;
 
 /// Distance of the replicates' seeds: odd, and far from what people type.
@@ -19,7 +20,7 @@ impl Job {
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;
         let (mut times, mut passes, mut threads, mut dropped) = (Times::default(), 0, 0, Dropped::default());
-        let mut whole = 0;
+        let (mut whole, mut noisy_blocks) = (0, 0);
         let mut partial = None;
         for r in 0..replicates {
             let seed = self.settings.seed.wrapping_add(u64::from(r).wrapping_mul(SEED_STEP));
@@ -27,16 +28,19 @@ impl Job {
             passes += run.passes;
             threads = run.threads;
             times += run.times;
+            noisy_blocks += self.noisy_blocks(&run.film);
             let d = run.film.dropped();
             dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
             let layers = run.film.layers();
             if !run.complete {
-                partial = Some((Picture::new(&run.film, layers, self.space()), run.samples));
+                partial = Some((Picture::new(&run.film, layers, self.film_space()), run.samples));
                 break;
             }
             whole += 1;
-            sums.get_or_insert_with(|| Sums::new(Picture::new(&run.film, Layers::default(), self.space())))
-                .add(&layers);
+            sums.get_or_insert_with(|| {
+                Sums::new(Picture::new(&run.film, Layers::default(), self.film_space()))
+            })
+            .add(&layers);
         }
         let (mut picture, samples) = match (sums, partial) {
             (Some(sums), _) => (sums.picture(whole), self.spp.saturating_mul(whole)),
@@ -47,7 +51,8 @@ impl Job {
         picture.story.push(("straal.replicates".into(), whole.to_string()));
         picture.story.push(("straal.passes".into(), passes.to_string()));
         picture.story.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
-        Ok(Outcome { picture, samples, passes, complete: whole == replicates, times, threads, dropped })
+        let complete = whole == replicates;
+        Ok(Outcome { picture, samples, passes, complete, noisy_blocks, times, threads, dropped })
     }
 }
 
@@ -64,6 +69,8 @@ struct Sums {
     /// Nodes, primitives and nanoseconds; empty when they aren't counted.
     costs: Vec<[f64; 3]>,
     timed: bool,
+    /// Light by wavelengths.
+    bands: Option<(Bands, Vec<Vec<f64>>)>,
     count: f64,
 }
 
@@ -80,6 +87,7 @@ impl Sums {
             samples: vec![0; n],
             costs: Vec::new(),
             timed: false,
+            bands: None,
             count: 0.0,
         }
     }
@@ -93,6 +101,13 @@ impl Sums {
                 sum[0] += f64::from(cost.nodes[i]);
                 sum[1] += f64::from(cost.primitives[i]);
                 sum[2] += cost.time.as_ref().map_or(0.0, |time| f64::from(time[i]));
+            }
+        }
+        if let Some(BandLayers { bands, planes }) = &l.bands {
+            let nothing = || (*bands, planes.iter().map(|plane| vec![0.0; plane.len()]).collect());
+            let (_, sums) = self.bands.get_or_insert_with(nothing);
+            for (sum, v) in sums.iter_mut().flatten().zip(planes.iter().flatten()) {
+                *sum += f64::from(*v);
             }
         }
         for i in 0..self.rgb.len() {
@@ -128,6 +143,10 @@ impl Sums {
             cost: (!self.costs.is_empty()).then(|| {
                 let mean = |k: usize| self.costs.iter().map(|c| (c[k] / n) as f32).collect();
                 CostLayers { nodes: mean(0), primitives: mean(1), time: self.timed.then(|| mean(2)) }
+            }),
+            bands: self.bands.map(|(bands, sums)| {
+                let mean = |plane: Vec<f64>| plane.into_iter().map(|v| (v / n) as f32).collect();
+                BandLayers { bands, planes: sums.into_iter().map(mean).collect() }
             }),
         };
         Picture { layers, ..self.frame }

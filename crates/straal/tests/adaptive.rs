@@ -2,7 +2,7 @@
 
 mod common;
 
-use straal::{Control, Overrides, Picture, Verdict};
+use straal::{Control, Overrides, PatternKind, Picture, Verdict};
 
 const SCENE: &str = "scenes/reference/box-diffuse.yaml";
 
@@ -32,6 +32,12 @@ fn threads_tiles_batches_and_passes_change_nothing() {
     ] {
         assert_eq!(common::render(SCENE, other).picture.layers, plain.layers);
     }
+    let sobol = || Overrides { pattern: Some(PatternKind::Sobol), noise: Some(0.05), ..wish() };
+    let one = common::render(SCENE, Overrides { threads: Some(1), ..sobol() }).picture;
+    let [least, most] = range(&one);
+    assert!(least <= 64 && most >= 128, "{least} to {most} Sobol points");
+    let other = Overrides { threads: Some(7), batch: Some(7), shuffle_tiles: Some(5), ..sobol() };
+    assert_eq!(common::render(SCENE, other).picture.layers, one.layers);
     // Ended between two looks, it is the picture of as many samples.
     let mut until_80 = |p: &straal::Progress| if p.samples >= 80 { Verdict::Stop } else { Verdict::GoOn };
     let ended = common::job(SCENE, wish()).render(&mut Control::new(&mut until_80)).expect("a picture");
@@ -76,6 +82,47 @@ fn it_ends_by_itself_and_keeps_its_word() {
     assert!(above * 10 <= blocks, "{above} of {blocks} blocks are far above the target");
 }
 
+/// Sobol points, judged by batches: what is left is measured between seeds, and must be as little as was asked for; and
+/// independent samples must have needed more.
+#[test]
+fn noise_of_well_spread_samples_is_told_as_it_is() {
+    let target = 0.08;
+    let wish = |kind, seed| Overrides {
+        size: Some([32, 32]),
+        spp: Some(100_000),
+        noise: Some(target),
+        pattern: Some(kind),
+        seed: Some(seed),
+        ..Overrides::default()
+    };
+    let runs: Vec<Picture> =
+        (0..12).map(|seed| common::render(SCENE, wish(PatternKind::Sobol, seed)).picture).collect();
+    let n = runs.len() as f64;
+    let samples = |p: &Picture| p.layers.samples.iter().map(|&s| f64::from(s)).sum::<f64>() / 1024.0;
+    let (mut worst, mut squares) = (0.0, 0.0);
+    for block in 0..16 {
+        let (mut variance, mut brightness) = (0.0, 0.0);
+        for k in 0..64 {
+            let i = (block / 4 * 8 + k / 8) * 32 + block % 4 * 8 + k % 8;
+            for c in 0..3 {
+                let values = || runs.iter().map(|p| f64::from(p.layers.rgb[i][c]));
+                let mean = values().sum::<f64>() / n;
+                variance += values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
+                brightness += mean;
+            }
+        }
+        let noise = (variance / 192.0).sqrt() / (brightness / 192.0);
+        worst = if noise > worst { noise } else { worst };
+        squares += noise * noise / 16.0;
+    }
+    let typical = squares.sqrt();
+    assert!(typical < target && worst < 1.25 * target, "{typical} typically, {worst} at worst");
+    assert!(typical > 0.5 * target, "{typical}: far more samples than need be");
+    let (sobol, random) =
+        (samples(&runs[0]), samples(&common::render(SCENE, wish(PatternKind::Random, 0)).picture));
+    assert!(sobol < 0.7 * random, "{sobol} Sobol points, {random} independent ones");
+}
+
 /// The mean over seeds of the picture's mean, by channel, with its standard error.
 fn mean_of_runs(wish: &Overrides, seeds: std::ops::Range<u64>) -> [(f64, f64); 3] {
     let n = seeds.clone().count() as f64;
@@ -95,20 +142,32 @@ fn mean_of_runs(wish: &Overrides, seeds: std::ops::Range<u64>) -> [(f64, f64); 3
 
 #[test]
 fn stopping_early_does_not_darken() {
-    let small = Overrides { size: Some([24, 24]), spp: Some(128), ..wish() };
-    let adaptive = mean_of_runs(&Overrides { noise: Some(0.12), ..small.clone() }, 0..64);
-    let fixed = mean_of_runs(&Overrides { noise: None, spp: Some(64), ..small }, 1000..1064);
-    for (c, (a, f)) in adaptive.iter().zip(fixed).enumerate() {
-        let error = (a.1 * a.1 + f.1 * f.1).sqrt();
-        assert!((a.0 - f.0).abs() < 3.0 * error, "channel {c}: {a:?}, fixed {f:?}");
+    for kind in [PatternKind::Random, PatternKind::Sobol] {
+        let small = Overrides { size: Some([24, 24]), spp: Some(128), pattern: Some(kind), ..wish() };
+        // Sobol points end nearly all blocks at the first look by a larger target.
+        let noise = Some(if kind == PatternKind::Random { 0.12 } else { 0.08 });
+        let adaptive = mean_of_runs(&Overrides { noise, ..small.clone() }, 0..64);
+        let fixed = mean_of_runs(&Overrides { noise: None, spp: Some(64), ..small }, 1000..1064);
+        for (c, (a, f)) in adaptive.iter().zip(fixed).enumerate() {
+            let error = (a.1 * a.1 + f.1 * f.1).sqrt();
+            assert!((a.0 - f.0).abs() < 3.0 * error, "{kind}, channel {c}: {a:?}, fixed {f:?}");
+        }
     }
+}
+
+#[test]
+fn what_is_noisier_than_asked_is_counted() {
+    let few = Overrides { noise: Some(0.001), spp: Some(20), ..wish() };
+    // 40 x 37 pixels are 5 x 5 blocks.
+    assert_eq!(common::render(SCENE, few.clone()).noisy_blocks, 25);
+    assert_eq!(common::render(SCENE, Overrides { noise: Some(0.9), spp: Some(64), ..few }).noisy_blocks, 0);
 }
 
 #[test]
 fn patterns_that_must_know_their_number_are_refused() {
     let loaded =
         straal::load(&common::project().join(SCENE), &straal::LoadOptions::default()).expect("a scene");
-    let wish = Overrides { pattern: Some(straal::PatternKind::NRooks), ..wish() };
+    let wish = Overrides { pattern: Some(PatternKind::NRooks), ..wish() };
     let refused = straal::Job::new(loaded, wish).err().expect("a refusal").to_string();
     assert!(refused.starts_with("the sampler n_rooks must know how many samples"), "{refused}");
 }

@@ -12,7 +12,7 @@
 //! Rays that don't belong together would visit each other's leaves; a packet that does so is given up, which costs the
 //! time that went into it and changes nothing else.
 
-use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, near::Near};
+use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, near::Near, traverse::take};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
@@ -40,7 +40,7 @@ const TRIAL: u32 = 16;
 /// How many rays must cross a leaf. Where any hit will do, rays searched side by side end sooner, so that more is asked:
 /// measured with the bench on a bunny and on a sphere with twenty times the triangles.
 const fn fewest(any_hit: bool) -> u32 {
-    if any_hit { 5 } else { 4 }
+    if any_hit { 4 } else { 3 }
 }
 
 type Lanes = [f32; WIDTH];
@@ -79,9 +79,9 @@ struct Bundle {
 }
 
 impl Bundle {
-    /// Boxes that some ray may enter no later than `limit`: earliest entries, infinite where none does.
+    /// Boxes that some ray may enter no later than `limit`, and earliest entries.
     #[inline(always)]
-    fn entries(&self, node: &Node, limit: f32) -> Lanes {
+    fn entries<K: Kernel>(&self, kernel: K, node: &Node, limit: f32) -> (u32, Lanes) {
         let mut enter = [self.enter; WIDTH];
         let mut exit = [f32::INFINITY; WIDTH];
         for (axis, a) in self.axes.iter().enumerate() {
@@ -92,7 +92,7 @@ impl Bundle {
             enter = lanes(|i| more(first[i], enter[i]));
             exit = lanes(|i| less(last[i], exit[i]));
         }
-        lanes(|i| if enter[i] <= less(exit[i] * EXIT, limit) { enter[i] } else { f32::INFINITY })
+        (kernel.no_more(&enter, &lanes(|i| less(exit[i] * EXIT, limit))), enter)
     }
 }
 
@@ -135,7 +135,7 @@ impl Iterator for Members {
 impl Packet {
     /// The rays that enter a child's box.
     #[inline(always)]
-    fn entering(&self, bundle: &Bundle, node: &Node, slot: usize) -> u64 {
+    fn entering<K: Kernel>(&self, kernel: K, bundle: &Bundle, node: &Node, slot: usize) -> u64 {
         let mut out = 0;
         for g in 0..PACKET / WIDTH {
             let mut enter = self.enter[g];
@@ -147,11 +147,8 @@ impl Packet {
                 enter = lanes(|i| more((near - o[i]) * inv[i], enter[i]));
                 exit = lanes(|i| less((far - o[i]) * inv[i], exit[i]));
             }
-            let mut mask = 0;
-            for i in 0..WIDTH {
-                mask |= u64::from(enter[i] <= less(exit[i] * EXIT, self.limit[g][i])) << i;
-            }
-            out |= mask << (WIDTH * g);
+            let mask = kernel.no_more(&enter, &lanes(|i| less(exit[i] * EXIT, self.limit[g][i])));
+            out |= u64::from(mask) << (WIDTH * g);
         }
         out
     }
@@ -274,12 +271,12 @@ impl Bvh {
         loop {
             if let ChildKind::Node(index) = item.child.kind() {
                 let node = &self.nodes[index as usize];
-                let entries = bundle.entries(node, limit);
+                let (mut mask, entries) = bundle.entries(q.kernel, node, limit);
                 let start = len;
-                for (slot, &entry) in entries.iter().enumerate() {
-                    if entry == f32::INFINITY || len == STACK {
-                        continue;
-                    }
+                while mask != 0 && len < STACK {
+                    let slot = take(&mut mask);
+                    let entry = entries[slot];
+                    q.kernel.prefetch(&self.nodes, &self.blocks, node.children[slot]);
                     // The farthest first.
                     let mut i = len;
                     while i > start && stack[i - 1].entry < entry {
@@ -291,7 +288,7 @@ impl Bvh {
                 }
             } else {
                 let entering = match self.nodes.get(item.node as usize) {
-                    Some(node) => p.entering(&bundle, node, item.slot as usize % WIDTH),
+                    Some(node) => p.entering(q.kernel, &bundle, node, item.slot as usize % WIDTH),
                     None => u64::MAX,
                 };
                 leaves += 1;

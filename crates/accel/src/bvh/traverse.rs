@@ -112,15 +112,16 @@ impl Bvh {
         // From here on nothing is done.
         let mut rest = 0;
         let mut start = 0;
-        let mut failures = 0;
+        let (mut packets, mut failures) = (0, 0);
         while start < rays.len() {
             let end = if rays.len() - start < PACKET { rays.len() } else { start + PACKET };
             let window = &rays[start..end];
-            let is_done = failures < PATIENCE
+            let is_done = failures * PATIENCE <= packets
                 && self.packet::<K, S, ANY>(q, group, window, |i, hit| done(start + i, hit));
             if is_done {
                 self.one_by_one::<K, S, ANY>(q, group, &rays[rest..start], |i, hit| done(rest + i, hit));
                 rest = end;
+                packets += 1;
             } else {
                 failures += 1;
             }
@@ -145,8 +146,8 @@ impl Bvh {
     }
 }
 
-/// How many packets of a slice may fail until no more are tried.
-const PATIENCE: u32 = 1;
+/// Packets are tried as long as no more than one in so many of a slice failed.
+const PATIENCE: u32 = 4;
 
 /// The lowest lane of a set, taken out of it.
 #[inline(always)]

@@ -132,6 +132,12 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
+    fn no_more(self, a: &[f32; 8], b: &[f32; 8]) -> u32 {
+        // SAFETY: see the head of the file.
+        unsafe { no_more_avx2(a, b) }
+    }
+
+    #[inline(always)]
     fn classes(self, next: &Next) -> [u32; 4] {
         // SAFETY: see the head of the file.
         unsafe { classes_avx2(next) }
@@ -239,6 +245,19 @@ pub(super) unsafe fn least(keys: __m256i) -> u32 {
         let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b01_00_11_10>(k));
         let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b10_11_00_01>(k));
         _mm_cvtsi128_si32(k) as u32
+    }
+}
+
+/// [`Kernel::no_more`], also for AVX-512.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn no_more_avx2(a: &[f32; 8], b: &[f32; 8]) -> u32 {
+    // SAFETY: the caller's promise; eight numbers are read from arrays of eight.
+    unsafe {
+        let (a, b) = (_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr()));
+        _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32
     }
 }
 

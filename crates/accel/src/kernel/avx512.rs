@@ -7,7 +7,7 @@
 
 use super::{
     Children, Kernel, Lanes, NOT_ENTERED,
-    avx2::{self, block_avx2, classes_avx2, far_to_near, inside_avx2, keys, least},
+    avx2::{self, block_avx2, classes_avx2, far_to_near, inside_avx2, keys, least, no_more_avx2},
     descent::Descent,
     entry::entry_points,
     vec3::{own_box_avx, prepare_avx},
@@ -126,6 +126,12 @@ impl Kernel for Avx512 {
             }
         }
         (entered != 0).then(|| node.children[(entered.trailing_zeros() & 7) as usize])
+    }
+
+    #[inline(always)]
+    fn no_more(self, a: &[f32; 8], b: &[f32; 8]) -> u32 {
+        // SAFETY: an `Avx512` is made only where there is AVX2 too.
+        unsafe { no_more_avx2(a, b) }
     }
 
     #[inline(always)]

@@ -195,6 +195,12 @@ pub(crate) trait Kernel: Copy {
         }
     }
 
+    /// The lanes in which the first number is no more than the second.
+    #[inline(always)]
+    fn no_more(self, a: &[f32; 8], b: &[f32; 8]) -> u32 {
+        a.iter().zip(b).enumerate().map(|(i, (a, b))| u32::from(a <= b) << i).sum()
+    }
+
     /// The rays that visit each class of child next.
     #[inline(always)]
     fn classes(self, next: &Next) -> [u32; 4] {

@@ -1,6 +1,6 @@
 //! `straal check`
 
-use super::{print, refused};
+use super::{print, refused, warn};
 use crate::args::CheckArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -15,13 +15,14 @@ use straal_scene::forecast::{Forecast, forecast};
 pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let options = LoadOptions { lenient: args.lenient, ..LoadOptions::default() };
     let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
-    let warnings = loaded.warnings.clone();
+    let mut warnings = loaded.warnings.clone();
     let needs = forecast(&loaded.scene, &loaded.assets);
     let structure = straal::search::structure_of(&loaded.scene.accel.structure);
     let (size, spp) = (loaded.scene.film.size, loaded.scene.sampler.spp);
     // What only compiling finds out is found out as well; brute force spares the building of search trees.
     let overrides = Overrides { accel: Some(Structure::Brute), ..Overrides::default() };
     let job = Job::new(loaded, overrides).map_err(|e| refused(e, &warnings))?;
+    warn(&mut warnings, &job);
 
     let camera = job.camera();
 

@@ -6,7 +6,8 @@ use crate::exit::{Exit, Failure};
 use serde_json::{Value as Json, json};
 use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
-use straal_color::{RgbSpace, Space};
+use straal_color::{Adaptation, Matrix3, RgbSpace, Space};
+use straal_formats::image::exr::Beauty;
 use straal_formats::image::{self, exr};
 use straal_formats::{Limits, ReadError};
 use straal_scene::Image;
@@ -27,11 +28,7 @@ pub fn run(args: &DiffArgs) -> Result<Exit, Failure> {
         let message = "the pictures show different parts: their first pixels are";
         return Err(Failure::input(format!("{message} {} and {}", place(at_a), place(at_b))));
     }
-    if a.space != b.space {
-        let message =
-            "the pictures hold light in different RGB spaces, in which their noise can't be compared";
-        return Err(Failure::input(message).help("`straal info` tells the space of each; render both in one"));
-    }
+    b.bring_to(a.space);
     let tails = if args.heavy_tails { Tails::Heavy } else { Tails::Light };
     let found = compare(a.estimate(), b.estimate(), tails).map_err(|e| Failure::input(e.to_string()))?;
     if args.json {
@@ -73,8 +70,26 @@ impl Picture {
         let picture = exr::read(bytes, &limits)?;
         let corner = Some([picture.data_window.x, picture.data_window.y]);
         // In its own space, which that of its variance is as well.
-        let space = picture.space.unwrap_or(Space::Srgb.rgb());
-        Ok(Self { image: picture.to_own_image()?, corner, space, noise: noise(&picture) })
+        let Beauty { pixels, space, .. } = picture.beauty()?;
+        let (width, height) = (picture.data_window.width, picture.data_window.height);
+        let space = space.unwrap_or(Space::Srgb.rgb());
+        Ok(Self { image: Image { width, height, pixels }, corner, space, noise: noise(&picture) })
+    }
+
+    /// Brings the colours to another space. Channels of noise may go together, which a variance of each doesn't tell: theirs
+    /// become the greatest that is possible, so that noise is not taken for a difference.
+    fn bring_to(&mut self, space: RgbSpace) {
+        if self.space == space {
+            return;
+        }
+        let matrix = self.space.to(&space, Adaptation::Bradford);
+        self.image.pixels.iter_mut().for_each(|p| *p = matrix.apply_f32(*p));
+        if let Some(noise) = &mut self.noise {
+            let size = Matrix3(matrix.0.map(|row| row.map(f64::abs)));
+            let most = |p: [f32; 3]| size.apply_f32(p.map(f32::sqrt)).map(|error| error * error);
+            noise.variance.pixels.iter_mut().for_each(|p| *p = most(*p));
+        }
+        self.space = space;
     }
 
     /// A picture of a variance, or the variance that comes with a picture.

@@ -121,7 +121,7 @@ fn read(bytes: &[u8]) -> Result<Story, ReadError> {
     Ok(Story {
         size: [whole.width, whole.height],
         part: (part != whole).then_some(part),
-        colours: colours(picture.space.as_ref()),
+        colours: picture_colours(&picture),
         layers: layers(&picture.layers),
         hash_is_right: told.zip(rgb).map(|((_, hash), rgb)| *hash == film_hash(&rgb)),
         facts: picture.metadata,
@@ -132,7 +132,22 @@ fn layers(all: &[Layer]) -> Vec<(String, Vec<Range>)> {
     all.iter().map(|l| (l.name.clone(), l.channels.iter().map(Range::of).collect())).collect()
 }
 
+/// What the numbers of the picture itself are.
+fn picture_colours(picture: &exr::Picture) -> String {
+    let spectral = picture.layer(exr::SPECTRAL_LAYER).filter(|l| l.channels.len() > 1);
+    let bands = |l: &Layer| format!("radiance at {} wavelengths", l.channels.len());
+    match (picture.beauty(), spectral) {
+        (Ok(beauty), Some(s)) if beauty.layer == exr::SPECTRAL_LAYER => bands(s),
+        (Ok(beauty), Some(s)) => format!("{}; {}", colours(beauty.space.as_ref()), bands(s)),
+        (Ok(beauty), None) => colours(beauty.space.as_ref()),
+        (Err(_), _) => colours(picture.space.as_ref()),
+    }
+}
+
 fn colours(space: Option<&RgbSpace>) -> String {
+    if space == Some(&RgbSpace::XYZ) {
+        return "CIE XYZ in place of R, G and B; white is D65".into();
+    }
     let Some(space) = space else { return "linear RGB; the file doesn't say of which primaries".into() };
     if let Some(named) = Space::of(space) {
         return format!("linear RGB of {}", named.name());

@@ -14,7 +14,7 @@ pub mod schema;
 use crate::exit::Failure;
 use std::fs;
 use std::path::Path;
-use straal_scene::{Diagnostic, Diagnostics};
+use straal_scene::{Diagnostic, Diagnostics, Span};
 
 /// Prints a result; that it could not be printed is a failure of the system.
 fn print(text: &str) -> Result<(), Failure> {
@@ -30,6 +30,13 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
         return Err(fail("it is not a file".into()));
     }
     fs::read(path).map_err(|e| fail(e.to_string()))
+}
+
+/// Adds what a job's author should know to the complaints of its scene.
+fn warn(complaints: &mut Diagnostics, job: &straal::Job) {
+    for note in &job.world.notes {
+        complaints.push(Diagnostic::warning(Span::NONE, note));
+    }
 }
 
 /// Why the library won't do a job, with the place in the scene where it knows one; `read` holds the scene's texts.

@@ -1,6 +1,6 @@
 //! `straal render`
 
-use super::{print, refused};
+use super::{print, refused, warn};
 use crate::args::RenderArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -21,14 +21,15 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
     let interrupt = Interrupt::listen();
     let loaded = load(&settings)?;
-    let warnings = loaded.warnings.clone();
+    let mut warnings = loaded.warnings.clone();
+    let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
+    warn(&mut warnings, &job);
     if !settings.quiet {
         out::say(&complaint::show(&warnings, out::has_colours()));
         if settings.look_is_lost() {
             out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
         }
     }
-    let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     if let Some(reason) = job.needs_count().filter(|_| settings.time.is_some()) {
         return Err(Failure::input(reason).help("leave out --time, or choose another --sampler"));
     }

@@ -6,6 +6,7 @@
 //! A spectrum of light is in units in which 1 at all wavelengths has the luminance Y = 1, so that the numbers of RGB and of
 //! spectra are of one size.
 
+pub mod bands;
 pub mod illuminant;
 pub mod metamer;
 pub mod observer;
@@ -13,6 +14,7 @@ pub mod refraction;
 pub mod thermal;
 pub mod uplift;
 
+pub use bands::Bands;
 pub use observer::Observer;
 
 /// The shortest wavelength that is computed with.

@@ -1,7 +1,7 @@
 //! Against the numbers of an independent program, and against what must hold.
 
 use super::*;
-use crate::srgb;
+use crate::{Space, srgb};
 use straal_math::ops;
 use uplift::Uplift;
 
@@ -233,24 +233,30 @@ fn smooth_reflectances_keep_their_colour() {
     assert!(worst.0 < 1e-3, "{} at {:?}", worst.0, worst.1);
 }
 
+/// Colours of Rec. 2020 that sRGB doesn't hold: paints of half their strength keep them, lamps nearly all.
 #[test]
-fn mixtures_keep_their_colour_and_their_range() {
+fn colours_beyond_srgb_are_met_where_they_can_be() {
     let uplift = Uplift::new();
-    for rgb in
-        [[0.2, 0.5, 0.9], [0.9, 0.5, 0.2], [0.5, 0.5, 0.5], [0.5, 0.5, 0.1], [0.3, 0.7, 0.7], [1.0, 0.0, 0.4]]
-    {
-        let (white, parts) = uplift::mixture(rgb);
-        let bins: Bins = std::array::from_fn(|i| {
-            parts
-                .iter()
-                .fold(f64::from(white), |sum, &(k, share)| sum + f64::from(share) * uplift.full()[k][i])
-        });
-        assert!(bins.iter().all(|v| (0.0..=1.0 + 1e-6).contains(v)), "{rgb:?}");
-        let back = uplift.rgb_of_reflectance(&bins);
-        for c in 0..3 {
-            assert!((back[c] - f64::from(rgb[c])).abs() < 1e-4, "{rgb:?} {back:?}");
+    let wide = |rgb: [f64; 3]| Space::Rec2020.to(Space::Srgb).apply(rgb);
+    for rgb in [[0.5, 0.05, 0.04], [0.03, 0.4, 0.05], [0.02, 0.04, 0.4], [0.02, 0.5, 0.5], [0.6, 0.1, 0.5]] {
+        let rgb = wide(rgb);
+        let bins = uplift.reach(rgb).unwrap_or_else(|_| panic!("{rgb:?}")).bins();
+        assert!(bins.iter().all(|v| (0.0..=1.0).contains(v)));
+        for (a, b) in uplift.rgb_of_reflectance(&bins).iter().zip(rgb) {
+            assert!((a - b).abs() < 1e-5, "{a} {b}");
         }
     }
+    for rgb in [[5.0, 0.03, 0.02], [0.1, 9.0, 0.1], [0.01, 0.01, 0.6]] {
+        let rgb = wide(rgb);
+        let (smooth, scale) = uplift.reach_light(rgb).unwrap_or_else(|_| panic!("{rgb:?}"));
+        let light = std::array::from_fn(|i| smooth.bins()[i] * scale * uplift.white()[i]);
+        for (a, b) in uplift.rgb_of_light(&light).iter().zip(rgb) {
+            assert!((a - b).abs() < 1e-5 * scale, "{a} {b}");
+        }
+    }
+    // No paint is a pure spectral colour at full strength, and no light is beyond them.
+    assert!(uplift.reach(wide([0.0, 1.0, 0.0])).is_err());
+    assert!(uplift.reach_light([-1.0, 1.0, -1.0]).is_err());
 }
 
 #[test]

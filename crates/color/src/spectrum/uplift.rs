@@ -5,6 +5,10 @@
 //! Spectral Upsampling"). The three coefficients are found by Gauss-Newton steps so that the surface has the wanted linear
 //! sRGB under D65. Greys are constant.
 
+mod table;
+
+pub use table::{Lifted, UpliftTable};
+
 use crate::{Adaptation, Matrix3, Space, White, Xyz};
 
 use super::{Bins, COUNT, Observer, illuminant};
@@ -16,8 +20,6 @@ pub struct Uplift {
     white: Bins,
     /// By nanometre: the linear sRGB that a reflectance of 1 there alone has under D65.
     weights: [[f64; 3]; COUNT],
-    /// The reflectances of red, green, blue, cyan, magenta and yellow at their fullest.
-    full: [Bins; 6],
 }
 
 /// The reflectance of a colour.
@@ -54,11 +56,7 @@ impl Uplift {
         let unit: f64 = Observer::Cie1931.functions().iter().map(|xyz| xyz[1]).sum();
         let functions = Observer::Cie1931.functions();
         let weights = std::array::from_fn(|i| matrix.apply(functions[i]).map(|v| v * white[i] / unit));
-        let mut uplift = Self { white, weights, full: [[0.0; COUNT]; 6] };
-        for (k, full) in FULL.into_iter().enumerate() {
-            uplift.full[k] = uplift.fit(full).bins();
-        }
-        uplift
+        Self { white, weights }
     }
 
     /// D65 of luminance 1: the spectrum of a light of RGB 1.
@@ -103,6 +101,56 @@ impl Uplift {
             self.refine(&mut c, rgb.map(|v| mean + (v - mean) * share));
         }
         Smooth::Sigmoid(c)
+    }
+
+    /// The smooth reflectance of any colour in linear sRGB, also of one that sRGB doesn't hold but a wider space; `Err` with
+    /// the nearest on the way to a grey where no smooth reflectance is so colourful or bright.
+    pub fn reach(&self, rgb: [f64; 3]) -> Result<Smooth, Smooth> {
+        if rgb.iter().all(|v| (0.0..=1.0).contains(v)) {
+            return Ok(self.fit(rgb));
+        }
+        // From the grey that is as bright, within what a surface can be.
+        let luminance: f64 = { Space::Srgb.rgb().luminance() }.iter().zip(rgb).map(|(w, v)| w * v).sum();
+        let grey = if luminance > 0.02 { if luminance < 0.98 { luminance } else { 0.98 } } else { 0.02 };
+        let at = |share: f64| rgb.map(|v| grey + (v - grey) * share);
+        let mut c = [0.0; 3];
+        let mut reached = 0.0;
+        let mut step = 1.0 / 16.0;
+        while reached < 1.0 {
+            let share = if reached + step < 1.0 { reached + step } else { 1.0 };
+            let mut next = c;
+            if self.refine(&mut next, at(share)) {
+                (c, reached) = (next, share);
+            } else {
+                step *= 0.5;
+                if step < 1e-3 {
+                    return Err(Smooth::Sigmoid(c));
+                }
+            }
+        }
+        Ok(Smooth::Sigmoid(c))
+    }
+
+    /// The smooth spectrum of light of a colour in linear sRGB: a surface lit by D65, about half as bright as its strongest
+    /// channel, or darker where only a dark surface is so colourful; gives the surface and what it is multiplied by. `Err`
+    /// with the nearest where light has no such colour.
+    pub fn reach_light(&self, rgb: [f64; 3]) -> Result<(Smooth, f64), (Smooth, f64)> {
+        let most = rgb.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+        if most <= 0.0 {
+            return Err((Smooth::Grey(0.0), 1.0));
+        }
+        if rgb[0] == rgb[1] && rgb[1] == rgb[2] {
+            return Ok((Smooth::Grey(1.0), most));
+        }
+        let mut nearest = (Smooth::Grey(0.0), 1.0);
+        for strongest in [0.5, 0.25, 0.1, 0.04, 0.016] {
+            let scale = most / strongest;
+            match self.reach(rgb.map(|v| v / scale)) {
+                Ok(smooth) => return Ok((smooth, scale)),
+                Err(smooth) => nearest = (smooth, scale),
+            }
+        }
+        Err(nearest)
     }
 
     /// Gauss-Newton steps, damped after Levenberg and Marquardt; whether the colour was met.
@@ -162,37 +210,6 @@ impl Uplift {
         }
         (residual, jacobian)
     }
-
-    /// The reflectances whose mixture makes any colour: white, then red, green, blue, cyan, magenta, yellow. See [`mixture`].
-    pub fn full(&self) -> &[Bins; 6] {
-        &self.full
-    }
-}
-
-/// The colours of [`Uplift::full`].
-const FULL: [[f64; 3]; 6] =
-    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
-
-/// A colour as so much white, and so much of two of the full colours, by their place in [`Uplift::full`] (Smits 1999, "An
-/// RGB-to-Spectrum Conversion for Reflectances"): for colours that can't be fitted one by one, such as the pixels of
-/// pictures. It is continuous, and exact as far as the full colours are.
-#[inline]
-pub fn mixture(rgb: [f32; 3]) -> (f32, [(usize, f32); 2]) {
-    let (mut least, mut most) = (0, 0);
-    for c in 1..3 {
-        if rgb[c] < rgb[least] {
-            least = c;
-        }
-        if rgb[c] >= rgb[most] {
-            most = c;
-        }
-    }
-    let middle = 3 - least - most;
-    if least == most {
-        return (rgb[0], [(0, 0.0), (0, 0.0)]);
-    }
-    // The two channels above the least make the secondary colour that lacks it: cyan lacks red.
-    (rgb[least], [(3 + least, rgb[middle] - rgb[least]), (most, rgb[most] - rgb[middle])])
 }
 
 impl Smooth {
@@ -210,6 +227,7 @@ impl Smooth {
 }
 
 /// Where a nanometre is between the first and the last.
+#[inline]
 fn place(bin: usize) -> f64 {
     bin as f64 / (COUNT - 1) as f64
 }

@@ -20,8 +20,10 @@ use straal_scene::Image;
 use crate::limits::check;
 use crate::{Limits, ReadError};
 
+mod spectral;
 mod write;
 
+pub use spectral::{LAYER as SPECTRAL_LAYER, is_attribute as is_spectral_attribute, layer as spectral_layer};
 pub use write::write;
 
 /// A picture with layers of any channels.
@@ -82,25 +84,57 @@ impl Picture {
         self.layers.iter().find(|layer| layer.name == name)
     }
 
-    /// The picture as linear RGB with the primaries of sRGB: the layer without a name, else the first that has colours or grey.
+    /// The picture as linear RGB with the primaries of sRGB: that of [`Picture::beauty`].
     pub fn to_image(&self) -> Result<Image, ReadError> {
-        let mut image = self.to_own_image()?;
+        let Beauty { mut pixels, space, .. } = self.beauty()?;
         let srgb = Space::Srgb.rgb();
-        if let Some(space) = self.space.filter(|space| *space != srgb) {
+        if let Some(space) = space.filter(|space| *space != srgb) {
             let matrix = space.to(&srgb, Adaptation::Bradford);
-            image.pixels.iter_mut().for_each(|pixel| *pixel = matrix.apply_f32(*pixel));
+            pixels.iter_mut().for_each(|pixel| *pixel = matrix.apply_f32(*pixel));
         }
-        Ok(image)
+        Ok(Image { width: self.data_window.width, height: self.data_window.height, pixels })
     }
 
-    /// The same in the file's own space.
-    pub fn to_own_image(&self) -> Result<Image, ReadError> {
-        let unnamed = self.layer("").and_then(Layer::rgb);
-        let Some(rgb) = unnamed.or_else(|| self.layers.iter().find_map(Layer::rgb)) else {
-            return Err(ReadError::file("the file has no layer with channels R, G and B, or Y"));
+    /// The colours of the picture: the layer without a name; else X, Y and Z there; else the sum of its wavelengths; else
+    /// the first layer that has colours or grey.
+    pub fn beauty(&self) -> Result<Beauty, ReadError> {
+        let of = |layer: &Layer| {
+            layer.rgb().map(|pixels| Beauty { pixels, space: self.space, layer: layer.name.clone() })
         };
-        Ok(Image { width: self.data_window.width, height: self.data_window.height, pixels: rgb })
+        let unnamed = self.layer("");
+        let xyz = || {
+            let pixels = unnamed?.triples(["X", "Y", "Z"])?;
+            Some(Beauty { pixels, space: Some(RgbSpace::XYZ), layer: String::new() })
+        };
+        let summed = || {
+            let pixels = spectral::xyz(self)?;
+            Some(Beauty { pixels, space: Some(RgbSpace::XYZ), layer: spectral::LAYER.to_owned() })
+        };
+        let named_rgb = |layer: &&Layer| layer.triples(["R", "G", "B"]).is_some();
+        { unnamed }
+            .filter(named_rgb)
+            .and_then(of)
+            .or_else(xyz)
+            .or_else(|| unnamed.and_then(of))
+            .or_else(summed)
+            .or_else(|| self.layers.iter().find_map(of))
+            .ok_or_else(|| {
+                let message = "the file has no layer with channels R, G and B, or X, Y and Z, or Y, nor any of wavelengths \
+                               (S0.550,000nm)";
+                ReadError::file(message)
+            })
     }
+}
+
+/// The colours of a picture with layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beauty {
+    /// Row by row from the top.
+    pub pixels: Vec<[f32; 3]>,
+    /// What the three numbers are, where the file says it.
+    pub space: Option<RgbSpace>,
+    /// The layer they come from.
+    pub layer: String,
 }
 
 impl Window {
@@ -132,11 +166,13 @@ impl Layer {
     pub fn rgb(&self) -> Option<Vec<[f32; 3]>> {
         let only = || (self.channels.len() == 1).then(|| self.channels[0].samples.as_slice());
         let grey = || self.channel("Y").or_else(only);
-        let (r, g, b) = match (self.channel("R"), self.channel("G"), self.channel("B")) {
-            (Some(r), Some(g), Some(b)) => (r, g, b),
-            _ => (grey()?, grey()?, grey()?),
-        };
-        Some(r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]).collect())
+        self.triples(["R", "G", "B"]).or_else(|| Some(grey()?.iter().map(|&y| [y; 3]).collect()))
+    }
+
+    /// The pixels of three channels.
+    fn triples(&self, names: [&str; 3]) -> Option<Vec<[f32; 3]>> {
+        let [a, b, c] = names.map(|name| self.channel(name));
+        Some(a?.iter().zip(b?).zip(c?).map(|((&a, &b), &c)| [a, b, c]).collect())
     }
 }
 
@@ -189,7 +225,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Picture, ReadError> {
 fn space(told: Chromaticities) -> Option<RgbSpace> {
     let at = |Vec2(x, y): Vec2<f32>| Chromaticity { x: f64::from(x), y: f64::from(y) };
     let space = RgbSpace { primaries: [told.red, told.green, told.blue].map(at), white: at(told.white) };
-    Space::of(&space).map(|named| named.rgb()).or(Some(space).filter(RgbSpace::is_sound))
+    Some(space.recognised()).filter(RgbSpace::is_sound)
 }
 
 /// Refuses what is beyond the limits, or beyond what the bytes of the file can hold, before any pixel is allocated.

@@ -2,7 +2,7 @@
 
 use super::view::Axes;
 use super::{FilmPoint, View};
-use straal_math::{Ray, Vec3};
+use straal_math::{DVec3, Ray, Vec3};
 
 /// Where in the picture the faces are. Each is what a pinhole of 90 degrees sees from the middle of the cube, those to the
 /// sides with the same direction up, the upper one with its lower edge to the front, the lower one with its upper edge.
@@ -24,7 +24,7 @@ impl CubeLayout {
     }
 
     /// Which of right, left, up, down, back and front stands in a place.
-    const fn face(self, column: u32, row: u32) -> Option<usize> {
+    pub(crate) const fn face(self, column: u32, row: u32) -> Option<usize> {
         match (self, column, row) {
             (Self::Cross, 2, 1) => Some(0),
             (Self::Cross, 0, 1) => Some(1),
@@ -36,6 +36,18 @@ impl CubeLayout {
             _ => None,
         }
     }
+}
+
+/// Right, up and forward of the right, left, upper, lower, back and front face of a cube, by its own.
+pub(crate) fn face_axes(right: DVec3, up: DVec3, forward: DVec3) -> [[DVec3; 3]; 6] {
+    [
+        [-forward, up, right],
+        [forward, up, -right],
+        [right, -forward, up],
+        [right, forward, -up],
+        [-right, up, -forward],
+        [right, up, forward],
+    ]
 }
 
 /// A camera that sees all around, on the faces of a cube.
@@ -56,15 +68,8 @@ impl CubeMap {
         let [columns, rows] = layout.faces();
         let side = (size[0] / columns).min(size[1] / rows);
         let View { right, up, forward, .. } = *view;
-        let face = |right, up, forward| Axes::from(&View { right, up, forward, eye: view.eye });
-        let faces = [
-            face(-forward, up, right),
-            face(forward, up, -right),
-            face(right, -forward, up),
-            face(right, forward, -up),
-            face(-right, up, -forward),
-            face(right, up, forward),
-        ];
+        let faces = face_axes(right, up, forward)
+            .map(|[right, up, forward]| Axes::from(&View { right, up, forward, eye: view.eye }));
         (side > 0).then_some(Self { eye: view.eye.as_vec3(), faces, layout, side })
     }
 

@@ -26,6 +26,7 @@ mod tests;
 mod thin_lens;
 mod view;
 
+pub(crate) use cube_map::face_axes;
 pub use cube_map::{CubeLayout, CubeMap};
 pub use facts::{Facts, Focus};
 pub use fisheye::{Fisheye, Projection};

@@ -3,6 +3,8 @@
 use super::CompileError;
 use super::paint::Paint;
 use super::place::Glowing;
+use crate::camera::CubeLayout;
+use crate::light::cube::latitude_longitude;
 use crate::light::spot::Cone;
 use crate::light::{
     AreaLight, ConstantEnvironment, DirectionalLight, Emitter, Falloff, ImageEnvironment, LightTable,
@@ -97,6 +99,14 @@ fn environment(l: &desc::Environment, paint: &mut Paint<'_>) -> Result<Emitter, 
         .assets()
         .image(file)
         .ok_or_else(|| CompileError::at(format!("the picture `{}` was not read", file.value), file.span))?;
+    let cube = match l.layout {
+        desc::EnvironmentLayout::LatitudeLongitude => None,
+        desc::EnvironmentLayout::Cross => Some(CubeLayout::Cross),
+        desc::EnvironmentLayout::Row => Some(CubeLayout::Row),
+    };
+    let unfolded = cube.map(|layout| latitude_longitude(image, layout)).transpose();
+    let unfolded = unfolded.map_err(|message| CompileError::at(message, file.span))?;
+    let image = unfolded.as_ref().unwrap_or(image);
     // The scene language has the middle column along -z, the emitter its left edge: half a turn.
     let placed = Affine::rotate(DVec3::Y, 180.0 + l.rotate)
         .zip(l.transform.affine())

@@ -11,6 +11,7 @@ mod look;
 mod paint;
 mod place;
 
+use crate::film::Recording;
 use crate::filter::{Filter, Profile, Separable};
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
@@ -65,11 +66,13 @@ pub struct Request<'a> {
     pub search: &'a accel::Options,
     /// Whether light is computed by wavelengths.
     pub spectral: bool,
+    /// In which numbers the film takes light.
+    pub recording: Recording,
 }
 
 /// Makes the world of a description.
 pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
-    let Request { scene, assets, custom, size, search, spectral } = *request;
+    let Request { scene, assets, custom, size, search, spectral, recording } = *request;
     let mut build = place::Build::new(scene, assets, custom, spectral)?;
     build.world()?;
     build.custom_shapes(custom)?;
@@ -90,6 +93,7 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
     let accel =
         accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
     let lights = lights::gather(scene, &mut paint, &geometry, glowing, &accel)?;
+    paint.palette.record(recording, scene.color.space.space());
     Ok(World {
         camera,
         filter: filter(&scene.film.filter)?,
@@ -103,6 +107,7 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
         instance_materials,
         top_level,
         environments: lights.environments,
+        notes: paint.notes,
     })
 }
 

@@ -30,7 +30,12 @@ pub(super) struct Paint<'a> {
     tables: BTreeMap<Vec<u32>, u32>,
     /// Filled as colours are met.
     pub palette: Palette,
+    /// What is worth telling of them.
+    pub notes: Vec<String>,
 }
+
+/// Nobody reads more.
+const MOST_NOTES: usize = 20;
 
 /// What a colour is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -44,9 +49,10 @@ impl<'a> Paint<'a> {
     pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
         let space = scene.color.space.space();
         let uplift = spectral.then(uplift::Uplift::new);
-        let palette = uplift.as_ref().map_or_else(Palette::default, |u| Palette::spectral(space, u));
+        let palette = if spectral { Palette::spectral(space) } else { Palette::default() };
         let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
-        Self { assets, space, to_work, uplift, known: BTreeMap::new(), tables: BTreeMap::new(), palette }
+        let (known, tables, notes) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
+        Self { assets, space, to_work, uplift, known, tables, palette, notes }
     }
 
     /// The assets.
@@ -109,7 +115,13 @@ impl<'a> Paint<'a> {
         let key = (of, color.0.map(f64::to_bits));
         let known = self.known.get(&key).copied();
         colour.spectrum = known.unwrap_or_else(|| {
-            let id = self.palette.add(smooth(uplift, color, of));
+            let Lifted { table, nearest } = lift(uplift, color, of);
+            if let Some(nearest) = nearest
+                && self.notes.len() < MOST_NOTES
+            {
+                self.notes.push(beyond(color, nearest, of));
+            }
+            let id = self.palette.add(table);
             self.known.insert(key, id);
             id
         });
@@ -228,27 +240,55 @@ impl<'a> Paint<'a> {
 }
 
 /// The spectrum of an RGB colour.
-fn smooth(uplift: &uplift::Uplift, Color(rgb): Color, of: Use) -> [f32; COUNT] {
+struct Lifted {
+    table: [f32; COUNT],
+    /// The linear sRGB that it has, where no spectrum has the colour itself.
+    nearest: Option<[f64; 3]>,
+}
+
+/// What is said of a colour that nothing has.
+fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Use) -> String {
+    let told = |rgb: [f64; 3]| format!("[{}]", rgb.map(|v| format!("{v:.3}")).join(", "));
+    let (what, why) = match of {
+        Use::Emission => ("light", "is of a colour that no light has"),
+        Use::Reflectance | Use::Index => (
+            "a surface",
+            "is more colourful than one can be without sending back more light than falls on it",
+        ),
+    };
+    let (rgb, nearest) = (told(rgb), told(nearest));
+    format!("{what} of linear sRGB {rgb} {why}: by wavelengths it becomes {nearest}")
+}
+
+fn lift(uplift: &uplift::Uplift, Color(rgb): Color, of: Use) -> Lifted {
+    let exact = |table| Lifted { table, nearest: None };
     match of {
-        Use::Reflectance => uplift.fit(rgb).bins().map(|v| v as f32),
+        Use::Reflectance => match uplift.reach(rgb) {
+            Ok(smooth) => exact(smooth.bins().map(|v| v as f32)),
+            Err(smooth) => {
+                let bins = smooth.bins();
+                Lifted { table: bins.map(|v| v as f32), nearest: Some(uplift.rgb_of_reflectance(&bins)) }
+            }
+        },
         Use::Emission => {
-            // A surface half as bright as its strongest channel, lit by D65: smooth also for full colours.
-            let most = rgb.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
-            let scale = if rgb[0] == rgb[1] && rgb[1] == rgb[2] { most } else { 2.0 * most };
-            let bins = uplift.fit(rgb.map(|v| v / scale)).bins();
-            std::array::from_fn(|i| (bins[i] * scale * uplift.white()[i]) as f32)
+            let found = uplift.reach_light(rgb);
+            let (smooth, scale) = found.unwrap_or_else(|nearest| nearest);
+            let bins = smooth.bins();
+            let table = std::array::from_fn(|i| (bins[i] * scale * uplift.white()[i]) as f32);
+            let nearest = || uplift.rgb_of_reflectance(&bins).map(|v| v * scale);
+            Lifted { table, nearest: found.is_err().then(nearest) }
         }
         Use::Index => {
             // Red, green and blue each where they see most of the light, and between them what lies between.
             let parts = uplift::positive_parts(Space::Srgb);
             let mut last = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
-            std::array::from_fn(|i| {
+            exact(std::array::from_fn(|i| {
                 let sum: f64 = parts.iter().map(|p| p[i]).sum();
                 if sum > 0.0 {
                     last = (0..3).map(|c| rgb[c] * parts[c][i]).sum::<f64>() / sum;
                 }
                 last as f32
-            })
+            }))
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Fixed-point sums: a float is rounded once, then integers are added, which is associative.
 
+use std::ops::AddAssign;
+
 /// A sample of this size or more is dropped and counted, like NaN.
 pub const MAX_VALUE: f32 = 4_294_967_296.0; // 2^32
 
@@ -24,8 +26,19 @@ impl Value {
         self.0 += round(f64::from(v) * VALUE_SCALE);
     }
 
+    /// Adds a product of single-precision numbers: beyond double precision's digits it is rounded twice, always alike.
+    pub fn add_exact(&mut self, v: f64) {
+        self.0 += round(v * VALUE_SCALE);
+    }
+
     pub fn to_f64(self) -> f64 {
         self.0 as f64 / VALUE_SCALE
+    }
+}
+
+impl AddAssign for Value {
+    fn add_assign(&mut self, o: Self) {
+        self.0 += o.0;
     }
 }
 
@@ -42,6 +55,30 @@ impl Square {
 
     pub fn to_f64(self) -> f64 {
         self.0 as f64 / SQUARE_SCALE
+    }
+}
+
+/// 2^34, for splats: up to 2^18 samples of each of 33 x 33 pixels, of squares below 2^64, stay below 2^127.
+const WIDE_SCALE: f64 = (1_u64 << 34) as f64;
+
+/// Sum of squares of values below 2^32 over the samples of all pixels that a filter reaches, in units of 2^-34.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WideSquare(i128);
+
+impl WideSquare {
+    /// Adds v².
+    pub fn add(&mut self, v: f64) {
+        self.0 += round(v * v * WIDE_SCALE);
+    }
+
+    pub fn to_f64(self) -> f64 {
+        self.0 as f64 / WIDE_SCALE
+    }
+}
+
+impl AddAssign for WideSquare {
+    fn add_assign(&mut self, o: Self) {
+        self.0 += o.0;
     }
 }
 

@@ -6,24 +6,30 @@
 mod adaptive;
 mod fixed;
 mod hash;
+mod recording;
+mod splat;
 
 pub use adaptive::{BLOCK, DARK};
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
+pub use recording::Recording;
+pub use splat::{Flying, Splats, reach};
 
+use crate::filter::Filter;
 use crate::settings::Region;
-use adaptive::Sampled;
-pub(crate) use adaptive::next_look;
+pub(crate) use adaptive::{Evidence, next_look};
+use adaptive::{Marks, Sampled};
 use fixed::{Guide, Square, Value};
+use straal_color::spectrum::Bands;
 use straal_math::ops;
 
 /// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
 pub const TILE: u32 = 16;
 
-/// One sample as the film takes it: linear RGB and, for the guide layers, what the camera ray met first.
+/// One sample as the film takes it: its light and, for the guide layers, what the camera ray met first.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Radiance, linear RGB.
+    /// Radiance: linear RGB, or X, Y and Z, see [`Recording`].
     pub rgb: [f32; 3],
     /// Share of light that the first surface reflects or passes on, linear RGB; the radiance of what emits is no part.
     pub albedo: [f32; 3],
@@ -57,6 +63,15 @@ impl Pixel {
     }
 }
 
+/// What one sample adds to a band of wavelengths.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BandSample {
+    /// Which band.
+    pub band: u16,
+    /// Radiance.
+    pub value: f32,
+}
+
 /// What the searches of one sample cost: all rays of its path, the camera's, the bounces and the shadow rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CostSample {
@@ -76,9 +91,15 @@ pub struct FilmTile {
     pixels: Vec<Pixel>,
     /// By pixel; empty when costs aren't counted.
     costs: Vec<CostSample>,
+    /// By pixel, as many as there are bands; empty when there are none.
+    bands: Vec<Value>,
+    /// Where samples count in several pixels.
+    splats: Option<Splats>,
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
     first_dropped: Option<([u32; 2], u32)>,
     sampled: Sampled,
+    /// By pixel; empty unless noise is told by batches.
+    marks: Vec<Marks>,
 }
 
 impl FilmTile {
@@ -87,8 +108,11 @@ impl FilmTile {
             region,
             pixels: vec![Pixel::default(); region.area()],
             costs: Vec::new(),
+            bands: Vec::new(),
+            splats: None,
             first_dropped: None,
             sampled: Sampled::default(),
+            marks: Vec::new(),
         }
     }
 
@@ -106,12 +130,19 @@ impl FilmTile {
         }
     }
 
-    /// Adds one sample of a pixel given in coordinates of the whole picture.
-    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample) {
+    /// The sums of samples that count in several pixels, where the film has such.
+    pub fn splats(&mut self) -> Option<&mut Splats> {
+        self.splats.as_mut()
+    }
+
+    /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some. False
+    /// where it was dropped.
+    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) -> bool {
         let i = self.index(pixel);
+        let of_each = self.bands.len() / self.pixels.len();
         let p = &mut self.pixels[i];
         p.count += 1;
-        let fits = sample.rgb.iter().all(|v| v.abs() < MAX_VALUE);
+        let fits = { sample.rgb.iter() }.chain(bands.iter().map(|b| &b.value)).all(|v| v.abs() < MAX_VALUE);
         if !fits {
             p.dropped += 1;
             let at = (pixel, index);
@@ -119,7 +150,7 @@ impl FilmTile {
             if self.first_dropped.is_none_or(|first| order(at) < order(first)) {
                 self.first_dropped = Some(at);
             }
-            return;
+            return false;
         }
         for c in 0..3 {
             p.value[c].add(sample.rgb[c]);
@@ -127,8 +158,12 @@ impl FilmTile {
             p.albedo[c].add(sample.albedo[c]);
             p.normal[c].add(sample.normal[c]);
         }
+        for b in bands {
+            self.bands[i * of_each + usize::from(b.band)].add(b.value);
+        }
         // A plane's horizon may be farther than the film can hold: the guide says as far as it can.
         p.depth.add(ops::clamp(sample.depth, 0.0, MAX_VALUE));
+        true
     }
 }
 
@@ -142,6 +177,8 @@ pub struct Film {
     pub(crate) tiles: Vec<FilmTile>,
     /// Whether costs are counted, and whether with their time.
     costs: Costs,
+    /// Bands of wavelengths that are held besides RGB.
+    bands: Option<Bands>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,6 +186,17 @@ enum Costs {
     No,
     Tests,
     TestsAndTime,
+}
+
+/// What a film holds beyond colours and guides, for a forecast of its size.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extent {
+    /// In which numbers it takes light.
+    pub recording: Recording,
+    /// Radius of the filter in pixels where samples are splatted.
+    pub splat_radius: Option<f64>,
+    /// Whether sampling ends by noise.
+    pub adapts: bool,
 }
 
 /// Samples that a film refused.
@@ -167,7 +215,7 @@ pub struct Layers {
     pub width: usize,
     /// Height of the crop.
     pub height: usize,
-    /// Mean radiance, linear RGB.
+    /// Mean radiance: linear RGB, or X, Y and Z.
     pub rgb: Vec<[f32; 3]>,
     /// Variance of that mean, estimated from the samples' spread; 0 for a single sample.
     pub variance: Vec<[f32; 3]>,
@@ -181,6 +229,17 @@ pub struct Layers {
     pub samples: Vec<u32>,
     /// What the searches cost, if that was counted. No part of the film's hash.
     pub cost: Option<CostLayers>,
+    /// Light by wavelengths, if the film holds it. No part of the film's hash.
+    pub bands: Option<BandLayers>,
+}
+
+/// Mean radiance in bands of wavelengths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BandLayers {
+    /// Which bands.
+    pub bands: Bands,
+    /// By band, then by pixel.
+    pub planes: Vec<Vec<f32>>,
 }
 
 /// What a sample's searches cost on average, by pixel: all rays of its path, the camera's, the bounces and the shadow
@@ -213,7 +272,35 @@ impl Film {
                 }
             }
         }
-        Self { size, crop, tiles, costs: Costs::No }
+        Self { size, crop, tiles, costs: Costs::No, bands: None }
+    }
+
+    /// Says by what the noise of pixels is told.
+    pub(crate) fn judge_by(&mut self, evidence: Evidence) {
+        if evidence == Evidence::Batches {
+            self.tiles.iter_mut().for_each(FilmTile::mark_batches);
+        }
+    }
+
+    /// How many blocks need further samples, of a film that adapts.
+    pub fn open_blocks(&self) -> u64 {
+        self.tiles.iter().map(|t| u64::from(t.open_blocks())).sum()
+    }
+
+    /// Makes room for samples that count in all pixels that a filter reaches from; bands, if any, are held before.
+    pub(crate) fn splat(&mut self, filter: &Filter) {
+        let bands = self.bands.as_ref().map_or(0, Bands::count);
+        for tile in &mut self.tiles {
+            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands));
+        }
+    }
+
+    /// Makes room for bands of wavelengths.
+    pub(crate) fn hold_bands(&mut self, bands: Bands) {
+        self.bands = Some(bands);
+        for tile in &mut self.tiles {
+            tile.bands = vec![Value::default(); tile.region.area() * bands.count()];
+        }
     }
 
     /// Makes room for costs; `timed` says whether they come with their time.
@@ -224,9 +311,12 @@ impl Film {
         }
     }
 
-    /// Bytes that a film of this many pixels takes.
-    pub fn bytes_for(pixels: usize) -> usize {
-        pixels * size_of::<Pixel>()
+    /// Bytes that a film takes for each pixel.
+    pub fn bytes_a_pixel(of: &Extent) -> usize {
+        let bands = of.recording.bands().map_or(0, Bands::count);
+        let splats = of.splat_radius.map_or(0, |radius| splat::bytes_a_pixel(radius, bands));
+        let marks = if of.adapts { size_of::<Marks>() } else { 0 };
+        size_of::<Pixel>() + bands * size_of::<Value>() + splats + marks
     }
 
     /// Samples that were dropped, and where the first was.
@@ -254,6 +344,7 @@ impl Film {
                 primitives: vec![0.0; n],
                 time: (self.costs == Costs::TestsAndTime).then(|| vec![0.0; n]),
             }),
+            bands: self.bands.map(|bands| BandLayers { bands, planes: vec![vec![0.0; n]; bands.count()] }),
         };
         for tile in &self.tiles {
             for (k, p) in tile.pixels.iter().enumerate() {
@@ -274,6 +365,12 @@ impl Film {
                 }
                 out.depth[i] = (p.depth.to_f64() / count) as f32;
                 out.samples[i] = p.count;
+                if let Some(out) = &mut out.bands {
+                    let sums = &tile.bands[k * out.bands.count()..];
+                    for (plane, sum) in out.planes.iter_mut().zip(sums) {
+                        plane[i] = (sum.to_f64() / count) as f32;
+                    }
+                }
                 if let (Some(out), Some(sum)) = (&mut out.cost, tile.costs.get(k)) {
                     let mean = |sum: u64| (sum as f64 / count) as f32;
                     out.nodes[i] = mean(sum.nodes);
@@ -283,6 +380,9 @@ impl Film {
                     }
                 }
             }
+        }
+        if self.tiles.iter().any(|t| t.splats.is_some()) {
+            self.show_splats(&mut out);
         }
         out
     }
@@ -312,7 +412,7 @@ mod tests {
         let render = |order: &mut dyn Iterator<Item = f32>| {
             let mut f = Film::new([1, 1], whole(1, 1));
             for (i, v) in order.enumerate() {
-                f.tiles[0].add([0, 0], i as u32, &grey(v));
+                f.tiles[0].add([0, 0], i as u32, &grey(v), &[]);
             }
             f.hash()
         };
@@ -323,7 +423,7 @@ mod tests {
     fn mean_and_variance_of_the_mean() {
         let mut f = Film::new([1, 1], whole(1, 1));
         for (i, v) in [1.0, 2.0, 3.0, 4.0].into_iter().enumerate() {
-            f.tiles[0].add([0, 0], i as u32, &grey(v));
+            f.tiles[0].add([0, 0], i as u32, &grey(v), &[]);
         }
         let l = f.layers();
         assert_eq!(l.rgb[0], [2.5; 3]);
@@ -337,9 +437,9 @@ mod tests {
         let mut f = Film::new([20, 20], whole(20, 20));
         let tile =
             f.tiles.iter().position(|t| t.region.min == [16, 0]).expect("second tile of the first row");
-        f.tiles[tile].add([17, 3], 0, &grey(1.0));
-        f.tiles[tile].add([17, 3], 1, &grey(f32::NAN));
-        f.tiles[tile].add([17, 2], 7, &grey(f32::INFINITY));
+        f.tiles[tile].add([17, 3], 0, &grey(1.0), &[]);
+        f.tiles[tile].add([17, 3], 1, &grey(f32::NAN), &[]);
+        f.tiles[tile].add([17, 2], 7, &grey(f32::INFINITY), &[]);
         assert_eq!(f.dropped(), Dropped { count: 2, first: Some(([17, 2], 7)) });
         // A dropped sample still counts in N.
         assert_eq!(f.layers().rgb[3 * 20 + 17], [0.5; 3]);

@@ -22,6 +22,7 @@ use crate::shape::offset::{End, offset_origin, ray_between};
 use crate::shape::{Geometry, SurfacePoint};
 
 pub mod area;
+pub(crate) mod cube;
 pub mod directional;
 pub mod environment;
 pub mod point;

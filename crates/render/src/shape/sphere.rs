@@ -1,6 +1,6 @@
 //! The sphere.
 
-use straal_math::{Bounds, DVec3, Ray, Vec3, ops};
+use straal_math::{Bounds, DVec3, Ray, Vec3, ops, warp};
 
 use super::exact::{at, in_interval, outward, rounded, size};
 use super::quadric::roots;
@@ -124,14 +124,20 @@ impl Cone {
         Some(Self { axis: to / distance, distance, radius, one_minus_cos_max })
     }
 
-    /// Uniform by solid angle: in 1 - cos, by which the smallest cones keep all their digits.
+    /// Uniform by solid angle: over a disc in whose radius squared 1 - cos is even, so that the smallest cones keep all their
+    /// digits.
     pub fn sample(&self, u: [f32; 2]) -> ConeSample {
-        let one_minus_cos = f64::from(u[0]) * self.one_minus_cos_max;
+        let [a, b] = warp::concentric_disc(u).map(f64::from);
+        let rr = a * a + b * b;
+        // Rounding may leave a point of the rim just outside.
+        let (rr, inwards) = if rr > 1.0 { (1.0, 1.0 / rr.sqrt()) } else { (rr, 1.0) };
+        let one_minus_cos = rr * self.one_minus_cos_max;
         let cos = 1.0 - one_minus_cos;
+        // The sine over the radius.
+        let stretch = inwards * (self.one_minus_cos_max * (2.0 - one_minus_cos)).sqrt();
         let sin2 = one_minus_cos * (2.0 - one_minus_cos);
-        let (s, c) = sampling::turn(u[1]);
         let (x, y) = sampling::tangents(self.axis);
-        let w = self.axis * cos + (x * c + y * s) * sin2.sqrt();
+        let w = self.axis * cos + (x * a + y * b) * stretch;
         let reach = self.radius * self.radius - self.distance * self.distance * sin2;
         ConeSample { w, t: self.distance * cos - if reach > 0.0 { reach.sqrt() } else { 0.0 } }
     }

@@ -7,9 +7,10 @@ use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refract
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment, Film,
-    Fisheye, FisheyeProjection, Formula, Index, Lens, LensProfile, Measured, Observer, Orthographic,
-    Panorama, Perspective, Plane, Rectangle, SpotLight, Triangle, TriangleMesh, Viewpoint,
+    Bezier, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment,
+    EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Index, Lens, LensProfile, Measured,
+    Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight, Triangle,
+    TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::suggest;
@@ -171,6 +172,16 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
     }
 }
 
+pub(super) fn spectral_channels(c: &SpectralChannels, keys: &Keys<'_>, d: &mut Decoder) {
+    if c.from >= c.to {
+        let message = format!("bands from {} nm must end beyond that, not at {} nm", c.from, c.to);
+        d.push(Diagnostic::error(keys.span("to"), message));
+    } else if c.bands().is_none() {
+        let message = format!("{} bands from {} to {} nm are narrower than 1 nm each", c.bands, c.from, c.to);
+        d.push(Diagnostic::error(keys.span("bands"), message));
+    }
+}
+
 pub(super) fn color_in(c: &ColorIn, keys: &Keys<'_>, d: &mut Decoder) {
     const FORMS: &str = "`rgb`, `xyz`, `xyy`, `lab` and `lch`";
     match c.forms().as_slice() {
@@ -321,6 +332,9 @@ pub(super) fn spot(l: &SpotLight, keys: &Keys<'_>, d: &mut Decoder) {
 
 pub(super) fn environment(l: &Environment, keys: &Keys<'_>, d: &mut Decoder) {
     one_of("environment", ("radiance", l.radiance.is_some()), ("file", l.file.is_some()), keys, d);
+    if l.file.is_none() && l.layout != EnvironmentLayout::LatitudeLongitude {
+        d.push(Diagnostic::error(keys.key_span("layout"), "`layout` means nothing without `file`"));
+    }
 }
 
 pub(super) fn plane(s: &Plane, keys: &Keys<'_>, d: &mut Decoder) {

@@ -102,20 +102,35 @@ describe! {
 }
 
 describe! {
-    /// Light from all around: the same from everywhere, or a picture in latitude and longitude.
+    /// Light from all around: the same from everywhere, or a picture in latitude and longitude or on the faces of a cube.
     ///
-    /// The top row of the picture is seen along local +y and its middle column along local -z; what is right of the
-    /// middle is seen towards +x.
+    /// In latitude and longitude the top row of the picture is seen along local +y and its middle column along local -z; what is
+    /// right of the middle is seen towards +x. The front of a cube is seen along local -z, and its right towards +x.
     pub struct Environment [check::environment] {
         /// Radiance from everywhere, in W/(m^2 sr); give this or `file`.
         radiance: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// A picture whose pixels are radiance; give this or `radiance`.
         file: Option<FileRef> = None,
+        /// How the picture is laid out.
+        layout: EnvironmentLayout = EnvironmentLayout::LatitudeLongitude,
         /// What the picture or radiance is multiplied by.
         scale: f64 [Limit::NON_NEGATIVE] = 1.0,
         /// Turn about the local y axis in degrees, counter-clockwise seen from above, before `transform`.
         rotate: f64 = 0.0,
         /// Where the surroundings' axes lie; only its rotation counts.
         transform: Transform = Transform::default(),
+    }
+}
+
+describe! {
+    /// How a picture shows all directions.
+    pub enum EnvironmentLayout {
+        /// By angles: once around from left to right, from straight up to straight down.
+        "latitude_longitude" => LatitudeLongitude,
+        /// On an unfolded cube, 4 by 3, as the camera `cube_map` lays it out: left, front, right, back in the middle row, up and
+        /// down above and below the front.
+        "cross" => Cross,
+        /// On the faces of a cube in a row: right, left, up, down, back, front.
+        "row" => Row,
     }
 }

@@ -23,13 +23,13 @@ pub use camera::{
 };
 pub use check::BUILTIN_PATCHES;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
-pub use light::{DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight};
+pub use light::{DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight};
 pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
 pub use node::{Group, Instance, Node};
 pub use settings::{
-    BlackmanHarris, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler, SamplerKind,
-    Tent,
+    BlackmanHarris, Channels, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler,
+    SamplerKind, SpectralChannels, Tent,
 };
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,

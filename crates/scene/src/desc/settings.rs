@@ -5,6 +5,7 @@ use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::Depth;
 use straal_color::Exposure;
+use straal_color::spectrum::Bands;
 
 /// Pixels that a filter may reach.
 const FILTER_RADIUS: Limit = Limit { min: 0.0, max: 16.0, open: true };
@@ -16,6 +17,10 @@ describe! {
         size: [u32; 2] [Limit::within(1.0, 65536.0)] = [640, 360],
         /// How samples are weighed around a pixel.
         filter: Filter = Filter::Box,
+        /// Whether a sample counts in every pixel that the filter reaches it from, in place of one pixel by whose filter it is drawn.
+        splat: bool = false,
+        /// In which numbers an EXR holds the picture.
+        channels: Channels = Channels::Rgb,
         /// The part to render, `[x0, y0, x1, y1]` in pixels from the top left; the ends are exclusive.
         crop: Option<[u32; 4]> = None,
         /// Exposure of pictures for the screen in stops, each of which doubles the light; or by a meter: `auto`, which makes
@@ -35,6 +40,37 @@ describe! {
 }
 
 describe! {
+    /// In which numbers an EXR holds the picture.
+    pub enum Channels {
+        /// Linear red, green and blue of the work space.
+        "rgb" => Rgb,
+        /// X, Y and Z of the observer of 1931, where the scene's white is D65.
+        "xyz" => Xyz,
+        /// Red, green and blue, and the mean radiance in bands of wavelengths; needs light by wavelengths.
+        "spectral" => Spectral(SpectralChannels),
+    }
+}
+
+describe! {
+    /// Bands of wavelengths of equal width.
+    pub struct SpectralChannels [check::spectral_channels] {
+        /// How many.
+        bands: u32 [Limit::within(2.0, 470.0)] = 16,
+        /// Where the first begins, in nm.
+        from: f64 [Limit::within(360.0, 830.0)] = 380.0,
+        /// Where the last ends, in nm.
+        to: f64 [Limit::within(360.0, 830.0)] = 780.0,
+    }
+}
+
+impl SpectralChannels {
+    /// The bands, where they make sense.
+    pub fn bands(&self) -> Option<Bands> {
+        Bands::new(self.from, self.to, self.bands)
+    }
+}
+
+describe! {
     /// How samples are weighed around a pixel.
     pub enum Filter {
         /// Each pixel is the plain mean of the samples inside it.
@@ -49,6 +85,20 @@ describe! {
         "blackman_harris" => BlackmanHarris(BlackmanHarris),
         /// A windowed sinc: the sharpest, and it rings along edges.
         "lanczos" => Lanczos(Lanczos),
+    }
+}
+
+impl Filter {
+    /// Half its width in pixels.
+    pub const fn radius(&self) -> f64 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent(f) => f.radius,
+            Self::Gaussian(f) => f.radius,
+            Self::Mitchell(f) => f.radius,
+            Self::BlackmanHarris(f) => f.radius,
+            Self::Lanczos(f) => f.radius,
+        }
     }
 }
 
@@ -103,7 +153,7 @@ describe! {
     pub struct Sampler {
         /// Which pattern.
         kind: SamplerKind = SamplerKind::Sobol,
-        /// Samples per pixel; with `noise`, the most that a pixel gets.
+        /// Samples per pixel; with `noise`, the most that a pixel gets, unless the command line asks for `--noise` without `--spp`.
         spp: u32 [Limit::within(1.0, 262_144.0)] = 64,
         /// Another seed gives other noise.
         seed: u64 = 0,

@@ -6,6 +6,7 @@
 use std::io::{self, Write};
 
 use super::{Picture, Window};
+use straal_color::RgbSpace;
 
 /// Scan lines that are compressed together (the format's ZIP_COMPRESSION).
 const LINES_PER_CHUNK: usize = 16;
@@ -104,6 +105,12 @@ fn header(picture: &Picture, channels: &[(String, &[f32])]) -> io::Result<Vec<u8
         let numbers = [red, green, blue, space.white].map(|c| [c.x as f32, c.y as f32]);
         let bytes: Vec<u8> = numbers.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
         put(&mut header, "chromaticities", "chromaticities", &bytes)?;
+        if space == RgbSpace::XYZ {
+            let neutral = space.neutral();
+            let bytes: Vec<u8> =
+                [neutral.x, neutral.y].iter().flat_map(|v| (*v as f32).to_le_bytes()).collect();
+            put(&mut header, "adoptedNeutral", "v2f", &bytes)?;
+        }
     }
     for (i, (name, value)) in picture.metadata.iter().enumerate() {
         if STANDARD.contains(&name.as_str()) || picture.metadata[..i].iter().any(|(other, _)| other == name) {
@@ -116,7 +123,8 @@ fn header(picture: &Picture, channels: &[(String, &[f32])]) -> io::Result<Vec<u8
 }
 
 /// Attributes that the format gives a meaning of its own and another type than text.
-const STANDARD: [&str; 12] = [
+const STANDARD: [&str; 13] = [
+    "adoptedNeutral",
     "channels",
     "compression",
     "dataWindow",

@@ -1,0 +1,150 @@
+//! Surroundings on the faces of a cube, brought to latitude and longitude.
+//!
+//! So there is one way to look surroundings up and to sample them. The picture is as fine as the faces are in their middles, and each
+//! pixel is the mean of several directions, so that what is small and bright is not lost.
+
+use crate::camera::{CubeLayout, face_axes};
+use straal_math::{DVec3, ops};
+use straal_scene::Image;
+
+/// Directions for each pixel, across and down.
+const DIRECTIONS: usize = 3;
+
+/// The faces of a cube within a picture.
+struct Faces<'a> {
+    image: &'a Image,
+    /// Side of a face in pixels.
+    side: usize,
+    /// First column and row of right, left, up, down, back and front.
+    corners: [[usize; 2]; 6],
+    /// Right, up and forward of each.
+    axes: [[DVec3; 3]; 6],
+}
+
+/// The picture that a scene's surroundings have in latitude and longitude (the middle column along -z, +x to the right of it, the poles
+/// in the middle of the first and last row), from the faces that a [`crate::camera::CubeMap`] which looks along -z makes. `Err` says
+/// what is wrong with the size.
+pub fn latitude_longitude(image: &Image, layout: CubeLayout) -> Result<Image, String> {
+    let [across, down] = layout.faces().map(|n| n as usize);
+    let side = (image.width / across).min(image.height / down);
+    // Where there is room for another face, the picture is of another layout.
+    if side == 0 || image.width / side > across || image.height / side > down {
+        return Err(format!(
+            "a picture of {} x {} pixels is not made of {across} by {down} squares, as a cube map of this layout is",
+            image.width, image.height
+        ));
+    }
+    let mut corners = [[0; 2]; 6];
+    for row in 0..down {
+        for column in 0..across {
+            if let Some(face) = layout.face(column as u32, row as u32) {
+                corners[face] = [column * side, row * side];
+            }
+        }
+    }
+    let faces = Faces { image, side, corners, axes: face_axes(DVec3::X, DVec3::Y, -DVec3::Z) };
+    let (width, height) = (4 * side, 2 * side + 1);
+    let part = |k: usize| (k as f64 + 0.5) / DIRECTIONS as f64 - 0.5;
+    let longitudes: Vec<(f64, f64)> = (0..width * DIRECTIONS)
+        .map(|i| {
+            let place = (i / DIRECTIONS) as f64 + 0.5 + part(i % DIRECTIONS);
+            ops::sin_cos_degrees(360.0 * (place / width as f64 - 0.5))
+        })
+        .collect();
+    let mut pixels = Vec::with_capacity(width * height);
+    for j in 0..height {
+        let latitudes: [(f64, f64); DIRECTIONS] =
+            std::array::from_fn(|k| ops::sin_cos_degrees(180.0 * (j as f64 + part(k)) / (height - 1) as f64));
+        for i in 0..width {
+            let mut sum = [0.0_f64; 3];
+            for (sin, cos) in latitudes {
+                for (s, c) in &longitudes[i * DIRECTIONS..][..DIRECTIONS] {
+                    let light = faces.towards(DVec3::new(sin * s, cos, -sin * c));
+                    for k in 0..3 {
+                        sum[k] += light[k];
+                    }
+                }
+            }
+            pixels.push(sum.map(|v| (v / (DIRECTIONS * DIRECTIONS) as f64) as f32));
+        }
+    }
+    Ok(Image { width, height, pixels })
+}
+
+impl Faces<'_> {
+    /// What is seen in a direction, between four pixels of one face.
+    fn towards(&self, d: DVec3) -> [f64; 3] {
+        let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
+        let face = if x >= y && x >= z {
+            usize::from(d.x < 0.0)
+        } else if y >= z {
+            2 + usize::from(d.y < 0.0)
+        } else {
+            4 + usize::from(d.z < 0.0)
+        };
+        let [right, up, forward] = self.axes[face];
+        let depth = d.dot(forward);
+        // In pixels from the middle of the face's first one.
+        let place = |along: f64| {
+            let at = 0.5 * (along / depth + 1.0) * self.side as f64 - 0.5;
+            let last = (self.side - 1) as f64;
+            let at = if at > 0.0 { if at < last { at } else { last } } else { 0.0 };
+            let first = (at as usize).min(self.side.saturating_sub(2));
+            (first, (first + 1).min(self.side - 1), at - first as f64)
+        };
+        let ((left, next, across), (top, below, down)) = (place(d.dot(right)), place(-d.dot(up)));
+        let [x0, y0] = self.corners[face];
+        let pixel =
+            |x: usize, y: usize| self.image.pixels[(y0 + y) * self.image.width + x0 + x].map(f64::from);
+        let row = |y: usize| {
+            let (a, b) = (pixel(left, y), pixel(next, y));
+            [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * across)
+        };
+        let (a, b) = (row(top), row(below));
+        [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * down)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Faces of one colour each.
+    fn faces(layout: CubeLayout, side: usize) -> Image {
+        let [across, down] = layout.faces().map(|n| n as usize);
+        let (width, height) = (across * side, down * side);
+        let colour = |i: usize| {
+            let (column, row) = (i % width / side, i / width / side);
+            layout.face(column as u32, row as u32).map_or([99.0; 3], |face| [face as f32; 3])
+        };
+        Image { width, height, pixels: (0..width * height).map(colour).collect() }
+    }
+
+    #[test]
+    fn faces_are_where_the_camera_puts_them() {
+        for layout in [CubeLayout::Cross, CubeLayout::Row] {
+            let picture = latitude_longitude(&faces(layout, 8), layout).expect("a picture");
+            assert_eq!((picture.width, picture.height), (32, 17));
+            let at = |x: usize, y: usize| picture.pixels[y * 32 + x][0];
+            // Up and down; then front, right, back and left around the equator.
+            assert_eq!((at(3, 0), at(20, 16)), (2.0, 3.0));
+            assert_eq!((at(16, 8), at(24, 8), at(0, 8), at(8, 8)), (5.0, 0.0, 4.0, 1.0));
+            assert!(picture.pixels.iter().all(|p| p[0] <= 5.0), "a pixel of no face was taken");
+        }
+    }
+
+    #[test]
+    fn pictures_of_other_forms_are_refused() {
+        let image =
+            |width: usize, height: usize| Image { width, height, pixels: vec![[1.0; 3]; width * height] };
+        for (width, height) in [(1024, 512), (3, 3), (0, 0), (64, 300)] {
+            let error = latitude_longitude(&image(width, height), CubeLayout::Cross).expect_err("an error");
+            assert!(error.contains(&format!("{width} x {height}")), "{error}");
+        }
+        // The camera leaves what is over; a face of one pixel is one.
+        for (width, height) in [(43, 31), (4, 3)] {
+            let even = latitude_longitude(&image(width, height), CubeLayout::Cross).expect("a picture");
+            assert!(even.pixels.iter().all(|p| *p == [1.0; 3]));
+        }
+    }
+}
