@@ -68,10 +68,15 @@ impl Polygon {
     }
 }
 
+/// How far along each axis a hit of the triangle may be found beside it, apart from what grows with t.
+pub(crate) fn pad(v: &[Vec3; 3]) -> f64 {
+    PAD * longest(&v.map(|p| p.to_array().map(f64::from)))
+}
+
 /// The box of a triangle's part in a cell, inside of that cell; `None` when there is no such part.
 pub(crate) fn part(v: &[Vec3; 3], cell: &Bounds) -> Option<Bounds> {
     let mut polygon = Polygon::of(v.map(|p| p.to_array().map(f64::from)));
-    let pad = PAD * longest(polygon.corners());
+    let pad = pad(v);
     for axis in 0..3 {
         polygon = polygon.cut(axis, f64::from(cell.max[axis]) + pad, 1.0);
         polygon = polygon.cut(axis, f64::from(cell.min[axis]) - pad, -1.0);

@@ -266,7 +266,7 @@ impl Scene {
                 Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Kd(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Octree(s) => s.validate(&g.prim_bounds(self)),
-                Searcher::Bsp(s) => s.validate(&g.prim_bounds(self)),
+                Searcher::Bsp(s) => s.validate(&g.prim_bounds(self), |id| self.vertices(g, id)),
                 Searcher::Volumes(s) => s.validate(&g.prim_bounds(self), &Meshes { scene: self, group: g }),
             };
             sound.map_err(|e| format!("group {i}: {e}"))?;

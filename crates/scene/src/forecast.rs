@@ -1,5 +1,7 @@
 //! How much memory a scene will need, before anything is rendered.
 
+mod search;
+
 use crate::Assets;
 use crate::desc::{Bezier, BezierPatches, Channels, MeshSource, Node, Scene, TriangleMesh};
 
@@ -15,7 +17,7 @@ pub struct Forecast {
     pub visible: u64,
     /// Bytes of meshes.
     pub mesh_bytes: u64,
-    /// Bytes of the search structure.
+    /// Bytes of the search structures.
     pub search_bytes: u64,
     /// Bytes of pictures.
     pub image_bytes: u64,
@@ -28,9 +30,6 @@ const VERTEX: u64 = 2 * (12 + 12 + 8);
 
 /// Three indices, twice as well.
 const TRIANGLE: u64 = 2 * 12;
-
-/// Leaves of eight triangles take 320 bytes and are about two thirds full; nodes of 256 bytes stand above six or so.
-const SEARCH: u64 = 70;
 
 /// An RGB pixel of three `f32` (12), the renderer's four lanes (16), and its place in the sampling table (8).
 const PIXEL: u64 = 12 + 16 + 8;
@@ -60,9 +59,10 @@ pub fn forecast(scene: &Scene, assets: &Assets) -> Forecast {
         f.vertices += asset.mesh.positions.len() as u64;
         f.triangles += asset.mesh.triangles.len() as u64;
     }
-    let mut shapes = 0;
+    let (mut shapes, mut instances) = (0, 0);
     scene.visit(|node| match node {
-        Node::Group(_) | Node::Instance(_) => {}
+        Node::Group(_) => {}
+        Node::Instance(_) => instances += 1,
         Node::Mesh(m) if m.source() == MeshSource::Inline => {
             f.vertices += m.positions.len() as u64;
             f.triangles += m.triangles.len() as u64;
@@ -76,7 +76,7 @@ pub fn forecast(scene: &Scene, assets: &Assets) -> Forecast {
         _ => shapes += 1,
     });
     f.mesh_bytes = f.vertices * VERTEX + f.triangles * TRIANGLE;
-    f.search_bytes = (f.triangles + shapes) * SEARCH;
+    f.search_bytes = search::bytes(&scene.accel.structure, f.triangles + shapes, instances);
     let pixels = |i: &crate::Image| (i.width as u64).saturating_mul(i.height as u64);
     f.image_bytes = assets.images.values().map(|i| pixels(i).saturating_mul(PIXEL)).sum();
     let bands = match &scene.film.channels {

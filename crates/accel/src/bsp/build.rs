@@ -1,7 +1,7 @@
 //! Which planes cut a BSP tree.
 
 use super::{
-    BspParams, BspTree, Node, corners,
+    BspParams, BspTree, Node,
     plane::{Plane, Side},
 };
 use crate::{
@@ -30,6 +30,14 @@ struct Builder<'a> {
     max_depth: u32,
     nodes: Vec<Node>,
     references: Vec<Packed>,
+}
+
+/// On which side of a plane a primitive is looked for.
+pub(super) fn side(plane: &Plane, prim: &Prim, vertices: &Vertices<'_>) -> Side {
+    match prim.kind {
+        PrimKind::Triangle(id) => plane.side_of_triangle(&vertices(id)),
+        PrimKind::Object(_) => plane.side_of_box(&prim.bounds),
+    }
 }
 
 /// A plane with the primitives on both sides of it.
@@ -79,12 +87,12 @@ impl Builder<'_> {
         (halves < n(cell.len())).then_some(cut)
     }
 
-    /// The planes of some triangles, and the one through the median across the longest axis.
+    /// The planes just before some triangles, and the one through the median across the longest axis.
     fn candidates(&self, cell: &[u32]) -> Vec<Plane> {
         let wanted = (self.params.candidates as usize).min(cell.len());
         let mut out: Vec<Plane> = (0..wanted)
             .filter_map(|i| match self.prims[cell[i * cell.len() / wanted] as usize].kind {
-                PrimKind::Triangle(id) => Plane::of_triangle(&(self.vertices)(id)),
+                PrimKind::Triangle(id) => Plane::before_triangle(&(self.vertices)(id)),
                 PrimKind::Object(_) => None,
             })
             .collect();
@@ -136,6 +144,6 @@ impl Builder<'_> {
     }
 
     fn side(&self, plane: &Plane, prim: u32) -> Side {
-        plane.side(&corners(&self.prims[prim as usize].bounds))
+        side(plane, &self.prims[prim as usize], self.vertices)
     }
 }

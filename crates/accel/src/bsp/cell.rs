@@ -96,6 +96,12 @@ mod tests {
         assert!((a - b).abs() < 1e-12, "{a} should be {b}");
     }
 
+    /// The plane through three points.
+    fn plane([a, b, c]: &[Vec3; 3]) -> Option<Plane> {
+        let normal = (*b - *a).as_dvec3().cross((*c - *a).as_dvec3()).try_normalize()?;
+        Some(Plane { normal, offset: normal.dot(a.as_dvec3()) })
+    }
+
     #[test]
     fn a_cube_and_its_parts() {
         let cube = Cell::of_box(&Bounds { min: Vec3::ZERO, max: Vec3::ONE });
@@ -104,12 +110,12 @@ mod tests {
         close(upper.area(), 2.0 + 4.0 * 0.75);
         close(lower.area(), 2.0 + 4.0 * 0.25);
         // A corner: three half squares and a triangle of side sqrt 2.
-        let [rest, corner] = cube.cut(&Plane::of_triangle(&[Vec3::X, Vec3::Y, Vec3::Z]).unwrap());
+        let [rest, corner] = cube.cut(&plane(&[Vec3::X, Vec3::Y, Vec3::Z]).unwrap());
         let lid = 3.0_f64.sqrt() / 2.0;
         close(corner.area(), 1.5 + lid);
         close(rest.area(), 4.5 + lid);
         // Through the diagonals of two faces.
-        let diagonal = Plane::of_triangle(&[Vec3::ZERO, Vec3::Z, Vec3::new(1.0, 1.0, 0.0)]).unwrap();
+        let diagonal = plane(&[Vec3::ZERO, Vec3::Z, Vec3::new(1.0, 1.0, 0.0)]).unwrap();
         for half in cube.cut(&diagonal) {
             close(half.area(), 3.0 + 2.0_f64.sqrt());
         }

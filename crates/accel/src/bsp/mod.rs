@@ -22,12 +22,15 @@
 //! when no candidate leaves fewer primitives on both sides, or when C_t + C_i (N_F + N_B) / 2, what it costs if each
 //! side is met by half of the rays, isn't less than C_i N.
 //!
-//! A step takes a scalar product instead of a subtraction, and a node is several times the size of a kd-tree's. Since
-//! primitives are sorted by their boxes, a plane at an angle has many on both sides that it wouldn't cut: this tree
-//! is here to be compared, not to win.
+//! A polygon lies in its own plane, and its neighbours touch it, so that a plane through it would have them all on
+//! both sides. The cut is made a hair before the polygon instead: it and what doesn't rise over it are behind.
+//!
+//! A step takes a scalar product instead of a subtraction, and a node is several times the size of a kd-tree's: this
+//! tree is here to be compared, not to win.
 //!
 //! # Exactness
-//! By `partition.rs` and `plane.rs`: a primitive is on the sides that its padded box touches.
+//! By `partition.rs` and `plane.rs`: a triangle is on the sides that its vertices touch, anything else on those that
+//! its padded box touches.
 
 mod build;
 mod cell;
@@ -47,7 +50,7 @@ use crate::{
 };
 use cell::Cell;
 use plane::{Interval, Line, Plane, Side};
-use straal_math::{Bounds, DVec3, Vec3, ops};
+use straal_math::{Bounds, Vec3, ops};
 
 /// A node. Nodes lie in depth-first order: an inner node's front child comes right after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,8 +84,8 @@ impl BspTree {
         build::build(prims, params, &vertices)
     }
 
-    /// Every primitive in all leaves that its box touches, no deeper than the stack allows.
-    pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
+    /// Every primitive in all leaves that it touches, no deeper than the stack allows.
+    pub fn validate(&self, prims: &[Prim], vertices: impl Fn(u32) -> [Vec3; 3]) -> Result<(), String> {
         let mut census = Census::new(prims);
         let mut stack = vec![(0_u32, prims.to_vec(), 0)];
         while let Some((node, needed, depth)) = stack.pop() {
@@ -93,7 +96,7 @@ impl BspTree {
                 }
                 Node::Inner { plane, back } => {
                     let part = |not: Side| {
-                        needed.iter().filter(|p| plane.side(&corners(&p.bounds)) != not).copied().collect()
+                        needed.iter().filter(|p| build::side(plane, p, &vertices) != not).copied().collect()
                     };
                     stack.push((node + 1, part(Side::Back), depth + 1));
                     stack.push((*back, part(Side::Front), depth + 1));
@@ -149,10 +152,6 @@ impl BspTree {
             }
         }
     }
-}
-
-fn corners(b: &Bounds) -> [DVec3; 8] {
-    b.corners().map(|p| p.as_dvec3())
 }
 
 impl Search for BspTree {

@@ -18,9 +18,13 @@
 //! with the primitive that the search comes to, as in `partition.rs`, no later than t. Both h are convex, so that
 //! they are negative between two points where they are negative: the interval is cut at one end or at none. (Of two
 //! pieces in which h isn't negative the hull is taken.)
+//!
+//! Triangles are told apart by their vertices, not by their boxes. Their moment is the t of the hit, at which the ray is
+//! within `SLACK` |t D| and `clip::pad` of a point of the triangle on each axis (`clip.rs`). So a triangle counts as in
+//! front where f >= `pad` (|n_x| + |n_y| + |n_z|) at its vertices, and what is said above of a box holds for it.
 
-use crate::local::LocalRay;
-use straal_math::{DVec3, Vec3};
+use crate::{clip, local::LocalRay};
+use straal_math::{Bounds, DVec3, Vec3};
 
 /// As in `partition.rs`; it leaves room for the roundings of G and of f's slope.
 const SLACK: f64 = 64.0 * f32::EPSILON as f64;
@@ -71,11 +75,13 @@ pub(super) struct Interval {
 }
 
 impl Plane {
-    /// The plane in which a triangle lies; `None` when that isn't told by its vertices.
-    pub fn of_triangle(v: &[Vec3; 3]) -> Option<Self> {
+    /// The plane in which a triangle lies, moved forward by a hair, so that the triangle itself and neighbours of no
+    /// more than its size that don't rise over it lie behind; `None` when its vertices don't tell a plane.
+    pub fn before_triangle(v: &[Vec3; 3]) -> Option<Self> {
         let [a, b, c] = v.map(|p| p.as_dvec3());
         let normal = (b - a).cross(c - a).try_normalize()?;
-        let offset = normal.dot(a);
+        let hair = Self { normal, offset: 0.0 }.spread(clip::pad(v)) * 2.0;
+        let offset = normal.dot(a) + hair;
         offset.is_finite().then_some(Self { normal, offset })
     }
 
@@ -92,11 +98,22 @@ impl Plane {
         self.normal.dot(p) - self.offset
     }
 
-    /// Where the convex hull of points lies.
-    pub fn side(&self, points: &[DVec3]) -> Side {
+    /// Where a box lies.
+    pub fn side_of_box(&self, b: &Bounds) -> Side {
+        self.side(&b.corners(), 0.0)
+    }
+
+    /// Where a triangle and all its hits lie.
+    pub fn side_of_triangle(&self, v: &[Vec3; 3]) -> Side {
+        self.side(v, self.spread(clip::pad(v)))
+    }
+
+    /// Where the convex hull of points lies, of which a plane within `margin` isn't clear.
+    fn side(&self, points: &[Vec3], margin: f64) -> Side {
         let (mut front, mut back) = (true, true);
-        for &p in points {
-            let (f, error) = (self.distance(p), self.error(p));
+        for p in points {
+            let p = p.as_dvec3();
+            let (f, error) = (self.distance(p), self.error(p) + margin);
             // What is no number is across.
             front &= f >= error;
             back &= f <= -error;
@@ -106,6 +123,12 @@ impl Plane {
             (false, true) => Side::Back,
             (false, false) => Side::Across,
         }
+    }
+
+    /// How far a point's distance can change when it moves by `pad` along each axis.
+    fn spread(&self, pad: f64) -> f64 {
+        let n = self.normal.abs();
+        (n.x + n.y + n.z) * pad
     }
 
     /// More than the error of [`Self::distance`].
@@ -160,8 +183,8 @@ mod tests {
 
     #[test]
     fn a_ray_is_cut_where_it_crosses() {
-        let v = [Vec3::X, Vec3::Y, Vec3::Z];
-        let plane = Plane::of_triangle(&v).unwrap();
+        let third = 1.0 / 3.0_f64.sqrt();
+        let plane = Plane { normal: DVec3::splat(third), offset: third };
         let ray = LocalRay::new(&Ray::new(Vec3::ZERO, Vec3::splat(1.0))).unwrap();
         let [front, back] = plane.parts(&Line::new(&ray), interval(-1.0, 1.0));
         let (front, back) = (front.unwrap(), back.unwrap());
@@ -182,12 +205,31 @@ mod tests {
 
     #[test]
     fn sides() {
-        let plane = Plane::of_triangle(&[Vec3::ZERO, Vec3::X, Vec3::Y]).unwrap();
-        let p = |z: f64| DVec3::new(3.0, 4.0, z);
-        assert_eq!(plane.side(&[p(1.0), p(2.0)]), Side::Front);
-        assert_eq!(plane.side(&[p(-1.0), p(-2.0)]), Side::Back);
-        assert_eq!(plane.side(&[p(-1.0), p(2.0)]), Side::Across);
-        assert_eq!(plane.side(&[p(f64::NAN), p(2.0)]), Side::Across);
-        assert_eq!(Plane::of_triangle(&[Vec3::X; 3]), None);
+        let plane = Plane::across(2, 0.0);
+        let p = |z: f32| Vec3::new(3.0, 4.0, z);
+        let side = |z: &[f32]| plane.side(&z.iter().map(|&z| p(z)).collect::<Vec<_>>(), 0.0);
+        assert_eq!(side(&[1.0, 2.0]), Side::Front);
+        assert_eq!(side(&[-1.0, -2.0]), Side::Back);
+        assert_eq!(side(&[-1.0, 2.0]), Side::Across);
+        assert_eq!(side(&[f32::NAN, 2.0]), Side::Across);
+        assert_eq!(plane.side_of_box(&Bounds { min: p(0.5), max: p(0.75) }), Side::Front);
+    }
+
+    #[test]
+    fn a_polygon_and_what_does_not_rise_over_it_are_behind() {
+        let v = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let plane = Plane::before_triangle(&v).unwrap();
+        let neighbour = |z: f32| plane.side_of_triangle(&[Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, z)]);
+        assert_eq!(plane.side_of_triangle(&v), Side::Back);
+        assert_eq!([-0.1, 0.0, 0.1].map(neighbour), [Side::Back, Side::Back, Side::Across]);
+        assert_eq!(plane.side_of_triangle(&v.map(|p| p + Vec3::Z)), Side::Front);
+        // The box of a slanting triangle reaches through a plane that the triangle doesn't.
+        let slant = [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::new(1.0, 1.0, 1.0)];
+        let beside = slant.map(|p| p + Vec3::new(0.1, -0.1, 0.0));
+        let cut = Plane::before_triangle(&slant).unwrap();
+        let around = beside.iter().fold(Bounds::EMPTY, |b, &p| b.union(Bounds { min: p, max: p }));
+        assert_eq!(cut.side_of_box(&around), Side::Across);
+        assert_eq!(cut.side_of_triangle(&beside), Side::Front);
+        assert_eq!(Plane::before_triangle(&[Vec3::X; 3]), None);
     }
 }

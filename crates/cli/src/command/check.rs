@@ -17,6 +17,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
     let mut warnings = loaded.warnings.clone();
     let needs = forecast(&loaded.scene, &loaded.assets);
+    let structure = straal::search::structure_of(&loaded.scene.accel.structure);
     let (size, spp) = (loaded.scene.film.size, loaded.scene.sampler.spp);
     // What only compiling finds out is found out as well; brute force spares the building of search trees.
     let overrides = Overrides { accel: Some(Structure::Brute), ..Overrides::default() };
@@ -52,7 +53,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
         print(&format!("{report:#}\n"))?;
     } else {
         let frame = format!("{} x {} pixels, {}", size[0], size[1], count(spp.into(), "sample"));
-        let (camera, table) = (tell_camera(&camera), tell(&needs, &frame));
+        let (camera, table) = (tell_camera(&camera), tell(&needs, &frame, structure.name()));
         print(&format!("{}: in order\n{camera}{table}", args.scene.display()))?;
     }
     Ok(Exit::Fine)
@@ -87,7 +88,7 @@ fn short(v: f64) -> String {
 }
 
 /// What a render will take, for people.
-fn tell(needs: &Forecast, frame: &str) -> String {
+fn tell(needs: &Forecast, frame: &str, structure: &str) -> String {
     let geometry = match (needs.triangles, needs.visible) {
         (triangles, visible) if visible > triangles => {
             format!("{}, {visible} shapes in sight", count(triangles, "triangle"))
@@ -97,7 +98,7 @@ fn tell(needs: &Forecast, frame: &str) -> String {
     let rows = [
         ("film", needs.film_bytes, frame),
         ("geometry", needs.mesh_bytes, geometry.as_str()),
-        ("search", needs.search_bytes, ""),
+        ("search", needs.search_bytes, structure),
         ("images", needs.image_bytes, ""),
         ("together", needs.total_bytes(), ""),
     ];
@@ -140,10 +141,10 @@ mod tests {
 memory of a render, about:
   film        29.5 MB  640 x 360 pixels, 16 samples
   geometry    56.0 kB  1000 triangles, 5000 shapes in sight
-  search      70.0 kB
+  search      70.0 kB  kd
   images          0 B
   together    29.6 MB
 ";
-        assert_eq!(tell(&needs, "640 x 360 pixels, 16 samples"), want);
+        assert_eq!(tell(&needs, "640 x 360 pixels, 16 samples", "kd"), want);
     }
 }

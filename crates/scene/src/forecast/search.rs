@@ -1,0 +1,72 @@
+//! How much memory a search structure will take.
+//!
+//! What is known beforehand is how many primitives there are, not where they are. The numbers are those of ordinary
+//! meshes (the bunny, the dragon, the cow Spot, teapots), where they hold within a factor of 1.5. Long thin triangles lie
+//! in more cells than that, and a small dense object in a huge scene in fewer. Whatever the scene, partitions of space
+//! keep to 16 references for each primitive, and grids to `max_cells`.
+
+use crate::desc::{BinaryBvh, Build, KdTree, Structure, UniformGrid, WideBvh};
+
+/// A reference to a primitive.
+const REFERENCE: f64 = 4.0;
+
+/// An instance's transform and its inverse, its box and its place in the lists.
+const INSTANCE: f64 = 200.0;
+
+/// Bytes of a structure over so many triangles and shapes, and instances of objects that have structures of their own.
+pub(super) fn bytes(structure: &Structure, primitives: u64, instances: u64) -> u64 {
+    let n = (primitives + instances) as f64;
+    let each = match structure {
+        // A number, padded to where it says of what.
+        Structure::Brute => 8.0,
+        Structure::Volumes(_) => REFERENCE,
+        Structure::Bvh(p) => wide(p),
+        Structure::Bvh2(p) => binary(p),
+        Structure::Grid(p) => grid(p, n),
+        Structure::Kd(p) => kd(p),
+        // Primitives lie in eight leaves or so, in fewer if those are larger; a node takes 16 bytes.
+        Structure::Octree(p) => 110.0 / (1.0 + 0.06 * above(p.leaf_size, 1)),
+        // Six references, and two nodes of 40 bytes where a kd-tree's take 12.
+        Structure::Bsp(p) => 100.0 / (1.0 + 0.08 * above(p.leaf_size, 4)),
+    };
+    (n * each + instances as f64 * INSTANCE) as u64
+}
+
+/// By how much a leaf's size is above another.
+fn above(leaf_size: u32, than: u32) -> f64 {
+    f64::from(leaf_size.saturating_sub(than))
+}
+
+/// Blocks of eight triangles take 320 bytes, or 32 in a compact tree, and are nearly full; nodes of 256 bytes stand
+/// above eight of them. Where triangles are cut there may be a quarter more.
+fn wide(p: &WideBvh) -> f64 {
+    match (&p.build, p.compact) {
+        (Build::Fast, false) => 60.0,
+        (Build::Fast, true) => 19.0,
+        (Build::Default | Build::Best, false) => 56.0,
+        (Build::Default | Build::Best, true) => 16.0,
+    }
+}
+
+/// Two nodes of 32 bytes for each leaf, which is about half full.
+fn binary(p: &BinaryBvh) -> f64 {
+    let full = f64::from((p.leaf_size / 2).max(1));
+    REFERENCE + 64.0 / full
+}
+
+/// Cells by the textbook's formula. Triangles of a surface lie in a number of them that grows with the factor's square.
+fn grid(p: &UniformGrid, n: f64) -> f64 {
+    let most = f64::from(p.max_cells) / if n > 0.0 { n } else { 1.0 };
+    let cells = p.factor * p.factor * p.factor;
+    // Where there would be too many the factor is halved, which leaves an eighth of the cells.
+    let cells = if cells > most { most / 2.0 } else { cells };
+    let further = 0.3 * p.factor * p.factor;
+    let further = if further > most { most } else { further };
+    4.0 * cells + REFERENCE * (1.8 + further)
+}
+
+/// Six references and four nodes. Clipped boxes spare references, but make more cuts worth while.
+fn kd(p: &KdTree) -> f64 {
+    let each = if p.clip { 95.0 } else { 80.0 };
+    each / (1.0 + 0.08 * above(p.leaf_size, 1))
+}
