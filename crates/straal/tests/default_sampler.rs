@@ -8,8 +8,8 @@ use straal::compare::{Estimate, Tails, compare};
 use straal::{Overrides, PatternKind};
 use straal_formats::{Limits, image};
 
-/// What Mitsuba's multi-jittered sampler leaves at 64 samples, by the table beside the reference pictures. Multi-jittered
-/// points of 8 x 8 strata leave as little here (.00081); Sobol's, which needn't know how many they are, .00087 over 16 seeds.
+/// What Mitsuba's multi-jittered sampler leaves at 64 samples, by the table beside the reference pictures. Sobol's points leave
+/// .00077 here over 8 seeds; multi-jittered ones of 8 x 8 strata, which know how many they are, .00070.
 /// Nearly all of that difference is the direction at the first vertex: multi-jittered points there and Sobol's elsewhere leave as little.
 /// It is in the points themselves: neither an order shuffled without blocks (-3 %), nor better hashes (+0.5 %), nor plain digital
 /// shifts (-1 %), nor four dimensions for place and light (-1 %) or place and direction (+1 %) or light and direction (+4 %) close it.
@@ -35,5 +35,5 @@ fn it_halves_the_error_at_least() {
     };
     let (sobol, random) = (relmse(PatternKind::default()), relmse(PatternKind::Random));
     println!("relMSE at 64 samples: default {sobol:.3e}, random {random:.3e}");
-    assert!(sobol <= 0.5 * random && sobol <= 1.15 * MITSUBA, "default {sobol:.3e}, random {random:.3e}");
+    assert!(sobol <= 0.5 * random && sobol <= MITSUBA, "default {sobol:.3e}, random {random:.3e}");
 }
