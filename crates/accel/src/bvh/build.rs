@@ -13,7 +13,7 @@ use super::{
     span::{Ref, Span},
     spatial_split,
 };
-use crate::structure::Prim;
+use crate::{kernel::pages::want_large, structure::Prim};
 use rayon::prelude::*;
 use straal_math::Vec3;
 
@@ -103,6 +103,8 @@ pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>)
     top.nodes.reserve_exact(parts.iter().map(|(_, p)| p.nodes.len()).sum());
     top.blocks.reserve_exact(parts.iter().map(|(_, p)| p.blocks.len()).sum());
     top.ids.reserve_exact(parts.iter().map(|(_, p)| p.ids.len()).sum());
+    want_large(&mut top.nodes);
+    want_large(&mut top.blocks);
     for (task, (child, mut part)) in tasks.iter().zip(parts) {
         let (nodes, blocks) = (top.nodes.len() as u32, top.leaves() as u32);
         top.nodes[task.node].children[task.slot] = child.moved(nodes, blocks);

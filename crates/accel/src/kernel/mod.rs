@@ -12,6 +12,7 @@ pub(crate) mod descent;
 mod entry;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+pub(crate) mod pages;
 mod scalar;
 #[cfg(target_arch = "x86_64")]
 mod sse;
