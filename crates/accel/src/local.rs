@@ -5,7 +5,7 @@ use straal_math::{Ray, Vec3};
 
 /// A valid ray in a group's space. Computed once a level; scalar code and vector kernels read the same numbers.
 ///
-/// What tests of boxes read is in the first cache line, what tests of triangles read is in the second.
+/// What tests of boxes read comes first, then what tests of triangles read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub(crate) struct LocalRay {

@@ -87,6 +87,7 @@ impl Kernel for Neon {
                 let within = mask(vandq_u32(late, vcleq_f32(t, vdupq_n_f32(limit))));
                 out.doubtful |= doubtful << half;
                 out.hit |= (within & inside & !doubtful) << half;
+                out.boxed |= boxed(r, block, half, t) << half;
                 vst1q_f32(out.t.as_mut_ptr().add(half), t);
                 vst1q_f32(out.det.as_mut_ptr().add(half), det);
                 vst1q_f32(out.e1.as_mut_ptr().add(half), v);
@@ -156,6 +157,40 @@ unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [float32
         let x = vsubq_f32(x, vmulq_f32(vdupq_n_f32(r.shear[0]), z));
         let y = vsubq_f32(y, vmulq_f32(vdupq_n_f32(r.shear[1]), z));
         [x, y, z]
+    }
+}
+
+/// The lanes in which `t` lies in the triangle's own box, see [`Lanes::boxed`]. Rounding doesn't change an order, so that
+/// the first and the last crossing of vertices are those of the box' planes.
+///
+/// # Safety
+/// The processor must have NEON, and `half` be at most 4.
+#[inline(always)]
+unsafe fn boxed(r: &LocalRay, block: &Block, half: usize, t: float32x4_t) -> u32 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (mut enter, mut exit) = (vdupq_n_f32(f32::NEG_INFINITY), vdupq_n_f32(f32::INFINITY));
+        for axis in 0..3 {
+            let a = crossing(r, &block.v[0], axis, half);
+            let b = crossing(r, &block.v[1], axis, half);
+            let c = crossing(r, &block.v[2], axis, half);
+            enter = more(enter, less(less(a, b), c));
+            exit = less(exit, more(more(a, b), c));
+        }
+        mask(vandq_u32(vcleq_f32(enter, t), vcleq_f32(t, exit)))
+    }
+}
+
+/// Where the ray crosses the planes through a vertex of four triangles.
+///
+/// # Safety
+/// The processor must have NEON, and `half` be at most 4.
+#[inline(always)]
+unsafe fn crossing(r: &LocalRay, vertex: &[[f32; 8]; 3], axis: usize, half: usize) -> float32x4_t {
+    // SAFETY: the caller's promise; four numbers are read from within an array of eight.
+    unsafe {
+        let p = vld1q_f32(vertex[axis].as_ptr().add(half));
+        vmulq_n_f32(vsubq_f32(p, vdupq_n_f32(r.ray.o[axis])), r.inv[axis])
     }
 }
 

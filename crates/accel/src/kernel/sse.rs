@@ -110,6 +110,7 @@ impl Kernel for Sse {
                 let within = _mm_movemask_ps(within) as u32;
                 out.doubtful |= doubtful << half;
                 out.hit |= (within & inside & !doubtful) << half;
+                out.boxed |= boxed(r, block, half, t) << half;
                 _mm_storeu_ps(out.t.as_mut_ptr().add(half), t);
                 _mm_storeu_ps(out.det.as_mut_ptr().add(half), det);
                 _mm_storeu_ps(out.e1.as_mut_ptr().add(half), v);
@@ -158,6 +159,40 @@ unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [__m128;
         let x = _mm_sub_ps(x, _mm_mul_ps(_mm_set1_ps(r.shear[0]), z));
         let y = _mm_sub_ps(y, _mm_mul_ps(_mm_set1_ps(r.shear[1]), z));
         [x, y, z]
+    }
+}
+
+/// The lanes in which `t` lies in the triangle's own box, see [`Lanes::boxed`]. Rounding doesn't change an order, so that
+/// the first and the last crossing of vertices are those of the box' planes.
+///
+/// # Safety
+/// The processor must have SSE4.2, and `half` be at most 4.
+#[inline(always)]
+unsafe fn boxed(r: &LocalRay, block: &Block, half: usize, t: __m128) -> u32 {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let (mut enter, mut exit) = (_mm_set1_ps(f32::NEG_INFINITY), _mm_set1_ps(f32::INFINITY));
+        for axis in 0..3 {
+            let a = crossing(r, &block.v[0], axis, half);
+            let b = crossing(r, &block.v[1], axis, half);
+            let c = crossing(r, &block.v[2], axis, half);
+            enter = _mm_max_ps(enter, _mm_min_ps(_mm_min_ps(a, b), c));
+            exit = _mm_min_ps(exit, _mm_max_ps(_mm_max_ps(a, b), c));
+        }
+        _mm_movemask_ps(_mm_and_ps(_mm_cmple_ps(enter, t), _mm_cmple_ps(t, exit))) as u32
+    }
+}
+
+/// Where the ray crosses the planes through a vertex of four triangles.
+///
+/// # Safety
+/// The processor must have SSE4.2, and `half` be at most 4.
+#[inline(always)]
+unsafe fn crossing(r: &LocalRay, vertex: &[[f32; 8]; 3], axis: usize, half: usize) -> __m128 {
+    // SAFETY: the caller's promise; four numbers are read from within an array of eight.
+    unsafe {
+        let p = _mm_loadu_ps(vertex[axis].as_ptr().add(half));
+        _mm_mul_ps(_mm_sub_ps(p, _mm_set1_ps(r.ray.o[axis])), _mm_set1_ps(r.inv[axis]))
     }
 }
 

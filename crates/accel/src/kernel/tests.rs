@@ -155,7 +155,7 @@ fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
 #[cfg(target_arch = "x86_64")]
 fn sse_is_scalar() {
     if let Some(kernel) = sse::Sse::new() {
-        same_as_scalar(kernel);
+        assert!(same_as_scalar(kernel) > 100);
     }
 }
 
@@ -179,6 +179,6 @@ fn avx512_is_scalar() {
 #[cfg(target_arch = "aarch64")]
 fn neon_is_scalar() {
     if let Some(kernel) = neon::Neon::new() {
-        same_as_scalar(kernel);
+        assert!(same_as_scalar(kernel) > 100);
     }
 }
