@@ -22,7 +22,7 @@ usage: cargo xtask CHORE [NAME...]
   gallery      render the scenes of scenes/ (or those named) to book/src/images
   references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
   keys         write the book's list of all keys of the scene language
-  looks        develop one scene by every tone curve for the book, and draw the curves
+  looks        make the book's pictures of tone curves, of blur by depth and of filters
   uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept";
 
 fn main() -> ExitCode {
