@@ -289,36 +289,57 @@ fn steps(scene: &Scene, set: &rays::Set) -> [f64; 2] {
     [nodes, blocks].map(|x| x as f64 / f64::from(n))
 }
 
-/// Bounces on spheres of 20 thousand to 10 million triangles.
+/// Bounces on one sphere in ten thousand to ten million triangles. All sizes take turns, so that a phase in which the
+/// machine is slow can't be taken for what a size costs.
 fn scale(plan: &Plan, embree: Option<&Embree>) {
-    println!("\nscale: bounces on the sphere, and the rate times log2 n");
-    for levels in 5..=9 {
-        scale_of(plan, &scenes::sphere("sphere", levels), embree);
+    println!("\nscale: bounces on the sphere, and the rate times log2 n beside that of the fewest triangles");
+    let sizes: Vec<Size<'_>> = (4..=9).map(|levels| Size::new(plan, levels, embree)).collect();
+    let (mut hits, mut peer_hits) = (Vec::new(), Vec::new());
+    for size in &sizes {
+        hits.push(vec![(0, 0.0); size.rays.len()]);
+        peer_hits.push(vec![(0, 0.0); size.rays.len()]);
     }
-    scale_of(plan, &scenes::sphere("sphere", 9).halved(), embree);
-}
-
-fn scale_of(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
-    let options = Options { isa: plan.isa, ..Options::default() };
-    let scene = Scene::build(input(mesh), &(), &options).expect("a sound mesh");
-    let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, cpu_seconds));
-    let sets = rays::sets(&scene, mesh);
-    let rays = &sets[1].rays;
-    let (mut hits, mut peer_hits) = (vec![(0, 0.0); rays.len()], vec![(0, 0.0); rays.len()]);
-    let mut contestants: Vec<Contestant<'_>> =
-        vec![("straal", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
-    if let Some(peer) = &peer {
-        contestants.push(("embree", Box::new(|| peer.closest(rays, &mut peer_hits))));
+    let mut contestants: Vec<Contestant<'_>> = Vec::new();
+    for ((size, hits), peer_hits) in sizes.iter().zip(&mut hits).zip(&mut peer_hits) {
+        contestants.push(("straal", Box::new(|| trace(&size.scene, false, &size.rays, 1024, hits, &mut []))));
+        if let Some(peer) = &size.peer {
+            contestants.push(("embree", Box::new(|| peer.closest(&size.rays, peer_hits))));
+        }
     }
     let times = duel(plan.rounds, &mut contestants);
-    let n = mesh.indices.len();
-    let [nodes, blocks] = steps(&scene, &sets[1]);
-    print!("  {n:8} triangles");
-    for ((name, _), t) in contestants.iter().zip(times) {
-        let rate = rays.len() as f64 / median(t) * 1e-6;
-        print!("  {name} {rate:6.2} Mrays/s, {:6.1}", rate * (n as f64).log2());
+    let each = contestants.len() / sizes.len();
+    for (i, size) in sizes.iter().enumerate() {
+        print!("  {:8} triangles", size.triangles);
+        for c in 0..each {
+            let (name, t, first) = (contestants[c].0, &times[i * each + c], &times[c]);
+            let log = |size: &Size<'_>| (size.triangles as f64).log2() * size.rays.len() as f64;
+            let ratios = first.iter().zip(t).map(|(a, b)| a / b * log(size) / log(&sizes[0])).collect();
+            let rate = size.rays.len() as f64 / median(t.clone()) * 1e-6;
+            print!("  {name} {rate:6.2} Mrays/s ({:.2} x)", median(ratios));
+        }
+        println!("  {:.1} nodes, {:.1} blocks a ray", size.steps[0], size.steps[1]);
     }
-    println!("  {nodes:.1} nodes, {blocks:.1} blocks a ray");
+}
+
+/// A sphere of one size, and the bounces on it.
+struct Size<'e> {
+    triangles: usize,
+    scene: Scene,
+    peer: Option<embree::Scene<'e>>,
+    rays: Vec<Ray>,
+    steps: [f64; 2],
+}
+
+impl<'e> Size<'e> {
+    fn new(plan: &Plan, levels: u32, embree: Option<&'e Embree>) -> Self {
+        let mesh = scenes::sphere("sphere", levels).halved();
+        let options = Options { isa: plan.isa, ..Options::default() };
+        let scene = Scene::build(input(&mesh), &(), &options).expect("a sound mesh");
+        let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, cpu_seconds));
+        let bounces = rays::sets(&scene, &mesh).swap_remove(1);
+        let steps = steps(&scene, &bounces);
+        Self { triangles: mesh.indices.len(), scene, peer, rays: bounces.rays, steps }
+    }
 }
 
 /// Every structure with its default parameters, one ray at a time.
