@@ -6,7 +6,9 @@
 //! ray is then. Let e be the rounding unit of single precision and L the triangle's longest extent. Moving and
 //! shearing the vertices (`triangle.rs`) puts the ray, along each axis, within a few e (|t d| + L) of a point p of
 //! the triangle, *provided* that t is as well-conditioned as p is: a t from a determinant that is itself a rounding
-//! error can be that of any place along a sliver, or along a triangle seen edge-on.
+//! error can be that of any place along a sliver, or along a triangle seen edge-on. Nor does it hold where products of
+//! lengths underflow: of the BSP tree and of clipped triangles, a scene of size 1e-12 searched along directions of length
+//! 1e3 or more is at the limit.
 //!
 //! The part of the error that grows with |t d| is one of the crossings of planes, and `early` and `late` cover it.
 //! For the other the triangle is clipped to the cell grown by [`PAD`] L, and the box of what remains is grown by as

@@ -23,6 +23,7 @@ mod brute;
 mod bsp;
 mod bvh;
 mod bvh2;
+mod cells;
 mod clip;
 mod grid;
 mod hit;

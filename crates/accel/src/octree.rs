@@ -19,16 +19,14 @@
 //! puts what lies on a middle plane in many leaves.
 //!
 //! # Exactness
-//! By `partition.rs`. A primitive goes to the children that its padded box touches.
+//! By `partition.rs`. A primitive goes to the children that its padded box touches. Rays walk the tree by
+//! `cells.rs`.
 
 use crate::{
-    hit::Hit,
-    input::Shapes,
-    kernel::{Kernel, stack::Stack},
-    mailbox::Mailboxes,
-    partition::{self, Budget, Census, chance, crossing, early, half_area, late},
-    query::Query,
-    structure::{Packed, Place, Prim, Search, Stats},
+    cells::{self, CellOptions, Cells, Interval, Later, Opened, Todo},
+    local::LocalRay,
+    partition::{self, Budget, crossing, early, half_area, late},
+    structure::{Packed, Prim},
 };
 use straal_math::{Bounds, Vec3, ops};
 
@@ -62,9 +60,6 @@ impl Default for OctreeParams {
 /// The most levels below the root.
 const MAX_DEPTH: u32 = 24;
 
-/// What a search's stack must hold: seven more on each level.
-const STACK: usize = 7 * MAX_DEPTH as usize + 1;
-
 #[derive(Clone, Copy, Debug)]
 enum Node {
     /// The middle, and the index of the first of eight children.
@@ -81,14 +76,6 @@ pub(crate) struct Octree {
     nodes: Vec<Node>,
     references: Vec<Packed>,
     params: OctreeParams,
-}
-
-/// A subtree that is still to be visited, and the ray's interval in it.
-#[derive(Clone, Copy)]
-struct Todo {
-    node: u32,
-    enter: f32,
-    exit: f32,
 }
 
 impl Octree {
@@ -155,69 +142,9 @@ impl Octree {
 
     /// Every primitive in all leaves that its box touches.
     pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
-        let mut census = Census::new(prims);
-        let mut stack = vec![(0_u32, prims.to_vec(), 0)];
-        while let Some((node, needed, depth)) = stack.pop() {
-            match self.nodes[node as usize] {
-                Node::Leaf { first, count } => {
-                    let leaf = &self.references[first as usize..][..count as usize];
-                    census.leaf(leaf, &needed, depth)?;
-                }
-                Node::Inner { middle, children } => {
-                    for i in 0..8 {
-                        let part = needed.iter().filter(|p| touches(&p.bounds, middle, i)).copied().collect();
-                        stack.push((children + i as u32, part, depth + 1));
-                    }
-                }
-            }
-        }
-        census.end()
-    }
-
-    /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
-    #[inline(always)]
-    fn walk<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
-    ) {
-        let Some((enter, exit)) = partition::interval(&self.bounds, at.ray) else { return };
-        let negative = usize::from(at.ray.octant);
-        let mut stack = Stack::<Todo, STACK>::new();
-        stack.push(Todo { node: 0, enter, exit });
-        // The least t beyond which nothing matters.
-        let mut limit = exit;
-        while let Some(todo) = stack.pop() {
-            if todo.enter > limit {
-                continue;
-            }
-            q.count_node(0);
-            let (middle, children) = match self.nodes[todo.node as usize] {
-                Node::Leaf { first, count } => {
-                    let references = &self.references[first as usize..][..count as usize];
-                    limit = ops::min(limit, leaf(q, references));
-                    continue;
-                }
-                Node::Inner { middle, children } => (middle, children),
-            };
-            let t = [0, 1, 2].map(|axis| crossing(middle[axis], axis, at.ray));
-            // The farthest first, since the stack gives the last one first.
-            for step in (0..8).rev() {
-                let child = step ^ negative;
-                let mut next = Todo { node: children + child as u32, ..todo };
-                for (axis, &t) in t.iter().enumerate() {
-                    if step >> axis & 1 == 0 {
-                        next.exit = ops::min(next.exit, late(t));
-                    } else {
-                        next.enter = ops::max(next.enter, early(t));
-                    }
-                }
-                if next.enter <= next.exit && next.enter <= limit {
-                    stack.push(next);
-                }
-            }
-        }
+        cells::validate(self, prims, prims.to_vec(), |cut, p| {
+            (0..8).filter(|&i| touches(&p.bounds, cut.middle, i)).map(|i| cut.child(i)).collect::<Vec<_>>()
+        })
     }
 }
 
@@ -260,63 +187,88 @@ fn eighth(cell: &Bounds, middle: Vec3, bits: usize) -> Bounds {
     out
 }
 
-impl Search for Octree {
+/// The middle of a cell, and the first of its eight children.
+#[derive(Clone, Copy)]
+pub(crate) struct Cut {
+    middle: Vec3,
+    children: u32,
+}
+
+impl Cut {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-        best: &mut Hit,
-    ) {
-        let mut tested = Mailboxes::new(self.params.mailboxes);
-        self.walk(q, at, |q, leaf| {
-            tested.closest(q, at, leaf, best);
-            best.t
-        });
+    fn child(&self, i: usize) -> u32 {
+        self.children + i as u32
+    }
+}
+
+impl Cells for Octree {
+    type Cut = Cut;
+    type Line<'a> = &'a LocalRay;
+    type Part = Interval;
+    type Space = Bounds;
+
+    #[inline(always)]
+    fn open(&self, node: u32) -> Opened<'_, Cut> {
+        match self.nodes[node as usize] {
+            Node::Leaf { first, count } => Opened::Leaf(&self.references[first as usize..][..count as usize]),
+            Node::Inner { middle, children } => Opened::Inner(Cut { middle, children }),
+        }
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
-        let mut tested = Mailboxes::new(self.params.mailboxes);
-        let mut found = false;
-        self.walk(q, at, |q, leaf| {
-            found = tested.occluded(q, at, leaf);
-            if found { f32::NEG_INFINITY } else { f32::INFINITY }
-        });
-        found
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
-    fn memory_bytes(&self) -> usize {
+    fn options(&self) -> CellOptions {
+        let p = &self.params;
+        CellOptions { mailboxes: p.mailboxes, step_cost: p.traversal_cost / p.intersection_cost }
+    }
+
+    fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.references.as_slice())
     }
 
-    /// Cells count as far as they lie in the box around the primitives, which rays enter first.
-    fn stats(&self) -> Stats {
-        let mut out = Stats { references: self.references.len(), ..Stats::default() };
-        let whole = half_area(&self.bounds);
-        let step = self.params.traversal_cost / self.params.intersection_cost;
-        let mut stack = vec![(0_u32, cube(&self.bounds), 0)];
-        while let Some((node, cell, depth)) = stack.pop() {
-            out.depth = out.depth.max(depth);
-            let chance = chance(half_area(&cell.intersection(self.bounds)), whole);
-            match self.nodes[node as usize] {
-                Node::Leaf { count, .. } => {
-                    out.leaves += 1;
-                    out.sah_cost += chance * f64::from(count);
-                }
-                Node::Inner { middle, children } => {
-                    out.nodes += 1;
-                    out.sah_cost += chance * step;
-                    for i in 0..8 {
-                        stack.push((children + i as u32, eighth(&cell, middle, i), depth + 1));
-                    }
+    #[inline(always)]
+    fn line(ray: &LocalRay) -> &LocalRay {
+        ray
+    }
+
+    #[inline(always)]
+    fn cross(
+        cut: &Cut,
+        ray: &&LocalRay,
+        part: Interval,
+        later: &mut Later<Interval>,
+    ) -> Option<Todo<Interval>> {
+        let t = [0, 1, 2].map(|axis| crossing(cut.middle[axis], axis, ray));
+        // The farthest first, since the stack gives the last one first.
+        for step in (0..8).rev() {
+            let mut part = part;
+            for (axis, &t) in t.iter().enumerate() {
+                if step >> axis & 1 == 0 {
+                    part.exit = ops::min(part.exit, late(t));
+                } else {
+                    part.enter = ops::max(part.enter, early(t));
                 }
             }
+            if part.enter <= part.exit {
+                later.push(Todo { node: cut.child(step ^ usize::from(ray.octant)), part });
+            }
         }
-        out
+        later.pop()
+    }
+
+    fn root_space(&self) -> Bounds {
+        cube(&self.bounds)
+    }
+
+    /// Cells count as far as they lie in the box around the primitives, which rays enter first.
+    fn area(&self, space: &Bounds) -> f64 {
+        half_area(&space.intersection(self.bounds))
+    }
+
+    fn divide(cut: &Cut, space: &Bounds) -> Vec<(u32, Bounds)> {
+        (0..8).map(|i| (cut.child(i), eighth(space, cut.middle, i))).collect()
     }
 }

@@ -40,6 +40,17 @@ fn teapot_in_a_stadium() -> Input {
     world(vec![sphere(3), room])
 }
 
+/// The padded box of a triangle can reach to infinity; the costs that reports and builders go by can't.
+#[test]
+fn costs_of_huge_triangles_are_numbers() {
+    let mut triangles = vec![[Vec3::splat(-3.4e38), Vec3::splat(3.4e38), Vec3::X]];
+    triangles.extend((0..20).map(|i| [Vec3::X, Vec3::Y, Vec3::Z].map(|p| p + Vec3::splat(i as f32))));
+    for structure in all_structures() {
+        let cost = stats(&world(vec![mesh(&triangles)]), structure).sah_cost;
+        assert!(cost.is_finite() && cost >= 0.0, "{structure:?}: {cost}");
+    }
+}
+
 #[test]
 fn costs_are_as_the_heuristic_says() {
     let mut r = Random(30);

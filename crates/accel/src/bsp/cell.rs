@@ -4,7 +4,7 @@ use super::plane::Plane;
 use straal_math::{Bounds, DVec3};
 
 /// A convex polyhedron. Each face is a set of edges, in no order, since the area of a convex polygon needs none.
-pub(super) struct Cell {
+pub(crate) struct Cell {
     faces: Vec<Vec<[DVec3; 2]>>,
 }
 

@@ -30,7 +30,7 @@
 //!
 //! # Exactness
 //! By `partition.rs` and `plane.rs`: a triangle is on the sides that its vertices touch, anything else on those that
-//! its padded box touches.
+//! its padded box touches. Rays walk the tree by `cells.rs`.
 
 mod build;
 mod cell;
@@ -40,17 +40,14 @@ mod plane;
 pub use params::BspParams;
 
 use crate::{
-    hit::Hit,
-    input::Shapes,
-    kernel::{Kernel, stack::Stack},
-    mailbox::Mailboxes,
-    partition::{self, Census, MAX_DEPTH, chance},
-    query::Query,
-    structure::{Packed, Place, Prim, Search, Stats},
+    cells::{self, CellOptions, Cells, Later, Opened, Todo},
+    local::LocalRay,
+    partition,
+    structure::{Packed, Prim},
 };
 use cell::Cell;
 use plane::{Interval, Line, Plane, Side};
-use straal_math::{Bounds, Vec3, ops};
+use straal_math::{Bounds, Vec3};
 
 /// A node. Nodes lie in depth-first order: an inner node's front child comes right after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,13 +68,6 @@ pub(crate) struct BspTree {
     params: BspParams,
 }
 
-/// A subtree that is still to be visited, and the ray's interval in it.
-#[derive(Clone, Copy)]
-struct Todo {
-    node: u32,
-    interval: Interval,
-}
-
 impl BspTree {
     /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.
     pub fn build(prims: &[Prim], params: &BspParams, vertices: impl Fn(u32) -> [Vec3; 3]) -> Self {
@@ -86,132 +76,83 @@ impl BspTree {
 
     /// Every primitive in all leaves that it touches, no deeper than the stack allows.
     pub fn validate(&self, prims: &[Prim], vertices: impl Fn(u32) -> [Vec3; 3]) -> Result<(), String> {
-        let mut census = Census::new(prims);
-        let mut stack = vec![(0_u32, prims.to_vec(), 0)];
-        while let Some((node, needed, depth)) = stack.pop() {
-            match &self.nodes[node as usize] {
-                Node::Leaf { first, count } => {
-                    let leaf = &self.references[*first as usize..][..*count as usize];
-                    census.leaf(leaf, &needed, depth)?;
-                }
-                Node::Inner { plane, back } => {
-                    let part = |not: Side| {
-                        needed.iter().filter(|p| build::side(plane, p, &vertices) != not).copied().collect()
-                    };
-                    stack.push((node + 1, part(Side::Back), depth + 1));
-                    stack.push((*back, part(Side::Front), depth + 1));
-                }
-            }
-        }
-        census.end()
-    }
-
-    /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
-    #[inline(always)]
-    fn walk<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
-    ) {
-        let Some((enter, exit)) = partition::interval(&self.bounds, at.ray) else { return };
-        let line = Line::new(at.ray);
-        let interval = Interval { enter: f64::from(enter), exit: f64::from(exit) };
-        let mut stack = Stack::<Todo, { MAX_DEPTH as usize + 1 }>::new();
-        stack.push(Todo { node: 0, interval });
-        // The least t beyond which nothing matters.
-        let mut limit = exit;
-        while let Some(mut todo) = stack.pop() {
-            loop {
-                if todo.interval.enter > f64::from(limit) {
-                    break;
-                }
-                q.count_node(0);
-                let (plane, back) = match &self.nodes[todo.node as usize] {
-                    Node::Leaf { first, count } => {
-                        let references = &self.references[*first as usize..][..*count as usize];
-                        limit = ops::min(limit, leaf(q, references));
-                        break;
-                    }
-                    Node::Inner { plane, back } => (plane, *back),
-                };
-                let [front, behind] = plane.parts(&line, todo.interval);
-                let front = front.map(|interval| Todo { node: todo.node + 1, interval });
-                let behind = behind.map(|interval| Todo { node: back, interval });
-                todo = match (front, behind) {
-                    (Some(a), Some(b)) => {
-                        // Entered at once, the side that is left first is the nearer one.
-                        let order = |t: &Todo| (t.interval.enter, t.interval.exit);
-                        let (near, far) = if order(&b) < order(&a) { (b, a) } else { (a, b) };
-                        stack.push(far);
-                        near
-                    }
-                    (Some(only), None) | (None, Some(only)) => only,
-                    (None, None) => break,
-                };
-            }
-        }
+        cells::validate(self, prims, prims.to_vec(), |cut, p| {
+            let side = build::side(&cut.plane, p, &vertices);
+            let front = (side != Side::Back).then_some(cut.front);
+            let back = (side != Side::Front).then_some(cut.back);
+            [front, back].into_iter().flatten()
+        })
     }
 }
 
-impl Search for BspTree {
+/// A plane, with the nodes before and behind it.
+#[derive(Clone, Copy)]
+pub(crate) struct Cut {
+    plane: Plane,
+    front: u32,
+    back: u32,
+}
+
+impl Cells for BspTree {
+    type Cut = Cut;
+    type Line<'a> = Line;
+    type Part = Interval;
+    type Space = Cell;
+
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-        best: &mut Hit,
-    ) {
-        let mut tested = Mailboxes::new(self.params.mailboxes);
-        self.walk(q, at, |q, leaf| {
-            tested.closest(q, at, leaf, best);
-            best.t
-        });
+    fn open(&self, node: u32) -> Opened<'_, Cut> {
+        match self.nodes[node as usize] {
+            Node::Leaf { first, count } => Opened::Leaf(&self.references[first as usize..][..count as usize]),
+            Node::Inner { plane, back } => Opened::Inner(Cut { plane, front: node + 1, back }),
+        }
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
-        let mut tested = Mailboxes::new(self.params.mailboxes);
-        let mut found = false;
-        self.walk(q, at, |q, leaf| {
-            found = tested.occluded(q, at, leaf);
-            if found { f32::NEG_INFINITY } else { f32::INFINITY }
-        });
-        found
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
-    fn memory_bytes(&self) -> usize {
+    fn options(&self) -> CellOptions {
+        let p = &self.params;
+        CellOptions { mailboxes: p.mailboxes, step_cost: p.traversal_cost / p.intersection_cost }
+    }
+
+    fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.references.as_slice())
     }
 
-    /// A line meets a convex cell with the probability of its surface, whatever the cell's shape.
-    fn stats(&self) -> Stats {
-        let mut out = Stats { references: self.references.len(), ..Stats::default() };
-        let root = Cell::of_box(&partition::finite(&self.bounds));
-        let whole = root.area();
-        let step = self.params.traversal_cost / self.params.intersection_cost;
-        let mut stack = vec![(0_u32, root, 0)];
-        while let Some((node, cell, depth)) = stack.pop() {
-            out.depth = out.depth.max(depth);
-            let chance = chance(cell.area(), whole);
-            match &self.nodes[node as usize] {
-                Node::Leaf { count, .. } => {
-                    out.leaves += 1;
-                    out.sah_cost += chance * f64::from(*count);
-                }
-                Node::Inner { plane, back } => {
-                    out.nodes += 1;
-                    out.sah_cost += chance * step;
-                    let [front, behind] = cell.cut(plane);
-                    stack.push((node + 1, front, depth + 1));
-                    stack.push((*back, behind, depth + 1));
-                }
+    #[inline(always)]
+    fn line(ray: &LocalRay) -> Line {
+        Line::new(ray)
+    }
+
+    #[inline(always)]
+    fn cross(cut: &Cut, line: &Line, part: Interval, later: &mut Later<Interval>) -> Option<Todo<Interval>> {
+        let [front, back] = cut.plane.parts(line, part);
+        let front = front.map(|part| Todo { node: cut.front, part });
+        let back = back.map(|part| Todo { node: cut.back, part });
+        match (front, back) {
+            (Some(a), Some(b)) => {
+                // Entered at once, the side that is left first is the nearer one.
+                let order = |t: &Todo<Interval>| (t.part.enter, t.part.exit);
+                let (near, far) = if order(&b) < order(&a) { (b, a) } else { (a, b) };
+                later.push(far);
+                Some(near)
             }
+            (only, None) | (None, only) => only,
         }
-        out
+    }
+
+    fn root_space(&self) -> Cell {
+        Cell::of_box(&partition::finite(&self.bounds))
+    }
+
+    fn area(&self, space: &Cell) -> f64 {
+        space.area()
+    }
+
+    fn divide(cut: &Cut, space: &Cell) -> Vec<(u32, Cell)> {
+        let [front, back] = space.cut(&cut.plane);
+        vec![(cut.front, front), (cut.back, back)]
     }
 }

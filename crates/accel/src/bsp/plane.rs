@@ -23,7 +23,7 @@
 //! within `SLACK` |t D| and `clip::pad` of a point of the triangle on each axis (`clip.rs`). So a triangle counts as in
 //! front where f >= `pad` (|n_x| + |n_y| + |n_z|) at its vertices, and what is said above of a box holds for it.
 
-use crate::{clip, local::LocalRay};
+use crate::{cells::Part, clip, local::LocalRay};
 use straal_math::{Bounds, DVec3, Vec3};
 
 /// As in `partition.rs`; it leaves room for the roundings of G and of f's slope.
@@ -37,7 +37,7 @@ const TINY: f64 = f64::from_bits((1023 - 140) << 52);
 
 /// The points x with `normal` x = `offset`; the front is where `normal` points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Plane {
+pub(crate) struct Plane {
     /// About of unit length.
     pub normal: DVec3,
     pub offset: f64,
@@ -45,7 +45,7 @@ pub(super) struct Plane {
 
 /// Where a primitive lies from a plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     Front,
     Back,
     /// On both sides, or nobody knows.
@@ -54,7 +54,7 @@ pub(super) enum Side {
 
 /// A ray in double precision.
 #[derive(Clone, Copy)]
-pub(super) struct Line {
+pub(crate) struct Line {
     o: DVec3,
     d: DVec3,
 }
@@ -69,9 +69,21 @@ impl Line {
 
 /// An interval of ray parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Interval {
+pub(crate) struct Interval {
     pub enter: f64,
     pub exit: f64,
+}
+
+impl Part for Interval {
+    #[inline(always)]
+    fn between(enter: f32, exit: f32) -> Self {
+        Self { enter: f64::from(enter), exit: f64::from(exit) }
+    }
+
+    #[inline(always)]
+    fn is_beyond(&self, t: f32) -> bool {
+        self.enter > f64::from(t)
+    }
 }
 
 impl Plane {

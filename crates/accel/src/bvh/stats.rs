@@ -1,21 +1,20 @@
 //! What a report says of a tree.
 
 use super::{Bvh, Child, ChildKind, WIDTH};
-use crate::structure::Stats;
+use crate::{
+    partition::{self, half_area},
+    structure::Stats,
+};
 use straal_math::Bounds;
 
 impl Bvh {
     pub(super) fn tree_stats(&self) -> Stats {
         let mut out = Stats::default();
         let Some(root) = self.root else { return out };
-        let area = |b: &Bounds| {
-            let e = b.extent().as_dvec3();
-            e.x * e.y + e.y * e.z + e.z * e.x
-        };
         let whole = match root.kind() {
             ChildKind::Node(i) => {
                 let node = &self.nodes[i as usize];
-                area(&(0..WIDTH).fold(Bounds::EMPTY, |b, lane| b.union(node.bounds(lane))))
+                half_area(&(0..WIDTH).fold(Bounds::EMPTY, |b, lane| b.union(node.bounds(lane))))
             }
             _ => 1.0,
         };
@@ -43,7 +42,7 @@ impl Bvh {
                     for lane in 0..WIDTH {
                         let b = node.bounds(lane);
                         if !b.is_empty() {
-                            let chance = if whole > 0.0 { area(&b) / whole } else { 1.0 };
+                            let chance = partition::chance(half_area(&b), whole);
                             stack.push((node.children[lane], chance, depth + 1));
                         }
                     }

@@ -8,8 +8,11 @@
 //! Deviation from the paper: where fewer than one in eight clusters finds a partner, all are joined with the next one
 //! instead. So a step leaves at most 7/8 of the clusters, which bounds time and depth for degenerate scenes.
 
-use super::{Bvh2, MAX_DEPTH, Node, build::center, half_area};
-use crate::structure::{Packed, Prim};
+use super::{Bvh2, MAX_DEPTH, Node, build::center};
+use crate::{
+    partition::half_area,
+    structure::{Packed, Prim},
+};
 use rayon::prelude::*;
 use straal_math::Bounds;
 

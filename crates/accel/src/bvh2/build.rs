@@ -4,8 +4,8 @@
 //! and Havran 2006 do for kd-trees), so that a tree takes O(n log n). Each kind of tree only chooses where to cut: the surface
 //! area heuristic looks at all n - 1 places on each axis.
 
-use super::{Bvh2, Node, Split, half_area};
-use crate::structure::Prim;
+use super::{Bvh2, Node, Split};
+use crate::{partition::half_area, structure::Prim};
 use rayon::prelude::*;
 use straal_math::{Bounds, ops};
 

@@ -18,11 +18,12 @@ use crate::{
     hit::Hit,
     input::Shapes,
     kernel::{Kernel, stack::Stack},
+    partition::{chance, half_area},
     query::Query,
     slab,
     structure::{Packed, Place, Prim, Search, Stats},
 };
-use straal_math::{Bounds, DVec3};
+use straal_math::Bounds;
 
 /// How a binary tree is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,12 +117,6 @@ impl Bvh2Params {
     fn most_in_leaf(&self) -> usize {
         self.leaf_size.max(1) as usize
     }
-}
-
-/// Half the surface of a box; in double precision, where it can't overflow.
-fn half_area(b: &Bounds) -> f64 {
-    let DVec3 { x, y, z } = b.max.as_dvec3() - b.min.as_dvec3();
-    x * y + y * z + z * x
 }
 
 /// A subtree to be searched, and where its box is entered.
@@ -225,7 +220,7 @@ impl Search for Bvh2 {
         let mut stack: Vec<(u32, u32)> = self.nodes.first().map(|_| (0, 0)).into_iter().collect();
         while let Some((i, depth)) = stack.pop() {
             let node = &self.nodes[i as usize];
-            let chance = if whole > 0.0 { half_area(&node.bounds) / whole } else { 1.0 };
+            let chance = chance(half_area(&node.bounds), whole);
             out.depth = out.depth.max(depth);
             if node.count > 0 {
                 out.leaves += 1;

@@ -23,6 +23,7 @@ use crate::{
     input::Shapes,
     kernel::Kernel,
     mailbox::Mailboxes,
+    partition::{chance, finite},
     query::Query,
     structure::{Packed, Place, Search, Stats},
 };
@@ -145,10 +146,11 @@ impl Search for Grid {
         let step = p.traversal_cost / p.intersection_cost;
         // All cells have one shape, so that a line meets each with the same probability.
         let area = |w: [f64; 3]| w[0] * w[1] + w[1] * w[2] + w[2] * w[0];
-        let w = self.bounds().extent().as_dvec3();
+        let bounds = finite(&self.bounds());
+        let w = bounds.max.as_dvec3() - bounds.min.as_dvec3();
         let whole = area([w.x, w.y, w.z]);
         let cell = area([w.x / nx as f64, w.y / ny as f64, w.z / nz as f64]);
-        let chance = if whole > 0.0 { cell / whole } else { 1.0 };
+        let chance = chance(cell, whole);
         let sah_cost = match leaves {
             0 => 0.0,
             _ => chance * (leaves as f64 * step + self.entries.len() as f64),

@@ -32,7 +32,7 @@
 //! (test `hollow_objects_stop_the_greedy_rule`). Structures of boxes have no such trouble.
 //!
 //! # Exactness
-//! By `partition.rs`; with `clip`, by `clip.rs`.
+//! By `partition.rs`; with `clip`, by `clip.rs`. Rays walk the tree by `cells.rs`.
 
 mod build;
 mod params;
@@ -41,13 +41,10 @@ mod sweep;
 pub use params::KdParams;
 
 use crate::{
-    hit::Hit,
-    input::Shapes,
-    kernel::{Kernel, stack::Stack},
-    mailbox::Mailboxes,
-    partition::{self, Census, MAX_DEPTH, chance, crossing, early, half_area, late},
-    query::Query,
-    structure::{Packed, Place, Prim, PrimKind, Search, Stats},
+    cells::{self, CellOptions, Cells, Interval, Later, Opened, Todo},
+    local::LocalRay,
+    partition::{self, crossing, early, half_area, late},
+    structure::{Packed, Prim, PrimKind},
 };
 use straal_math::{Bounds, Vec3, ops};
 
@@ -71,14 +68,6 @@ pub(crate) struct KdTree {
     params: KdParams,
 }
 
-/// A subtree that is still to be visited, and the ray's interval in it.
-#[derive(Clone, Copy)]
-struct Todo {
-    node: u32,
-    enter: f32,
-    exit: f32,
-}
-
 impl KdTree {
     /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.
     pub fn build(prims: &[Prim], params: &KdParams, vertices: impl Fn(u32) -> [Vec3; 3]) -> Self {
@@ -88,139 +77,97 @@ impl KdTree {
     /// Every primitive in all leaves that its box reaches into, no deeper than the stack allows. With `clip`,
     /// triangles in some leaf.
     pub fn validate(&self, prims: &[Prim]) -> Result<(), String> {
-        let mut census = Census::new(prims);
         let is_needed = |p: &&Prim| !self.params.clip || matches!(p.kind, PrimKind::Object(_));
-        let needed: Vec<Prim> = prims.iter().filter(is_needed).copied().collect();
-        let mut stack = vec![(0, needed, 0)];
-        while let Some((node, needed, depth)) = stack.pop() {
-            match self.nodes[node as usize] {
-                Node::Leaf { first, count } => census.leaf(self.leaf(first, count), &needed, depth)?,
-                Node::Inner { axis, plane, upper } => {
-                    let axis = usize::from(axis);
-                    let part = |is_in: &dyn Fn(&Bounds) -> bool| {
-                        needed.iter().filter(|p| is_in(&p.bounds)).copied().collect()
-                    };
-                    stack.push((node + 1, part(&|b| b.min[axis] < plane), depth + 1));
-                    stack.push((upper, part(&|b| b.max[axis] > plane), depth + 1));
-                }
-            }
-        }
-        census.end()
-    }
-
-    fn leaf(&self, first: u32, count: u32) -> &[Packed] {
-        &self.references[first as usize..][..count as usize]
-    }
-
-    /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
-    #[inline(always)]
-    fn walk<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-        mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
-    ) {
-        let Some((enter, exit)) = partition::interval(&self.bounds, at.ray) else { return };
-        let mut stack = Stack::<Todo, { MAX_DEPTH as usize + 1 }>::new();
-        let mut todo = Todo { node: 0, enter, exit };
-        // The least t beyond which nothing matters.
-        let mut limit = exit;
-        loop {
-            q.count_node(0);
-            let next = match self.nodes[todo.node as usize] {
-                Node::Leaf { first, count } => {
-                    limit = ops::min(limit, leaf(q, self.leaf(first, count)));
-                    None
-                }
-                Node::Inner { axis, plane, upper } => {
-                    let axis = usize::from(axis);
-                    let t = crossing(plane, axis, at.ray);
-                    let lower = todo.node + 1;
-                    let (near, far) = if at.ray.neg[axis] == 0 { (lower, upper) } else { (upper, lower) };
-                    let near = Todo { node: near, exit: ops::min(todo.exit, late(t)), ..todo };
-                    let far = Todo { node: far, enter: ops::max(todo.enter, early(t)), ..todo };
-                    match (near.enter <= near.exit, far.enter <= far.exit) {
-                        (true, true) => {
-                            stack.push(far);
-                            Some(near)
-                        }
-                        (true, false) => Some(near),
-                        (false, true) => Some(far),
-                        (false, false) => None,
-                    }
-                }
-            };
-            todo = match next {
-                Some(next) => next,
-                // Nothing is skipped but what is entered strictly beyond the limit.
-                None => loop {
-                    match stack.pop() {
-                        None => return,
-                        Some(todo) if todo.enter <= limit => break todo,
-                        Some(_) => {}
-                    }
-                },
-            };
-        }
+        let needed = prims.iter().filter(is_needed).copied().collect();
+        cells::validate(self, prims, needed, |cut, p| {
+            let below = (p.bounds.min[cut.axis] < cut.plane).then_some(cut.lower);
+            let above = (p.bounds.max[cut.axis] > cut.plane).then_some(cut.upper);
+            [below, above].into_iter().flatten()
+        })
     }
 }
 
-impl Search for KdTree {
+/// A plane at right angles to an axis, with the nodes on its two sides.
+#[derive(Clone, Copy)]
+pub(crate) struct Cut {
+    axis: usize,
+    plane: f32,
+    lower: u32,
+    upper: u32,
+}
+
+impl Cells for KdTree {
+    type Cut = Cut;
+    type Line<'a> = &'a LocalRay;
+    type Part = Interval;
+    type Space = Bounds;
+
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-        best: &mut Hit,
-    ) {
-        let mut tested = Mailboxes::new(self.params.mailboxes);
-        self.walk(q, at, |q, leaf| {
-            tested.closest(q, at, leaf, best);
-            best.t
-        });
+    fn open(&self, node: u32) -> Opened<'_, Cut> {
+        match self.nodes[node as usize] {
+            Node::Leaf { first, count } => Opened::Leaf(&self.references[first as usize..][..count as usize]),
+            Node::Inner { axis, plane, upper } => {
+                Opened::Inner(Cut { axis: usize::from(axis), plane, lower: node + 1, upper })
+            }
+        }
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
-        let mut tested = Mailboxes::new(self.params.mailboxes);
-        let mut found = false;
-        self.walk(q, at, |q, leaf| {
-            found = tested.occluded(q, at, leaf);
-            if found { f32::NEG_INFINITY } else { f32::INFINITY }
-        });
-        found
+    fn bounds(&self) -> &Bounds {
+        &self.bounds
     }
 
-    fn memory_bytes(&self) -> usize {
+    fn options(&self) -> CellOptions {
+        let p = &self.params;
+        CellOptions { mailboxes: p.mailboxes, step_cost: p.traversal_cost / p.intersection_cost }
+    }
+
+    fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.references.as_slice())
     }
 
-    fn stats(&self) -> Stats {
-        let mut out = Stats { references: self.references.len(), ..Stats::default() };
-        let whole = half_area(&self.bounds);
-        let step = self.params.traversal_cost / self.params.intersection_cost;
-        let mut stack = vec![(0_u32, partition::finite(&self.bounds), 0)];
-        while let Some((node, cell, depth)) = stack.pop() {
-            out.depth = out.depth.max(depth);
-            let chance = chance(half_area(&cell), whole);
-            match self.nodes[node as usize] {
-                Node::Leaf { count, .. } => {
-                    out.leaves += 1;
-                    out.sah_cost += chance * f64::from(count);
-                }
-                Node::Inner { axis, plane, upper } => {
-                    out.nodes += 1;
-                    out.sah_cost += chance * step;
-                    let [lower_cell, upper_cell] = sweep::halves(&cell, usize::from(axis), plane);
-                    stack.push((node + 1, lower_cell, depth + 1));
-                    stack.push((upper, upper_cell, depth + 1));
-                }
+    #[inline(always)]
+    fn line(ray: &LocalRay) -> &LocalRay {
+        ray
+    }
+
+    #[inline(always)]
+    fn cross(
+        cut: &Cut,
+        ray: &&LocalRay,
+        part: Interval,
+        later: &mut Later<Interval>,
+    ) -> Option<Todo<Interval>> {
+        let t = crossing(cut.plane, cut.axis, ray);
+        let (near, far) = match ray.neg[cut.axis] {
+            0 => (cut.lower, cut.upper),
+            _ => (cut.upper, cut.lower),
+        };
+        let before = Interval { exit: ops::min(part.exit, late(t)), ..part };
+        let after = Interval { enter: ops::max(part.enter, early(t)), ..part };
+        let near = Todo { node: near, part: before };
+        let far = Todo { node: far, part: after };
+        match (before.enter <= before.exit, after.enter <= after.exit) {
+            (true, true) => {
+                later.push(far);
+                Some(near)
             }
+            (true, false) => Some(near),
+            (false, true) => Some(far),
+            (false, false) => None,
         }
-        out
+    }
+
+    fn root_space(&self) -> Bounds {
+        partition::finite(&self.bounds)
+    }
+
+    fn area(&self, space: &Bounds) -> f64 {
+        half_area(space)
+    }
+
+    fn divide(cut: &Cut, space: &Bounds) -> Vec<(u32, Bounds)> {
+        let [lower, upper] = sweep::halves(space, cut.axis, cut.plane);
+        vec![(cut.lower, lower), (cut.upper, upper)]
     }
 }

@@ -27,6 +27,7 @@ use crate::{
     hit::Hit,
     input::Shapes,
     kernel::Kernel,
+    partition::{self, chance},
     query::Query,
     slab,
     structure::{Packed, Place, Prim, PrimKind, Search, Stats},
@@ -166,7 +167,7 @@ impl Volume {
     fn half_area(&self) -> f64 {
         match self {
             Self::Sphere(sphere) => sphere.half_area(),
-            Self::Box(bounds) => half_area(bounds.max.as_dvec3() - bounds.min.as_dvec3()),
+            Self::Box(bounds) => partition::half_area(bounds),
             Self::Oriented(oriented) => oriented.half_area(),
         }
     }
@@ -230,9 +231,9 @@ impl Search for Volumes {
 
     fn stats(&self) -> Stats {
         let test = self.params.traversal_cost / self.params.intersection_cost;
-        let whole = half_area(self.bounds.max.as_dvec3() - self.bounds.min.as_dvec3());
+        let whole = partition::half_area(&self.bounds);
         let cost = |object: &Guarded| {
-            let part = object.volume.half_area() / whole;
+            let part = chance(object.volume.half_area(), whole);
             // A volume can stick out of the box around everything.
             let chance = if part < 1.0 { part } else { 1.0 };
             test + chance * f64::from(object.count)
