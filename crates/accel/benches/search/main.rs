@@ -116,7 +116,7 @@ fn search(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
     let options = |flight| Options { isa: plan.isa, flight, ..Options::default() };
     let one = Scene::build(input(mesh), &(), &options(Flight::One)).expect("a sound mesh");
     let many = Scene::build(input(mesh), &(), &options(Flight::Many)).expect("a sound mesh");
-    let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, cpu_seconds));
+    let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, thread_seconds));
     for set in rays::sets(&one, mesh).iter().filter(|s| plan.wants(&SETS, s.name)) {
         let rays = set.rays.as_slice();
         let (mut hits, mut blocked) = (vec![(0, 0.0); rays.len()], vec![false; rays.len()]);
@@ -188,10 +188,10 @@ fn duel(rounds: usize, contestants: &mut [Contestant<'_>]) -> Vec<Vec<f64>> {
     let mut times = vec![Vec::new(); contestants.len()];
     for round in 0..=rounds {
         for ((_, run), times) in contestants.iter_mut().zip(&mut times) {
-            let start = cpu_seconds();
+            let start = thread_seconds();
             run();
             if round > 0 {
-                times.push(cpu_seconds() - start);
+                times.push(thread_seconds() - start);
             }
         }
     }
@@ -199,7 +199,7 @@ fn duel(rounds: usize, contestants: &mut [Contestant<'_>]) -> Vec<Vec<f64>> {
 }
 
 fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let pool = one_thread();
     let triangles = mesh.indices.len() as f64;
     let mut rows: Vec<(String, Vec<f64>, f64)> = Vec::new();
     let mut add = |name: String, seconds: f64, bytes: f64| match rows.iter_mut().find(|r| r.0 == name) {
@@ -217,21 +217,33 @@ fn build(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
     for _ in 0..plan.rounds {
         for (i, (name, build, compact)) in ours.into_iter().enumerate() {
             if let (Some(e), Some(&quality)) = (embree, peers.get(i)) {
-                let scene = e.build(&mesh.positions, &mesh.indices, quality, cpu_seconds);
+                let scene = e.build(&mesh.positions, &mesh.indices, quality, thread_seconds);
                 let name = ["embree low", "embree medium", "embree high"][i];
                 add(name.to_owned(), scene.seconds, scene.bytes() as f64);
             }
             let input = input(mesh);
             let structure = Structure::Bvh(BvhParams { build, compact });
             let options = Options { structure, isa: plan.isa, ..Options::default() };
-            let start = cpu_seconds();
-            let scene = pool.install(|| Scene::build(input, &(), &options)).expect("a sound mesh");
-            add(format!("straal {name}"), cpu_seconds() - start, scene.memory_bytes() as f64);
+            let (scene, seconds) = build_alone(&pool, input, &options);
+            add(format!("straal {name}"), seconds, scene.memory_bytes() as f64);
         }
     }
     for (name, seconds, bytes) in rows {
         println!("  build {name:14} {:.3} CPU s, {bytes:.1} bytes a triangle", median(seconds));
     }
+}
+
+fn one_thread() -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread")
+}
+
+/// Builds with a pool of one thread; the scene and CPU seconds.
+fn build_alone(pool: &rayon::ThreadPool, input: Input, options: &Options) -> (Scene, f64) {
+    pool.install(|| {
+        let start = thread_seconds();
+        let scene = Scene::build(input, &(), options).expect("a sound mesh");
+        (scene, thread_seconds() - start)
+    })
 }
 
 /// What each build's tree costs a ray, and how fast it is beside the default.
@@ -289,36 +301,66 @@ fn steps(scene: &Scene, set: &rays::Set) -> [f64; 2] {
     [nodes, blocks].map(|x| x as f64 / f64::from(n))
 }
 
-/// Bounces on spheres of 20 thousand to 10 million triangles.
+/// Bounces on one sphere in ten thousand to ten million triangles, of pictures of two sizes: where rays are few, each meets
+/// triangles of its own, which come from memory; in a picture of some million pixels neighbours share them.
 fn scale(plan: &Plan, embree: Option<&Embree>) {
-    println!("\nscale: bounces on the sphere, and the rate times log2 n");
-    for levels in 5..=9 {
-        scale_of(plan, &scenes::sphere("sphere", levels), embree);
+    for side in [512, 2048] {
+        println!(
+            "\nscale: bounces of {side} x {side} pixels, and the rate times log2 n beside that of the fewest triangles"
+        );
+        scale_of(plan, embree, side);
     }
-    scale_of(plan, &scenes::sphere("sphere", 9).halved(), embree);
 }
 
-fn scale_of(plan: &Plan, mesh: &Mesh, embree: Option<&Embree>) {
-    let options = Options { isa: plan.isa, ..Options::default() };
-    let scene = Scene::build(input(mesh), &(), &options).expect("a sound mesh");
-    let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, cpu_seconds));
-    let sets = rays::sets(&scene, mesh);
-    let rays = &sets[1].rays;
-    let (mut hits, mut peer_hits) = (vec![(0, 0.0); rays.len()], vec![(0, 0.0); rays.len()]);
-    let mut contestants: Vec<Contestant<'_>> =
-        vec![("straal", Box::new(|| trace(&scene, false, rays, 1024, &mut hits, &mut [])))];
-    if let Some(peer) = &peer {
-        contestants.push(("embree", Box::new(|| peer.closest(rays, &mut peer_hits))));
+/// All sizes take turns, so that a phase in which the machine is slow can't be taken for what a size costs.
+fn scale_of(plan: &Plan, embree: Option<&Embree>, side: usize) {
+    let sizes: Vec<Size<'_>> = (4..=9).map(|levels| Size::new(plan, levels, embree, side)).collect();
+    let (mut hits, mut peer_hits) = (Vec::new(), Vec::new());
+    for size in &sizes {
+        hits.push(vec![(0, 0.0); size.rays.len()]);
+        peer_hits.push(vec![(0, 0.0); size.rays.len()]);
+    }
+    let mut contestants: Vec<Contestant<'_>> = Vec::new();
+    for ((size, hits), peer_hits) in sizes.iter().zip(&mut hits).zip(&mut peer_hits) {
+        contestants.push(("straal", Box::new(|| trace(&size.scene, false, &size.rays, 1024, hits, &mut []))));
+        if let Some(peer) = &size.peer {
+            contestants.push(("embree", Box::new(|| peer.closest(&size.rays, peer_hits))));
+        }
     }
     let times = duel(plan.rounds, &mut contestants);
-    let n = mesh.indices.len();
-    let [nodes, blocks] = steps(&scene, &sets[1]);
-    print!("  {n:8} triangles");
-    for ((name, _), t) in contestants.iter().zip(times) {
-        let rate = rays.len() as f64 / median(t) * 1e-6;
-        print!("  {name} {rate:6.2} Mrays/s, {:6.1}", rate * (n as f64).log2());
+    let each = contestants.len() / sizes.len();
+    for (i, size) in sizes.iter().enumerate() {
+        print!("  {:8} triangles", size.triangles);
+        for c in 0..each {
+            let (name, t, first) = (contestants[c].0, &times[i * each + c], &times[c]);
+            let log = |size: &Size<'_>| (size.triangles as f64).log2() * size.rays.len() as f64;
+            let ratios = first.iter().zip(t).map(|(a, b)| a / b * log(size) / log(&sizes[0])).collect();
+            let rate = size.rays.len() as f64 / median(t.clone()) * 1e-6;
+            print!("  {name} {rate:6.2} Mrays/s ({:.2} x)", median(ratios));
+        }
+        println!("  {:.1} nodes, {:.1} blocks a ray", size.steps[0], size.steps[1]);
     }
-    println!("  {nodes:.1} nodes, {blocks:.1} blocks a ray");
+}
+
+/// A sphere of one size, and the bounces on it.
+struct Size<'e> {
+    triangles: usize,
+    scene: Scene,
+    peer: Option<embree::Scene<'e>>,
+    rays: Vec<Ray>,
+    steps: [f64; 2],
+}
+
+impl<'e> Size<'e> {
+    fn new(plan: &Plan, levels: u32, embree: Option<&'e Embree>, side: usize) -> Self {
+        let mesh = scenes::sphere("sphere", levels).halved();
+        let options = Options { isa: plan.isa, ..Options::default() };
+        let scene = Scene::build(input(&mesh), &(), &options).expect("a sound mesh");
+        let peer = embree.map(|e| e.build(&mesh.positions, &mesh.indices, Quality::Medium, thread_seconds));
+        let bounces = rays::Set { name: "bounce", any: false, rays: rays::bounces(&scene, &mesh, side) };
+        let steps = steps(&scene, &bounces);
+        Self { triangles: mesh.indices.len(), scene, peer, rays: bounces.rays, steps }
+    }
 }
 
 /// Every structure with its default parameters, one ray at a time.
@@ -326,11 +368,10 @@ fn classics(plan: &Plan, mesh: &Mesh) {
     println!("\nclassics: {} triangles, bounces one by one", mesh.indices.len());
     let fast = Scene::build(input(mesh), &(), &Options::default()).expect("a sound mesh");
     let sets = rays::sets(&fast, mesh);
+    let pool = one_thread();
     for structure in Structure::ALL {
         let options = Options { structure, isa: plan.isa, flight: Flight::One };
-        let start = cpu_seconds();
-        let scene = Scene::build(input(mesh), &(), &options).expect("a sound mesh");
-        let seconds = cpu_seconds() - start;
+        let (scene, seconds) = build_alone(&pool, input(mesh), &options);
         // Those that test everything would take minutes.
         let tests_all = matches!(structure, Structure::Brute | Structure::Volumes(_));
         let stride = if tests_all { 1024 } else { 4 };
@@ -389,9 +430,10 @@ fn median(mut v: Vec<f64>) -> f64 {
     v[v.len() / 2]
 }
 
-/// CPU time of all threads.
+/// CPU time of this thread, on which all that is timed happens. That of the whole process would count an idle worker of
+/// Embree's as well, which goes on asking for work long after a tree is built.
 #[allow(unsafe_code)]
-fn cpu_seconds() -> f64 {
+fn thread_seconds() -> f64 {
     #[repr(C)]
     struct Timespec {
         seconds: i64,
@@ -400,10 +442,10 @@ fn cpu_seconds() -> f64 {
     unsafe extern "C" {
         fn clock_gettime(clock: i32, time: *mut Timespec) -> i32;
     }
-    /// `CLOCK_PROCESS_CPUTIME_ID` of Linux: what all threads took.
-    const PROCESS: i32 = 2;
+    /// `CLOCK_THREAD_CPUTIME_ID` of Linux.
+    const THREAD: i32 = 3;
     let mut time = Timespec { seconds: 0, nanoseconds: 0 };
     // SAFETY: the C library of every Unix has the function; it writes one `timespec`.
-    unsafe { clock_gettime(PROCESS, &raw mut time) };
+    unsafe { clock_gettime(THREAD, &raw mut time) };
     time.seconds as f64 + time.nanoseconds as f64 * 1e-9
 }

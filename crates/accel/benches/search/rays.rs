@@ -15,15 +15,7 @@ pub struct Set {
 /// Primary rays in tiles of 8 x 8; bounces about the normal by the cosine from where those hit, in that order and
 /// shuffled, and on from where they hit; shadow rays to a square light; segments between random points.
 pub fn sets(scene: &Scene, mesh: &Mesh) -> Vec<Set> {
-    let primary = match mesh.name {
-        // From a corner of the room.
-        "room" => camera(Vec3::new(0.7, 2.2, 0.8), Vec3::new(6.0, 0.8, 6.0)),
-        _ => {
-            let b = scene.bounds();
-            let (center, size) = (b.center(), b.extent().length());
-            camera(center + Vec3::new(0.3, 0.3, 1.0).normalize() * size * 0.9, center)
-        }
-    };
+    let primary = primary(scene, mesh, 512);
     let b = scene.bounds();
     let size = b.extent().length();
     let light = match mesh.name {
@@ -68,9 +60,28 @@ pub fn sets(scene: &Scene, mesh: &Mesh) -> Vec<Set> {
     ]
 }
 
-fn camera(eye: Vec3, at: Vec3) -> Vec<Ray> {
+/// The bounces of a picture of `n` x `n` pixels.
+pub fn bounces(scene: &Scene, mesh: &Mesh, n: usize) -> Vec<Ray> {
+    let mut r = Random(1);
+    let first = leave(scene, mesh, &primary(scene, mesh, n), scene.bounds().extent().length());
+    first.iter().map(|&(o, n)| bounce(&mut r, o, n)).collect()
+}
+
+/// Primary rays of a picture of `n` x `n` pixels.
+fn primary(scene: &Scene, mesh: &Mesh, n: usize) -> Vec<Ray> {
+    match mesh.name {
+        // From a corner of the room.
+        "room" => camera(Vec3::new(0.7, 2.2, 0.8), Vec3::new(6.0, 0.8, 6.0), n),
+        _ => {
+            let b = scene.bounds();
+            let (center, size) = (b.center(), b.extent().length());
+            camera(center + Vec3::new(0.3, 0.3, 1.0).normalize() * size * 0.9, center, n)
+        }
+    }
+}
+
+fn camera(eye: Vec3, at: Vec3, n: usize) -> Vec<Ray> {
     let view = Frame::from_normal((at - eye).normalize());
-    let n = 512;
     let mut out = Vec::new();
     for tile in 0..(n / 8) * (n / 8) {
         for pixel in 0..64 {

@@ -1,19 +1,21 @@
 //! Building the tree from boxes by the surface area heuristic.
 //!
-//! Ranges of primitives are split in two (`object_split.rs`; in the best build also `spatial_split.rs`). A node opens
-//! the child with the largest box until it has eight or only leaves are left. Large ranges are split first; the small
-//! ones that remain are independent tasks, whose results are joined in their order. A fast build looks for the cut along
+//! Ranges of primitives are split in two (`object_split.rs`; where it pays also `spatial_split.rs`), down to blocks: a
+//! binary tree, of which `collapse.rs` chooses what becomes a node. Large ranges are split first; the small ones that
+//! remain are independent tasks, whose results are joined in their order. A fast build looks for the cut along
 //! the longest axis alone; the best one cuts triangles where that pays. All limits depend on the input alone, so that any
 //! number of threads builds the same tree.
 
 use super::{
-    Block, Bvh, Child, Node, WIDTH, object_split,
+    Block, Bvh, Child, WIDTH,
+    collapse::{Costs, Twig, What, choose},
+    object_split,
     params::{Build, BvhParams},
-    slots,
     span::{Ref, Span},
     spatial_split,
+    wide::{Binary, join},
 };
-use crate::{kernel::pages::want_large, structure::Prim};
+use crate::structure::Prim;
 use rayon::prelude::*;
 use straal_math::Vec3;
 
@@ -39,28 +41,6 @@ pub(super) struct Plan<'a> {
     pub least_overlap: f32,
 }
 
-/// What a task produces; references are within it.
-#[derive(Default)]
-struct Part {
-    nodes: Vec<Node>,
-    blocks: Vec<Block>,
-    /// In place of blocks, in a compact tree.
-    ids: Vec<[u32; WIDTH]>,
-}
-
-impl Part {
-    fn leaves(&self) -> usize {
-        self.blocks.len() + self.ids.len()
-    }
-}
-
-/// A subtree that is still to be built, and where it hangs.
-struct Task {
-    node: usize,
-    slot: usize,
-    span: Span,
-}
-
 pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>) -> Bvh {
     let mut refs: Vec<Ref> = prims.iter().map(Ref::of).collect();
     if refs.is_empty() {
@@ -76,143 +56,62 @@ pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>)
     }
     let least_overlap = spatial_split::OVERLAP * root.bounds.half_area();
     let plan = Plan { vertices, build: params.build, compact: params.compact, least_overlap };
-    let mut top = Part::default();
-    if root.len() <= TASK {
-        let child = subtree(&mut refs, &root, &plan, &mut top);
-        return finish(child, top);
-    }
-    let mut tasks = Vec::new();
-    let task_size = TASK.max(root.len() / 64);
-    let child = upper(&mut refs, &root, task_size, &plan, &mut Upper { part: &mut top, tasks: &mut tasks });
+    let mut upper = Binary::default();
+    upper.grow(&mut refs, &root, TASK.max(root.len() / 64), &plan);
     // Tasks come in the order of their ranges.
     let mut rest = refs.as_mut_slice();
-    let mut jobs = Vec::with_capacity(tasks.len());
-    for task in &tasks {
-        let (mine, others) = rest.split_at_mut(task.span.places().len());
+    let mut jobs = Vec::with_capacity(upper.tasks.len());
+    for task in &upper.tasks {
+        let (mine, others) = rest.split_at_mut(task.places().len());
         rest = others;
-        jobs.push((mine, task.span));
+        jobs.push((mine, Span { start: 0, end: task.len(), ..*task }));
     }
-    let parts: Vec<(Child, Part)> = jobs
+    let (trees, costs): (Vec<Binary>, Vec<Costs>) = jobs
         .into_par_iter()
         .map(|(refs, span)| {
-            let mut part = Part::default();
-            let span = Span { start: 0, end: span.len(), ..span };
-            (subtree(refs, &span, &plan, &mut part), part)
+            let mut tree = Binary::default();
+            tree.grow(refs, &span, 0, &plan);
+            let costs = choose(&mut tree.twigs, &[]);
+            (tree, costs)
         })
-        .collect();
-    top.nodes.reserve_exact(parts.iter().map(|(_, p)| p.nodes.len()).sum());
-    top.blocks.reserve_exact(parts.iter().map(|(_, p)| p.blocks.len()).sum());
-    top.ids.reserve_exact(parts.iter().map(|(_, p)| p.ids.len()).sum());
-    want_large(&mut top.nodes);
-    want_large(&mut top.blocks);
-    for (task, (child, mut part)) in tasks.iter().zip(parts) {
-        let (nodes, blocks) = (top.nodes.len() as u32, top.leaves() as u32);
-        top.nodes[task.node].children[task.slot] = child.moved(nodes, blocks);
-        for node in &mut part.nodes {
-            node.children = node.children.map(|c| c.moved(nodes, blocks));
-        }
-        top.nodes.append(&mut part.nodes);
-        top.blocks.append(&mut part.blocks);
-        top.ids.append(&mut part.ids);
-    }
-    finish(child, top)
+        .unzip();
+    choose(&mut upper.twigs, &costs);
+    join(&upper.twigs, trees)
 }
 
-fn finish(root: Child, mut part: Part) -> Bvh {
-    part.nodes.shrink_to_fit();
-    part.blocks.shrink_to_fit();
-    part.ids.shrink_to_fit();
-    Bvh { root: Some(root), nodes: part.nodes, blocks: part.blocks, ids: part.ids }
-}
-
-/// The upper part of a tree under way, and what hangs below it.
-struct Upper<'a> {
-    part: &'a mut Part,
-    tasks: &'a mut Vec<Task>,
-}
-
-/// Splits ranges longer than a task and leaves the others to be done.
-fn upper(refs: &mut [Ref], span: &Span, task_size: usize, plan: &Plan<'_>, out: &mut Upper<'_>) -> Child {
-    let (spans, count) = open(refs, span, plan);
-    let (node, slots) = push_node(span, &spans[..count], out.part);
-    for (s, slot) in spans[..count].iter().zip(slots) {
-        if s.len() > task_size {
-            let child = upper(refs, s, task_size, plan, out);
-            out.part.nodes[node].children[slot] = child;
+impl Binary {
+    /// Splits a range of references until nothing but leaves is left, or ranges up to `task_size`.
+    fn grow(&mut self, refs: &mut [Ref], span: &Span, task_size: usize, plan: &Plan<'_>) {
+        let at = self.twigs.len();
+        if span.len() <= task_size {
+            self.twigs.push(Twig::new(&span.bounds, What::Task(self.tasks.len() as u32)));
+            self.tasks.push(*span);
+        } else if span.is_leaf() {
+            let leaf = self.leaf(&refs[span.start..span.end], plan);
+            self.twigs.push(Twig::new(&span.bounds, What::Leaf(leaf)));
         } else {
-            out.tasks.push(Task { node, slot, span: *s });
+            let [left, right] = split(&mut refs[span.places()], span, plan);
+            self.twigs.push(Twig::new(&span.bounds, What::Leaf(Child::DONE)));
+            self.grow(refs, &left, task_size, plan);
+            self.twigs[at].what = What::Fork { right: self.twigs.len() as u32, shares: [0; WIDTH] };
+            self.grow(refs, &right, task_size, plan);
         }
     }
-    Child::node(node as u32)
-}
 
-/// Builds a whole range.
-fn subtree(refs: &mut [Ref], span: &Span, plan: &Plan<'_>, out: &mut Part) -> Child {
-    if span.is_leaf() {
-        return leaf(&refs[span.start..span.end], plan, out);
-    }
-    let (spans, count) = open(refs, span, plan);
-    let (node, slots) = push_node(span, &spans[..count], out);
-    for (s, slot) in spans[..count].iter().zip(slots) {
-        out.nodes[node].children[slot] = subtree(refs, s, plan, out);
-    }
-    Child::node(node as u32)
-}
-
-/// A node with the boxes of a range's parts; its number, and the slot of each part.
-fn push_node(whole: &Span, spans: &[Span], out: &mut Part) -> (usize, [usize; WIDTH]) {
-    let mut offsets = [[0.0; 3]; WIDTH];
-    for (offset, s) in offsets.iter_mut().zip(spans) {
-        let twice_center = |s: &Span, axis: usize| s.bounds.lo[axis] + s.bounds.hi[axis];
-        *offset = std::array::from_fn(|axis| twice_center(s, axis) - twice_center(whole, axis));
-    }
-    let slots = slots::assign(&offsets[..spans.len()]);
-    let mut node = Node::EMPTY;
-    for (s, slot) in spans.iter().zip(slots) {
-        for axis in 0..3 {
-            node.planes[2 * axis][slot] = s.bounds.lo[axis];
-            node.planes[2 * axis + 1][slot] = s.bounds.hi[axis];
+    fn leaf(&mut self, refs: &[Ref], plan: &Plan<'_>) -> Child {
+        if refs[0].object {
+            return Child::object(refs[0].id);
         }
-    }
-    out.nodes.push(node);
-    (out.nodes.len() - 1, slots)
-}
-
-fn leaf(refs: &[Ref], plan: &Plan<'_>, out: &mut Part) -> Child {
-    if refs[0].object {
-        return Child::object(refs[0].id);
-    }
-    let mut ids = [u32::MAX; WIDTH];
-    for (id, r) in ids.iter_mut().zip(refs) {
-        *id = r.id;
-    }
-    match plan.compact {
-        true => out.ids.push(ids),
-        false => out.blocks.push(Block::of(&ids, plan.vertices)),
-    }
-    Child::block(out.leaves() as u32 - 1)
-}
-
-/// Splits a range in up to eight, in the order of their places.
-fn open(refs: &mut [Ref], span: &Span, plan: &Plan<'_>) -> ([Span; WIDTH], usize) {
-    let mut spans = [*span; WIDTH];
-    let mut count = 1;
-    while count < WIDTH {
-        let mut best: Option<(usize, f32)> = None;
-        for (i, s) in spans[..count].iter().enumerate() {
-            let area = s.bounds.half_area();
-            if !s.is_leaf() && best.is_none_or(|(_, a)| area > a) {
-                best = Some((i, area));
-            }
+        let mut ids = [u32::MAX; WIDTH];
+        for (id, r) in ids.iter_mut().zip(refs) {
+            *id = r.id;
         }
-        let Some((i, _)) = best else { break };
-        let s = spans[i];
-        let [left, right] = split(&mut refs[s.places()], &s, plan);
-        spans.copy_within(i + 1..count, i + 2);
-        (spans[i], spans[i + 1]) = (left, right);
-        count += 1;
+        match plan.compact {
+            true => self.ids.push(ids),
+            false => self.blocks.push(Block::of(&ids, plan.vertices)),
+        }
+        Child::block(self.leaves() as u32 - 1)
     }
-    (spans, count)
 }
 
 /// Splits a range of at least two in two; `refs` are its places.

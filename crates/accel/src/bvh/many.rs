@@ -4,7 +4,8 @@
 //! and for a branch that was guessed wrongly. So many rays are searched side by side. In each turn all of them go one
 //! step, those that do the same one after the other: a node, a block, an object, or nothing more. What is done for one ray
 //! doesn't depend on the ray before, and is computed rather than branched on, so that the processor works on several at a
-//! time. What a ray visits next is prefetched.
+//! time. At the end of a turn, what the rays visit next is prefetched: all at once, since the first line of each may wait for
+//! its page to be found, and several such waits go on side by side.
 //!
 //! Which rays do what is told by sets of bits, made for all at once at the start of a turn. Queues would do less well:
 //! where an entry is put is known late, and the processor, which has seen that what is loaded next may be what was put
@@ -25,9 +26,12 @@ use crate::{
 };
 use straal_math::Ray;
 
-/// Rays in flight: as many as a set has bits. Enough that the first of a loop has its node from memory when the last was
-/// prefetched.
-pub(crate) const FLIGHT: usize = 32;
+/// Rays in flight: enough that the first of a loop has its node from the third-level cache when the last was prefetched.
+pub(super) const FLIGHT: usize = 32;
+
+/// The same from memory, in large trees: as many as a set has bits. In small ones, so many push each other's stacks out of
+/// the first-level cache.
+pub(super) const LARGE_FLIGHT: usize = 64;
 
 /// Size of a ray's stack: nearly all rays do with fewer. All stacks together are to stay in the first-level cache.
 const STACK: usize = 64;
@@ -46,19 +50,19 @@ const _: () = assert!(size_of::<Flight>() == 128);
 
 /// What each ray visits next.
 #[repr(C, align(64))]
-pub(crate) struct Next(pub [Child; FLIGHT]);
+pub(crate) struct Next<const N: usize>(pub [Child; N]);
 
-/// The members of a set of rays, in order.
-struct Members(u32);
+/// The members of a set of up to `N` rays, in order.
+pub(super) struct Members<const N: usize>(pub u64);
 
-impl Iterator for Members {
+impl<const N: usize> Iterator for Members<N> {
     type Item = usize;
 
     #[inline(always)]
     fn next(&mut self) -> Option<usize> {
         let first = self.0.trailing_zeros() as usize;
         self.0 &= self.0.wrapping_sub(1);
-        (first < FLIGHT).then_some(first)
+        (first < N).then_some(first)
     }
 }
 
@@ -71,7 +75,7 @@ struct Waiting<'a> {
 impl Bvh {
     /// Calls `done` with each ray's place and hit; when `ANY`, with any hit of the ray.
     #[inline(always)]
-    pub(super) fn many<K: Kernel, S: Shapes, const ANY: bool, const PREFETCH: bool>(
+    pub(super) fn many<K: Kernel, S: Shapes, const ANY: bool, const N: usize>(
         &self,
         q: &mut Query<'_, K, S, false>,
         group: &GroupData,
@@ -79,25 +83,20 @@ impl Bvh {
         mut done: impl FnMut(usize, Hit),
     ) {
         let idle = Flight { ray: LocalRay::IDLE, near: Near::nothing(0.0), index: u32::MAX };
-        let mut flights = [idle; FLIGHT];
-        let mut next = Next([Child::DONE; FLIGHT]);
+        let mut flights = [idle; N];
+        let mut next = Next([Child::DONE; N]);
         // Hits that aren't triangles of this tree, of those who have one.
-        let mut elsewhere = [Hit::MISS; FLIGHT];
-        let mut stacks = Descent::<STACK>::many::<FLIGHT>();
-        let mut spilled: [Spilled; FLIGHT] = std::array::from_fn(|_| Spilled::new());
-        let mut first = [LaneHit::NONE; FLIGHT];
+        let mut elsewhere = [Hit::MISS; N];
+        let mut stacks = Descent::<STACK>::many::<N>();
+        let mut spilled: [Spilled; N] = std::array::from_fn(|_| Spilled::new());
+        let mut first = [LaneHit::NONE; N];
         let mut room = None;
         let mut waiting = Waiting { rays, next: 0 };
         // Rays that are searched or may be.
-        let mut live = u32::MAX;
-        let prefetch = |kernel: K, child: Child| {
-            if PREFETCH {
-                kernel.prefetch(&self.nodes, &self.blocks, child);
-            }
-        };
+        let mut live = u64::MAX >> (64 - N);
         while live != 0 {
             let classes = q.kernel.classes(&next).map(|set| set & live);
-            for i in Members(classes[class::DONE]) {
+            for i in Members::<N>(classes[class::DONE]) {
                 let (f, stack) = (&mut flights[i], &mut stacks[i]);
                 if f.index != u32::MAX {
                     if !(ANY && f.near.is_found()) && stack.refill(&mut spilled[i]) {
@@ -116,7 +115,7 @@ impl Bvh {
                     None => live &= !(1 << i),
                 }
             }
-            for i in Members(classes[class::NODE]) {
+            for i in Members::<N>(classes[class::NODE]) {
                 let (f, stack) = (&flights[i], &mut stacks[i]);
                 if stack.is_full() {
                     stack.spill(&mut spilled[i]);
@@ -127,23 +126,22 @@ impl Bvh {
                     false => q.kernel.step(&f.ray, node, f.near.limit, stack),
                 };
                 next.0[i] = child;
-                prefetch(q.kernel, child);
             }
             // In steps, none of which waits for the one before: whether a ray crosses any triangle, which most don't; where;
             // and whether that counts. Only where a block has several to choose from are they taken at once.
-            let (mut crossed, mut one, mut several) = (0, 0, 0);
-            for i in Members(classes[class::BLOCK]) {
+            let (mut crossed, mut one, mut several) = (0_u64, 0_u64, 0_u64);
+            for i in Members::<N>(classes[class::BLOCK]) {
                 let block = self.block(q.scene, group, next.0[i].index(), &mut room);
-                crossed |= u32::from(q.kernel.inside(&flights[i].ray, block) != 0) << i;
+                crossed |= u64::from(q.kernel.inside(&flights[i].ray, block) != 0) << i;
             }
-            for i in Members(crossed) {
+            for i in Members::<N>(crossed) {
                 let (f, block) = (&flights[i], self.block(q.scene, group, next.0[i].index(), &mut room));
                 let lanes = q.kernel.block(&f.ray, block, f.near.t);
                 first[i] = lanes.first();
-                one |= lanes.is_one() << i;
-                several |= lanes.is_several() << i;
+                one |= u64::from(lanes.is_one()) << i;
+                several |= u64::from(lanes.is_several()) << i;
             }
-            for i in Members(one) {
+            for i in Members::<N>(one) {
                 let (f, stack) = (&mut flights[i], &mut stacks[i]);
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
                 let block = self.block(q.scene, group, next.0[i].index(), &mut room);
@@ -154,7 +152,7 @@ impl Bvh {
                     }
                 }
             }
-            for i in Members(several) {
+            for i in Members::<N>(several) {
                 let (f, stack) = (&mut flights[i], &mut stacks[i]);
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
                 let block = self.block(q.scene, group, next.0[i].index(), &mut room);
@@ -167,12 +165,11 @@ impl Bvh {
                     stack.keep_within(f.near.key());
                 }
             }
-            for i in Members(classes[class::BLOCK]) {
+            for i in Members::<N>(classes[class::BLOCK]) {
                 let child = stacks[i].pop();
                 next.0[i] = child;
-                prefetch(q.kernel, child);
             }
-            for i in Members(classes[class::OBJECT]) {
+            for i in Members::<N>(classes[class::OBJECT]) {
                 let (f, stack, best) = (&mut flights[i], &mut stacks[i], &mut elsewhere[i]);
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
                 let object = next.0[i].index() as u32;
@@ -189,7 +186,9 @@ impl Bvh {
                 }
                 let child = stack.pop();
                 next.0[i] = child;
-                prefetch(q.kernel, child);
+            }
+            if const { N == LARGE_FLIGHT } {
+                next.0.iter().for_each(|&child| q.kernel.prefetch(&self.nodes, &self.blocks, child));
             }
         }
     }

@@ -3,6 +3,7 @@
 //! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
 mod build;
+mod collapse;
 pub(crate) mod many;
 pub(crate) mod near;
 mod object_split;
@@ -14,6 +15,7 @@ mod spatial_split;
 mod stats;
 mod traverse;
 mod validate;
+mod wide;
 
 use crate::{
     scene::{GroupData, Scene},

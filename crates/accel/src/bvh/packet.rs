@@ -12,7 +12,7 @@
 //! Rays that don't belong together would visit each other's leaves; a packet that does so is given up, which costs the
 //! time that went into it and changes nothing else.
 
-use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, near::Near, traverse::take};
+use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, many::Members, near::Near, traverse::take};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
@@ -116,20 +116,6 @@ struct Packet {
     enter: [Lanes; PACKET / WIDTH],
     /// What is entered beyond this is left out; negative where the search is over.
     limit: [Lanes; PACKET / WIDTH],
-}
-
-/// The rays of a set, in order.
-struct Members(u64);
-
-impl Iterator for Members {
-    type Item = usize;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        let first = self.0.trailing_zeros() as usize;
-        self.0 &= self.0.wrapping_sub(1);
-        (first < PACKET).then_some(first)
-    }
 }
 
 impl Packet {
@@ -341,23 +327,23 @@ impl Bvh {
                 let block = self.block(q.scene, group, b as usize, &mut room);
                 // In steps, as in `many.rs`.
                 let (mut crossed, mut one, mut several) = (0, 0, 0);
-                for i in Members(entering) {
+                for i in Members::<PACKET>(entering) {
                     crossed |= u64::from(q.kernel.inside(&p.rays[i], block) != 0) << i;
                 }
-                for i in Members(crossed) {
+                for i in Members::<PACKET>(crossed) {
                     let lanes = q.kernel.block(&p.rays[i], block, p.near[i].t);
                     p.first[i] = lanes.first();
                     one |= u64::from(lanes.is_one()) << i;
                     several |= u64::from(lanes.is_several()) << i;
                 }
-                for i in Members(one) {
+                for i in Members::<PACKET>(one) {
                     let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
                     if Self::offer(q, &at, (block, &p.first[i]), &mut p.near[i], &p.best[i]) {
                         let limit = if ANY { -1.0 } else { p.near[i].limit };
                         p.set_limit(i, limit);
                     }
                 }
-                for i in Members(several) {
+                for i in Members::<PACKET>(several) {
                     let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
                     if ANY {
                         if Self::block_occluded(q, &at, block) {
@@ -370,7 +356,7 @@ impl Bvh {
                 }
             }
             ChildKind::Object(o) => {
-                for i in Members(entering) {
+                for i in Members::<PACKET>(entering) {
                     let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
                     let (near, best) = (&mut p.near[i], &mut p.best[i]);
                     if ANY {

@@ -2,6 +2,7 @@
 
 use super::{
     Block, Bvh, Child, WIDTH,
+    many::{FLIGHT, LARGE_FLIGHT},
     near::{Candidate, Near},
     packet::PACKET,
 };
@@ -140,8 +141,8 @@ impl Bvh {
     ) {
         match (rays.is_empty(), self.is_large()) {
             (true, _) => {}
-            (_, true) => self.many::<K, S, ANY, true>(q, group, rays, done),
-            (_, false) => self.many::<K, S, ANY, false>(q, group, rays, done),
+            (_, true) => self.many::<K, S, ANY, LARGE_FLIGHT>(q, group, rays, done),
+            (_, false) => self.many::<K, S, ANY, FLIGHT>(q, group, rays, done),
         }
     }
 }

@@ -138,7 +138,7 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn classes(self, next: &Next) -> [u32; 4] {
+    fn classes<const N: usize>(self, next: &Next<N>) -> [u64; 4] {
         // SAFETY: see the head of the file.
         unsafe { classes_avx2(next) }
     }
@@ -266,15 +266,15 @@ pub(super) unsafe fn no_more_avx2(a: &[f32; 8], b: &[f32; 8]) -> u32 {
 /// # Safety
 /// The processor must have AVX2.
 #[inline(always)]
-pub(super) unsafe fn classes_avx2(next: &Next) -> [u32; 4] {
+pub(super) unsafe fn classes_avx2<const N: usize>(next: &Next<N>) -> [u64; 4] {
     let (mut high, mut low) = (0, 0);
     for (i, eight) in next.0.chunks_exact(8).enumerate() {
         // SAFETY: the caller's promise; eight numbers are read from eight.
         unsafe {
             let children = _mm256_loadu_si256(eight.as_ptr().cast());
             let second = _mm256_slli_epi32::<1>(children);
-            high |= (_mm256_movemask_ps(_mm256_castsi256_ps(children)) as u32) << (8 * i);
-            low |= (_mm256_movemask_ps(_mm256_castsi256_ps(second)) as u32) << (8 * i);
+            high |= u64::from(_mm256_movemask_ps(_mm256_castsi256_ps(children)) as u32) << (8 * i);
+            low |= u64::from(_mm256_movemask_ps(_mm256_castsi256_ps(second)) as u32) << (8 * i);
         }
     }
     by_class(high, low)

@@ -135,7 +135,7 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn classes(self, next: &Next) -> [u32; 4] {
+    fn classes<const N: usize>(self, next: &Next<N>) -> [u64; 4] {
         // SAFETY: an `Avx512` is made only where there is AVX2 too.
         unsafe { classes_avx2(next) }
     }

@@ -204,10 +204,10 @@ pub(crate) trait Kernel: Copy {
 
     /// The rays that visit each class of child next.
     #[inline(always)]
-    fn classes(self, next: &Next) -> [u32; 4] {
+    fn classes<const N: usize>(self, next: &Next<N>) -> [u64; 4] {
         let bit = |shift: u32| {
-            let of = |(i, c): (usize, &Child)| (c.class() as u32 >> shift & 1) << i;
-            next.0.iter().enumerate().map(of).sum::<u32>()
+            let of = |(i, c): (usize, &Child)| (c.class() as u64 >> shift & 1) << i;
+            next.0.iter().enumerate().map(of).sum::<u64>()
         };
         by_class(bit(1), bit(0))
     }
@@ -276,7 +276,7 @@ pub(crate) trait Kernel: Copy {
 
 /// Sets of rays by class, from those that have each of its two bits.
 #[inline(always)]
-fn by_class(high: u32, low: u32) -> [u32; 4] {
+fn by_class(high: u64, low: u64) -> [u64; 4] {
     [!high & !low, !high & low, high & !low, high & low]
 }
 
@@ -325,11 +325,12 @@ fn push_by_insertion<const N: usize>(node: &Node, found: &Children, stack: &mut 
     }
 }
 
-/// [`Kernel::prefetch`] of all x86 kernels.
+/// [`Kernel::prefetch`] of all x86 kernels: into the second-level cache, from which the first is filled in time. It keeps
+/// track of more lines that are under way (measured on Zen 4: of a node's lines from memory, 5 ns each in place of 8).
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn prefetch(nodes: &[Node], blocks: &[Block], child: Child) {
-    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
     // Computed, since a branch on the class would be guessed wrongly. For an object or the end, some other place is
     // loaded, which does no harm.
     let leaf = child.leaf();
@@ -338,8 +339,10 @@ fn prefetch(nodes: &[Node], blocks: &[Block], child: Child) {
     let offset = (from_nodes & 0_usize.wrapping_sub(leaf)).wrapping_add(child.index() * size);
     let start = nodes.as_ptr().cast::<i8>().wrapping_add(offset);
     for line in 0..LINES {
+        // A node's last line in place of one more.
+        let offset = if line + 1 < LINES { line * 64 } else { size - 64 };
         // SAFETY: a prefetch changes nothing, whatever the address. SSE is part of x86-64.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line * 64)) };
+        unsafe { _mm_prefetch::<_MM_HINT_T1>(start.wrapping_add(offset)) };
     }
 }
 

@@ -38,13 +38,13 @@ fn above(leaf_size: u32, than: u32) -> f64 {
 }
 
 /// Blocks of eight triangles take 320 bytes, or 32 in a compact tree, and are nearly full; nodes of 256 bytes stand
-/// above eight of them. Where triangles are cut there may be a quarter more.
+/// above seven of them. Where triangles are cut there may be a quarter more.
 fn wide(p: &WideBvh) -> f64 {
     match (&p.build, p.compact) {
-        (Build::Fast, false) => 60.0,
-        (Build::Fast, true) => 19.0,
-        (Build::Default | Build::Best, false) => 56.0,
-        (Build::Default | Build::Best, true) => 16.0,
+        (Build::Fast, false) => 54.0,
+        (Build::Fast, true) => 14.0,
+        (Build::Default | Build::Best, false) => 51.0,
+        (Build::Default | Build::Best, true) => 11.5,
     }
 }
 
