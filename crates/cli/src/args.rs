@@ -513,7 +513,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = METAMER_EXAMPLES, after_long_help = format!("{METAMER_EXAMPLES}\n\n{}", exit::TABLE))]
 pub struct MetamerArgs {
-    /// A spectrum of reflectance: a file, '#rrggbb' or a number
+    /// A spectrum of reflectance: a file, a metal by name, '#rrggbb' or a number
     pub a: String,
 
     /// The spectrum to compare it with

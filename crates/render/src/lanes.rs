@@ -55,7 +55,7 @@ pub trait Lanes: Copy + fmt::Debug + Send + Sync + 'static {
     /// A colour of the scene.
     fn light(self, palette: &Palette, colour: &Colour) -> Light;
 
-    /// Light of linear RGB, lit as D65 is where lanes are wavelengths.
+    /// Light of linear RGB, lit as D65 is where lanes are wavelengths; there channels below 0 are of colours that sRGB doesn't hold.
     fn radiance_of_rgb(self, palette: &Palette, rgb: Light) -> Light;
 
     /// Reflectance of linear RGB.
@@ -214,7 +214,12 @@ impl Lanes for Wavelengths {
     #[inline]
     fn radiance_of_rgb(self, palette: &Palette, rgb: Light) -> Light {
         let Some(table) = palette.uplift else { return Light::default() };
-        let light = table.light(rgb.to_rgb());
+        let rgb = rgb.to_rgb();
+        if rgb.iter().any(|v| *v < 0.0) {
+            let light = table.wide().light(rgb);
+            return self.each(|b| light.at(b) * palette.white[b]);
+        }
+        let light = table.light(rgb);
         self.each(|b| light.at(b) * palette.white[b])
     }
 

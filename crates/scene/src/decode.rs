@@ -163,7 +163,11 @@ impl Decoder {
             return None;
         };
         if !limit.allows(v) {
-            let range = if v.is_finite() { limit.to_string() } else { "finite".to_owned() };
+            let range = match v {
+                _ if !v.is_finite() => "finite".to_owned(),
+                _ if !(v as f32).is_finite() => Limit::FINITE.to_string(),
+                _ => limit.to_string(),
+            };
             let message = format!("`{}` must be {range}, found {}", self.key(), shown(v));
             self.push(Diagnostic::error(tree.span, message));
             return None;

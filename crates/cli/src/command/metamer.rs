@@ -6,7 +6,7 @@ use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
 use std::io::Write;
 use std::path::Path;
-use straal_color::spectrum::{Beyond, Bins, FIRST, illuminant, metamer, uplift::Uplift};
+use straal_color::spectrum::{Beyond, Bins, FIRST, illuminant, metamer, refraction, uplift::Uplift};
 use straal_formats::{atomic, spd};
 use straal_scene::value::Color;
 
@@ -63,6 +63,15 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
         return Ok(Uplift::new().fit(rgb).bins());
     }
     let path = Path::new(typed);
+    if !path.exists() {
+        if let Some([eta, k]) = refraction::metal(typed) {
+            return Ok(refraction::facing(&eta.bins(Beyond::Same), &k.bins(Beyond::Same)));
+        }
+        if illuminant::by_name(typed).is_some() {
+            let help = "--under says under which light a metamer is made";
+            return Err(Failure::input(format!("{typed} is a light, and surfaces are compared")).help(help));
+        }
+    }
     let bytes = read_bytes(path)?;
     let spectrum = spd::read(&bytes).map_err(|e| Failure::input(format!("can't read {typed}: {e}")))?;
     let bins = spectrum.smooth();
@@ -106,5 +115,9 @@ mod tests {
         assert!(told(&[("A", 3.2)]).ends_with("under none of these lights.\n"));
         assert!(told(&[("A", 0.0)]).ends_with("under all of these lights.\n"));
         assert!(surface("1.5").is_err() && surface("#zzz").is_err() && surface("0.4").is_ok());
+        assert!(surface("D65").is_err());
+        // Silver is a good mirror and nearly colourless, gold has lost its blue.
+        let at = |name: &str, nm: usize| surface(name).map_or(0.0, |bins| bins[nm - FIRST]);
+        assert!(at("silver", 450) > 0.9 && at("gold", 450) < 0.5 && at("Gold", 700) > 0.9);
     }
 }

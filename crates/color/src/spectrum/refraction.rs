@@ -1,6 +1,6 @@
 //! Indices of refraction by wavelength: glasses by formula, metals as they were measured.
 
-use super::Spectrum;
+use super::{Bins, Spectrum};
 
 /// The yellow line of helium, in nm, at which an index without further words is told (n_d).
 pub const MIDDLE: f64 = 587.5618;
@@ -67,6 +67,14 @@ pub fn glass(name: &str) -> Option<Index> {
 /// The names of the metals that [`metal`] knows.
 pub fn metal_names() -> impl Iterator<Item = &'static str> {
     names_of(METALS).map(|(name, _)| name)
+}
+
+/// Share of light that a metal reflects when looked at straight, by the parts of its index of refraction (Fresnel).
+pub fn facing(eta: &Bins, k: &Bins) -> Bins {
+    std::array::from_fn(|i| {
+        let (n, k) = (eta[i], k[i] * k[i]);
+        ((n - 1.0) * (n - 1.0) + k) / ((n + 1.0) * (n + 1.0) + k)
+    })
 }
 
 /// The real and the imaginary part of a metal's index of refraction, by its English name.

@@ -6,8 +6,10 @@
 //! sRGB under D65. Greys are constant.
 
 mod table;
+mod wide;
 
 pub use table::{Lifted, UpliftTable};
+pub use wide::{WideLight, WideTable};
 
 use crate::{Adaptation, Matrix3, Space, White, Xyz};
 

@@ -112,7 +112,7 @@ fn environment(l: &desc::Environment, paint: &mut Paint<'_>) -> Result<Emitter, 
         .zip(l.transform.affine())
         .map(|(turn, own)| turn.then(&own))
         .ok_or_else(|| CompileError::at("this transform is singular", l.transform.span))?;
-    let map = ImageEnvironment::new(&paint.image(image), l.scale as f32, &placed);
+    let map = ImageEnvironment::new(&paint.surroundings(file, image), l.scale as f32, &placed);
     let map = map
         .ok_or_else(|| CompileError::at(format!("the picture `{}` has no pixels", file.value), file.span))?;
     Ok(Emitter::Image(Box::new(map)))

@@ -79,12 +79,44 @@ impl<'a> Paint<'a> {
         Ok(Colour { rgb: colour.rgb * by, strength: colour.strength * by, spectrum })
     }
 
-    /// A picture of radiance: in the work space, or in linear sRGB where its pixels become spectra.
-    pub fn image<'i>(&self, image: &'i Image) -> Cow<'i, Image> {
-        let Some(m) = self.to_work.as_ref().filter(|_| self.uplift.is_none()) else {
+    /// A picture of radiance: in the work space, each channel 0 or more; or in linear sRGB, any channels, where its pixels
+    /// become spectra. Colours that are lost are told.
+    pub fn surroundings<'i>(&mut self, file: &value::FileRef, image: &'i Image) -> Cow<'i, Image> {
+        let spectral = self.uplift.is_some();
+        // Where wavelengths end.
+        let to_edge = spectral.then(|| Space::Srgb.to(Space::AcesCg)).or(self.to_work);
+        let held = |p: &[f32; 3]| to_edge.map_or(*p, |m| m.apply_f32(*p));
+        let lost = image.pixels.iter().filter(|p| is_lost(held(p).map(f64::from))).count();
+        if lost > 0 {
+            let (name, all) = (&file.value, image.pixels.len());
+            let what = if spectral {
+                "are more colourful than light can be".to_string()
+            } else {
+                format!("are of colours that the work space `{}` doesn't hold", self.space.name())
+            };
+            let told = format!("{lost} of the {all} pixels of `{name}` {what}: {}", self.clipped());
+            note(&mut self.notes, told);
+        }
+        let is_fit = |p: &[f32; 3]| p.iter().all(|v| *v >= 0.0);
+        if spectral || (self.to_work.is_none() && image.pixels.iter().all(is_fit)) {
             return Cow::Borrowed(image);
-        };
-        Cow::Owned(Image { pixels: image.pixels.iter().map(|p| m.apply_f32(*p)).collect(), ..*image })
+        }
+        let fit = |p: &[f32; 3]| held(p).map(|v| if v > 0.0 { v } else { 0.0 });
+        Cow::Owned(Image { pixels: image.pixels.iter().map(fit).collect(), ..*image })
+    }
+
+    /// What becomes of colours that are lost, and what helps.
+    fn clipped(&self) -> &'static str {
+        match (self.uplift.is_some(), self.space) {
+            (true, _) => "the nearest are taken",
+            (false, Space::Aces) => "what is below 0 is taken as 0",
+            (false, Space::AcesCg) => {
+                "what is below 0 is taken as 0; `color: { space: aces }` holds more, `spectral: true` all"
+            }
+            (false, _) => {
+                "what is below 0 is taken as 0; `color: { space: acescg }` holds more, `spectral: true` all"
+            }
+        }
     }
 
     fn colour(&mut self, s: &desc::Spectrum, of: Use) -> Result<Colour, CompileError> {
@@ -92,7 +124,9 @@ impl<'a> Paint<'a> {
             desc::Spectrum::Rgb(color) => Ok(self.rgb(*color, of)),
             desc::Spectrum::Measured(m) => {
                 let (spectrum, span) = self.spectrum(m)?;
-                self.measured(&spectrum, of).map_err(|message| CompileError::at(message, span))
+                let name = m.file.as_ref().map(|f| &f.value).or(m.name.as_ref().map(|n| &n.value));
+                let what = name.map_or("a spectrum".to_owned(), |name| format!("the spectrum `{name}`"));
+                self.measured(&spectrum, (of, &what)).map_err(|message| CompileError::at(message, span))
             }
         }
     }
@@ -114,10 +148,8 @@ impl<'a> Paint<'a> {
         let known = self.known.get(&key).copied();
         colour.spectrum = known.unwrap_or_else(|| {
             let Lifted { table, nearest } = lift(uplift, color, of);
-            if let Some(nearest) = nearest
-                && self.notes.len() < MOST_NOTES
-            {
-                self.notes.push(beyond(color, nearest, of));
+            if let Some(nearest) = nearest {
+                note(&mut self.notes, beyond(color, nearest, of));
             }
             let id = self.palette.add(table);
             self.known.insert(key, id);
@@ -140,7 +172,8 @@ impl<'a> Paint<'a> {
         Ok((found, span))
     }
 
-    fn measured(&mut self, spectrum: &Spectrum, of: Use) -> Result<Colour, String> {
+    /// The colour of a spectrum of some use, which `what` calls by name.
+    fn measured(&mut self, spectrum: &Spectrum, (of, what): (Use, &str)) -> Result<Colour, String> {
         let beyond = if of == Use::Emission { Beyond::Zero } else { Beyond::Same };
         let bins = spectrum.means(beyond);
         if of == Use::Reflectance
@@ -157,6 +190,13 @@ impl<'a> Paint<'a> {
                 uplift::positive_parts(self.space).each_ref().map(mean)
             }
         };
+        if self.uplift.is_none() && is_lost(rgb) {
+            let (space, rgb) = (self.space.name(), told(rgb));
+            let help = self.clipped();
+            let told =
+                format!("{what} has the colour {rgb}, which the work space `{space}` doesn't hold: {help}");
+            note(&mut self.notes, told);
+        }
         let most = if of == Use::Reflectance { 1.0 } else { f64::MAX };
         let held = |v: f64| if v > 0.0 { if v < most { v } else { most } } else { 0.0 };
         let mut colour = Colour::from(Light::rgb(rgb.map(|v| held(v) as f32)));
@@ -225,7 +265,8 @@ impl<'a> Paint<'a> {
                 CompileError::at(format!("there is no metal named `{}`", name.value), name.span)
             })?;
             let mut colour = |s: &Spectrum| {
-                self.measured(s, Use::Index).map_err(|message| CompileError::at(message, name.span))
+                self.measured(s, (Use::Index, "a metal"))
+                    .map_err(|message| CompileError::at(message, name.span))
             };
             return Ok([colour(&n)?, colour(&k)?]);
         }
@@ -234,6 +275,23 @@ impl<'a> Paint<'a> {
         };
         Ok([self.colour(eta.get(), Use::Index)?, self.colour(k.get(), Use::Index)?])
     }
+}
+
+fn note(notes: &mut Vec<String>, note: String) {
+    if notes.len() < MOST_NOTES {
+        notes.push(note);
+    }
+}
+
+/// Whether a colour has a channel below 0 by more than rounding.
+fn is_lost(rgb: [f64; 3]) -> bool {
+    let most = rgb.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+    most > 0.0 && rgb.iter().any(|v| *v < -1e-3 * most)
+}
+
+/// Three numbers, for people.
+fn told(rgb: [f64; 3]) -> String {
+    format!("[{}]", rgb.map(|v| format!("{v:.3}")).join(", "))
 }
 
 /// The spectrum of an RGB colour.
@@ -245,7 +303,6 @@ struct Lifted {
 
 /// What is said of a colour that nothing has.
 fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Use) -> String {
-    let told = |rgb: [f64; 3]| format!("[{}]", rgb.map(|v| format!("{v:.3}")).join(", "));
     let (what, why) = match of {
         Use::Emission => ("light", "is of a colour that no light has"),
         Use::Reflectance | Use::Index => (

@@ -85,8 +85,9 @@ struct Place {
 }
 
 impl ImageEnvironment {
-    /// A picture times `scale`, turned by the rotation in `to_world` (its scaling and translation don't matter). Pixels
-    /// that are negative or not finite count as 0. `None` when the picture has no pixels, or not as many as it says, or
+    /// A picture times `scale`, turned by the rotation in `to_world` (its scaling and translation don't matter). Channels
+    /// that are not finite count as 0, and so does a pixel without any above 0. Single channels below 0 are of colours that the
+    /// picture's space doesn't hold: for wavelengths only. `None` when the picture has no pixels, or not as many as it says, or
     /// the map is singular.
     pub fn new(image: &Image, scale: f32, to_world: &Affine) -> Option<Self> {
         let (width, mut height) = (image.width, image.height);
@@ -99,8 +100,11 @@ impl ImageEnvironment {
         let z = x.cross(y);
         let axes = [x, y, z].map(DVec3::as_vec3);
 
-        let lit = |v: f32| if v > 0.0 && (v * scale).is_finite() { v * scale } else { 0.0 };
-        let mut pixels: Vec<[f32; 3]> = image.pixels.iter().map(|p| p.map(lit)).collect();
+        let lit = |p: &[f32; 3]| {
+            let p = p.map(|v| if (v * scale).is_finite() { v * scale } else { 0.0 });
+            if p.iter().any(|v| *v > 0.0) { p } else { [0.0; 3] }
+        };
+        let mut pixels: Vec<[f32; 3]> = image.pixels.iter().map(lit).collect();
         if height == 1 {
             pixels.extend_from_within(..);
             height = 2;

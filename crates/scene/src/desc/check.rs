@@ -8,9 +8,9 @@ use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refract
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
     Bezier, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment,
-    EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Index, Lens, LensProfile, Measured,
-    Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight, Triangle,
-    TriangleMesh, Viewpoint,
+    EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Gaussian, Index, Lens, LensProfile,
+    Measured, Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight,
+    Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -171,6 +171,18 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
     } else if x1 > width || y1 > height {
         let message = format!("this crop ends at {x1}, {y1}, outside the picture of {width} x {height}");
         d.push(Diagnostic::error(keys.span("crop"), message));
+    }
+}
+
+/// A bell that is narrower than what a filter is told by, or that is even as far as its radius, is no filter.
+pub(super) fn gaussian(f: &Gaussian, keys: &Keys<'_>, d: &mut Decoder) {
+    let narrow = f.sigma < 1e-3 * f.radius;
+    if narrow || f.sigma > 1e6 * f.radius {
+        let why = if narrow { "less than a thousandth of" } else { "more than a million times" };
+        let message =
+            format!("this filter is empty: `sigma` of {} is {why} `radius` of {}", f.sigma, f.radius);
+        let help = "`sigma` is about a third of `radius` where it isn't told";
+        d.push(Diagnostic::error(keys.span("sigma"), message).help(help));
     }
 }
 

@@ -140,7 +140,7 @@ describe! {
 
 describe! {
     /// A Gaussian, lowered so that it ends in 0 at `radius`.
-    pub struct Gaussian {
+    pub struct Gaussian [check::gaussian] {
         /// Half its width in pixels.
         radius: f64 [FILTER_RADIUS] = 1.5,
         /// Standard deviation in pixels.

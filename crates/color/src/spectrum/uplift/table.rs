@@ -5,6 +5,7 @@
 //! from 1/2 to 1. Between nodes coefficients are interpolated by cubics. Darker colours are those of strength 1/2, scaled: so
 //! are the spectra, which then stay smooth and need no nodes.
 
+use super::wide::{self, WideTable};
 use super::{Smooth, Uplift, place};
 use std::sync::LazyLock;
 use straal_math::ops;
@@ -18,7 +19,8 @@ const NODES: usize = 3 * LEVELS * SIDE * SIDE;
 const HALF: f32 = 0.5;
 
 /// The table that `cargo xtask uplift-table` writes: for each strongest channel, level, and node of the second and of the
-/// first of the channels that follow it in the circle, three coefficients as little-endian single floats.
+/// first of the channels that follow it in the circle, three coefficients as little-endian single floats; then the table of
+/// wide colours.
 static BYTES: &[u8] = include_bytes!("../../../data/uplift.bin");
 
 static EMBEDDED: LazyLock<UpliftTable> = LazyLock::new(|| UpliftTable::read(BYTES));
@@ -27,6 +29,7 @@ static EMBEDDED: LazyLock<UpliftTable> = LazyLock::new(|| UpliftTable::read(BYTE
 #[derive(Clone, Debug, PartialEq)]
 pub struct UpliftTable {
     nodes: Vec<[f32; 3]>,
+    wide: WideTable,
 }
 
 /// A smooth spectrum: a reflectance times a factor.
@@ -48,9 +51,9 @@ impl Lifted {
     }
 }
 
-/// Where a node lies: dense where a channel is weak, or nearly as strong as the strongest.
-fn share(node: usize) -> f64 {
-    let t = node as f64 / (SIDE - 1) as f64;
+/// Where one of some nodes lies: dense where a channel is weak, or nearly as strong as the strongest.
+pub(super) fn share(node: usize, nodes: usize) -> f64 {
+    let t = node as f64 / (nodes - 1) as f64;
     t * t * (3.0 - 2.0 * t)
 }
 
@@ -67,8 +70,8 @@ fn colour(node: usize) -> [f64; 3] {
     let (level, strongest) = (rest % LEVELS, rest / LEVELS);
     let most = strength(level);
     let mut rgb = [most; 3];
-    rgb[(strongest + 1) % 3] = most * share(first);
-    rgb[(strongest + 2) % 3] = most * share(second);
+    rgb[(strongest + 1) % 3] = most * share(first, SIDE);
+    rgb[(strongest + 2) % 3] = most * share(second, SIDE);
     rgb
 }
 
@@ -91,15 +94,24 @@ impl UpliftTable {
 
     /// The bytes of the table, worked out anew: the same on every machine.
     pub fn made(uplift: &Uplift) -> Vec<u8> {
-        (0..NODES).flat_map(|node| coefficients(uplift, node)).flat_map(f32::to_le_bytes).collect()
+        let mut bytes = Vec::with_capacity(12 * NODES + wide::BYTES);
+        bytes.extend((0..NODES).flat_map(|node| coefficients(uplift, node)).flat_map(f32::to_le_bytes));
+        bytes.append(&mut WideTable::made(uplift));
+        bytes
     }
 
     fn read(bytes: &[u8]) -> Self {
+        let (bytes, wide) = bytes.split_at(bytes.len().min(NODES * 12));
         let numbers = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b));
         let numbers: Vec<f32> = numbers.collect();
         let mut nodes = numbers.as_chunks::<3>().0.to_vec();
         nodes.resize(NODES, [0.0; 3]);
-        Self { nodes }
+        Self { nodes, wide: WideTable::read(wide) }
+    }
+
+    /// Spectra of light that sRGB doesn't hold.
+    pub fn wide(&self) -> &WideTable {
+        &self.wide
     }
 
     /// The reflectance of linear sRGB, each channel brought to what is from 0 to 1.
@@ -142,8 +154,10 @@ impl UpliftTable {
         }
         let level = if z < most { z } else { most };
         let scale = if level > HALF { 1.0 } else { z / HALF };
-        let (across, down) =
-            (Stencil::new(place_of_share(x / z), SIDE), Stencil::new(place_of_share(y / z), SIDE));
+        let (across, down) = (
+            Stencil::new(place_of_share(x / z, SIDE), SIDE),
+            Stencil::new(place_of_share(y / z, SIDE), SIDE),
+        );
         let plane = |level: usize, weight: f32, sum: &mut [f32; 3]| {
             for (j, v) in down.weights.into_iter().enumerate() {
                 let row = ((strongest * LEVELS + level) * SIDE + down.first + j) * SIDE + across.first;
@@ -167,11 +181,11 @@ impl UpliftTable {
     }
 }
 
-/// Among nodes, the place of a share: where [`share`] has it.
+/// Among so many nodes, the place of a share: where [`share`] has it.
 #[inline]
-fn place_of_share(share: f32) -> f32 {
+pub(super) fn place_of_share(share: f32, nodes: usize) -> f32 {
     let t = 0.5 - ops::sin(ops::asin(ops::clamp(1.0 - 2.0 * share, -1.0, 1.0)) * (1.0 / 3.0));
-    t * (SIDE - 1) as f32
+    t * (nodes - 1) as f32
 }
 
 /// Four neighbouring nodes, and what each counts.
@@ -208,11 +222,17 @@ mod tests {
 
     #[test]
     fn the_table_is_small_and_as_it_is_made() {
-        assert!(BYTES.len() == NODES * 12 && BYTES.len() <= 2_000_000, "{} bytes", BYTES.len());
+        let bytes = NODES * 12 + wide::BYTES;
+        assert!(BYTES.len() == bytes && BYTES.len() <= 2_000_000, "{} bytes", BYTES.len());
         let uplift = Uplift::new();
         for node in (0..NODES).step_by(997) {
             let own = UpliftTable::embedded().nodes[node];
             assert_eq!(own.map(f32::to_bits), coefficients(&uplift, node).map(f32::to_bits), "node {node}");
+        }
+        let (own, _) = BYTES[NODES * 12..].as_chunks::<16>();
+        for node in (0..own.len()).step_by(97) {
+            let made = wide::node(&uplift, node).map(f32::to_le_bytes);
+            assert_eq!(own[node], *made.as_flattened(), "wide node {node}");
         }
     }
 
