@@ -15,6 +15,11 @@
 //!   structure that skips what lies strictly beyond the best t can't lose the hit, however badly conditioned;
 //! - among equal t, the least (instance chain, geometry, primitive) wins.
 //!
+//! # Limits
+//! All this holds as long as ray parameters and products of lengths are ordinary numbers. A direction so long, or a scene so
+//! small, that hits lie at a t below 1e-37 or so leaves the range in which single precision has its digits: there
+//! structures may miss what brute force finds.
+//!
 //! # Unsafe code
 //! Denied everywhere but in `kernel`, where each module says why it holds.
 #![deny(unsafe_code)]
