@@ -4,8 +4,7 @@
 //! and for a branch that was guessed wrongly. So many rays are searched side by side. In each turn all of them go one
 //! step, those that do the same one after the other: a node, a block, an object, or nothing more. What is done for one ray
 //! doesn't depend on the ray before, and is computed rather than branched on, so that the processor works on several at a
-//! time. At the end of a turn, what the rays visit next is prefetched: all at once, since the first line of each may wait for
-//! its page to be found, and several such waits go on side by side.
+//! time. What a ray visits next is prefetched.
 //!
 //! Which rays do what is told by sets of bits, made for all at once at the start of a turn. Queues would do less well:
 //! where an entry is put is known late, and the processor, which has seen that what is loaded next may be what was put
@@ -18,6 +17,7 @@ use crate::{
     kernel::{
         Kernel, LaneHit,
         descent::{Descent, Spilled},
+        prefetch::NOT,
     },
     local::LocalRay,
     query::Query,
@@ -29,9 +29,9 @@ use straal_math::Ray;
 /// Rays in flight: enough that the first of a loop has its node from the third-level cache when the last was prefetched.
 pub(super) const FLIGHT: usize = 32;
 
-/// The same from memory, in large trees: as many as a set has bits. In small ones, so many push each other's stacks out of
-/// the first-level cache.
-pub(super) const LARGE_FLIGHT: usize = 64;
+/// The same from memory: as many as a set has bits. Where nodes are nearer, so many only push each other's stacks out of the
+/// first-level cache.
+pub(super) const REMOTE_FLIGHT: usize = 64;
 
 /// Size of a ray's stack: nearly all rays do with fewer. All stacks together are to stay in the first-level cache.
 const STACK: usize = 64;
@@ -75,7 +75,7 @@ struct Waiting<'a> {
 impl Bvh {
     /// Calls `done` with each ray's place and hit; when `ANY`, with any hit of the ray.
     #[inline(always)]
-    pub(super) fn many<K: Kernel, S: Shapes, const ANY: bool, const N: usize>(
+    pub(super) fn many<K: Kernel, S: Shapes, const ANY: bool, const N: usize, const PREFETCH: u8>(
         &self,
         q: &mut Query<'_, K, S, false>,
         group: &GroupData,
@@ -92,6 +92,11 @@ impl Bvh {
         let mut first = [LaneHit::NONE; N];
         let mut room = None;
         let mut waiting = Waiting { rays, next: 0 };
+        let prefetch = |kernel: K, child: Child| {
+            if const { PREFETCH != NOT } {
+                kernel.prefetch::<PREFETCH>(&self.nodes, &self.blocks, child);
+            }
+        };
         // Rays that are searched or may be.
         let mut live = u64::MAX >> (64 - N);
         while live != 0 {
@@ -126,6 +131,7 @@ impl Bvh {
                     false => q.kernel.step(&f.ray, node, f.near.limit, stack),
                 };
                 next.0[i] = child;
+                prefetch(q.kernel, child);
             }
             // In steps, none of which waits for the one before: whether a ray crosses any triangle, which most don't; where;
             // and whether that counts. Only where a block has several to choose from are they taken at once.
@@ -168,6 +174,7 @@ impl Bvh {
             for i in Members::<N>(classes[class::BLOCK]) {
                 let child = stacks[i].pop();
                 next.0[i] = child;
+                prefetch(q.kernel, child);
             }
             for i in Members::<N>(classes[class::OBJECT]) {
                 let (f, stack, best) = (&mut flights[i], &mut stacks[i], &mut elsewhere[i]);
@@ -186,9 +193,7 @@ impl Bvh {
                 }
                 let child = stack.pop();
                 next.0[i] = child;
-            }
-            if const { N == LARGE_FLIGHT } {
-                next.0.iter().for_each(|&child| q.kernel.prefetch(&self.nodes, &self.blocks, child));
+                prefetch(q.kernel, child);
             }
         }
     }

@@ -198,6 +198,19 @@ impl Block {
 /// Trees of more bytes than this are prefetched from: smaller ones stay in the second-level cache, or nearly so.
 const CACHED: usize = 1 << 20;
 
+/// Nodes of trees of more bytes than this come from memory more often than from the third-level cache.
+const REMOTE: usize = 32 << 20;
+
+/// Where a tree's nodes are.
+enum Distance {
+    /// In the nearest caches.
+    Near,
+    /// In the third-level cache.
+    Far,
+    /// In memory.
+    Remote,
+}
+
 /// The tree.
 pub(crate) struct Bvh {
     /// `None` when there is nothing to hit.
@@ -212,9 +225,16 @@ pub(crate) struct Bvh {
 impl Bvh {
     pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new(), ids: Vec::new() };
 
-    /// Whether nodes are likely to be waited for.
-    fn is_large(&self) -> bool {
-        self.bytes() > CACHED
+    /// How long nodes are likely to be waited for.
+    fn distance(&self) -> Distance {
+        let bytes = self.bytes();
+        if bytes > REMOTE {
+            Distance::Remote
+        } else if bytes > CACHED {
+            Distance::Far
+        } else {
+            Distance::Near
+        }
     }
 
     fn bytes(&self) -> usize {

@@ -16,7 +16,7 @@ use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, many::Members, near::Near
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
-    kernel::{Kernel, LaneHit},
+    kernel::{Kernel, LaneHit, prefetch::TO_FIRST},
     local::LocalRay,
     query::Query,
     scene::GroupData,
@@ -262,7 +262,7 @@ impl Bvh {
                 while mask != 0 && len < STACK {
                     let slot = take(&mut mask);
                     let entry = entries[slot];
-                    q.kernel.prefetch(&self.nodes, &self.blocks, node.children[slot]);
+                    q.kernel.prefetch::<TO_FIRST>(&self.nodes, &self.blocks, node.children[slot]);
                     // The farthest first.
                     let mut i = len;
                     while i > start && stack[i - 1].entry < entry {

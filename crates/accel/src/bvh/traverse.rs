@@ -1,8 +1,8 @@
 //! Searching the tree with one ray.
 
 use super::{
-    Block, Bvh, Child, WIDTH,
-    many::{FLIGHT, LARGE_FLIGHT},
+    Block, Bvh, Child, Distance, WIDTH,
+    many::{FLIGHT, REMOTE_FLIGHT},
     near::{Candidate, Near},
     packet::PACKET,
 };
@@ -12,6 +12,7 @@ use crate::{
     kernel::{
         Kernel, LaneHit,
         descent::{ALL, Descent},
+        prefetch::{NOT, TO_FIRST, TO_SECOND},
     },
     query::Query,
     scene::GroupData,
@@ -139,10 +140,13 @@ impl Bvh {
         rays: &[Ray],
         done: impl FnMut(usize, Hit),
     ) {
-        match (rays.is_empty(), self.is_large()) {
-            (true, _) => {}
-            (_, true) => self.many::<K, S, ANY, LARGE_FLIGHT>(q, group, rays, done),
-            (_, false) => self.many::<K, S, ANY, FLIGHT>(q, group, rays, done),
+        if rays.is_empty() {
+            return;
+        }
+        match self.distance() {
+            Distance::Near => self.many::<K, S, ANY, FLIGHT, NOT>(q, group, rays, done),
+            Distance::Far => self.many::<K, S, ANY, FLIGHT, TO_FIRST>(q, group, rays, done),
+            Distance::Remote => self.many::<K, S, ANY, REMOTE_FLIGHT, TO_SECOND>(q, group, rays, done),
         }
     }
 }

@@ -193,8 +193,8 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child) {
-        super::prefetch(nodes, blocks, child);
+    fn prefetch<const HOW: u8>(self, nodes: &[Node], blocks: &[Block], child: Child) {
+        super::prefetch::prefetch::<HOW>(nodes, blocks, child);
     }
 
     entry_points!("avx512f,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt");

@@ -13,6 +13,7 @@ mod entry;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 pub(crate) mod pages;
+pub(crate) mod prefetch;
 mod scalar;
 #[cfg(target_arch = "x86_64")]
 mod sse;
@@ -242,9 +243,9 @@ pub(crate) trait Kernel: Copy {
         slab::entry(&slab::triangle_bounds(&block.vertices(lane)), r)
     }
 
-    /// Starts to load what a child names, where the instruction set can.
+    /// Starts to load what a child names, where the instruction set can: to [`prefetch::TO_FIRST`] or [`prefetch::TO_SECOND`].
     #[inline(always)]
-    fn prefetch(self, _nodes: &[Node], _blocks: &[Block], _child: Child) {}
+    fn prefetch<const HOW: u8>(self, _nodes: &[Node], _blocks: &[Block], _child: Child) {}
 
     /// `Query::closest_in`, compiled for the instruction set.
     fn closest_in<S: Shapes, const COUNT: bool>(
@@ -324,31 +325,6 @@ fn push_by_insertion<const N: usize>(node: &Node, found: &Children, stack: &mut 
         stack.push(key, node.children[(key & 7) as usize]);
     }
 }
-
-/// [`Kernel::prefetch`] of all x86 kernels: into the second-level cache, from which the first is filled in time. It keeps
-/// track of more lines that are under way (measured on Zen 4: of a node's lines from memory, 5 ns each in place of 8).
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn prefetch(nodes: &[Node], blocks: &[Block], child: Child) {
-    use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
-    // Computed, since a branch on the class would be guessed wrongly. For an object or the end, some other place is
-    // loaded, which does no harm.
-    let leaf = child.leaf();
-    let from_nodes = blocks.as_ptr().addr().wrapping_sub(nodes.as_ptr().addr());
-    let size = size_of::<Node>() + leaf * (size_of::<Block>() - size_of::<Node>());
-    let offset = (from_nodes & 0_usize.wrapping_sub(leaf)).wrapping_add(child.index() * size);
-    let start = nodes.as_ptr().cast::<i8>().wrapping_add(offset);
-    for line in 0..LINES {
-        // A node's last line in place of one more.
-        let offset = if line + 1 < LINES { line * 64 } else { size - 64 };
-        // SAFETY: a prefetch changes nothing, whatever the address. SSE is part of x86-64.
-        unsafe { _mm_prefetch::<_MM_HINT_T1>(start.wrapping_add(offset)) };
-    }
-}
-
-/// Cache lines of the larger of node and block.
-#[cfg(target_arch = "x86_64")]
-const LINES: usize = size_of::<Block>() / 64;
 
 /// The kernel of a scene.
 #[derive(Clone, Copy)]

@@ -121,8 +121,8 @@ impl Kernel for Sse {
     }
 
     #[inline(always)]
-    fn prefetch(self, nodes: &[Node], blocks: &[Block], child: Child) {
-        super::prefetch(nodes, blocks, child);
+    fn prefetch<const HOW: u8>(self, nodes: &[Node], blocks: &[Block], child: Child) {
+        super::prefetch::prefetch::<HOW>(nodes, blocks, child);
     }
 
     entry_points!("sse4.2,popcnt");
