@@ -17,7 +17,7 @@ use crate::{
     kernel::{
         Kernel, LaneHit,
         descent::{Descent, Spilled},
-        prefetch::NOT,
+        prefetch::{TO_FIRST, TO_SECOND},
     },
     local::LocalRay,
     query::Query,
@@ -93,7 +93,7 @@ impl Bvh {
         let mut room = None;
         let mut waiting = Waiting { rays, next: 0 };
         let prefetch = |kernel: K, child: Child| {
-            if const { PREFETCH != NOT } {
+            if const { PREFETCH == TO_FIRST } {
                 kernel.prefetch::<PREFETCH>(&self.nodes, &self.blocks, child);
             }
         };
@@ -194,6 +194,13 @@ impl Bvh {
                 let child = stack.pop();
                 next.0[i] = child;
                 prefetch(q.kernel, child);
+            }
+            // From memory, all at once: the first line of each may wait for its page to be found, and several such waits then go
+            // on side by side.
+            if const { PREFETCH == TO_SECOND } {
+                for i in Members::<N>(classes[class::NODE] | classes[class::BLOCK] | classes[class::OBJECT]) {
+                    q.kernel.prefetch::<PREFETCH>(&self.nodes, &self.blocks, next.0[i]);
+                }
             }
         }
     }
