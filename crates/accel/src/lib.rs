@@ -16,9 +16,9 @@
 //! - among equal t, the least (instance chain, geometry, primitive) wins.
 //!
 //! # Limits
-//! All this holds as long as ray parameters and products of lengths are ordinary numbers. A direction so long, or a scene so
-//! small, that hits lie at a t below 1e-37 or so leaves the range in which single precision has its digits: there
-//! structures may miss what brute force finds.
+//! All this holds as long as ray parameters and products of three lengths are ordinary numbers, not below 1e-37 or so, where
+//! single precision loses its digits. With a direction so long that hits lie at such a t, or in a scene so small, structures
+//! may miss what brute force finds.
 //!
 //! # Unsafe code
 //! Denied everywhere but in `kernel`, where each module says why it holds.

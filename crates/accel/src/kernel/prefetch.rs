@@ -9,8 +9,9 @@ pub(crate) const NOT: u8 = 0;
 /// To the first-level cache.
 pub(crate) const TO_FIRST: u8 = 1;
 
-/// To the second-level cache, from which the first is filled in time: it keeps track of more lines that are under way (measured
-/// on Zen 4, of a node's lines from memory: 5 ns each in place of 8). Where the lines are nearer, the way from there costs more than that gains.
+/// To the second-level cache, from which the first is filled in time: it keeps track of more lines that are under way
+/// (measured on Zen 4, of a node's lines from memory: 5 ns each in place of 8). Where the lines are nearer, the way from
+/// there costs more than that gains.
 pub(crate) const TO_SECOND: u8 = 2;
 
 /// `Kernel::prefetch` of all x86 kernels.
