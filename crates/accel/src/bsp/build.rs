@@ -5,6 +5,7 @@ use super::{
     plane::{Plane, Side},
 };
 use crate::{
+    clip::Limits,
     partition::{Budget, depth_limit},
     structure::{Packed, Prim, PrimKind},
 };
@@ -20,7 +21,8 @@ pub(super) fn build(prims: &[Prim], params: &BspParams, vertices: &Vertices<'_>)
     builder.subtree((0..prims.len() as u32).collect(), 0, Budget::of(prims.len()));
     builder.nodes.shrink_to_fit();
     builder.references.shrink_to_fit();
-    BspTree { bounds, nodes: builder.nodes, references: builder.references, params: *params }
+    let limits = Limits::of(prims, vertices);
+    BspTree { bounds, nodes: builder.nodes, references: builder.references, limits, params: *params }
 }
 
 struct Builder<'a> {

@@ -41,6 +41,7 @@ pub use params::BspParams;
 
 use crate::{
     cells::{self, CellOptions, Cells, Later, Opened, Todo},
+    clip::Limits,
     local::LocalRay,
     partition,
     structure::{Packed, Prim},
@@ -65,6 +66,7 @@ pub(crate) struct BspTree {
     /// Never empty; the root is the first.
     nodes: Vec<Node>,
     references: Vec<Packed>,
+    limits: Limits,
     params: BspParams,
 }
 
@@ -119,6 +121,15 @@ impl Cells for BspTree {
 
     fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.references.as_slice())
+    }
+
+    fn references(&self) -> &[Packed] {
+        &self.references
+    }
+
+    #[inline(always)]
+    fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     #[inline(always)]

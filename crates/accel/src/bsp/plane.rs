@@ -21,7 +21,8 @@
 //!
 //! Triangles are told apart by their vertices, not by their boxes. Their moment is the t of the hit, at which the ray is
 //! within `SLACK` |t D| and `clip::pad` of a point of the triangle on each axis (`clip.rs`). So a triangle counts as in
-//! front where f >= `pad` (|n_x| + |n_y| + |n_z|) at its vertices, and what is said above of a box holds for it.
+//! front where f >= `pad` (|n_x| + |n_y| + |n_z|) at its vertices, and what is said above of a box holds for it, for the
+//! rays within `clip::Limits`.
 
 use crate::{cells::Part, clip, local::LocalRay};
 use straal_math::{Bounds, DVec3, Vec3};
