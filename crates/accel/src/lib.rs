@@ -51,7 +51,7 @@ mod structure;
 mod triangle;
 mod volumes;
 
-pub use bsp::BspParams;
+pub use bsp::{BspChoice, BspParams};
 pub use bvh::params::{Build, BvhParams};
 pub use bvh2::{Bvh2Params, Split};
 pub use grid::GridParams;

@@ -14,7 +14,7 @@ pub mod spectrum;
 pub mod transform;
 
 pub use accel::{
-    Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, Split, Structure, UniformGrid,
+    Accel, BinaryBvh, BoundingVolumes, BspTree, Build, Choice, KdTree, Octree, Split, Structure, UniformGrid,
     VolumeKind, WideBvh,
 };
 pub use camera::{
