@@ -56,14 +56,13 @@ impl Edges {
     ///
     /// Products below the least normal number are off by up to 2^-150. Divided by a determinant of
     /// [`LEAST_DETERMINANT`] this moves the point by 2^-97 at most, and t itself, whose numerator is a product too, by 2^-99
-    /// more. Sums that overflow aren't trusted either: what isn't finite minus itself is no number.
+    /// more. Sums that overflow aren't trusted either: zero times what isn't finite is NaN.
     #[inline(always)]
     pub fn is_well_conditioned(&self, determinant: f32, numerator: f32) -> bool {
         let [a, b, c] = self.xy;
         let reach = [a[0], a[1], b[0], b[1], c[0], c[1]].map(f32::abs).into_iter().fold(0.0, ops::max);
         let enough = ops::max(reach * reach * FLAT, LEAST_DETERMINANT);
-        let both = numerator + determinant;
-        determinant.abs() >= enough + (both - both)
+        determinant.abs() >= enough + (numerator + determinant) * 0.0
     }
 
     /// t, u and v in double precision, in which the products are exact; `None` where the ray passes by after all.

@@ -55,7 +55,7 @@ impl Cell {
                 continue;
             };
             let corner = *corner.get_or_insert(first);
-            let second = edges.clone().filter_map(|e| e.at).last().unwrap_or(first);
+            let second = edges.clone().rev().find_map(|e| e.at).unwrap_or(first);
             lid += triangle(corner, first, second);
             for e in edges {
                 let front = plane.distance(e.a) >= 0.0;

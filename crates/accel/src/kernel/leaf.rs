@@ -184,8 +184,7 @@ pub(super) unsafe fn block<P: Places>(r: &LocalRay, block: &Block, limit: f32) -
         let depth = _mm256_add_ps(_mm256_mul_ps(u, z[0]), _mm256_mul_ps(v, z[1]));
         let depth = _mm256_add_ps(depth, _mm256_mul_ps(w, z[2]));
         let numerator = _mm256_mul_ps(depth, _mm256_set1_ps(r.shear[2]));
-        let both = _mm256_add_ps(numerator, det);
-        let enough = _mm256_add_ps(enough, _mm256_sub_ps(both, both));
+        let enough = _mm256_add_ps(enough, _mm256_mul_ps(_mm256_add_ps(numerator, det), zero));
         let flat = _mm256_cmp_ps::<_CMP_NGE_UQ>(size(det), enough);
         out.doubtful = _mm256_movemask_ps(_mm256_or_ps(on_edge, flat)) as u32 & inside;
         let t = _mm256_div_ps(numerator, det);

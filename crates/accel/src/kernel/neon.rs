@@ -85,8 +85,7 @@ impl Kernel for Neon {
                 let depth = vaddq_f32(vmulq_f32(u, a[2]), vmulq_f32(v, b[2]));
                 let depth = vaddq_f32(depth, vmulq_f32(w, c[2]));
                 let numerator = vmulq_f32(depth, vdupq_n_f32(r.shear[2]));
-                let both = vaddq_f32(numerator, det);
-                let enough = vaddq_f32(enough, vsubq_f32(both, both));
+                let enough = vaddq_f32(enough, vmulq_f32(vaddq_f32(numerator, det), zero));
                 let flat = vmvnq_u32(vcgeq_f32(vabsq_f32(det), enough));
                 let doubtful = mask(vorrq_u32(on_edge, flat)) & inside;
                 let t = vdivq_f32(numerator, det);

@@ -102,8 +102,7 @@ impl Kernel for Sse {
                 let depth = _mm_add_ps(_mm_mul_ps(u, a[2]), _mm_mul_ps(v, b[2]));
                 let depth = _mm_add_ps(depth, _mm_mul_ps(w, c[2]));
                 let numerator = _mm_mul_ps(depth, _mm_set1_ps(r.shear[2]));
-                let both = _mm_add_ps(numerator, det);
-                let enough = _mm_add_ps(enough, _mm_sub_ps(both, both));
+                let enough = _mm_add_ps(enough, _mm_mul_ps(_mm_add_ps(numerator, det), zero));
                 let flat = _mm_cmpnge_ps(size(det), enough);
                 let doubtful = _mm_movemask_ps(_mm_or_ps(on_edge, flat)) as u32 & inside;
                 let t = _mm_div_ps(numerator, det);
