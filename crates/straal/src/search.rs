@@ -145,8 +145,8 @@ pub fn structure_of(d: &desc::Structure) -> accel::Structure {
         }),
         desc::Structure::Bsp(p) => accel::Structure::Bsp(BspParams {
             choice: match p.choice {
-                desc::Choice::Even => BspChoice::Even,
-                desc::Choice::Sah => BspChoice::Sah,
+                desc::PlaneChoice::Even => BspChoice::Even,
+                desc::PlaneChoice::Sah => BspChoice::Sah,
             },
             candidates: p.candidates,
             leaf_size: p.leaf_size,

@@ -179,7 +179,7 @@ describe! {
     /// A tree of planes at any angle.
     pub struct BspTree {
         /// Which of the candidates cuts a cell.
-        choice: Choice = Choice::Even,
+        choice: PlaneChoice = PlaneChoice::Even,
         /// How many triangles of a cell offer their planes for a cut.
         candidates: u32 [Limit::within(0.0, 1024.0)] = 8,
         /// Cells of so few primitives are left alone.
@@ -199,7 +199,7 @@ describe! {
 
 describe! {
     /// Which plane cuts a cell of a BSP tree.
-    pub enum Choice {
+    pub enum PlaneChoice {
         /// The one with few primitives across it, and equal numbers on both sides.
         "even" => Even,
         /// The one from which the surface area heuristic expects the least cost. Planes beside triangles, at right angles to
