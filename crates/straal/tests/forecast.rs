@@ -19,7 +19,7 @@ fn search_bytes(world: &str, structure: &str, base: &Path) -> [f64; 2] {
     [forecast as f64, job.world.accel.memory_bytes() as f64]
 }
 
-const STRUCTURES: [&str; 18] = [
+const STRUCTURES: [&str; 19] = [
     "brute",
     "volumes",
     "bvh",
@@ -38,6 +38,7 @@ const STRUCTURES: [&str; 18] = [
     "octree",
     "{ octree: { leaf_size: 1 } }",
     "bsp",
+    "{ bsp: { choice: sah } }",
 ];
 
 #[test]

@@ -5,7 +5,7 @@
 //! in more cells than that, and a small dense object in a huge scene in fewer. Whatever the scene, partitions of space
 //! keep to 16 references for each primitive, and grids to `max_cells`.
 
-use crate::desc::{BinaryBvh, Build, KdTree, Structure, UniformGrid, WideBvh};
+use crate::desc::{BinaryBvh, BspTree, Build, KdTree, PlaneChoice, Structure, UniformGrid, WideBvh};
 
 /// A reference to a primitive.
 const REFERENCE: f64 = 4.0;
@@ -26,8 +26,7 @@ pub(super) fn bytes(structure: &Structure, primitives: u64, instances: u64) -> u
         Structure::Kd(p) => kd(p),
         // Primitives lie in eight leaves or so, in fewer if those are larger; a node takes 16 bytes.
         Structure::Octree(p) => 110.0 / (1.0 + 0.06 * above(p.leaf_size, 1)),
-        // Six references, and two nodes of 40 bytes where a kd-tree's take 12.
-        Structure::Bsp(p) => 100.0 / (1.0 + 0.08 * above(p.leaf_size, 4)),
+        Structure::Bsp(p) => bsp(p),
     };
     (n * each + instances as f64 * INSTANCE) as u64
 }
@@ -52,6 +51,15 @@ fn wide(p: &WideBvh) -> f64 {
 fn binary(p: &BinaryBvh) -> f64 {
     let full = f64::from((p.leaf_size / 2).max(1));
     REFERENCE + 64.0 / full
+}
+
+/// Six references, and two nodes of 40 bytes where a kd-tree's take 12; by areas, which cut off empty space, three.
+fn bsp(p: &BspTree) -> f64 {
+    let full = 1.0 + 0.08 * above(p.leaf_size, 4);
+    match p.choice {
+        PlaneChoice::Even => 100.0 / full,
+        PlaneChoice::Sah => 155.0 / full,
+    }
 }
 
 /// Cells by the textbook's formula. Triangles of a surface lie in a number of them that grows with the factor's square.
