@@ -4,6 +4,7 @@
 //! Why it loses no hit is told in `partition.rs`.
 
 use crate::{
+    clip::Limits,
     hit::Hit,
     input::Shapes,
     kernel::{Kernel, stack::Stack},
@@ -34,6 +35,12 @@ pub(crate) trait Cells {
     fn options(&self) -> CellOptions;
 
     fn bytes(&self) -> usize;
+
+    /// The primitives of all leaves.
+    fn references(&self) -> &[Packed];
+
+    /// For which rays primitives are in the leaves where they are looked for.
+    fn limits(&self) -> &Limits;
 
     fn line(ray: &LocalRay) -> Self::Line<'_>;
 
@@ -117,6 +124,10 @@ fn walk<T: Cells, K: Kernel, S: Shapes, const COUNT: bool>(
     mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
 ) {
     let Some((enter, exit)) = partition::interval(tree.bounds(), at.ray) else { return };
+    if !tree.limits().hold(at.ray, exit) {
+        leaf(q, tree.references());
+        return;
+    }
     let line = T::line(at.ray);
     let mut later = Later::new();
     let mut todo = Todo { node: 0, part: T::Part::between(enter, exit) };

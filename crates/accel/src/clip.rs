@@ -6,20 +6,34 @@
 //! ray is then. Let e be the rounding unit of single precision and L the triangle's longest extent. Moving and
 //! shearing the vertices (`triangle.rs`) puts the ray, along each axis, within a few e (|t d| + L) of a point p of
 //! the triangle, *provided* that t is as well-conditioned as p is: a t from a determinant that is itself a rounding
-//! error can be that of any place along a sliver, or along a triangle seen edge-on. Nor does it hold where products of
-//! lengths underflow: of the BSP tree and of clipped triangles, a scene of size 1e-12 searched along directions of length
-//! 1e3 or more is at the limit.
+//! error can be that of any place along a sliver, or along a triangle seen edge-on.
 //!
 //! The part of the error that grows with |t d| is one of the crossings of planes, and `early` and `late` cover it.
 //! For the other the triangle is clipped to the cell grown by [`PAD`] L, and the box of what remains is grown by as
 //! much: it holds a box of half that size around p. The proof in `partition.rs` goes through with that small box in
 //! the place of the primitive's own: as long as the search follows the cells whose interval has the moment, p lies in
 //! the cell or within `PAD` L of it, so that the cell has the triangle.
+//!
+//! Two errors grow with neither: t is rounded to a number that may have lost its digits, by underflow, and planes are
+//! crossed along a direction whose small coordinates were made larger (`local.rs`). A quarter of the padding is for
+//! each; for rays for which this isn't enough a search tests every primitive ([`Limits`]).
 
+use crate::{
+    local::{LEAST, LocalRay},
+    structure::{Prim, PrimKind},
+};
 use straal_math::{Bounds, Vec3};
 
 /// In units of the triangle's longest extent.
-const PAD: f64 = 64.0 * f32::EPSILON as f64;
+const PAD: f64 = 128.0 * f32::EPSILON as f64;
+
+/// Triangles of a lesser extent have a determinant below `triangle::LEAST_DETERMINANT`, however they are seen, and so a t
+/// that is computed in double precision.
+const SMALL: f64 = 1.0 / (1 << 27) as f64;
+
+/// The error of t by underflow: of small triangles that of the last rounding, of others that of the numerator.
+const ERROR_OF_SMALL: f64 = f64::from_bits((1023 - 149) << 52);
+const ERROR: f64 = f64::from_bits((1023 - 98) << 52);
 
 /// A triangle cut by six planes has at most nine corners.
 const CORNERS: usize = 9;
@@ -73,6 +87,43 @@ impl Polygon {
 /// How far along each axis a hit of the triangle may be found beside it, apart from what grows with t.
 pub(crate) fn pad(v: &[Vec3; 3]) -> f64 {
     PAD * longest(&v.map(|p| p.to_array().map(f64::from)))
+}
+
+/// For which rays hits of triangles are where [`pad`] says.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limits {
+    /// Coordinates of the direction aren't greater.
+    direction: f64,
+    /// The search ends at this t, or earlier.
+    t: f64,
+}
+
+impl Limits {
+    /// Where no triangle is told by anything but its box.
+    pub const NONE: Self = Self { direction: f64::INFINITY, t: f64::INFINITY };
+
+    pub fn of(prims: &[Prim], vertices: &dyn Fn(u32) -> [Vec3; 3]) -> Self {
+        let mut out = Self::NONE;
+        for prim in prims {
+            if let PrimKind::Triangle(id) = prim.kind {
+                let longest = longest(&vertices(id).map(|p| p.to_array().map(f64::from)));
+                let quarter = longest * PAD * 0.25;
+                let direction = quarter / if longest < SMALL { ERROR_OF_SMALL } else { ERROR };
+                let t = quarter / f64::from(LEAST);
+                out = Self {
+                    direction: if direction < out.direction { direction } else { out.direction },
+                    t: if t < out.t { t } else { out.t },
+                };
+            }
+        }
+        out
+    }
+
+    /// Whether a ray whose search ends at `exit` keeps them.
+    #[inline(always)]
+    pub fn hold(&self, r: &LocalRay, exit: f32) -> bool {
+        f64::from(r.ray.d[r.axes()[2]].abs()) <= self.direction && f64::from(exit) <= self.t
+    }
 }
 
 /// The box of a triangle's part in a cell, inside of that cell; `None` when there is no such part.
@@ -150,7 +201,9 @@ mod tests {
         let v = [Vec3::ZERO, Vec3::new(4.0, 4.0, 0.0), Vec3::new(4.0, 4.0, 1.0)];
         let b = part(&v, &cell([1.0, 0.0, -1.0], [2.0, 4.0, 2.0])).unwrap();
         let exact = cell([1.0, 1.0, 0.0], [2.0, 2.0, 0.5]);
-        assert!((b.min - exact.min).length() < 1e-4 && (b.max - exact.max).length() < 1e-4, "{b:?}");
+        // The padding twice, on each axis.
+        let most = 4.0 * pad(&v) as f32;
+        assert!((b.min - exact.min).length() < most && (b.max - exact.max).length() < most, "{b:?}");
         assert!(b.union(exact) == b, "never smaller than the part");
     }
 

@@ -16,9 +16,13 @@
 //! - among equal t, the least (instance chain, geometry, primitive) wins.
 //!
 //! # Limits
-//! All this holds as long as ray parameters and products of three lengths are ordinary numbers, not below 1e-37 or so, where
-//! single precision loses its digits. With a direction so long that hits lie at such a t, or in a scene so small, structures
-//! may miss what brute force finds.
+//! All but the wide tree give the hit of brute force on any input. The wide tree does as long as ray parameters of hits aren't
+//! below 1e-37, where single precision loses its digits: with a direction so long that hits lie at such a t, or in a scene so
+//! small, it may miss what brute force finds.
+//!
+//! That hit is the scene's as long as products of two lengths are finite (coordinates below 1e18), ray parameters are ordinary
+//! numbers (1e-37 to 1e37), and directions aren't shorter than 1e-30: boxes are crossed along directions whose coordinates
+//! below 1e-37 count as that.
 //!
 //! # Unsafe code
 //! Denied everywhere but in `kernel`, where each module says why it holds.
@@ -47,7 +51,7 @@ mod structure;
 mod triangle;
 mod volumes;
 
-pub use bsp::BspParams;
+pub use bsp::{BspChoice, BspParams};
 pub use bvh::params::{Build, BvhParams};
 pub use bvh2::{Bvh2Params, Split};
 pub use grid::GridParams;

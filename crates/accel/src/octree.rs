@@ -24,6 +24,7 @@
 
 use crate::{
     cells::{self, CellOptions, Cells, Interval, Later, Opened, Todo},
+    clip::Limits,
     local::LocalRay,
     partition::{self, Budget, crossing, early, half_area, late},
     structure::{Packed, Prim},
@@ -227,6 +228,15 @@ impl Cells for Octree {
 
     fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.references.as_slice())
+    }
+
+    fn references(&self) -> &[Packed] {
+        &self.references
+    }
+
+    #[inline(always)]
+    fn limits(&self) -> &Limits {
+        &Limits::NONE
     }
 
     #[inline(always)]

@@ -8,10 +8,11 @@
 //!
 //! Where the edge functions are sums of products much larger than themselves (a sliver, or a triangle seen from its edge),
 //! their signs can be trusted but not their sizes, and t, u and v go by the sizes: these too are computed in double
-//! precision. So the ray's point at t is as near to the triangle as the roundings of the sheared vertices allow, whatever
-//! the triangle's shape, which is what structures that cut triangles in pieces rely on.
+//! precision. So they are where products of three lengths leave the range of single precision: where a triangle is seen tiny,
+//! or a scene is huge. So the ray's point at t is as near to the triangle as the roundings of the sheared vertices allow,
+//! whatever the triangle's shape and size, which is what structures that cut triangles in pieces rely on.
 //!
-//! Vector kernels do the operations of [`edges`] and [`Edges::t`] in each lane, and give lanes with a zero, or in which
+//! Vector kernels do the operations of [`edges`] and [`Edges::numerator`] in each lane, and give lanes with a zero, or in which
 //! [`Edges::is_well_conditioned`] doesn't hold, to this file.
 
 use crate::local::LocalRay;
@@ -19,6 +20,10 @@ use straal_math::{Vec3, ops};
 
 /// Determinants of less than this part of the square of the sheared triangle's reach aren't trusted.
 pub(crate) const FLAT: f32 = 0.125;
+
+/// Nor are those below 2^-50, of triangles that the ray sees a ten millionth of a unit wide: see
+/// [`Edges::is_well_conditioned`].
+pub(crate) const LEAST_DETERMINANT: f32 = f32::from_bits((127 - 50) << 23);
 
 /// Edge functions and depths of one triangle and one ray.
 pub(crate) struct Edges {
@@ -48,11 +53,16 @@ impl Edges {
     /// Whether single precision is enough for t, u and v. With S the largest of the sheared coordinates, an edge function
     /// is off by no more than 1.5 S^2 epsilon, so that the point with these weights is off by 4.5 S^3 epsilon / determinant:
     /// no more than 36 S epsilon here.
+    ///
+    /// Products below the least normal number are off by up to 2^-150. Divided by a determinant of
+    /// [`LEAST_DETERMINANT`] this moves the point by 2^-97 at most, and t itself, whose numerator is a product too, by 2^-99
+    /// more. Sums that overflow aren't trusted either: zero times what isn't finite is NaN.
     #[inline(always)]
-    pub fn is_well_conditioned(&self, determinant: f32) -> bool {
+    pub fn is_well_conditioned(&self, determinant: f32, numerator: f32) -> bool {
         let [a, b, c] = self.xy;
         let reach = [a[0], a[1], b[0], b[1], c[0], c[1]].map(f32::abs).into_iter().fold(0.0, ops::max);
-        determinant.abs() >= reach * reach * FLAT
+        let enough = ops::max(reach * reach * FLAT, LEAST_DETERMINANT);
+        determinant.abs() >= enough + (numerator + determinant) * 0.0
     }
 
     /// t, u and v in double precision, in which the products are exact; `None` where the ray passes by after all.
@@ -83,11 +93,11 @@ impl Edges {
         self.e[0] + self.e[1] + self.e[2]
     }
 
-    /// The ray parameter.
+    /// The ray parameter times the determinant.
     #[inline(always)]
-    pub fn t(&self, determinant: f32, shear_z: f32) -> f32 {
+    pub fn numerator(&self, shear_z: f32) -> f32 {
         let [u, v, w] = self.e;
-        (u * self.z[0] + v * self.z[1] + w * self.z[2]) * shear_z / determinant
+        (u * self.z[0] + v * self.z[1] + w * self.z[2]) * shear_z
     }
 }
 
@@ -98,11 +108,11 @@ pub(crate) fn intersect(v: &[Vec3; 3], r: &LocalRay, limit: f32) -> Option<[f32;
     if !edges.inside() {
         return None;
     }
-    let det = edges.determinant();
-    let hit = if edges.e.contains(&0.0) || !edges.is_well_conditioned(det) {
+    let (det, numerator) = (edges.determinant(), edges.numerator(r.shear[2]));
+    let hit = if edges.e.contains(&0.0) || !edges.is_well_conditioned(det, numerator) {
         edges.exactly(r.shear[2])?
     } else {
-        [edges.t(det, r.shear[2]), edges.e[1] / det, edges.e[2] / det]
+        [numerator / det, edges.e[1] / det, edges.e[2] / det]
     };
     (hit[0] >= r.ray.t_min && hit[0] <= limit).then_some(hit)
 }

@@ -97,6 +97,27 @@ fn the_grid_loses_in_the_stadium_and_the_tree_does_not() {
     assert!(grid > 500.0 && sah < 20.0, "{grid} and {sah} triangles a ray");
 }
 
+/// By areas, empty space is cut off, which equal numbers on both sides don't do.
+#[test]
+fn areas_spare_tests_of_bsp_trees() {
+    let input = teapot_in_a_stadium();
+    let cost = |choice| {
+        let scene = build(&input, Structure::Bsp(BspParams { choice, ..BspParams::DEFAULT }));
+        let mut r = Random(38);
+        let mut sum = Cost::default();
+        for _ in 0..2000 {
+            let o = r.direction() * 5.0;
+            let cost = scene.closest_counted(&(), &Ray::new(o, r.point() - o)).1;
+            sum.primitives += cost.primitives;
+            sum.nodes += cost.nodes;
+        }
+        (sum, scene.stats()[0].unwrap().sah_cost)
+    };
+    let ((even, even_cost), (sah, sah_cost)) = (cost(BspChoice::Even), cost(BspChoice::Sah));
+    assert!(sah.primitives * 3 < even.primitives && sah.nodes * 3 < even.nodes * 2, "{sah:?} {even:?}");
+    assert!(sah_cost < even_cost, "{sah_cost} {even_cost}");
+}
+
 #[test]
 fn tighter_volumes_spare_tests() {
     // Long rods, turned.

@@ -55,7 +55,9 @@ fn wrong_wishes_are_told() {
     for (words, complaint) in [
         ("--structures bhv", "did you mean `bvh`?"),
         ("--structures bvh:biuld=fast", "did you mean `build`?"),
-        ("--structures bvh,,brute", "is no search structure"),
+        ("--structures bvh,,brute", "a comma too many in `bvh,,brute`"),
+        ("--structures bvh2,", "a comma too many in `bvh2,`"),
+        ("--structures bvh,tre", "`tre` is no search structure"),
         ("--moving teapot", "there is no object `teapot`"),
         ("--moving 3", "the world has 2 objects, numbered from 1"),
         ("--rays 0", "write a whole number from 1"),

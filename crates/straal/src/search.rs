@@ -1,7 +1,8 @@
 //! Search structures as people name them: from the scene's description, and from one word of a command line.
 
 use straal_accel::{
-    self as accel, BspParams, Bvh2Params, BvhParams, GridParams, KdParams, OctreeParams, VolumesParams,
+    self as accel, BspChoice, BspParams, Bvh2Params, BvhParams, GridParams, KdParams, OctreeParams,
+    VolumesParams,
 };
 use straal_formats::yaml;
 use straal_scene::decode::{Decoder, Describe, Strictness};
@@ -57,11 +58,17 @@ fn tree(text: &str, span: Span) -> Result<Tree, String> {
         return Ok(Tree { value: Datum::String(text.to_owned()), span });
     };
     let mut entries: Vec<Entry> = Vec::new();
+    if rest.trim().is_empty() {
+        return Err("nothing follows the colon: expected key=value, with commas between".into());
+    }
     for part in rest.split(',') {
+        if part.trim().is_empty() {
+            return Err("there is a comma too many: expected key=value, with commas between".into());
+        }
         let Some((key, value)) = part.split_once('=') else {
             return Err(format!(
                 "`{}` is no parameter: expected key=value, with commas between",
-                suggest::brief(part)
+                suggest::brief(part.trim())
             ));
         };
         let (key, value) = (key.trim(), value.trim());
@@ -137,6 +144,10 @@ pub fn structure_of(d: &desc::Structure) -> accel::Structure {
             intersection_cost: p.intersection_cost,
         }),
         desc::Structure::Bsp(p) => accel::Structure::Bsp(BspParams {
+            choice: match p.choice {
+                desc::PlaneChoice::Even => BspChoice::Even,
+                desc::PlaneChoice::Sah => BspChoice::Sah,
+            },
             candidates: p.candidates,
             leaf_size: p.leaf_size,
             max_depth: p.max_depth,
@@ -172,6 +183,8 @@ mod tests {
         assert_eq!(parse(" bvh : compact = true , build = best "), Ok(best));
         let kd = KdParams { traversal_cost: 1.5, max_depth: 20, ..KdParams::DEFAULT };
         assert_eq!(parse("kd:traversal_cost=1.5,max_depth=20"), Ok(Structure::Kd(kd)));
+        let bsp = BspParams { choice: BspChoice::Sah, straddle_cost: 0.0, ..BspParams::DEFAULT };
+        assert_eq!(parse("bsp:choice=sah,straddle_cost=0"), Ok(Structure::Bsp(bsp)));
     }
 
     #[test]
@@ -186,7 +199,9 @@ mod tests {
             ("bvh:compact=yes", "`compact` must be `true` or `false`, found the text `yes`"),
             ("octree:max_depth=25", "`max_depth` must be from 0 to 24, found 25"),
             ("bvh:compact", "`compact` is no parameter: expected key=value, with commas between"),
-            ("bvh:", "`` is no parameter: expected key=value, with commas between"),
+            ("bvh:", "nothing follows the colon: expected key=value, with commas between"),
+            ("bvh:compact=true,", "there is a comma too many: expected key=value, with commas between"),
+            ("bsp:straddle_cost=-1", "`straddle_cost` must be from 0 to 1000000, found -1"),
             ("grid:factor=-1", "`factor` must be between 0 and 64, neither included, found -1"),
             ("bvh:compact=true,compact=false", "`compact` is given twice"),
         ] {

@@ -2,6 +2,7 @@
 //!
 //! | parameter | meaning |
 //! |---|---|
+//! | `choice` | which of the candidates cuts a cell |
 //! | `candidates` | triangles of a cell that offer their planes |
 //! | `leaf_size` | cells of so few primitives aren't cut |
 //! | `max_depth` | most levels; 0 for 8 + 1.3 log2 n |
@@ -15,12 +16,17 @@
 //! behind. Rays walk the tree front to back as in a kd-tree (Jansen 1986; Ize, Wald and Parker 2008, "Ray tracing
 //! with the BSP tree").
 //!
-//! Of a few candidates the plane is taken with the least `straddle_cost` S + |F - B|, where F, B and S primitives lie
-//! in front, behind, and on both sides (`build.rs`). On a convex object every polygon has all others behind it, and
+//! By `Even`, of a few candidates the plane is taken with the least `straddle_cost` S + |F - B|, where F, B and S primitives lie
+//! in front, behind, and on both sides (`choose.rs`). On a convex object every polygon has all others behind it, and
 //! such a plane parts nothing: so the plane at right angles to the cell's longest axis, through the median of the
 //! primitives' middles, is always a candidate too. It is the only one where there are no triangles. A cell is a leaf
 //! when no candidate leaves fewer primitives on both sides, or when C_t + C_i (N_F + N_B) / 2, what it costs if each
 //! side is met by half of the rays, isn't less than C_i N.
+//!
+//! By `Sah`, the plane is taken with the least C_t + C_i (N_F A_F + N_B A_B) / A, the surfaces A being those of the cell, a convex
+//! polyhedron (`cell.rs`), and of its parts; a cell is a leaf where that isn't less than C_i N (Ize, Wald and Parker 2008,
+//! section 3). As there, the candidates are planes of polygons and planes at right angles to the axes, here just before and
+//! behind the same primitives: it is these that cut off empty space.
 //!
 //! A polygon lies in its own plane, and its neighbours touch it, so that a plane through it would have them all on
 //! both sides. The cut is made a hair before the polygon instead: it and what doesn't rise over it are behind.
@@ -34,13 +40,15 @@
 
 mod build;
 mod cell;
+mod choose;
 mod params;
 mod plane;
 
-pub use params::BspParams;
+pub use params::{BspChoice, BspParams};
 
 use crate::{
     cells::{self, CellOptions, Cells, Later, Opened, Todo},
+    clip::Limits,
     local::LocalRay,
     partition,
     structure::{Packed, Prim},
@@ -65,6 +73,7 @@ pub(crate) struct BspTree {
     /// Never empty; the root is the first.
     nodes: Vec<Node>,
     references: Vec<Packed>,
+    limits: Limits,
     params: BspParams,
 }
 
@@ -119,6 +128,15 @@ impl Cells for BspTree {
 
     fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.references.as_slice())
+    }
+
+    fn references(&self) -> &[Packed] {
+        &self.references
+    }
+
+    #[inline(always)]
+    fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     #[inline(always)]

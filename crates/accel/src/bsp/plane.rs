@@ -21,7 +21,8 @@
 //!
 //! Triangles are told apart by their vertices, not by their boxes. Their moment is the t of the hit, at which the ray is
 //! within `SLACK` |t D| and `clip::pad` of a point of the triangle on each axis (`clip.rs`). So a triangle counts as in
-//! front where f >= `pad` (|n_x| + |n_y| + |n_z|) at its vertices, and what is said above of a box holds for it.
+//! front where f >= `pad` (|n_x| + |n_y| + |n_z|) at its vertices, and what is said above of a box holds for it, for the
+//! rays within `clip::Limits`.
 
 use crate::{cells::Part, clip, local::LocalRay};
 use straal_math::{Bounds, DVec3, Vec3};
@@ -31,6 +32,9 @@ const SLACK: f64 = 64.0 * f32::EPSILON as f64;
 
 /// More than the relative error of sums of four products in double precision.
 const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
+
+/// By how much a plane must be moved to be beside what is at it, beyond [`Plane::error`].
+const BESIDE: f64 = 8.0 * ROUNDING;
 
 /// Crossings that underflow are off by less.
 const TINY: f64 = f64::from_bits((1023 - 140) << 52);
@@ -95,6 +99,14 @@ impl Plane {
         let hair = Self { normal, offset: 0.0 }.spread(clip::pad(v)) * 2.0;
         let offset = normal.dot(a) + hair;
         offset.is_finite().then_some(Self { normal, offset })
+    }
+
+    /// The planes at right angles to an axis, just before a primitive and just behind it: a triangle if its vertices are
+    /// given, else what fills its box.
+    pub fn beside(axis: usize, b: &Bounds, triangle: Option<&[Vec3; 3]>) -> [Self; 2] {
+        let hair = triangle.map_or(0.0, |v| clip::pad(v) * 2.0);
+        let (low, high) = (f64::from(b.min[axis]) - hair, f64::from(b.max[axis]) + hair);
+        [Self::across(axis, low - low.abs() * BESIDE), Self::across(axis, high + high.abs() * BESIDE)]
     }
 
     /// The plane at right angles to an axis, its front towards the axis' end.
@@ -225,6 +237,18 @@ mod tests {
         assert_eq!(side(&[-1.0, 2.0]), Side::Across);
         assert_eq!(side(&[f32::NAN, 2.0]), Side::Across);
         assert_eq!(plane.side_of_box(&Bounds { min: p(0.5), max: p(0.75) }), Side::Front);
+    }
+
+    #[test]
+    fn planes_beside() {
+        let v = [Vec3::new(1e3, 0.0, 0.0), Vec3::new(1e3, 1.0, 0.0), Vec3::new(1e3, 0.0, 1e-3)];
+        let b = Bounds::of_points(v);
+        for axis in 0..3 {
+            let sides = |of: [Plane; 2], side: &dyn Fn(&Plane) -> Side| of.map(|p| side(&p));
+            let (front, back) = (Side::Front, Side::Back);
+            assert_eq!(sides(Plane::beside(axis, &b, Some(&v)), &|p| p.side_of_triangle(&v)), [front, back]);
+            assert_eq!(sides(Plane::beside(axis, &b, None), &|p| p.side_of_box(&b)), [front, back]);
+        }
     }
 
     #[test]

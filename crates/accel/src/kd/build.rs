@@ -14,7 +14,7 @@ use super::{
     sweep::{self, Cut, Event, Kind},
 };
 use crate::{
-    clip,
+    clip::{self, Limits},
     partition::{self, Budget, depth_limit},
     structure::{Packed, Prim, PrimKind},
 };
@@ -42,7 +42,8 @@ pub(super) fn build(prims: &[Prim], params: &KdParams, vertices: &Vertices<'_>) 
     builder.subtree(Cell { bounds: cell, count: prims.len(), events, depth: 0 }, Budget::of(prims.len()));
     builder.nodes.shrink_to_fit();
     builder.references.shrink_to_fit();
-    KdTree { bounds, nodes: builder.nodes, references: builder.references, params: *params }
+    let limits = if params.clip { Limits::of(prims, vertices) } else { Limits::NONE };
+    KdTree { bounds, nodes: builder.nodes, references: builder.references, limits, params: *params }
 }
 
 fn add_events(events: &mut [Vec<Event>; 3], b: &Bounds, prim: u32) {

@@ -42,6 +42,7 @@ pub use params::KdParams;
 
 use crate::{
     cells::{self, CellOptions, Cells, Interval, Later, Opened, Todo},
+    clip::Limits,
     local::LocalRay,
     partition::{self, crossing, early, half_area, late},
     structure::{Packed, Prim, PrimKind},
@@ -65,6 +66,7 @@ pub(crate) struct KdTree {
     nodes: Vec<Node>,
     /// The primitives of the leaves, one leaf after the other.
     references: Vec<Packed>,
+    limits: Limits,
     params: KdParams,
 }
 
@@ -124,6 +126,15 @@ impl Cells for KdTree {
 
     fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.references.as_slice())
+    }
+
+    fn references(&self) -> &[Packed] {
+        &self.references
+    }
+
+    #[inline(always)]
+    fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     #[inline(always)]

@@ -8,7 +8,7 @@ use super::Lanes;
 use crate::{
     bvh::{Block, WIDTH},
     local::{LocalRay, ROW},
-    triangle::FLAT,
+    triangle::{FLAT, LEAST_DETERMINANT},
 };
 use std::arch::x86_64::*;
 
@@ -179,12 +179,15 @@ pub(super) unsafe fn block<P: Places>(r: &LocalRay, block: &Block, limit: f32) -
         let reach = _mm256_max_ps(reach, _mm256_max_ps(size(b[0]), size(b[1])));
         let reach = _mm256_max_ps(reach, _mm256_max_ps(size(c[0]), size(c[1])));
         let enough = _mm256_mul_ps(_mm256_mul_ps(reach, reach), _mm256_set1_ps(FLAT));
-        let flat = _mm256_cmp_ps::<_CMP_NGE_UQ>(size(det), enough);
-        out.doubtful = _mm256_movemask_ps(_mm256_or_ps(on_edge, flat)) as u32 & inside;
+        let enough = _mm256_max_ps(enough, _mm256_set1_ps(LEAST_DETERMINANT));
         let z = crossing.along(2);
         let depth = _mm256_add_ps(_mm256_mul_ps(u, z[0]), _mm256_mul_ps(v, z[1]));
         let depth = _mm256_add_ps(depth, _mm256_mul_ps(w, z[2]));
-        let t = _mm256_div_ps(_mm256_mul_ps(depth, _mm256_set1_ps(r.shear[2])), det);
+        let numerator = _mm256_mul_ps(depth, _mm256_set1_ps(r.shear[2]));
+        let enough = _mm256_add_ps(enough, _mm256_mul_ps(_mm256_add_ps(numerator, det), zero));
+        let flat = _mm256_cmp_ps::<_CMP_NGE_UQ>(size(det), enough);
+        out.doubtful = _mm256_movemask_ps(_mm256_or_ps(on_edge, flat)) as u32 & inside;
+        let t = _mm256_div_ps(numerator, det);
         let late = _mm256_cmp_ps::<_CMP_GE_OQ>(t, _mm256_set1_ps(r.ray.t_min));
         let early = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
         out.hit = _mm256_movemask_ps(_mm256_and_ps(late, early)) as u32 & inside & !out.doubtful;

@@ -9,7 +9,7 @@ use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
 use crate::{
     bvh::{Block, Node},
     local::LocalRay,
-    triangle::FLAT,
+    triangle::{FLAT, LEAST_DETERMINANT},
 };
 use std::arch::aarch64::*;
 
@@ -81,11 +81,14 @@ impl Kernel for Neon {
                 let reach = more(reach, more(vabsq_f32(b[0]), vabsq_f32(b[1])));
                 let reach = more(reach, more(vabsq_f32(c[0]), vabsq_f32(c[1])));
                 let enough = vmulq_f32(vmulq_f32(reach, reach), vdupq_n_f32(FLAT));
-                let flat = vmvnq_u32(vcgeq_f32(vabsq_f32(det), enough));
-                let doubtful = mask(vorrq_u32(on_edge, flat)) & inside;
+                let enough = more(enough, vdupq_n_f32(LEAST_DETERMINANT));
                 let depth = vaddq_f32(vmulq_f32(u, a[2]), vmulq_f32(v, b[2]));
                 let depth = vaddq_f32(depth, vmulq_f32(w, c[2]));
-                let t = vdivq_f32(vmulq_f32(depth, vdupq_n_f32(r.shear[2])), det);
+                let numerator = vmulq_f32(depth, vdupq_n_f32(r.shear[2]));
+                let enough = vaddq_f32(enough, vmulq_f32(vaddq_f32(numerator, det), zero));
+                let flat = vmvnq_u32(vcgeq_f32(vabsq_f32(det), enough));
+                let doubtful = mask(vorrq_u32(on_edge, flat)) & inside;
+                let t = vdivq_f32(numerator, det);
                 let late = vcgeq_f32(t, vdupq_n_f32(r.ray.t_min));
                 let within = mask(vandq_u32(late, vcleq_f32(t, vdupq_n_f32(limit))));
                 out.doubtful |= doubtful << half;

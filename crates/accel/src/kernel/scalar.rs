@@ -51,14 +51,14 @@ impl Kernel for Scalar {
             let edges = triangle::edges(&block.vertices(lane), r);
             let [u, v, w] = edges.e;
             let (least, most) = (ops::min(u, ops::min(v, w)), ops::max(u, ops::max(v, w)));
-            let det = edges.determinant();
+            let (det, numerator) = (edges.determinant(), edges.numerator(r.shear[2]));
             if !(least >= 0.0 || most <= 0.0) {
                 continue;
             }
-            if least == 0.0 || most == 0.0 || !edges.is_well_conditioned(det) {
+            if least == 0.0 || most == 0.0 || !edges.is_well_conditioned(det, numerator) {
                 out.doubtful |= 1 << lane;
             } else {
-                let t = edges.t(det, r.shear[2]);
+                let t = numerator / det;
                 if t >= r.ray.t_min && t <= limit {
                     out.hit |= 1 << lane;
                     (out.t[lane], out.det[lane], out.e1[lane], out.e2[lane]) = (t, det, v, w);

@@ -8,7 +8,7 @@ use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
 use crate::{
     bvh::{Block, Child, Node},
     local::LocalRay,
-    triangle::FLAT,
+    triangle::{FLAT, LEAST_DETERMINANT},
 };
 use std::arch::x86_64::*;
 
@@ -98,11 +98,14 @@ impl Kernel for Sse {
                 let reach = _mm_max_ps(reach, _mm_max_ps(size(b[0]), size(b[1])));
                 let reach = _mm_max_ps(reach, _mm_max_ps(size(c[0]), size(c[1])));
                 let enough = _mm_mul_ps(_mm_mul_ps(reach, reach), _mm_set1_ps(FLAT));
-                let flat = _mm_cmpnge_ps(size(det), enough);
-                let doubtful = _mm_movemask_ps(_mm_or_ps(on_edge, flat)) as u32 & inside;
+                let enough = _mm_max_ps(enough, _mm_set1_ps(LEAST_DETERMINANT));
                 let depth = _mm_add_ps(_mm_mul_ps(u, a[2]), _mm_mul_ps(v, b[2]));
                 let depth = _mm_add_ps(depth, _mm_mul_ps(w, c[2]));
-                let t = _mm_div_ps(_mm_mul_ps(depth, _mm_set1_ps(r.shear[2])), det);
+                let numerator = _mm_mul_ps(depth, _mm_set1_ps(r.shear[2]));
+                let enough = _mm_add_ps(enough, _mm_mul_ps(_mm_add_ps(numerator, det), zero));
+                let flat = _mm_cmpnge_ps(size(det), enough);
+                let doubtful = _mm_movemask_ps(_mm_or_ps(on_edge, flat)) as u32 & inside;
+                let t = _mm_div_ps(numerator, det);
                 let late = _mm_cmpge_ps(t, _mm_set1_ps(r.ray.t_min));
                 let within = _mm_and_ps(late, _mm_cmple_ps(t, _mm_set1_ps(limit)));
                 let within = _mm_movemask_ps(within) as u32;

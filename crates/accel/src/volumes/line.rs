@@ -9,8 +9,11 @@ use straal_math::DVec3;
 /// `triangle.rs` moves and shears are off by 4. Across three axes that is less than 35.
 const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
 
-/// Products of coordinates below this underflow: they hide a sign, and with it a place.
-const UNDERFLOW: f64 = 1e-19;
+/// By how much underflow of crossings (`slab.rs`), at 2^-149, can shift a line along directions up to [`LONGEST`].
+const UNDERFLOW: f64 = 1e-28;
+
+/// More than the error of t that comes from underflow (`triangle.rs`).
+const ERROR: f64 = f64::from_bits((1023 - 98) << 52);
 
 /// Where coordinates or directions are as large or as small as this, products of them overflow or reciprocals are cut
 /// (`local.rs`), and nothing is said of the line.
@@ -54,6 +57,6 @@ impl Line {
         let cross = |x: f64| (x - self.o[axis]) / self.d[axis];
         let (a, b) = (cross(center[axis] - half), cross(center[axis] + half));
         let (near, far) = if a < b { (a, b) } else { (b, a) };
-        near <= f64::from(limit) && far >= self.t_min
+        near <= f64::from(limit) + ERROR && far + ERROR >= self.t_min
     }
 }

@@ -190,6 +190,15 @@ pub fn partitions() -> Vec<Structure> {
             traversal_cost: 0.0,
             ..bsp
         }),
+        Structure::Bsp(BspParams { choice: BspChoice::Sah, ..bsp }),
+        Structure::Bsp(BspParams {
+            choice: BspChoice::Sah,
+            candidates: 3,
+            leaf_size: 0,
+            max_depth: 64,
+            traversal_cost: 0.0,
+            ..bsp
+        }),
     ]
 }
 

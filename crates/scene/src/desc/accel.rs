@@ -3,8 +3,11 @@
 use crate::describe::describe;
 use crate::limit::Limit;
 
-/// What a cost may be: only the ratio of costs matters.
+/// What the cost of a test may be: only the ratio of costs matters.
 const COST: Limit = Limit { min: 0.0, max: 1e6, open: true };
+
+/// What a cost beside it may be. It may be no cost at all.
+const COST_BESIDE: Limit = Limit::within(0.0, 1e6);
 
 describe! {
     /// How rays are searched. It never changes the picture.
@@ -73,7 +76,7 @@ describe! {
         /// The kind of volume.
         volume: VolumeKind = VolumeKind::Box,
         /// Cost of the test of a volume.
-        traversal_cost: f64 [COST] = 0.5,
+        traversal_cost: f64 [COST_BESIDE] = 0.5,
         /// Cost of the test of a primitive, in the same unit.
         intersection_cost: f64 [COST] = 1.0,
     }
@@ -99,7 +102,7 @@ describe! {
         /// Most primitives in a leaf.
         leaf_size: u32 [Limit::within(1.0, 1e6)] = 4,
         /// Cost of a step to an inner node, with the tests of its two boxes.
-        traversal_cost: f64 [COST] = 1.0,
+        traversal_cost: f64 [COST_BESIDE] = 1.0,
         /// Cost of the test of a primitive, in the same unit.
         intersection_cost: f64 [COST] = 1.0,
     }
@@ -130,7 +133,7 @@ describe! {
         /// factor is halved.
         max_cells: u32 [Limit::within(1.0, 268_435_456.0)] = 33_554_432,
         /// Cost of a step to the next cell.
-        traversal_cost: f64 [COST] = 0.5,
+        traversal_cost: f64 [COST_BESIDE] = 0.5,
         /// Cost of the test of a primitive, in the same unit.
         intersection_cost: f64 [COST] = 1.0,
     }
@@ -140,7 +143,7 @@ describe! {
     /// A kd-tree, built by the exact surface area heuristic.
     pub struct KdTree {
         /// Cost of a step through a node, beside `intersection_cost`.
-        traversal_cost: f64 [COST] = 0.75,
+        traversal_cost: f64 [COST_BESIDE] = 0.75,
         /// Cost of the test of one primitive.
         intersection_cost: f64 [COST] = 1.0,
         /// Part of the cost that is remitted to a cut that leaves one side empty.
@@ -166,7 +169,7 @@ describe! {
         /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
         mailboxes: bool = true,
         /// Cost of a step through a node, beside `intersection_cost`; for the reported cost alone.
-        traversal_cost: f64 [COST] = 1.0,
+        traversal_cost: f64 [COST_BESIDE] = 1.0,
         /// Cost of the test of one primitive; for the reported cost alone.
         intersection_cost: f64 [COST] = 1.0,
     }
@@ -175,19 +178,32 @@ describe! {
 describe! {
     /// A tree of planes at any angle.
     pub struct BspTree {
+        /// Which of the candidates cuts a cell.
+        choice: PlaneChoice = PlaneChoice::Even,
         /// How many triangles of a cell offer their planes for a cut.
         candidates: u32 [Limit::within(0.0, 1024.0)] = 8,
         /// Cells of so few primitives are left alone.
         leaf_size: u32 [Limit::within(1.0, 65536.0)] = 4,
         /// Most levels; 0 for 8 + 1.3 log2 n.
         max_depth: u32 [Limit::within(0.0, 64.0)] = 0,
-        /// What a primitive on both sides of a plane weighs against one too many on one side.
-        straddle_cost: f64 [COST] = 4.0,
+        /// What a primitive on both sides of a plane weighs against one too many on one side, where `choice` is `even`.
+        straddle_cost: f64 [COST_BESIDE] = 4.0,
         /// Whether a ray remembers the primitives that it tested last, so that one in several leaves is tested once.
         mailboxes: bool = true,
         /// Cost of a step through a node, beside `intersection_cost`.
-        traversal_cost: f64 [COST] = 1.5,
+        traversal_cost: f64 [COST_BESIDE] = 1.5,
         /// Cost of the test of one primitive.
         intersection_cost: f64 [COST] = 1.0,
+    }
+}
+
+describe! {
+    /// Which plane cuts a cell of a BSP tree.
+    pub enum PlaneChoice {
+        /// The one with few primitives across it, and equal numbers on both sides.
+        "even" => Even,
+        /// The one from which the surface area heuristic expects the least cost. Planes beside triangles, at right angles to
+        /// the axes, are candidates as well. Dearer to build, and far cheaper to search.
+        "sah" => Sah,
     }
 }

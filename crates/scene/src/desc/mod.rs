@@ -14,8 +14,8 @@ pub mod spectrum;
 pub mod transform;
 
 pub use accel::{
-    Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, Split, Structure, UniformGrid,
-    VolumeKind, WideBvh,
+    Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, PlaneChoice, Split, Structure,
+    UniformGrid, VolumeKind, WideBvh,
 };
 pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,

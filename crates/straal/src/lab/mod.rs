@@ -304,25 +304,45 @@ fn contenders(wish: Option<&[Contender]>, primitives: usize) -> (Vec<Contender>,
 /// assert_eq!([&list[0].name, &list[1].name], ["brute", "bvh:build=fast,compact=true"]);
 /// ```
 pub fn parse_structures(text: &str) -> Result<Vec<Contender>, Error> {
+    let bad = |what: String| {
+        let known = suggest::list(search::NAMES.iter().copied());
+        Error::Structures(format!("{what} (there are {known})"))
+    };
     let mut names: Vec<String> = Vec::new();
     for part in text.split(',') {
+        let part = part.trim();
+        if part.is_empty() {
+            let what =
+                if text.trim().is_empty() { "no search structure is named" } else { "a comma too many" };
+            return Err(bad(format!(
+                "{what} in `{}`: write names with commas between",
+                suggest::brief(text)
+            )));
+        }
         let parameter = part.find('=').is_some_and(|at| !part[..at].contains(':'));
         match names.last_mut() {
-            Some(last) if parameter => {
+            Some(last) if parameter && last.contains(':') => {
                 last.push(',');
                 last.push_str(part);
             }
-            _ => names.push(part.trim().to_owned()),
+            Some(last) if parameter => {
+                let (last, part) = (suggest::brief(last), suggest::brief(part));
+                return Err(bad(format!(
+                    "`{part}` stands after a comma, but the first parameter of `{last}` after a colon: `{last}:{part}`"
+                )));
+            }
+            _ => names.push(part.to_owned()),
         }
     }
     let contender = |name: String| {
-        let structure = search::parse(&name).map_err(|e| {
-            let known = suggest::list(search::NAMES.iter().copied());
-            Error::Structures(format!(
-                "`{}` is no search structure: {e} (there are {known})",
-                suggest::brief(&name)
-            ))
-        })?;
+        let kind = name.split(':').next().unwrap_or_default().trim();
+        if !search::NAMES.contains(&kind) {
+            let guess = suggest::did_you_mean(kind, search::NAMES.iter().copied());
+            let guess = guess.map_or(String::new(), |guess| format!(": {guess}"));
+            return Err(bad(format!("`{}` is no search structure{guess}", suggest::brief(kind))));
+        }
+        let structure = search::parse(&name)
+            .map_err(|e| Error::Structures(format!("`{}`: {e}", suggest::brief(&name))))?;
         Ok(Contender { name, structure })
     };
     names.into_iter().map(contender).collect()
@@ -401,7 +421,14 @@ mod tests {
     fn an_unknown_structure_is_told_with_the_known_ones() {
         for (text, parts) in [
             ("brute,bhv", ["`bhv`", "did you mean `bvh`?", "`brute`"]),
-            ("bvh:biuld=fast", ["did you mean `build`?", "`bvh`", "`brute`"]),
+            ("bvh:biuld=fast", ["`bvh:biuld=fast`: ", "unknown key `biuld`", "did you mean `build`?"]),
+            ("tree", ["`tree` is no search structure", "`bvh`", "`brute`"]),
+            ("bvh2,", ["a comma too many in `bvh2,`", "`grid`", "`brute`"]),
+            (",bvh2", ["a comma too many in `,bvh2`", "`grid`", "`brute`"]),
+            ("bvh:build=fast,,brute", ["a comma too many", "`grid`", "`brute`"]),
+            (" ", ["no search structure is named", "`grid`", "`brute`"]),
+            ("bvh,build=fast", ["`build=fast` stands after a comma", "`bvh:build=fast`", "`brute`"]),
+            ("build=fast", ["`build=fast` is no search structure", "`bvh`", "`brute`"]),
         ] {
             let told = parse_structures(text).unwrap_err().to_string();
             assert!(parts.iter().all(|part| told.contains(part)), "{told}");

@@ -167,7 +167,7 @@ fn naive(prims: &[Prim], params: &KdParams, vertices: &Vertices<'_>, patience: u
     let budget = Budget::of(prims.len());
     naive.subtree(Rest { bounds: partition::finite(&bounds), parts, depth: 0, budget, patience });
     let Builder { nodes, references, .. } = naive.0;
-    KdTree { bounds, nodes, references, params: *params }
+    KdTree { bounds, nodes, references, limits: Limits::NONE, params: *params }
 }
 
 /// With the formula of `mod.rs` written out, and every plane tried that there is.
