@@ -171,6 +171,9 @@ impl Film {
             for c in 0..3 {
                 let (mean, variance) = sum.mean_and_variance(c);
                 (out.rgb[i][c], out.variance[i][c]) = (mean as f32, variance as f32);
+                if let Some(error) = &mut out.error {
+                    error.rgb[i][c] = (variance as f32).sqrt();
+                }
             }
             if let Some(BandLayers { planes, .. }) = &mut out.bands {
                 let weight = sum.weight.to_f64();
