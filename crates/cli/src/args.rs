@@ -425,7 +425,7 @@ pub struct SamplerArgs {
     #[arg(long, value_name = "X,Y", default_value = "0,1", value_parser = quantity::dimensions)]
     pub dimensions: Dimensions,
 
-    /// Draw the points as an SVG; when no name follows, to one of the pattern's name in the current folder
+    /// Draw the points as an SVG (.svg); when no name follows, to one of the pattern's name in the current folder
     #[arg(long, value_name = "DRAWING")]
     pub plot: Option<Option<PathBuf>>,
 

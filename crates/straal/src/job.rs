@@ -139,6 +139,17 @@ pub struct Progress {
     pub pixels: u64,
     /// Rays traced so far, and time where a clock was lent.
     pub times: Times,
+    /// How many blocks still need samples, where noise decides that; of the replicate under way.
+    pub blocks: Option<Blocks>,
+}
+
+/// Blocks of 8 x 8 pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Blocks {
+    /// Those that need further samples.
+    pub left: u64,
+    /// All of them.
+    pub of: u64,
 }
 
 /// What a render leaves.
@@ -407,6 +418,8 @@ impl Job {
     ) -> Result<Run, Error> {
         let mut render = Render::new(&self.world, integrator, settings, control.clock.clone())?;
         let (before, times) = (progress.samples, progress.times);
+        let adapts = self.settings.noise.is_some();
+        let all_blocks = self.noisy_blocks(render.film());
         let mut passes = 0;
         // A short first pass gives a picture, and a forecast, at once.
         let mut next = 1.min(spp);
@@ -418,6 +431,8 @@ impl Job {
             progress.next = u64::from(next);
             progress.times = times;
             progress.times += render.times();
+            progress.blocks =
+                adapts.then(|| Blocks { left: self.noisy_blocks(render.film()), of: all_blocks });
             control.keep_on = control.progress.as_mut().is_none_or(|say| say(progress) == Verdict::GoOn);
         }
         Ok(Run {

@@ -22,7 +22,7 @@ const ACROSS: u32 = TILE / BLOCK;
 pub const DARK: f64 = 0.01;
 
 /// The least number of samples after which blocks are looked at.
-const FIRST_LOOK: u32 = 32;
+pub const FIRST_LOOK: u32 = 32;
 
 /// The look after `samples` samples: the next of 32, 48, 64, 96, 128, ...
 pub(crate) fn next_look(samples: u32) -> u32 {

@@ -10,7 +10,7 @@ mod hash;
 mod recording;
 mod splat;
 
-pub use adaptive::{BLOCK, DARK};
+pub use adaptive::{BLOCK, DARK, FIRST_LOOK};
 pub use evidence::Evidence;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
