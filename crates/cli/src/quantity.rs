@@ -195,7 +195,7 @@ pub fn tell_duration(seconds: f64) -> String {
 pub fn tell_percent(part: f64) -> String {
     let text = format!("{:.6}", 100.0 * part);
     let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "0" { format!("{:e} %", 100.0 * part) } else { format!("{text} %") }
+    if text == "0" { format!("{:.0e} %", 100.0 * part) } else { format!("{text} %") }
 }
 
 /// An amount of memory as people read it, in powers of 1000.
