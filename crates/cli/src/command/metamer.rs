@@ -6,7 +6,7 @@ use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
 use std::io::Write;
 use std::path::Path;
-use straal_color::spectrum::{Beyond, Bins, FIRST, illuminant, metamer, refraction, uplift::Uplift};
+use straal_color::spectrum::{Bins, FIRST, Quantity, illuminant, metamer, refraction, uplift::Uplift};
 use straal_formats::{atomic, spd};
 use straal_scene::value::Color;
 
@@ -24,7 +24,7 @@ pub fn run(args: &MetamerArgs) -> Result<Exit, Failure> {
     let rows: Vec<(&str, f64)> = illuminant::NAMES
         .iter()
         .filter_map(|name| {
-            let light = illuminant::by_name(name)?.bins(Beyond::Zero);
+            let light = illuminant::by_name(name)?.bins(Quantity::Emission);
             Some((*name, metamer::difference(&a, &b, &light, args.observer)))
         })
         .collect();
@@ -65,7 +65,7 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
     let path = Path::new(typed);
     if !path.exists() {
         if let Some([eta, k]) = refraction::metal(typed) {
-            return Ok(refraction::facing(&eta.bins(Beyond::Same), &k.bins(Beyond::Same)));
+            return Ok(refraction::facing(&eta.bins(Quantity::Index), &k.bins(Quantity::Index)));
         }
         if illuminant::by_name(typed).is_some() {
             let help = "--under says under which light a metamer is made";
@@ -74,7 +74,7 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
     }
     let bytes = read_bytes(path)?;
     let spectrum = spd::read(&bytes).map_err(|e| Failure::input(format!("can't read {typed}: {e}")))?;
-    let bins = spectrum.smooth();
+    let bins = spectrum.bins(Quantity::Reflectance);
     if spectrum.peak() > 1.0 {
         return Err(Failure::input(format!("{typed} is no reflectance: it reaches {}", spectrum.peak())));
     }
@@ -85,7 +85,7 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
 fn make(a: &Bins, args: &MetamerArgs, path: &Path) -> Result<Bins, Failure> {
     let light = illuminant::by_name(&args.under)
         .ok_or_else(|| Failure::input(format!("there is no illuminant {}", args.under)))?
-        .bins(Beyond::Zero);
+        .bins(Quantity::Emission);
     let twin = metamer::of(a, &light, args.observer).ok_or_else(|| {
         Failure::input(format!(
             "{} has no metamer: as black or white as it is, there is no room for one",

@@ -233,12 +233,23 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
     match given[..] {
         [] => d.push(Diagnostic::error(keys.owner(), format!("a spectrum needs one of {FORMS}"))),
         ["wavelengths"] => {
-            if let Err(fault) = Table::new(m.wavelengths.clone(), m.values.clone()) {
-                let key = if matches!(fault, Fault::Negative { .. }) { "values" } else { "wavelengths" };
+            let table = Table::new(m.wavelengths.clone(), m.values.clone());
+            if let Err(fault) = table.and_then(|table| m.of_table(&table)) {
+                let key = match fault {
+                    Fault::Negative { .. } => "values",
+                    Fault::Uneven { .. } | Fault::Few(_) => "interpolation",
+                    _ => "wavelengths",
+                };
                 d.push(Diagnostic::error(keys.span(key), fault.to_string()));
             }
         }
-        [_] => {
+        ["file"] => {}
+        [form] => {
+            if m.interpolation.is_some() {
+                let message = format!("`interpolation` means nothing beside `{form}`");
+                let help = "it is for the tables of `file`, and of `wavelengths` with `values`";
+                d.push(Diagnostic::error(keys.key_span("interpolation"), message).help(help));
+            }
             if let Some(name) = &m.name {
                 known(name, "illuminant", illuminant::by_name(name).is_some(), illuminant::NAMES, d);
             }

@@ -35,7 +35,7 @@ pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,
 };
-pub use spectrum::{Formula, Index, Measured, Spectrum};
+pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use transform::{Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint};
 
 use crate::describe::describe;
