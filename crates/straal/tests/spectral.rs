@@ -6,7 +6,9 @@ use std::path::Path;
 use straal::compare::{Estimate, Tails, compare};
 use straal::{Control, Job, LoadOptions, Overrides, Picture, Recording};
 use straal_color::spectrum::uplift;
-use straal_color::{Matrix3, Space};
+use straal_color::{Matrix3, RgbSpace, Space};
+use straal_formats::Limits;
+use straal_formats::image::exr;
 use straal_math::lowdisc::PatternKind;
 use straal_scene::Image;
 
@@ -96,7 +98,13 @@ lights: [directional: {{ direction: [0, 0, -1], irradiance: {light} }}]
 /// The measured patches of a ColorChecker as they are rendered under D65, and the X, Y and Z that another program
 /// (colour-science 0.4.7, ASTM E308) gives them. Nothing if this machine has no shared data.
 struct Checker {
-    patches: Vec<(String, [f64; 3])>,
+    wavelengths: Vec<f64>,
+    patches: Vec<Patch>,
+}
+
+struct Patch {
+    values: Vec<f64>,
+    xyz: [f64; 3],
 }
 
 impl Checker {
@@ -107,16 +115,15 @@ impl Checker {
         let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
         let (table, expected) = (read("colourchecker_babelcolor_average.csv"), read("expected_values.txt"));
         let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|l| l.split(',').collect()).collect();
-        let column = |c: usize| rows[1..].iter().map(|r| r[c]).collect::<Vec<_>>().join(", ");
+        let column = |c: usize| -> Vec<f64> { rows[1..].iter().map(|r| r[c].parse().unwrap()).collect() };
         let patch = |c: usize| {
             let label = format!("BabelColor Average {} XYZ under D65 /100: [", rows[0][c]);
             let after = expected.split_once(&label).expect("an expected value").1;
-            let xyz: Vec<f64> =
-                after.split(']').next().unwrap().split_whitespace().map(|w| w.parse().unwrap()).collect();
-            let spectrum = format!("wavelengths: [{}], values: [{}]", column(0), column(c));
-            (spectrum, [xyz[0], xyz[1], xyz[2]])
+            let numbers = after.split(']').next().unwrap().split_whitespace();
+            let xyz: Vec<f64> = numbers.map(|w| w.parse().unwrap()).collect();
+            Patch { values: column(c), xyz: [xyz[0], xyz[1], xyz[2]] }
         };
-        Some(Self { patches: (1..rows[0].len()).map(patch).collect() })
+        Some(Self { wavelengths: column(0), patches: (1..rows[0].len()).map(patch).collect() })
     }
 
     /// One pixel for each patch.
@@ -129,13 +136,12 @@ lights: [directional: { direction: [0, 0, -1], irradiance: { name: D65, scale: 3
 world:
 ",
         );
-        for (k, (spectrum, _)) in self.patches.iter().enumerate() {
-            let corner = [k % Self::COLUMNS, 3 - k / Self::COLUMNS];
-            text += &format!(
-                "  - rectangle: {{ corner: [{}, {}, 0], edges: [[1, 0, 0], [0, 1, 0]], material: {{ diffuse: {{ reflectance: {{ {spectrum}, {interpolation} \
-                 }} }} }} }}\n",
-                corner[0], corner[1]
-            );
+        for (k, patch) in self.patches.iter().enumerate() {
+            let [x, y] = [k % Self::COLUMNS, 3 - k / Self::COLUMNS];
+            let spectrum = format!("wavelengths: {:?}, values: {:?}", self.wavelengths, patch.values);
+            let material = format!("{{ diffuse: {{ reflectance: {{ {spectrum}, {interpolation} }} }} }}");
+            let edges = "edges: [[1, 0, 0], [0, 1, 0]]";
+            text += &format!("  - rectangle: {{ corner: [{x}, {y}, 0], {edges}, material: {material} }}\n");
         }
         let loaded = straal::load_str("test.yaml", &text, Path::new(""), &LoadOptions::default());
         let job = Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), wish).expect("a world");
@@ -144,8 +150,8 @@ world:
 
     /// The greatest difference from what is expected, as a matrix makes numbers of X, Y and Z.
     fn error(&self, pixels: &[[f32; 3]], matrix: &Matrix3) -> f64 {
-        let far = |(pixel, (_, xyz)): (&[f32; 3], &(String, [f64; 3]))| {
-            let want = matrix.apply(*xyz);
+        let far = |(pixel, patch): (&[f32; 3], &Patch)| {
+            let want = matrix.apply(patch.xyz);
             // What a screen can't show is black in RGB.
             let shown = want.map(|v| if v > 0.0 { v } else { 0.0 });
             (0..3).map(|c| (f64::from(pixel[c]) - shown[c]).abs()).fold(0.0, greater)
@@ -178,6 +184,25 @@ fn a_rendered_color_checker_is_that_of_the_oracle() {
     assert!(error("interpolation: linear") > 1e-3);
     let rgb = checker.render("", Overrides { spp: Some(1), ..Overrides::default() });
     let error = checker.error(&rgb, &uplift::rgb_from_xyz(Space::Srgb));
+    assert!(error < 1e-4, "{error}");
+}
+
+/// The same tables as a picture of reflectances are developed to the same colours.
+#[test]
+fn a_picture_of_reflectances_is_seen_under_daylight() {
+    let Some(checker) = Checker::read() else { return };
+    let mut picture = exr::Picture::of_size(checker.patches.len(), 1);
+    let channel = |(i, nm): (usize, &f64)| exr::Channel {
+        name: format!("{nm:.3}nm").replace('.', ","),
+        samples: checker.patches.iter().map(|p| p.values[i] as f32).collect(),
+    };
+    let channels = checker.wavelengths.iter().enumerate().map(channel).collect();
+    picture.layers = vec![exr::Layer { name: "T".into(), channels }];
+    let mut bytes = Vec::new();
+    exr::write(&mut bytes, &picture).expect("an EXR");
+    let beauty = exr::read(&bytes, &Limits::default()).expect("an EXR").beauty().expect("colours");
+    assert_eq!(beauty.space, Some(RgbSpace::XYZ));
+    let error = checker.error(&beauty.pixels, &Matrix3::IDENTITY);
     assert!(error < 1e-4, "{error}");
 }
 

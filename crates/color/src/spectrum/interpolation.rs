@@ -49,6 +49,28 @@ pub(super) fn smooth(values: &[f64], gap: usize, t: f64, quantity: Quantity) -> 
     }
 }
 
+/// By how much each of the points about a wavelength counts in the value there, and which they are. The sum is the value without
+/// regard to what can be, which is linear in the points.
+pub(super) fn weights(wavelengths: &[f64], nm: f64) -> [(usize, f64); 4] {
+    let w = wavelengths;
+    let next = w.partition_point(|&x| x <= nm);
+    let mut out = [(0, 0.0); 4];
+    let near = if next == 0 {
+        0..1
+    } else if next == w.len() {
+        next - 1..next
+    } else if fitting(w) == Interpolation::Linear {
+        next - 1..next + 1
+    } else {
+        next.saturating_sub(2)..if next + 2 < w.len() { next + 2 } else { w.len() }
+    };
+    for (slot, a) in out.iter_mut().zip(near.clone()) {
+        let others = near.clone().filter(|&b| b != a);
+        *slot = (a, others.map(|b| (nm - w[b]) / (w[a] - w[b])).product());
+    }
+    out
+}
+
 /// A polynomial over a gap, from 0 to 1.
 struct Cubic {
     /// The points between which the gap is.
