@@ -8,6 +8,7 @@ use std::io::Write;
 use std::path::Path;
 use straal_color::spectrum::{Bins, FIRST, Quantity, illuminant, metamer, refraction, uplift::Uplift};
 use straal_formats::{atomic, spd};
+use straal_scene::suggest::{did_you_mean, list};
 use straal_scene::value::Color;
 
 /// Below this difference colours match: about what trained eyes can tell apart side by side.
@@ -71,12 +72,21 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
             let help = "--under says under which light a metamer is made";
             return Err(Failure::input(format!("{typed} is a light, and surfaces are compared")).help(help));
         }
+        let metals: Vec<&str> = refraction::metal_names().collect();
+        let near = did_you_mean(typed, metals.iter().copied());
+        let forms = format!(
+            "it is a file, a colour such as '#b0a090', a grey from 0 to 1, or a metal: {}",
+            list(metals)
+        );
+        return Err(Failure::input(format!("there is no spectrum {typed}")).help(near.unwrap_or(forms)));
     }
     let bytes = read_bytes(path)?;
     let spectrum = spd::read(&bytes).map_err(|e| Failure::input(format!("can't read {typed}: {e}")))?;
     let bins = spectrum.bins(Quantity::Reflectance);
     if spectrum.peak() > 1.0 {
-        return Err(Failure::input(format!("{typed} is no reflectance: it reaches {}", spectrum.peak())));
+        let message = format!("{typed} is no reflectance: it reaches {}", spectrum.peak());
+        return Err(Failure::input(message)
+            .help("of all light that falls on it a surface sends back 1; percents are hundredths"));
     }
     Ok(bins)
 }
@@ -116,6 +126,15 @@ mod tests {
         assert!(told(&[("A", 0.0)]).ends_with("under all of these lights.\n"));
         assert!(surface("1.5").is_err() && surface("#zzz").is_err() && surface("0.4").is_ok());
         assert!(surface("D65").is_err());
+        let told = |typed: &str| {
+            surface(typed).err().map(|f| format!("{} {:?}", f.message, f.help)).unwrap_or_default()
+        };
+        assert!(
+            told("glod").contains("no spectrum glod") && told("glod").contains("`gold`"),
+            "{}",
+            told("glod")
+        );
+        assert!(told("#12345").contains("'#b0a090'"), "{}", told("#12345"));
         // Silver is a good mirror and nearly colourless, gold has lost its blue.
         let at = |name: &str, nm: usize| surface(name).map_or(0.0, |bins| bins[nm - FIRST]);
         assert!(at("silver", 450) > 0.9 && at("gold", 450) < 0.5 && at("Gold", 700) > 0.9);
