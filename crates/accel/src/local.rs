@@ -1,6 +1,6 @@
 //! A ray in the space of one group, with what every test there needs.
 
-use crate::{bvh::WIDTH, slab::NODE_EXIT};
+use crate::{bvh::Row, slab::NODE_EXIT};
 use straal_math::{Ray, Vec3};
 
 /// A valid ray in a group's space. Computed once a level; scalar code and vector kernels read the same numbers.
@@ -25,7 +25,7 @@ pub(crate) struct LocalRay {
     pub origin: [f32; 3],
     /// Shear and scale: d[x] / d[z], d[y] / d[z], 1 / d[z].
     pub shear: [f32; 3],
-    /// Where the coordinates along these axes stand in a vertex of a block, in bytes; the last is 0.
+    /// Where the coordinates along these axes stand in a block, in bytes; the last is 0.
     pub rows: [u8; 4],
 }
 
@@ -112,8 +112,8 @@ pub(crate) static NEG: [[u8; 3]; 8] = {
     out
 };
 
-/// Bytes of one coordinate of each triangle of a block.
-pub(crate) const ROW: u8 = (WIDTH * size_of::<f32>()) as u8;
+/// Bytes of one coordinate of the vertices of a block.
+pub(crate) const ROW: u8 = size_of::<Row>() as u8;
 
 /// The axis after, in a circle: after axis z come x = `NEXT[z]` and y = `NEXT[z + 1]`.
 const NEXT: [usize; 4] = [1, 2, 0, 1];

@@ -180,7 +180,7 @@ impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
     #[inline(always)]
     pub fn lane_counts(&self, at: &Place<'_>, block: &Block, found: &LaneHit) -> Option<f32> {
         let (lane, t) = (found.lane as usize % WIDTH, found.hit.t);
-        if !self.sees(at, block.id[lane]) {
+        if !self.sees(at, block.id(lane)) {
             return None;
         }
         match found.boxed {

@@ -7,7 +7,7 @@
 //! number of threads builds the same tree.
 
 use super::{
-    Block, Bvh, Child, WIDTH,
+    Bvh, Child, Outline, WIDTH,
     collapse::{Costs, Twig, What, choose},
     object_split,
     params::{Build, BvhParams},
@@ -86,8 +86,7 @@ impl Binary {
         if span.len() <= task_size {
             self.twigs.push(Twig::new(&span.bounds, What::Task(self.tasks.len() as u32)));
             self.tasks.push(*span);
-        } else if span.is_leaf() {
-            let leaf = self.leaf(&refs[span.start..span.end], plan);
+        } else if let Some(leaf) = self.leaf(&refs[span.start..span.end], span, plan) {
             self.twigs.push(Twig::new(&span.bounds, What::Leaf(leaf)));
         } else {
             let [left, right] = split(&mut refs[span.places()], span, plan);
@@ -98,19 +97,20 @@ impl Binary {
         }
     }
 
-    fn leaf(&mut self, refs: &[Ref], plan: &Plan<'_>) -> Child {
-        if refs[0].object {
-            return Child::object(refs[0].id);
+    /// A block of triangles, or one object, if that is what the range is.
+    fn leaf(&mut self, refs: &[Ref], span: &Span, plan: &Plan<'_>) -> Option<Child> {
+        if refs.len() == 1 && refs[0].object {
+            return Some(Child::object(refs[0].id));
         }
-        let mut ids = [u32::MAX; WIDTH];
-        for (id, r) in ids.iter_mut().zip(refs) {
-            *id = r.id;
+        if refs.len() > WIDTH || span.objects > 0 {
+            return None;
         }
+        let (outline, block) = Outline::of(refs.iter().map(|r| r.id), plan.vertices)?;
         match plan.compact {
-            true => self.ids.push(ids),
-            false => self.blocks.push(Block::of(&ids, plan.vertices)),
+            true => self.outlines.push(outline),
+            false => self.blocks.push(block),
         }
-        Child::block(self.leaves() as u32 - 1)
+        Some(Child::block(self.leaves() as u32 - 1))
     }
 }
 

@@ -2,7 +2,9 @@
 //!
 //! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
+pub(crate) mod block;
 mod build;
+pub(crate) mod bundle;
 mod collapse;
 pub(crate) mod many;
 pub(crate) mod near;
@@ -27,7 +29,10 @@ use straal_math::{Bounds, Vec3};
 /// Boxes in a node, triangles in a block.
 pub(crate) const WIDTH: usize = 8;
 
+pub(crate) use block::{Block, Row};
 pub(crate) use build::STACK;
+
+use block::Outline;
 
 /// Eight boxes and what is inside each: four cache lines.
 #[derive(Clone, Copy)]
@@ -159,42 +164,6 @@ impl Child {
     }
 }
 
-/// Up to eight triangles, coordinate by coordinate: five cache lines.
-#[derive(Clone, Copy)]
-#[repr(C, align(64))]
-pub(crate) struct Block {
-    /// By vertex, then axis. NaN in an unused lane, which nothing hits.
-    pub v: [[[f32; WIDTH]; 3]; 3],
-    /// The triangles' numbers in the group; `u32::MAX` in an unused lane.
-    pub id: [u32; WIDTH],
-}
-
-impl Block {
-    const EMPTY: Self = Self { v: [[[f32::NAN; WIDTH]; 3]; 3], id: [u32::MAX; WIDTH] };
-
-    #[inline(always)]
-    pub fn vertices(&self, lane: usize) -> [Vec3; 3] {
-        let at = |i: usize| Vec3::new(self.v[i][0][lane], self.v[i][1][lane], self.v[i][2][lane]);
-        [at(0), at(1), at(2)]
-    }
-
-    /// Triangles by their numbers; `u32::MAX` for an unused lane.
-    fn of(ids: &[u32; WIDTH], vertices: impl Fn(u32) -> [Vec3; 3]) -> Self {
-        let mut out = Self { id: *ids, ..Self::EMPTY };
-        for (lane, &id) in ids.iter().enumerate().filter(|(_, id)| **id != u32::MAX) {
-            for (to, from) in out.v.iter_mut().zip(vertices(id)) {
-                (to[0][lane], to[1][lane], to[2][lane]) = (from.x, from.y, from.z);
-            }
-        }
-        out
-    }
-
-    /// Triangles in it, for counting.
-    fn count(&self) -> u32 {
-        self.id.iter().map(|&id| u32::from(id != u32::MAX)).sum()
-    }
-}
-
 /// Trees of more bytes than this are prefetched from: smaller ones stay in the second-level cache, or nearly so.
 const CACHED: usize = 1 << 20;
 
@@ -218,12 +187,12 @@ pub(crate) struct Bvh {
     nodes: Vec<Node>,
     /// The leaves' triangles, or, in a compact tree, none.
     blocks: Vec<Block>,
-    /// In a compact tree, the numbers of the triangles of each block.
-    ids: Vec<[u32; WIDTH]>,
+    /// In a compact tree, what tells how to put each block together.
+    outlines: Vec<Outline>,
 }
 
 impl Bvh {
-    pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new(), ids: Vec::new() };
+    pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new(), outlines: Vec::new() };
 
     /// How long nodes are likely to be waited for.
     fn distance(&self) -> Distance {
@@ -240,7 +209,7 @@ impl Bvh {
     fn bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice())
             + size_of_val(self.blocks.as_slice())
-            + size_of_val(self.ids.as_slice())
+            + size_of_val(self.outlines.as_slice())
     }
 
     /// A leaf's block; `room` is for one that has to be put together.
@@ -261,13 +230,14 @@ impl Bvh {
     /// A block of a compact tree, its vertices taken from the meshes.
     #[inline(never)]
     fn gather(&self, scene: &Scene, group: &GroupData, i: usize) -> Block {
-        Block::of(&self.ids[i], |id| scene.vertices(group, id))
+        self.outlines[i].block(|id| scene.vertices(group, id))
     }
 
     /// The numbers of a block's triangles.
     fn block_ids(&self, i: u32) -> impl Iterator<Item = u32> + '_ {
-        let ids = self.blocks.get(i as usize).map_or_else(|| &self.ids[i as usize], |b| &b.id);
-        ids.iter().copied().filter(|&id| id != u32::MAX)
+        let block = self.blocks.get(i as usize).into_iter().flat_map(Block::ids);
+        // One of both has none.
+        block.chain(self.outlines.get(i as usize).into_iter().flat_map(Outline::ids))
     }
 
     /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.

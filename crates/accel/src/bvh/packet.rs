@@ -1,18 +1,19 @@
 //! Searching the tree with a packet: rays that start close together and go about the same way.
 //!
 //! The rays of a tile's pixels, or from what they hit to a lamp, meet nearly the same nodes. So a packet goes down the
-//! tree as one: a node's boxes are tested against intervals of the rays' origins and reciprocal directions (Boulos, Wald
-//! and Shirley 2006, "Geometric and Arithmetic Culling Methods for Entire Ray Packets"), which tells with one test what
-//! all rays miss. Only at a leaf is each ray tested, eight at a time, against the leaf's box, and those that cross it
-//! against its triangles by the kernel that single rays use.
-//!
-//! Interval arithmetic here is that of `slab.rs` on the intervals' ends. Its roundings are monotone, so that the bounds
-//! hold for each ray's own rounded crossings without any slack.
+//! tree as one: a node's boxes are tested against all rays together (`bundle.rs`). Only at a leaf is each ray tested, eight
+//! at a time, against the leaf's box, and those that cross it against its triangles, as single rays are.
 //!
 //! Rays that don't belong together would visit each other's leaves; a packet that does so is given up, which costs the
 //! time that went into it and changes nothing else.
 
-use super::{Bvh, Child, ChildKind, Node, STACK, WIDTH, many::Members, near::Near, traverse::take};
+use super::{
+    Bvh, Child, ChildKind, STACK, WIDTH,
+    bundle::{Bundle, PACKET},
+    many::Members,
+    near::Near,
+    traverse::take,
+};
 use crate::{
     hit::{Chain, Hit},
     input::Shapes,
@@ -20,13 +21,9 @@ use crate::{
     local::LocalRay,
     query::Query,
     scene::GroupData,
-    slab::EXIT,
     structure::Place,
 };
 use straal_math::{Ray, Vec3};
-
-/// Rays in a packet.
-pub(super) const PACKET: usize = 64;
 
 /// Directions may differ by this much per unit along their greatest axis.
 const SPREAD: f32 = 0.3;
@@ -43,59 +40,6 @@ const fn fewest(any_hit: bool) -> u32 {
     if any_hit { 4 } else { 3 }
 }
 
-type Lanes = [f32; WIDTH];
-
-/// One value for each of eight lanes. Written so that the compiler makes vector instructions of it.
-#[inline(always)]
-fn lanes(f: impl Fn(usize) -> f32) -> Lanes {
-    std::array::from_fn(f)
-}
-
-#[inline(always)]
-fn less(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn more(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// Bounds of all rays of a packet along one axis.
-#[derive(Clone, Copy)]
-struct AxisBounds {
-    /// The origin from which near planes are crossed first, and the one from which far planes are crossed last.
-    near_o: f32,
-    far_o: f32,
-    inv: [f32; 2],
-    /// Which of a box' two planes is the near one: 0 or 1.
-    near: usize,
-}
-
-/// What holds for all rays of a packet.
-struct Bundle {
-    axes: [AxisBounds; 3],
-    enter: f32,
-}
-
-impl Bundle {
-    /// Boxes that some ray may enter no later than `limit`, and earliest entries.
-    #[inline(always)]
-    fn entries<K: Kernel>(&self, kernel: K, node: &Node, limit: f32) -> (u32, Lanes) {
-        let mut enter = [self.enter; WIDTH];
-        let mut exit = [f32::INFINITY; WIDTH];
-        for (axis, a) in self.axes.iter().enumerate() {
-            let near = &node.planes[2 * axis + (a.near & 1)];
-            let far = &node.planes[2 * axis + (a.near & 1 ^ 1)];
-            let first = lanes(|i| less((near[i] - a.near_o) * a.inv[0], (near[i] - a.near_o) * a.inv[1]));
-            let last = lanes(|i| more((far[i] - a.far_o) * a.inv[0], (far[i] - a.far_o) * a.inv[1]));
-            enter = lanes(|i| more(first[i], enter[i]));
-            exit = lanes(|i| less(last[i], exit[i]));
-        }
-        (kernel.no_more(&enter, &lanes(|i| less(exit[i] * EXIT, limit))), enter)
-    }
-}
-
 /// What is to be visited: a child, its earliest entry, and where its box is.
 #[derive(Clone, Copy)]
 struct Item {
@@ -105,51 +49,13 @@ struct Item {
     slot: u32,
 }
 
-/// A packet under way. Numbers of all rays of one kind lie together, to be tested eight at a time.
+/// A packet under way.
 struct Packet {
     rays: [LocalRay; PACKET],
     near: [Near; PACKET],
     best: [Hit; PACKET],
     first: [LaneHit; PACKET],
-    o: [[Lanes; PACKET / WIDTH]; 3],
-    inv: [[Lanes; PACKET / WIDTH]; 3],
-    enter: [Lanes; PACKET / WIDTH],
-    /// What is entered beyond this is left out; negative where the search is over.
-    limit: [Lanes; PACKET / WIDTH],
-}
-
-impl Packet {
-    /// The rays that enter a child's box.
-    #[inline(always)]
-    fn entering<K: Kernel>(&self, kernel: K, bundle: &Bundle, node: &Node, slot: usize) -> u64 {
-        let mut out = 0;
-        for g in 0..PACKET / WIDTH {
-            let mut enter = self.enter[g];
-            let mut exit = [f32::INFINITY; WIDTH];
-            for (axis, a) in bundle.axes.iter().enumerate() {
-                let near = node.planes[2 * axis + (a.near & 1)][slot];
-                let far = node.planes[2 * axis + (a.near & 1 ^ 1)][slot];
-                let (o, inv) = (&self.o[axis][g], &self.inv[axis][g]);
-                enter = lanes(|i| more((near - o[i]) * inv[i], enter[i]));
-                exit = lanes(|i| less((far - o[i]) * inv[i], exit[i]));
-            }
-            let mask = kernel.no_more(&enter, &lanes(|i| less(exit[i] * EXIT, self.limit[g][i])));
-            out |= u64::from(mask) << (WIDTH * g);
-        }
-        out
-    }
-
-    /// The latest limit of all rays.
-    #[inline(always)]
-    fn limit(&self) -> f32 {
-        let all = self.limit.iter().fold([-1.0; WIDTH], |a, b| lanes(|i| more(a[i], b[i])));
-        all.into_iter().fold(-1.0, more)
-    }
-
-    #[inline(always)]
-    fn set_limit(&mut self, ray: usize, limit: f32) {
-        self.limit[ray / WIDTH % (PACKET / WIDTH)][ray % WIDTH] = limit;
-    }
+    bundle: Bundle,
 }
 
 /// Whether rays may make a packet: as many as one has, valid, and of the same signs on all axes.
@@ -216,10 +122,7 @@ impl Bvh {
             near: [Near::nothing(0.0); PACKET],
             best: [Hit::MISS; PACKET],
             first: [LaneHit::NONE; PACKET],
-            o: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
-            inv: [[[0.0; WIDTH]; PACKET / WIDTH]; 3],
-            enter: [[0.0; WIDTH]; PACKET / WIDTH],
-            limit: [[-1.0; WIDTH]; PACKET / WIDTH],
+            bundle: Bundle::EMPTY,
         };
         for (i, ray) in rays.iter().enumerate().take(PACKET) {
             if !q.kernel.prepare(ray, &mut p.rays[i]) {
@@ -227,37 +130,18 @@ impl Bvh {
             }
             let local = &p.rays[i];
             p.near[i] = Near::nothing(local.ray.t_max);
-            let (g, lane) = (i / WIDTH, i % WIDTH);
-            for axis in 0..3 {
-                p.o[axis][g][lane] = local.ray.o[axis];
-                p.inv[axis][g][lane] = local.inv[axis];
-            }
-            p.enter[g][lane] = local.enter;
-            p.limit[g][lane] = p.near[i].limit;
+            p.bundle.set(i, local, p.near[i].limit);
         }
-        let bounds = |all: &[Lanes]| {
-            let low = all.iter().fold([f32::INFINITY; WIDTH], |a, b| lanes(|i| less(a[i], b[i])));
-            let high = all.iter().fold([f32::NEG_INFINITY; WIDTH], |a, b| lanes(|i| more(a[i], b[i])));
-            [low.into_iter().fold(f32::INFINITY, less), high.into_iter().fold(f32::NEG_INFINITY, more)]
-        };
-        let bundle = Bundle {
-            axes: std::array::from_fn(|axis| {
-                let ([low, high], inv) = (bounds(&p.o[axis]), bounds(&p.inv[axis]));
-                let near = usize::from(p.rays[0].neg[axis] & 1);
-                let (near_o, far_o) = if near == 0 { (high, low) } else { (low, high) };
-                AxisBounds { near_o, far_o, inv, near }
-            }),
-            enter: bounds(&p.enter)[0],
-        };
+        p.bundle.bound(&p.rays[0]);
         let mut stack = [Item { entry: 0.0, child: Child::DONE, node: u32::MAX, slot: 0 }; STACK];
         let mut len = 0;
-        let mut limit = p.limit();
+        let mut limit = p.bundle.limit();
         let (mut leaves, mut crossed) = (0, 0);
         let mut item = Item { entry: 0.0, child: root, node: u32::MAX, slot: 0 };
         loop {
             if let ChildKind::Node(index) = item.child.kind() {
                 let node = &self.nodes[index as usize];
-                let (mut mask, entries) = bundle.entries(q.kernel, node, limit);
+                let (mut mask, entries) = q.kernel.entries(&p.bundle, node, limit);
                 let start = len;
                 while mask != 0 && len < STACK {
                     let slot = take(&mut mask);
@@ -274,7 +158,7 @@ impl Bvh {
                 }
             } else {
                 let entering = match self.nodes.get(item.node as usize) {
-                    Some(node) => p.entering(q.kernel, &bundle, node, item.slot as usize % WIDTH),
+                    Some(node) => q.kernel.entering(&p.bundle, node, item.slot as usize % WIDTH),
                     None => u64::MAX,
                 };
                 leaves += 1;
@@ -284,7 +168,7 @@ impl Bvh {
                 }
                 self.leaf::<K, S, ANY>(q, group, item.child, &mut p, entering);
                 if entering != 0 {
-                    limit = p.limit();
+                    limit = p.bundle.limit();
                     if limit < 0.0 {
                         break;
                     }
@@ -340,7 +224,7 @@ impl Bvh {
                     let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
                     if Self::offer(q, &at, (block, &p.first[i]), &mut p.near[i], &p.best[i]) {
                         let limit = if ANY { -1.0 } else { p.near[i].limit };
-                        p.set_limit(i, limit);
+                        p.bundle.set_limit(i, limit);
                     }
                 }
                 for i in Members::<PACKET>(several) {
@@ -348,10 +232,10 @@ impl Bvh {
                     if ANY {
                         if Self::block_occluded(q, &at, block) {
                             p.near[i].set_found(&mut p.best[i]);
-                            p.set_limit(i, -1.0);
+                            p.bundle.set_limit(i, -1.0);
                         }
                     } else if Self::block_closest(q, &at, block, &mut p.near[i], &p.best[i]) {
-                        p.set_limit(i, p.near[i].limit);
+                        p.bundle.set_limit(i, p.near[i].limit);
                     }
                 }
             }
@@ -362,13 +246,13 @@ impl Bvh {
                     if ANY {
                         if q.object_occluded(&at, o) {
                             near.set_found(best);
-                            p.set_limit(i, -1.0);
+                            p.bundle.set_limit(i, -1.0);
                         }
                     } else {
                         near.settle(&at, best);
                         q.object_closest(&at, o, best);
                         *near = Near::new(best);
-                        p.set_limit(i, p.near[i].limit);
+                        p.bundle.set_limit(i, p.near[i].limit);
                     }
                 }
             }

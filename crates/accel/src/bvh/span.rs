@@ -1,6 +1,5 @@
 //! Ranges of primitives while the tree is built.
 
-use super::WIDTH;
 use crate::structure::{Prim, PrimKind};
 
 /// A box with a spare lane, which the compiler turns into vector instructions.
@@ -147,10 +146,5 @@ impl Span {
     /// With the room behind it.
     pub const fn places(&self) -> std::ops::Range<usize> {
         self.start..self.end + self.room
-    }
-
-    /// A block of triangles, or one object.
-    pub const fn is_leaf(&self) -> bool {
-        self.len() == 1 || (self.len() <= WIDTH && self.objects == 0)
     }
 }

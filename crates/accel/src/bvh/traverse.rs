@@ -2,9 +2,9 @@
 
 use super::{
     Block, Bvh, Child, Distance, WIDTH,
+    bundle::PACKET,
     many::{FLIGHT, REMOTE_FLIGHT},
     near::{Candidate, Near},
-    packet::PACKET,
 };
 use crate::{
     hit::Hit,
@@ -67,7 +67,7 @@ impl Bvh {
     ) -> bool {
         match q.lane_counts(at, block, found) {
             Some(t) => {
-                let id = block.id[found.lane as usize % WIDTH];
+                let id = block.id(found.lane as usize % WIDTH);
                 near.offer(at, id, Candidate { t, ..found.hit }, best)
             }
             None => false,

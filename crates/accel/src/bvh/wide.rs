@@ -4,7 +4,7 @@
 //! right: what lies close together in space does so in memory.
 
 use super::{
-    Block, Bvh, Child, Node, WIDTH,
+    Block, Bvh, Child, Node, Outline, WIDTH,
     collapse::{Twig, What, parts},
     slots,
     span::{Box4, Span},
@@ -18,7 +18,7 @@ pub(super) struct Binary {
     pub twigs: Vec<Twig>,
     pub blocks: Vec<Block>,
     /// In place of blocks, in a compact tree.
-    pub ids: Vec<[u32; WIDTH]>,
+    pub outlines: Vec<Outline>,
     /// Ranges that are to have trees of their own.
     pub tasks: Vec<Span>,
 }
@@ -49,15 +49,15 @@ pub(super) fn join(upper: &[Twig], trees: Vec<Binary>) -> Bvh {
         }
         nodes.append(&mut part);
     }
-    let (mut blocks, mut ids) = (Vec::new(), Vec::new());
+    let (mut blocks, mut outlines) = (Vec::new(), Vec::new());
     blocks.reserve_exact(trees.iter().map(|t| t.blocks.len()).sum());
-    ids.reserve_exact(trees.iter().map(|t| t.ids.len()).sum());
+    outlines.reserve_exact(trees.iter().map(|t| t.outlines.len()).sum());
     want_large(&mut blocks);
     for mut tree in trees {
         blocks.append(&mut tree.blocks);
-        ids.append(&mut tree.ids);
+        outlines.append(&mut tree.outlines);
     }
-    Bvh { root: Some(root), nodes, blocks, ids }
+    Bvh { root: Some(root), nodes, blocks, outlines }
 }
 
 /// The wide tree's upper nodes under way.
@@ -114,7 +114,7 @@ impl Top<'_> {
 impl Binary {
     /// Blocks of its own.
     pub fn leaves(&self) -> usize {
-        self.blocks.len() + self.ids.len()
+        self.blocks.len() + self.outlines.len()
     }
 
     /// Makes nodes of what is below a twig.

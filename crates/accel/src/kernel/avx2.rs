@@ -5,15 +5,15 @@
 //! Safety: an [`Avx2`] is made only where the processor has AVX2, BMI1 and BMI2, which all functions here need.
 
 use super::{
-    Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, ahead, by_class,
+    Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, ahead, bundle, by_class,
     descent::Descent,
     entry::entry_points,
+    leaf::{self, Places},
     vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
-    bvh::{Block, Child, Node, many::Next},
+    bvh::{Block, Child, Node, bundle::Bundle, many::Next},
     local::LocalRay,
-    triangle::FLAT,
 };
 use std::arch::x86_64::*;
 use straal_math::Ray;
@@ -132,9 +132,15 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn no_more(self, a: &[f32; 8], b: &[f32; 8]) -> u32 {
+    fn entries(self, b: &Bundle, node: &Node, limit: f32) -> (u32, [f32; 8]) {
         // SAFETY: see the head of the file.
-        unsafe { no_more_avx2(a, b) }
+        unsafe { bundle::entries(b, node, limit) }
+    }
+
+    #[inline(always)]
+    fn entering(self, b: &Bundle, node: &Node, slot: usize) -> u64 {
+        // SAFETY: see the head of the file.
+        unsafe { bundle::entering(b, node, slot) }
     }
 
     #[inline(always)]
@@ -185,13 +191,13 @@ impl Kernel for Avx2 {
     #[inline(always)]
     fn inside(self, r: &LocalRay, block: &Block) -> u32 {
         // SAFETY: `self` is the proof that the processor has AVX2.
-        unsafe { inside_avx2(r, block) }
+        unsafe { leaf::inside::<Twelve>(r, block) }
     }
 
     #[inline(always)]
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
         // SAFETY: `self` is the proof that the processor has AVX2.
-        unsafe { block_avx2(r, block, limit) }
+        unsafe { leaf::block::<Twelve>(r, block, limit) }
     }
 
     #[inline(always)]
@@ -245,19 +251,6 @@ pub(super) unsafe fn least(keys: __m256i) -> u32 {
         let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b01_00_11_10>(k));
         let k = _mm_min_epi32(k, _mm_shuffle_epi32::<0b10_11_00_01>(k));
         _mm_cvtsi128_si32(k) as u32
-    }
-}
-
-/// [`Kernel::no_more`], also for AVX-512.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-pub(super) unsafe fn no_more_avx2(a: &[f32; 8], b: &[f32; 8]) -> u32 {
-    // SAFETY: the caller's promise; eight numbers are read from arrays of eight.
-    unsafe {
-        let (a, b) = (_mm256_loadu_ps(a.as_ptr()), _mm256_loadu_ps(b.as_ptr()));
-        _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32
     }
 }
 
@@ -353,162 +346,43 @@ unsafe fn from(r: &LocalRay, node: &Node, axis: usize, row: u8) -> __m256 {
     }
 }
 
-/// A vertex of each triangle, moved to the ray's origin, and the same sheared.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3]) -> [[__m256; 3]; 2] {
-    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three rows of eight.
-    unsafe {
-        let row = |axis| _mm256_loadu_ps((&raw const *vertex).byte_add(usize::from(r.rows[axis])).cast());
-        let x = _mm256_sub_ps(row(0), _mm256_set1_ps(r.origin[0]));
-        let y = _mm256_sub_ps(row(1), _mm256_set1_ps(r.origin[1]));
-        let z = _mm256_sub_ps(row(2), _mm256_set1_ps(r.origin[2]));
-        let sheared_x = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(r.shear[0]), z));
-        let sheared_y = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(r.shear[1]), z));
-        [[x, y, z], [sheared_x, sheared_y, z]]
-    }
-}
+/// Twelve lanes.
+#[derive(Clone, Copy)]
+struct Twelve(__m256, __m128);
 
-/// Edge functions of the edges from `q` to `p`.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-unsafe fn edge(p: &[__m256; 3], q: &[__m256; 3]) -> __m256 {
-    // SAFETY: the caller's promise.
-    unsafe { _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0])) }
-}
-
-/// Eight triangles as `triangle::edges` has one.
-struct Crossing {
-    /// The vertices, moved to the ray's origin.
-    moved: [[__m256; 3]; 3],
-    a: [__m256; 3],
-    b: [__m256; 3],
-    c: [__m256; 3],
-    edges: [__m256; 3],
-    least: __m256,
-    most: __m256,
-}
-
-impl Crossing {
-    /// # Safety
-    /// The processor must have AVX2.
+impl Places for Twelve {
     #[inline(always)]
-    unsafe fn new(r: &LocalRay, block: &Block) -> Self {
+    unsafe fn load(at: *const f32) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe { Self(_mm256_load_ps(at), _mm_load_ps(at.add(8))) }
+    }
+
+    #[inline(always)]
+    unsafe fn minus(self, x: f32) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe { Self(_mm256_sub_ps(self.0, _mm256_set1_ps(x)), _mm_sub_ps(self.1, _mm_set1_ps(x))) }
+    }
+
+    #[inline(always)]
+    unsafe fn minus_scaled(self, by: f32, other: Self) -> Self {
         // SAFETY: the caller's promise.
         unsafe {
-            let [moved_a, a] = sheared(r, &block.v[0]);
-            let [moved_b, b] = sheared(r, &block.v[1]);
-            let [moved_c, c] = sheared(r, &block.v[2]);
-            let edges @ [u, v, w] = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
-            let least = _mm256_min_ps(u, _mm256_min_ps(v, w));
-            let most = _mm256_max_ps(u, _mm256_max_ps(v, w));
-            Self { moved: [moved_a, moved_b, moved_c], a, b, c, edges, least, most }
+            Self(
+                _mm256_sub_ps(self.0, _mm256_mul_ps(_mm256_set1_ps(by), other.0)),
+                _mm_sub_ps(self.1, _mm_mul_ps(_mm_set1_ps(by), other.1)),
+            )
         }
     }
 
-    /// All bits of the lanes in which no two signs differ.
-    ///
-    /// # Safety
-    /// The processor must have AVX2.
     #[inline(always)]
-    unsafe fn inside(&self) -> __m256 {
+    unsafe fn pick(self, vertices: __m256i) -> __m256 {
         // SAFETY: the caller's promise.
         unsafe {
-            let zero = _mm256_setzero_ps();
-            let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(self.least, zero);
-            _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_LE_OQ>(self.most, zero))
+            let first = _mm256_permutevar8x32_ps(self.0, vertices);
+            let others = _mm256_permutevar8x32_ps(_mm256_castps128_ps256(self.1), vertices);
+            // Bit 3 of the number chooses.
+            let is_other = _mm256_slli_epi32::<28>(vertices);
+            _mm256_blendv_ps(first, others, _mm256_castsi256_ps(is_other))
         }
-    }
-}
-
-/// Where the ray enters and leaves the boxes of triangles whose vertices were moved to its origin. Rounding doesn't change
-/// an order, so that these are the crossings of the boxes' planes by `slab.rs`.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-unsafe fn own_boxes(r: &LocalRay, moved: &[[__m256; 3]; 3]) -> [__m256; 2] {
-    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three numbers.
-    unsafe {
-        let [x, x_far] = crossings(r, moved, 0);
-        let [y, y_far] = crossings(r, moved, 1);
-        let [z, z_far] = crossings(r, moved, 2);
-        [_mm256_max_ps(_mm256_max_ps(x, y), z), _mm256_min_ps(_mm256_min_ps(x_far, y_far), z_far)]
-    }
-}
-
-/// The first and the last crossing of vertices along an axis of the sheared space.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-unsafe fn crossings(r: &LocalRay, moved: &[[__m256; 3]; 3], axis: usize) -> [__m256; 2] {
-    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three numbers.
-    unsafe {
-        let inv = *(&raw const r.inv).cast::<f32>().byte_add(usize::from(r.rows[axis] / 8));
-        let inv = _mm256_set1_ps(inv);
-        let a = _mm256_mul_ps(moved[0][axis], inv);
-        let b = _mm256_mul_ps(moved[1][axis], inv);
-        let c = _mm256_mul_ps(moved[2][axis], inv);
-        [_mm256_min_ps(_mm256_min_ps(a, b), c), _mm256_max_ps(_mm256_max_ps(a, b), c)]
-    }
-}
-
-/// [`Kernel::inside`], also for AVX-512.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-pub(super) unsafe fn inside_avx2(r: &LocalRay, block: &Block) -> u32 {
-    // SAFETY: the caller's promise.
-    unsafe { _mm256_movemask_ps(Crossing::new(r, block).inside()) as u32 }
-}
-
-/// [`Kernel::block`], also for AVX-512: blocks have eight triangles.
-///
-/// # Safety
-/// The processor must have AVX2.
-#[inline(always)]
-pub(super) unsafe fn block_avx2(r: &LocalRay, block: &Block, limit: f32) -> Lanes {
-    let mut out = Lanes::NONE;
-    // SAFETY: the caller's promise; eight numbers are written to arrays of eight.
-    unsafe {
-        let crossing = Crossing::new(r, block);
-        let inside = _mm256_movemask_ps(crossing.inside()) as u32;
-        if inside == 0 {
-            return out;
-        }
-        let Crossing { moved, a, b, c, edges: [u, v, w], least, most } = crossing;
-        let zero = _mm256_setzero_ps();
-        let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);
-        let on_edge = _mm256_or_ps(on_edge, _mm256_cmp_ps::<_CMP_EQ_OQ>(most, zero));
-        let det = _mm256_add_ps(_mm256_add_ps(u, v), w);
-        let off = _mm256_set1_ps(-0.0);
-        let size = |x| _mm256_andnot_ps(off, x);
-        let reach = _mm256_max_ps(size(a[0]), size(a[1]));
-        let reach = _mm256_max_ps(reach, _mm256_max_ps(size(b[0]), size(b[1])));
-        let reach = _mm256_max_ps(reach, _mm256_max_ps(size(c[0]), size(c[1])));
-        let enough = _mm256_mul_ps(_mm256_mul_ps(reach, reach), _mm256_set1_ps(FLAT));
-        let flat = _mm256_cmp_ps::<_CMP_NGE_UQ>(size(det), enough);
-        out.doubtful = _mm256_movemask_ps(_mm256_or_ps(on_edge, flat)) as u32 & inside;
-        let depth = _mm256_add_ps(_mm256_mul_ps(u, a[2]), _mm256_mul_ps(v, b[2]));
-        let depth = _mm256_add_ps(depth, _mm256_mul_ps(w, c[2]));
-        let t = _mm256_div_ps(_mm256_mul_ps(depth, _mm256_set1_ps(r.shear[2])), det);
-        let late = _mm256_cmp_ps::<_CMP_GE_OQ>(t, _mm256_set1_ps(r.ray.t_min));
-        let early = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
-        out.hit = _mm256_movemask_ps(_mm256_and_ps(late, early)) as u32 & inside & !out.doubtful;
-        let [enter, exit] = own_boxes(r, &moved);
-        let past = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, t);
-        let before = _mm256_cmp_ps::<_CMP_LE_OQ>(t, exit);
-        out.boxed = _mm256_movemask_ps(_mm256_and_ps(past, before)) as u32;
-        _mm256_storeu_ps(out.t.as_mut_ptr(), t);
-        _mm256_storeu_ps(out.det.as_mut_ptr(), det);
-        _mm256_storeu_ps(out.e1.as_mut_ptr(), v);
-        _mm256_storeu_ps(out.e2.as_mut_ptr(), w);
-        out
     }
 }

@@ -8,8 +8,12 @@
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(target_arch = "x86_64")]
+mod bundle;
 pub(crate) mod descent;
 mod entry;
+#[cfg(target_arch = "x86_64")]
+mod leaf;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 pub(crate) mod pages;
@@ -22,7 +26,7 @@ pub(crate) mod stack;
 mod vec3;
 
 use crate::{
-    bvh::{Block, Child, Node, many::Next, near::Candidate},
+    bvh::{Block, Child, Node, bundle::Bundle, many::Next, near::Candidate},
     hit::{Chain, Cost, Hit},
     input::Shapes,
     isa::Isa,
@@ -197,10 +201,16 @@ pub(crate) trait Kernel: Copy {
         }
     }
 
-    /// The lanes in which the first number is no more than the second.
+    /// [`Bundle::entries`].
     #[inline(always)]
-    fn no_more(self, a: &[f32; 8], b: &[f32; 8]) -> u32 {
-        a.iter().zip(b).enumerate().map(|(i, (a, b))| u32::from(a <= b) << i).sum()
+    fn entries(self, bundle: &Bundle, node: &Node, limit: f32) -> (u32, [f32; 8]) {
+        bundle.entries(node, limit)
+    }
+
+    /// [`Bundle::entering`].
+    #[inline(always)]
+    fn entering(self, bundle: &Bundle, node: &Node, slot: usize) -> u64 {
+        bundle.entering(node, slot)
     }
 
     /// The rays that visit each class of child next.

@@ -56,7 +56,10 @@ impl Kernel for Neon {
     #[inline(always)]
     fn inside(self, r: &LocalRay, block: &Block) -> u32 {
         // SAFETY: see the head of the file. 0 and 4 are at most 4.
-        unsafe { mask(Crossing::new(r, block, 0).inside()) | mask(Crossing::new(r, block, 4).inside()) << 4 }
+        let all = unsafe {
+            mask(Crossing::new(r, block, 0).inside()) | mask(Crossing::new(r, block, 4).inside()) << 4
+        };
+        all & block.lanes()
     }
 
     #[inline(always)]
@@ -66,11 +69,11 @@ impl Kernel for Neon {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
                 let crossing = Crossing::new(r, block, half);
-                let inside = mask(crossing.inside());
+                let inside = mask(crossing.inside()) & block.lanes() >> half;
                 if inside == 0 {
                     continue;
                 }
-                let Crossing { a, b, c, edges: [u, v, w], least, most } = crossing;
+                let Crossing { moved, a, b, c, edges: [u, v, w], least, most } = crossing;
                 let zero = vdupq_n_f32(0.0);
                 let on_edge = vorrq_u32(vceqq_f32(least, zero), vceqq_f32(most, zero));
                 let det = vaddq_f32(vaddq_f32(u, v), w);
@@ -87,7 +90,7 @@ impl Kernel for Neon {
                 let within = mask(vandq_u32(late, vcleq_f32(t, vdupq_n_f32(limit))));
                 out.doubtful |= doubtful << half;
                 out.hit |= (within & inside & !doubtful) << half;
-                out.boxed |= boxed(r, block, half, t) << half;
+                out.boxed |= boxed(r, &moved, t) << half;
                 vst1q_f32(out.t.as_mut_ptr().add(half), t);
                 vst1q_f32(out.det.as_mut_ptr().add(half), det);
                 vst1q_f32(out.e1.as_mut_ptr().add(half), v);
@@ -142,55 +145,66 @@ unsafe fn from(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize)
     }
 }
 
-/// A vertex of four triangles, moved to the ray's origin and sheared.
+/// The vertices of four triangles along the axes of the sheared space, moved to the ray's origin.
 ///
 /// # Safety
-/// The processor must have NEON, and `half` be at most 4.
+/// The processor must have NEON, and `half` be 0 or 4.
 #[inline(always)]
-unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [float32x4_t; 3] {
-    // SAFETY: the caller's promise; four numbers are read from within arrays of eight.
+unsafe fn moved(r: &LocalRay, block: &Block, half: usize) -> [[float32x4_t; 3]; 3] {
+    // SAFETY: the caller's promise; four numbers are read from arrays of at least four from there.
     unsafe {
         let [x, y, z] = r.axes();
-        let x = vsubq_f32(vld1q_f32(vertex[x % 3].as_ptr().add(half)), vdupq_n_f32(r.origin[0]));
-        let y = vsubq_f32(vld1q_f32(vertex[y % 3].as_ptr().add(half)), vdupq_n_f32(r.origin[1]));
-        let z = vsubq_f32(vld1q_f32(vertex[z % 3].as_ptr().add(half)), vdupq_n_f32(r.origin[2]));
-        let x = vsubq_f32(x, vmulq_f32(vdupq_n_f32(r.shear[0]), z));
-        let y = vsubq_f32(y, vmulq_f32(vdupq_n_f32(r.shear[1]), z));
-        [x, y, z]
+        let rows = [(x, 0), (y, 1), (z, 2)].map(|(row, axis)| {
+            let places = &block.rows[row % 3].places;
+            let moved = |from: usize| {
+                let four = vld1q_f32(places.as_ptr().add(from));
+                vreinterpretq_u8_f32(vsubq_f32(four, vdupq_n_f32(r.origin[axis])))
+            };
+            uint8x16x3_t(moved(0), moved(4), moved(8))
+        });
+        [0, 1, 2].map(|corner: usize| {
+            let corners = vdupq_n_u32(block.rows[corner].corners >> (4 * half));
+            let vertices = vandq_u32(vshlq_u32(corners, vld1q_s32(SHIFTS.as_ptr())), vdupq_n_u32(15));
+            // A vertex' number four times over is where it begins in bytes, and so on for its other bytes.
+            let bytes = vmlaq_n_u32(vdupq_n_u32(0x0302_0100), vertices, 0x0404_0404);
+            rows.map(|row| vreinterpretq_f32_u8(vqtbl3q_u8(row, vreinterpretq_u8_u32(bytes))))
+        })
     }
 }
 
-/// The lanes in which `t` lies in the triangle's own box, see [`Lanes::boxed`]. Rounding doesn't change an order, so that
-/// the first and the last crossing of vertices are those of the box' planes.
+static SHIFTS: [i32; 4] = [0, -4, -8, -12];
+
+/// The same vertex sheared.
 ///
 /// # Safety
-/// The processor must have NEON, and `half` be at most 4.
+/// The processor must have NEON.
 #[inline(always)]
-unsafe fn boxed(r: &LocalRay, block: &Block, half: usize, t: float32x4_t) -> u32 {
+unsafe fn sheared(r: &LocalRay, [x, y, z]: &[float32x4_t; 3]) -> [float32x4_t; 3] {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let x = vsubq_f32(*x, vmulq_f32(vdupq_n_f32(r.shear[0]), *z));
+        let y = vsubq_f32(*y, vmulq_f32(vdupq_n_f32(r.shear[1]), *z));
+        [x, y, *z]
+    }
+}
+
+/// The lanes in which `t` lies in the triangle's own box, see [`Lanes::boxed`], from its moved vertices. Rounding doesn't
+/// change an order, so that the first and the last crossing of vertices are those of the box' planes.
+///
+/// # Safety
+/// The processor must have NEON.
+#[inline(always)]
+unsafe fn boxed(r: &LocalRay, [a, b, c]: &[[float32x4_t; 3]; 3], t: float32x4_t) -> u32 {
     // SAFETY: the caller's promise.
     unsafe {
         let (mut enter, mut exit) = (vdupq_n_f32(f32::NEG_INFINITY), vdupq_n_f32(f32::INFINITY));
-        for axis in 0..3 {
-            let a = crossing(r, &block.v[0], axis, half);
-            let b = crossing(r, &block.v[1], axis, half);
-            let c = crossing(r, &block.v[2], axis, half);
+        for (i, axis) in r.axes().into_iter().enumerate() {
+            let inv = r.inv[axis];
+            let (a, b, c) = (vmulq_n_f32(a[i], inv), vmulq_n_f32(b[i], inv), vmulq_n_f32(c[i], inv));
             enter = more(enter, less(less(a, b), c));
             exit = less(exit, more(more(a, b), c));
         }
         mask(vandq_u32(vcleq_f32(enter, t), vcleq_f32(t, exit)))
-    }
-}
-
-/// Where the ray crosses the planes through a vertex of four triangles.
-///
-/// # Safety
-/// The processor must have NEON, and `half` be at most 4.
-#[inline(always)]
-unsafe fn crossing(r: &LocalRay, vertex: &[[f32; 8]; 3], axis: usize, half: usize) -> float32x4_t {
-    // SAFETY: the caller's promise; four numbers are read from within an array of eight.
-    unsafe {
-        let p = vld1q_f32(vertex[axis].as_ptr().add(half));
-        vmulq_n_f32(vsubq_f32(p, vdupq_n_f32(r.ray.o[axis])), r.inv[axis])
     }
 }
 
@@ -206,6 +220,8 @@ unsafe fn edge(p: &[float32x4_t; 3], q: &[float32x4_t; 3]) -> float32x4_t {
 
 /// Four triangles as `triangle::edges` has one.
 struct Crossing {
+    /// The vertices along the axes of the sheared space, moved to the ray's origin.
+    moved: [[float32x4_t; 3]; 3],
     a: [float32x4_t; 3],
     b: [float32x4_t; 3],
     c: [float32x4_t; 3],
@@ -221,9 +237,10 @@ impl Crossing {
     unsafe fn new(r: &LocalRay, block: &Block, half: usize) -> Self {
         // SAFETY: the caller's promise.
         unsafe {
-            let [a, b, c] = [0, 1, 2].map(|i| sheared(r, &block.v[i], half));
+            let moved @ [a, b, c] = moved(r, block, half);
+            let (a, b, c) = (sheared(r, &a), sheared(r, &b), sheared(r, &c));
             let edges @ [u, v, w] = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
-            Self { a, b, c, edges, least: less(u, less(v, w)), most: more(u, more(v, w)) }
+            Self { moved, a, b, c, edges, least: less(u, less(v, w)), most: more(u, more(v, w)) }
         }
     }
 

@@ -23,11 +23,11 @@ pub(super) fn prefetch<const HOW: u8>(nodes: &[Node], blocks: &[Block], child: C
     // loaded, which does no harm.
     let leaf = child.leaf();
     let from_nodes = blocks.as_ptr().addr().wrapping_sub(nodes.as_ptr().addr());
-    let size = size_of::<Node>() + leaf * (size_of::<Block>() - size_of::<Node>());
+    let size = size_of::<Node>() - leaf * (size_of::<Node>() - size_of::<Block>());
     let offset = (from_nodes & 0_usize.wrapping_sub(leaf)).wrapping_add(child.index() * size);
     let start = nodes.as_ptr().cast::<i8>().wrapping_add(offset);
     for line in 0..LINES {
-        // A node's last line in place of one more.
+        // A block's last line in place of one more.
         let offset = if line + 1 < LINES { line * 64 } else { size - 64 };
         let at = start.wrapping_add(offset);
         // SAFETY: a prefetch changes nothing, whatever the address. SSE is part of x86-64.
@@ -42,4 +42,4 @@ pub(super) fn prefetch<const HOW: u8>(nodes: &[Node], blocks: &[Block], child: C
 
 /// Cache lines of the larger of node and block.
 #[cfg(target_arch = "x86_64")]
-const LINES: usize = size_of::<Block>() / 64;
+const LINES: usize = size_of::<Node>() / 64;

@@ -38,16 +38,16 @@ impl Kernel for Scalar {
 
     #[inline(always)]
     fn inside(self, r: &LocalRay, block: &Block) -> u32 {
-        (0..WIDTH as u32)
+        (0..block.count())
             .filter(|&lane| triangle::edges(&block.vertices(lane as usize), r).inside())
-            .map(|l| 1 << l)
+            .map(|lane| 1 << lane)
             .sum()
     }
 
     #[inline(always)]
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
         let mut out = Lanes::NONE;
-        for lane in 0..WIDTH {
+        for lane in 0..block.count() as usize {
             let edges = triangle::edges(&block.vertices(lane), r);
             let [u, v, w] = edges.e;
             let (least, most) = (ops::min(u, ops::min(v, w)), ops::max(u, ops::max(v, w)));

@@ -61,9 +61,8 @@ impl Kernel for Sse {
         for half in [0, 4] {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
-                let a = sheared(r, &block.v[0], half);
-                let b = sheared(r, &block.v[1], half);
-                let c = sheared(r, &block.v[2], half);
+                let [a, b, c] = moved(r, block, half);
+                let (a, b, c) = (sheared(r, &a), sheared(r, &b), sheared(r, &c));
                 let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
                 let least = _mm_min_ps(u, _mm_min_ps(v, w));
                 let most = _mm_max_ps(u, _mm_max_ps(v, w));
@@ -72,7 +71,7 @@ impl Kernel for Sse {
                 out |= (_mm_movemask_ps(inside) as u32) << half;
             }
         }
-        out
+        out & block.lanes()
     }
 
     #[inline(always)]
@@ -81,15 +80,14 @@ impl Kernel for Sse {
         for half in [0, 4] {
             // SAFETY: see the head of the file. `half` is at most 4, so that four numbers from there are inside.
             unsafe {
-                let a = sheared(r, &block.v[0], half);
-                let b = sheared(r, &block.v[1], half);
-                let c = sheared(r, &block.v[2], half);
+                let moved @ [a, b, c] = moved(r, block, half);
+                let (a, b, c) = (sheared(r, &a), sheared(r, &b), sheared(r, &c));
                 let (u, v, w) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
                 let least = _mm_min_ps(u, _mm_min_ps(v, w));
                 let most = _mm_max_ps(u, _mm_max_ps(v, w));
                 let zero = _mm_setzero_ps();
                 let inside = _mm_or_ps(_mm_cmpge_ps(least, zero), _mm_cmple_ps(most, zero));
-                let inside = _mm_movemask_ps(inside) as u32;
+                let inside = _mm_movemask_ps(inside) as u32 & block.lanes() >> half;
                 if inside == 0 {
                     continue;
                 }
@@ -110,7 +108,7 @@ impl Kernel for Sse {
                 let within = _mm_movemask_ps(within) as u32;
                 out.doubtful |= doubtful << half;
                 out.hit |= (within & inside & !doubtful) << half;
-                out.boxed |= boxed(r, block, half, t) << half;
+                out.boxed |= boxed(r, &moved, t) << half;
                 _mm_storeu_ps(out.t.as_mut_ptr().add(half), t);
                 _mm_storeu_ps(out.det.as_mut_ptr().add(half), det);
                 _mm_storeu_ps(out.e1.as_mut_ptr().add(half), v);
@@ -141,58 +139,55 @@ unsafe fn from(r: &LocalRay, node: &Node, axis: usize, side: usize, half: usize)
     }
 }
 
-/// A vertex of four triangles, moved to the ray's origin and sheared.
+/// The vertices of four triangles along the axes of the sheared space, moved to the ray's origin.
 ///
 /// # Safety
-/// The processor must have SSE4.2, and `half` be at most 4.
+/// The processor must have SSE4.2.
 #[inline(always)]
-unsafe fn sheared(r: &LocalRay, vertex: &[[f32; 8]; 3], half: usize) -> [__m128; 3] {
-    // SAFETY: the caller's promise; four numbers are read from within arrays of eight.
+unsafe fn moved(r: &LocalRay, block: &Block, half: usize) -> [[__m128; 3]; 3] {
+    let [x, y, z] = r.axes();
+    let four = [0, 1, 2, 3].map(|lane| block.vertices(half + lane));
+    [0, 1, 2].map(|corner: usize| {
+        // SAFETY: the caller's promise.
+        let along = |axis: usize, origin: f32| unsafe {
+            let [a, b, c, d] = four.map(|vertices| vertices[corner][axis]);
+            _mm_sub_ps(_mm_setr_ps(a, b, c, d), _mm_set1_ps(origin))
+        };
+        [along(x, r.origin[0]), along(y, r.origin[1]), along(z, r.origin[2])]
+    })
+}
+
+/// The same vertex sheared.
+///
+/// # Safety
+/// The processor must have SSE4.2.
+#[inline(always)]
+unsafe fn sheared(r: &LocalRay, [x, y, z]: &[__m128; 3]) -> [__m128; 3] {
+    // SAFETY: the caller's promise.
     unsafe {
-        let [x, y, z] = r.axes();
-        let x = _mm_loadu_ps(vertex[x % 3].as_ptr().add(half));
-        let y = _mm_loadu_ps(vertex[y % 3].as_ptr().add(half));
-        let z = _mm_loadu_ps(vertex[z % 3].as_ptr().add(half));
-        let x = _mm_sub_ps(x, _mm_set1_ps(r.origin[0]));
-        let y = _mm_sub_ps(y, _mm_set1_ps(r.origin[1]));
-        let z = _mm_sub_ps(z, _mm_set1_ps(r.origin[2]));
-        let x = _mm_sub_ps(x, _mm_mul_ps(_mm_set1_ps(r.shear[0]), z));
-        let y = _mm_sub_ps(y, _mm_mul_ps(_mm_set1_ps(r.shear[1]), z));
-        [x, y, z]
+        let x = _mm_sub_ps(*x, _mm_mul_ps(_mm_set1_ps(r.shear[0]), *z));
+        let y = _mm_sub_ps(*y, _mm_mul_ps(_mm_set1_ps(r.shear[1]), *z));
+        [x, y, *z]
     }
 }
 
-/// The lanes in which `t` lies in the triangle's own box, see [`Lanes::boxed`]. Rounding doesn't change an order, so that
-/// the first and the last crossing of vertices are those of the box' planes.
+/// The lanes in which `t` lies in the triangle's own box, see [`Lanes::boxed`], from its moved vertices. Rounding doesn't
+/// change an order, so that the first and the last crossing of vertices are those of the box' planes.
 ///
 /// # Safety
-/// The processor must have SSE4.2, and `half` be at most 4.
+/// The processor must have SSE4.2.
 #[inline(always)]
-unsafe fn boxed(r: &LocalRay, block: &Block, half: usize, t: __m128) -> u32 {
+unsafe fn boxed(r: &LocalRay, [a, b, c]: &[[__m128; 3]; 3], t: __m128) -> u32 {
     // SAFETY: the caller's promise.
     unsafe {
         let (mut enter, mut exit) = (_mm_set1_ps(f32::NEG_INFINITY), _mm_set1_ps(f32::INFINITY));
-        for axis in 0..3 {
-            let a = crossing(r, &block.v[0], axis, half);
-            let b = crossing(r, &block.v[1], axis, half);
-            let c = crossing(r, &block.v[2], axis, half);
+        for (i, axis) in r.axes().into_iter().enumerate() {
+            let inv = _mm_set1_ps(r.inv[axis]);
+            let (a, b, c) = (_mm_mul_ps(a[i], inv), _mm_mul_ps(b[i], inv), _mm_mul_ps(c[i], inv));
             enter = _mm_max_ps(enter, _mm_min_ps(_mm_min_ps(a, b), c));
             exit = _mm_min_ps(exit, _mm_max_ps(_mm_max_ps(a, b), c));
         }
         _mm_movemask_ps(_mm_and_ps(_mm_cmple_ps(enter, t), _mm_cmple_ps(t, exit))) as u32
-    }
-}
-
-/// Where the ray crosses the planes through a vertex of four triangles.
-///
-/// # Safety
-/// The processor must have SSE4.2, and `half` be at most 4.
-#[inline(always)]
-unsafe fn crossing(r: &LocalRay, vertex: &[[f32; 8]; 3], axis: usize, half: usize) -> __m128 {
-    // SAFETY: the caller's promise; four numbers are read from within an array of eight.
-    unsafe {
-        let p = _mm_loadu_ps(vertex[axis].as_ptr().add(half));
-        _mm_mul_ps(_mm_sub_ps(p, _mm_set1_ps(r.ray.o[axis])), _mm_set1_ps(r.inv[axis]))
     }
 }
 

@@ -2,6 +2,7 @@
 //! of nodes apart, which `slab::NODE_EXIT` allows for.
 
 use super::*;
+use crate::bvh::{block::Outline, bundle::PACKET};
 use straal_math::{Vec3, ops};
 
 /// Numbers of all sizes, with zeros and repetitions.
@@ -74,11 +75,45 @@ fn is_close(r: &LocalRay, node: &Node) -> bool {
     })
 }
 
+/// Rays that might be a packet.
+fn bundle(r: &mut Random) -> Bundle {
+    let mut out = Bundle::EMPTY;
+    let mut some = LocalRay::IDLE;
+    let signs = Vec3::new(r.number(), r.number(), r.number());
+    let mut ray = 0;
+    while ray < PACKET {
+        let d = [0, 1, 2].map(|axis| r.number().abs().copysign(signs[axis]));
+        let mut from = Ray::new(Vec3::new(r.number(), r.number(), r.number()), Vec3::from_array(d));
+        from.t_min = r.number().abs();
+        if let Some(local) = LocalRay::new(&from) {
+            out.set(ray, &local, [f32::MAX, -1.0, 2.0][r.bits() as usize % 3]);
+            some = local;
+            ray += 1;
+        }
+    }
+    out.bound(&some);
+    out
+}
+
+/// Triangles of up to twelve vertices, which some share; not all lanes are used.
+fn block(r: &mut Random) -> Block {
+    let count = 1 + r.bits() as u32 % 8;
+    let vertices: [Vec3; 12] = std::array::from_fn(|_| Vec3::new(r.number(), r.number(), r.number()));
+    let corners: [[usize; 3]; 8] = std::array::from_fn(|_| std::array::from_fn(|_| r.bits() as usize % 12));
+    let vertices = |id: u32| corners[id as usize].map(|corner| vertices[corner]);
+    Outline::of(0..count, vertices).map_or_else(|| unreachable!("twelve vertices"), |(_, block)| block)
+}
+
 /// Returns how many hits were told to lie in their own boxes for certain.
 fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
     let mut r = Random(11);
     let (mut entered, mut hit, mut zero, mut boxes, mut boxed, mut close) = (0, 0, 0, 0, 0, 0);
-    for _ in 0..20_000 {
+    let mut packet = bundle(&mut r);
+    let mut entering = 0;
+    for turn in 0..20_000 {
+        if turn % 20 == 0 {
+            packet = bundle(&mut r);
+        }
         let mut planes = [[0.0; 8]; 6];
         for axis in planes.chunks_mut(2) {
             let (low, high) = axis.split_at_mut(1);
@@ -93,16 +128,15 @@ fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
         }
         let node =
             Node { children: std::array::from_fn(|i| Child::node(i as u32)), ..Node::of_planes(planes) };
-        let mut v = [[[0.0; 8]; 3]; 3];
-        for x in v.iter_mut().flatten().flatten() {
-            *x = r.number();
-        }
-        for x in v.iter_mut().flatten() {
-            x[7] = f32::NAN;
-        }
-        let block = Block { v, id: [0; 8] };
+        let block = block(&mut r);
         let Some(ray) = r.ray() else { continue };
         let limit = [f32::MAX, 1.0, 3.0][r.bits() as usize % 3];
+
+        let bits = |(mask, entries): (u32, [f32; 8])| (mask, entries.map(f32::to_bits));
+        assert_eq!(bits(kernel.entries(&packet, &node, limit)), bits(packet.entries(&node, limit)));
+        let slot = turn % 8;
+        assert_eq!(kernel.entering(&packet, &node, slot), packet.entering(&node, slot));
+        entering += packet.entering(&node, slot).count_ones();
 
         let (want, got) = (scalar::Scalar.node(&ray, &node, limit), kernel.node(&ray, &node, limit));
         let want_children = want.mask;
@@ -123,7 +157,7 @@ fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
         let mut prepared = LocalRay::IDLE;
         assert!(kernel.prepare(&ray.ray, &mut prepared));
         assert_eq!(prepared, ray);
-        for lane in 0..7 {
+        for lane in 0..block.count() as usize {
             let (got, want) =
                 (kernel.own_box(&ray, &block, lane), scalar::Scalar.own_box(&ray, &block, lane));
             assert_eq!(got, want);
@@ -145,8 +179,8 @@ fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
         zero += want_lanes.doubtful.count_ones();
     }
     assert!(
-        entered > 2000 && hit > 500 && zero > 100 && boxes > 500 && close < 200,
-        "{entered} {hit} {zero} {boxes}: too few, or {close}: too many"
+        entered > 2000 && entering > 2000 && hit > 500 && zero > 100 && boxes > 500 && close < 200,
+        "{entered} {entering} {hit} {zero} {boxes}: too few, or {close}: too many"
     );
     boxed
 }

@@ -8,7 +8,7 @@ use crate::{
     slab::{EXIT, NODE_EXIT, PAD_COORDINATE, PAD_EXTENT},
 };
 use std::{arch::x86_64::*, mem::offset_of};
-use straal_math::Ray;
+use straal_math::{Ray, Vec3};
 
 /// [`super::Kernel::prepare`] of AVX2 and AVX-512.
 ///
@@ -88,6 +88,16 @@ static SHEARS: [Shear; 6] = {
     [shear(1, 2, 0), shear(2, 0, 1), shear(0, 1, 2), shear(2, 1, 0), shear(0, 2, 1), shear(1, 0, 2)]
 };
 
+/// A vector with 0 in the last lane.
+///
+/// # Safety
+/// The processor must have AVX.
+#[inline(always)]
+unsafe fn vector(p: Vec3) -> __m128 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm_setr_ps(p.x, p.y, p.z, 0.0) }
+}
+
 /// [`super::Kernel::own_box`] of AVX2 and AVX-512.
 ///
 /// # Safety
@@ -96,11 +106,8 @@ static SHEARS: [Shear; 6] = {
 pub(super) unsafe fn own_box_avx(r: &LocalRay, block: &Block, lane: usize) -> Option<f32> {
     // SAFETY: the caller's promise. Four numbers from origin, and from reciprocal, are inside.
     unsafe {
-        let vertex = |i: usize| {
-            let v = &block.v[i];
-            _mm_setr_ps(v[0][lane & 7], v[1][lane & 7], v[2][lane & 7], 0.0)
-        };
-        let (a, b, c) = (vertex(0), vertex(1), vertex(2));
+        let [a, b, c] = block.vertices(lane & 7);
+        let (a, b, c) = (vector(a), vector(b), vector(c));
         let low = _mm_min_ps(_mm_min_ps(a, b), c);
         let high = _mm_max_ps(_mm_max_ps(a, b), c);
         let extent = _mm_sub_ps(high, low);

@@ -1,0 +1,207 @@
+//! A ray against a block of eight triangles, eight lanes of AVX at a time: [`Kernel::inside`](super::Kernel::inside) and
+//! [`Kernel::block`](super::Kernel::block) of AVX2 and AVX-512.
+//!
+//! Vertices are moved to the ray's origin and sheared where the block keeps them, each once; triangles then pick theirs.
+//! Every lane does the operations of `slab.rs` and `triangle.rs` in their order: none is fused.
+
+use super::Lanes;
+use crate::{
+    bvh::{Block, WIDTH},
+    local::{LocalRay, ROW},
+    triangle::FLAT,
+};
+use std::arch::x86_64::*;
+
+/// A number for each vertex of a block, in the registers of an instruction set.
+///
+/// # Safety
+/// For all functions, the processor must have it.
+pub(super) trait Places: Copy {
+    /// # Safety
+    /// From an address of the coordinates of a block, aligned as they are.
+    unsafe fn load(at: *const f32) -> Self;
+
+    /// # Safety
+    /// See above.
+    unsafe fn minus(self, x: f32) -> Self;
+
+    /// This minus `by` times the other.
+    ///
+    /// # Safety
+    /// See above.
+    unsafe fn minus_scaled(self, by: f32, other: Self) -> Self;
+
+    /// The numbers of vertices, of which the lowest four bits count.
+    ///
+    /// # Safety
+    /// See above.
+    unsafe fn pick(self, vertices: __m256i) -> __m256;
+}
+
+/// Coordinates of all vertices along the axes of the sheared space, moved to the ray's origin.
+///
+/// # Safety
+/// The processor must have what `P` needs.
+#[inline(always)]
+unsafe fn moved<P: Places>(r: &LocalRay, block: &Block) -> [P; 3] {
+    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three rows.
+    unsafe {
+        let rows = &raw const block.rows;
+        let x = P::load(rows.byte_add(usize::from(r.rows[0])).cast()).minus(r.origin[0]);
+        let y = P::load(rows.byte_add(usize::from(r.rows[1])).cast()).minus(r.origin[1]);
+        let z = P::load(rows.byte_add(usize::from(r.rows[2])).cast()).minus(r.origin[2]);
+        [x, y, z]
+    }
+}
+
+/// The numbers of each triangle's first, second or third vertex in the lowest four bits.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn corners(block: &Block, i: usize) -> __m256i {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let lanes = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
+        _mm256_srlv_epi32(_mm256_set1_epi32(block.rows[i].corners as i32), lanes)
+    }
+}
+
+/// Eight triangles as `triangle::edges` has one.
+struct Crossing<P> {
+    moved: [P; 3],
+    /// Which vertices are each triangle's first, second and third.
+    corners: [__m256i; 3],
+    /// By vertex, sheared x and y.
+    xy: [[__m256; 2]; 3],
+    edges: [__m256; 3],
+    least: __m256,
+    most: __m256,
+    /// The lanes in which no two signs differ.
+    inside: u32,
+}
+
+impl<P: Places> Crossing<P> {
+    /// # Safety
+    /// The processor must have AVX2 and what `P` needs.
+    #[inline(always)]
+    unsafe fn new(r: &LocalRay, block: &Block) -> Self {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let moved @ [x, y, z] = moved::<P>(r, block);
+            let (x, y) = (x.minus_scaled(r.shear[0], z), y.minus_scaled(r.shear[1], z));
+            let corners @ [i, j, k] = [corners(block, 0), corners(block, 1), corners(block, 2)];
+            let xy @ [a, b, c] = [[x.pick(i), y.pick(i)], [x.pick(j), y.pick(j)], [x.pick(k), y.pick(k)]];
+            let edges @ [u, v, w] = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
+            let least = _mm256_min_ps(u, _mm256_min_ps(v, w));
+            let most = _mm256_max_ps(u, _mm256_max_ps(v, w));
+            let zero = _mm256_setzero_ps();
+            let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(least, zero);
+            let inside = _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_LE_OQ>(most, zero));
+            let inside = _mm256_movemask_ps(inside) as u32 & block.lanes();
+            Self { moved, corners, xy, edges, least, most, inside }
+        }
+    }
+
+    /// The coordinates of each triangle's vertices along an axis.
+    ///
+    /// # Safety
+    /// The processor must have AVX2 and what `P` needs.
+    #[inline(always)]
+    unsafe fn along(&self, axis: usize) -> [__m256; 3] {
+        // SAFETY: the caller's promise.
+        unsafe {
+            let ([i, j, k], moved) = (self.corners, self.moved[axis]);
+            [moved.pick(i), moved.pick(j), moved.pick(k)]
+        }
+    }
+}
+
+/// Edge functions of the edges from `q` to `p`.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn edge(p: &[__m256; 2], q: &[__m256; 2]) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_sub_ps(_mm256_mul_ps(p[0], q[1]), _mm256_mul_ps(p[1], q[0])) }
+}
+
+/// The first and the last crossing of a triangle's vertices along an axis, from their coordinates. Rounding doesn't change
+/// an order, so that these are the crossings of its box' planes by `slab.rs`.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn crossings(r: &LocalRay, axis: usize, of: &[__m256; 3]) -> [__m256; 2] {
+    // SAFETY: the caller's promise; `LocalRay` gives offsets of one of three numbers.
+    unsafe {
+        let number = usize::from(r.rows[axis]) / (usize::from(ROW) / size_of::<f32>());
+        let inv = _mm256_set1_ps(*(&raw const r.inv).cast::<f32>().byte_add(number));
+        let a = _mm256_mul_ps(of[0], inv);
+        let b = _mm256_mul_ps(of[1], inv);
+        let c = _mm256_mul_ps(of[2], inv);
+        [_mm256_min_ps(_mm256_min_ps(a, b), c), _mm256_max_ps(_mm256_max_ps(a, b), c)]
+    }
+}
+
+/// [`Kernel::inside`](super::Kernel::inside).
+///
+/// # Safety
+/// The processor must have AVX2 and what `P` needs.
+#[inline(always)]
+pub(super) unsafe fn inside<P: Places>(r: &LocalRay, block: &Block) -> u32 {
+    // SAFETY: the caller's promise.
+    unsafe { Crossing::<P>::new(r, block).inside }
+}
+
+/// [`Kernel::block`](super::Kernel::block).
+///
+/// # Safety
+/// The processor must have AVX2 and what `P` needs.
+#[inline(always)]
+pub(super) unsafe fn block<P: Places>(r: &LocalRay, block: &Block, limit: f32) -> Lanes {
+    let mut out = Lanes::NONE;
+    // SAFETY: the caller's promise; eight numbers are written to arrays of eight.
+    unsafe {
+        let crossing = Crossing::<P>::new(r, block);
+        if crossing.inside == 0 {
+            return out;
+        }
+        let Crossing { xy: [a, b, c], edges: [u, v, w], least, most, inside, .. } = crossing;
+        let zero = _mm256_setzero_ps();
+        let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);
+        let on_edge = _mm256_or_ps(on_edge, _mm256_cmp_ps::<_CMP_EQ_OQ>(most, zero));
+        let det = _mm256_add_ps(_mm256_add_ps(u, v), w);
+        let off = _mm256_set1_ps(-0.0);
+        let size = |x| _mm256_andnot_ps(off, x);
+        let reach = _mm256_max_ps(size(a[0]), size(a[1]));
+        let reach = _mm256_max_ps(reach, _mm256_max_ps(size(b[0]), size(b[1])));
+        let reach = _mm256_max_ps(reach, _mm256_max_ps(size(c[0]), size(c[1])));
+        let enough = _mm256_mul_ps(_mm256_mul_ps(reach, reach), _mm256_set1_ps(FLAT));
+        let flat = _mm256_cmp_ps::<_CMP_NGE_UQ>(size(det), enough);
+        out.doubtful = _mm256_movemask_ps(_mm256_or_ps(on_edge, flat)) as u32 & inside;
+        let z = crossing.along(2);
+        let depth = _mm256_add_ps(_mm256_mul_ps(u, z[0]), _mm256_mul_ps(v, z[1]));
+        let depth = _mm256_add_ps(depth, _mm256_mul_ps(w, z[2]));
+        let t = _mm256_div_ps(_mm256_mul_ps(depth, _mm256_set1_ps(r.shear[2])), det);
+        let late = _mm256_cmp_ps::<_CMP_GE_OQ>(t, _mm256_set1_ps(r.ray.t_min));
+        let early = _mm256_cmp_ps::<_CMP_LE_OQ>(t, _mm256_set1_ps(limit));
+        out.hit = _mm256_movemask_ps(_mm256_and_ps(late, early)) as u32 & inside & !out.doubtful;
+        let [enter_x, exit_x] = crossings(r, 0, &crossing.along(0));
+        let [enter_y, exit_y] = crossings(r, 1, &crossing.along(1));
+        let [enter_z, exit_z] = crossings(r, 2, &z);
+        let enter = _mm256_max_ps(_mm256_max_ps(enter_x, enter_y), enter_z);
+        let exit = _mm256_min_ps(_mm256_min_ps(exit_x, exit_y), exit_z);
+        let past = _mm256_cmp_ps::<_CMP_LE_OQ>(enter, t);
+        let before = _mm256_cmp_ps::<_CMP_LE_OQ>(t, exit);
+        out.boxed = _mm256_movemask_ps(_mm256_and_ps(past, before)) as u32;
+        _mm256_storeu_ps(out.t.as_mut_ptr(), t);
+        _mm256_storeu_ps(out.det.as_mut_ptr(), det);
+        _mm256_storeu_ps(out.e1.as_mut_ptr(), v);
+        _mm256_storeu_ps(out.e2.as_mut_ptr(), w);
+        out
+    }
+}
+
+const _: () = assert!(WIDTH == 8);
