@@ -183,8 +183,8 @@ mod tests {
             let sum = |c: usize| weights.iter().zip(&values).map(|(w, v)| w[c] * v).sum::<f64>();
             let spectrum = Spectrum::new(wavelengths.clone(), values.clone()).unwrap();
             let want = Observer::Cie1931.surface(&spectrum.bins(Quantity::Reflectance), &light);
-            for c in 0..3 {
-                assert!((sum(c) - want[c]).abs() < 1e-12, "{wavelengths:?}: {} {}", sum(c), want[c]);
+            for (c, want) in want.into_iter().enumerate() {
+                assert!((sum(c) - want).abs() < 1e-12, "{wavelengths:?}: {} {want}", sum(c));
             }
         }
         assert!(xyz_of_reflectances(&[900.0, 1000.0], &light).is_empty());

@@ -193,9 +193,9 @@ mod tests {
         let white = Observer::Cie1931.light(&illuminant::d65());
         let seen = beauty(&picture).unwrap();
         assert_eq!((seen.layer.as_str(), seen.space), ("T", Some(RgbSpace::XYZ)));
-        for c in 0..3 {
-            assert!((f64::from(seen.pixels[0][c]) - 0.5 * white[c]).abs() < 1e-6, "{seen:?}");
-            assert!((f64::from(seen.pixels[1][c]) - 0.25 * white[c]).abs() < 1e-6, "{seen:?}");
+        for (c, white) in white.into_iter().enumerate() {
+            assert!((f64::from(seen.pixels[0][c]) - 0.5 * white).abs() < 1e-6, "{seen:?}");
+            assert!((f64::from(seen.pixels[1][c]) - 0.25 * white).abs() < 1e-6, "{seen:?}");
         }
         // Light counts before what it falls on.
         picture.layers.push(layer_named("S0", &[("400nm", 1.0), ("700nm", 1.0)]));
