@@ -82,11 +82,12 @@ impl Plate {
         let plane = focus::Plane { pixels: &self.pixels, depth, width: data.width, center };
         self.pixels = plane.blurred(blur);
         // What is by wavelengths is not blurred and no longer the same picture; its sum becomes the picture.
-        if self.picture.layer(exr::SPECTRAL_LAYER).is_some() {
-            self.picture.layers.retain(|l| l.name != exr::SPECTRAL_LAYER);
+        let is_summed = self.picture.layer(&self.beauty).is_some_and(exr::is_spectral_layer);
+        if self.picture.layers.iter().any(exr::is_spectral_layer) {
+            self.picture.layers.retain(|l| !exr::is_spectral_layer(l));
             self.picture.metadata.retain(|(key, _)| !exr::is_spectral_attribute(key));
         }
-        if self.beauty == exr::SPECTRAL_LAYER {
+        if is_summed {
             self.beauty.clear();
             self.picture.space = self.space;
         }
