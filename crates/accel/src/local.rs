@@ -17,8 +17,6 @@ pub(crate) struct LocalRay {
     pub octant: u8,
     /// 1 / d, kept finite so that 0 times it is never NaN.
     pub inv: Vec3,
-    /// `t_min`, raised to [`LEAST_ENTRY`]: where the ray enters a node that it starts in.
-    pub enter: f32,
     /// `inv` for the far planes of nodes: times [`NODE_EXIT`].
     pub far: [f32; 3],
     /// The origin along the axes x, y, z of the sheared space of `triangle.rs`.
@@ -28,10 +26,6 @@ pub(crate) struct LocalRay {
     /// Where the coordinates along these axes stand in a block, in bytes; the last is 0.
     pub rows: [u8; 4],
 }
-
-/// No node is entered earlier than this, the ninth smallest float above 0, so that the bits of an entry, with the lowest
-/// three replaced, are never 0. What starts in a node's padded box leaves it later.
-pub(crate) const LEAST_ENTRY: f32 = f32::from_bits(8);
 
 /// A direction's coordinate below this counts as this when box planes are crossed: the reciprocal stays finite.
 pub(crate) const LEAST: f32 = 1e-37;
@@ -43,7 +37,6 @@ impl LocalRay {
         neg: [0; 3],
         octant: 0,
         inv: Vec3::ONE,
-        enter: 0.0,
         far: [0.0; 3],
         origin: [0.0; 3],
         shear: [0.0; 3],
@@ -84,7 +77,6 @@ impl LocalRay {
             neg: NEG[octant],
             octant: octant as u8,
             inv: Vec3::from_array(inv),
-            enter: if t_min > LEAST_ENTRY { t_min } else { LEAST_ENTRY },
             far: inv.map(|x| x * NODE_EXIT),
             origin: [o[x], o[y], o[z]],
             shear: [d[x] * scale, d[y] * scale, scale],

@@ -3,7 +3,7 @@
 //! For each axis the crossing of a plane at b is (b - o) * (1 / d), two roundings, monotone in b. A box that
 //! contains another therefore never has a later entry or an earlier exit, in any rounding.
 
-use crate::local::{LEAST_ENTRY, LocalRay};
+use crate::local::LocalRay;
 use straal_math::{Bounds, Vec3, ops};
 
 /// The exit is pushed out by this factor (Ize 2013, "Robust BVH Ray Traversal", section 3, gives 1 + 2 gamma(3) =
@@ -12,9 +12,11 @@ use straal_math::{Bounds, Vec3, ops};
 pub(crate) const EXIT: f32 = 1.0 + 16.0 * f32::EPSILON;
 
 /// The same for the boxes of wide nodes, whose far planes are crossed with a reciprocal direction that is raised by this
-/// beforehand: one rounding more and one elsewhere than where the exit is raised, so that what leaves a box late enough
-/// leaves the nodes around it late enough.
-pub(crate) const NODE_EXIT: f32 = 1.0 + 20.0 * f32::EPSILON;
+/// beforehand: what leaves a box late enough is to leave the nodes around it late enough. A raised reciprocal is off by up to
+/// 2 epsilon (it is never below 2^21 units in the last place, where numbers are subnormal). A crossing x is off by half a unit
+/// more than a box' there, and that box' raised one by half a unit again; from 2^18 units on, below which [`EXIT`] changes
+/// nothing, 48 epsilon x make up for that.
+pub(crate) const NODE_EXIT: f32 = 1.0 + 72.0 * f32::EPSILON;
 
 /// Where a primitive is large beside its distance, the roundings of its vertices move with its size instead: boxes grow
 /// by this part of their longest edge on each side.
@@ -24,13 +26,16 @@ pub(crate) const PAD_EXTENT: f32 = 8.0 * f32::EPSILON;
 pub(crate) const PAD_COORDINATE: f32 = f32::EPSILON;
 
 /// The latest entry into a box that may hold a hit at `t`: boxes of parts of a triangle are computed apart from its own,
-/// and rounding may put their entry behind a hit by as much as [`EXIT`] allows for exits. `t` is not negative.
+/// and rounding may put their entry behind a hit by as much as [`EXIT`] allows for exits, or by some [`UNITS`]. `t` is not
+/// negative.
 #[inline(always)]
 pub(crate) fn loosened(t: f32) -> f32 {
-    let loose = t * EXIT;
-    let loose = if loose > f32::MAX { f32::MAX } else { loose };
-    if loose > LEAST_ENTRY { loose } else { LEAST_ENTRY }
+    let loose = t * EXIT + UNITS;
+    if loose > f32::MAX { f32::MAX } else { loose }
 }
+
+/// A few units in the last place of the smallest numbers, where roundings are no longer parts of the numbers.
+const UNITS: f32 = f32::from_bits(8);
 
 /// A primitive's own box, padded so that every hit the primitive's routine finds lies inside.
 #[inline(always)]

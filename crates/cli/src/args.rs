@@ -103,7 +103,7 @@ pub struct RenderArgs {
     pub output: Vec<PathBuf>,
 
     /// Samples per pixel
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
 
     /// Render passes until the time is up, such as 90s, 2m, 1h30m or 500ms, counted from the start of the command;
@@ -113,7 +113,7 @@ pub struct RenderArgs {
 
     /// Sample each block of 8x8 pixels until its noise, the relative standard error of its pixels, is at most this, such as
     /// 2%. No pixel gets more samples than --spp says, without it 262144
-    #[arg(long, value_name = "PERCENT", value_parser = quantity::noise)]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = quantity::noise)]
     pub noise: Option<f64>,
 
     /// Width and height of the whole picture, such as 640x360
@@ -425,7 +425,7 @@ pub struct SamplerArgs {
     #[arg(long, value_name = "X,Y", default_value = "0,1", value_parser = quantity::dimensions)]
     pub dimensions: Dimensions,
 
-    /// Draw the points as an SVG; when no name follows, to one of the pattern's name in the current folder
+    /// Draw the points as an SVG (.svg); when no name follows, to one of the pattern's name in the current folder
     #[arg(long, value_name = "DRAWING")]
     pub plot: Option<Option<PathBuf>>,
 

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use straal::Progress;
+use straal::{Blocks, Progress};
 
 /// Time between two lines where no terminal is.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
@@ -24,6 +24,8 @@ pub struct Pace {
     pub seconds: f64,
     /// Seconds of rendering after which no pass begins.
     pub limit: Option<f64>,
+    /// Blocks that need further samples, where noise ends the render.
+    pub blocks: Option<Blocks>,
 }
 
 impl Pace {
@@ -62,11 +64,18 @@ impl Pace {
             }
             None => count(self.samples, "sample"),
         };
+        if let Some(Blocks { left, of }) = self.blocks {
+            let _ = write!(line, ", {left} of {} left", count(of, "block"));
+        }
         if self.samples > 0 {
             let _ = write!(line, ", {:.2} Mrays/s", self.mrays_per_second());
         }
         if let Some(left) = self.left(now) {
-            let about = if self.of.is_some() { "about " } else { "" };
+            let about = match (self.blocks, self.of) {
+                (Some(_), _) => "at most ",
+                (None, Some(_)) => "about ",
+                (None, None) => "",
+            };
             let _ = write!(line, ", {about}{} left", tell_duration(left));
         }
         line
@@ -123,6 +132,7 @@ impl Teller {
         let pace = {
             let mut pace = self.pace.lock().unwrap_or_else(PoisonError::into_inner);
             pace.samples = progress.samples;
+            pace.blocks = progress.blocks;
             pace.rays = progress.times.rays + progress.times.shadow_rays;
             pace.seconds = (now - self.start).as_secs_f64();
             *pace
@@ -135,9 +145,13 @@ impl Teller {
                     out::say(&format!("{}\n", pace.tell(pace.seconds)));
                 }
             }
-            Way::Bar(bar) => match pace.limit {
-                None => bar.set_position(progress.samples),
-                Some(limit) => bar.set_position(thousandths(pace.seconds, limit)),
+            Way::Bar(bar) => match (pace.limit, pace.blocks) {
+                (Some(limit), _) => bar.set_position(thousandths(pace.seconds, limit)),
+                (None, Some(Blocks { left, of })) => {
+                    bar.set_length(of);
+                    bar.set_position(of - left);
+                }
+                (None, None) => bar.set_position(progress.samples),
             },
         }
         pace
@@ -187,7 +201,7 @@ mod tests {
 
     #[test]
     fn time_left_comes_from_whole_passes_and_counts_down() {
-        let pace = Pace { samples: 16, of: Some(64), rays: 40_000_000, seconds: 8.0, limit: None };
+        let pace = Pace { samples: 16, of: Some(64), rays: 40_000_000, seconds: 8.0, ..Pace::default() };
         assert_eq!(pace.left(8.0), Some(24.0));
         assert_eq!(pace.left(10.0), Some(22.0));
         assert_eq!(pace.left(1000.0), Some(0.0));
@@ -203,8 +217,20 @@ mod tests {
     }
 
     #[test]
+    fn where_noise_ends_a_render_blocks_are_told() {
+        let blocks = Some(Blocks { left: 12, of: 40 });
+        let pace = Pace { samples: 64, rays: 40_000_000, seconds: 8.0, blocks, ..Pace::default() };
+        assert_eq!(pace.tell(8.0), "64 samples, 12 of 40 blocks left, 5.00 Mrays/s");
+        let limited = Pace { of: Some(128), ..pace };
+        assert_eq!(
+            limited.tell(8.0),
+            "64 of 128 samples, 50 %, 12 of 40 blocks left, 5.00 Mrays/s, at most 8.0 s left"
+        );
+    }
+
+    #[test]
     fn a_limit_ends_before_a_pass_that_would_be_late() {
-        let pace = Pace { samples: 8, of: None, rays: 1, seconds: 4.0, limit: Some(6.0) };
+        let pace = Pace { samples: 8, of: None, rays: 1, seconds: 4.0, limit: Some(6.0), blocks: None };
         assert!(pace.has_time_for(4));
         assert!(!pace.has_time_for(5));
         assert_eq!(pace.left(5.0), Some(1.0));

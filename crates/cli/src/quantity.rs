@@ -191,6 +191,13 @@ pub fn tell_duration(seconds: f64) -> String {
     }
 }
 
+/// A part of one in percent, to six digits: 0.07 is 7 %, not 7.000000000000001 %.
+pub fn tell_percent(part: f64) -> String {
+    let text = format!("{:.6}", 100.0 * part);
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "0" { format!("{:.0e} %", 100.0 * part) } else { format!("{text} %") }
+}
+
 /// An amount of memory as people read it, in powers of 1000.
 pub fn tell_bytes(bytes: u64) -> String {
     let amount = bytes as f64;
@@ -261,6 +268,7 @@ mod tests {
             [999, 1500, 2_000_000, 3_210_000_000].map(tell_bytes),
             ["999 B", "1.5 kB", "2.0 MB", "3.21 GB"]
         );
+        assert_eq!([0.07, 0.005, 1e-15].map(tell_percent), ["7 %", "0.5 %", "1e-13 %"]);
         assert_eq!((count(1, "sample"), count(0, "sample")), ("1 sample".into(), "0 samples".into()));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::complaint;
 use crate::process;
-use crate::quantity::{count, tell_bytes, tell_duration};
+use crate::quantity::{count, tell_bytes, tell_duration, tell_percent};
 use serde_json::{Map, Value as Json, json};
 use std::path::PathBuf;
 use straal::{Job, Outcome, Phase, Times};
@@ -58,10 +58,10 @@ impl<'a> Report<'a> {
         }
         if let (Some(noise), 1..) = (self.job.settings.noise, o.noisy_blocks) {
             text += &format!(
-                "{} of 8 x 8 pixels {} noisier than {} %: {}\n",
+                "{} of 8 x 8 pixels {} noisier than {}: {}\n",
                 count(o.noisy_blocks, "block"),
                 if o.noisy_blocks == 1 { "is" } else { "are" },
-                100.0 * noise,
+                tell_percent(noise),
                 if o.samples >= straal::MAX_SAMPLES {
                     format!("no pixel can have more than {} samples", straal::MAX_SAMPLES)
                 } else {

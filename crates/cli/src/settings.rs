@@ -64,6 +64,7 @@ impl RenderSettings {
         if args.scene.as_deref().is_some_and(|scene| outputs.iter().any(|o| is_same_file(o, scene))) {
             return Err(Failure::input("the picture would replace the scene"));
         }
+        let has_exr = outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Exr)));
         Ok(Self {
             scene: args.scene,
             outputs,
@@ -77,6 +78,7 @@ impl RenderSettings {
                 max_depth: args.max_depth,
                 spectral: args.spectral.then_some(true),
                 recording: args.channels,
+                error: Some(has_exr),
                 splat: args.splat.then_some(true),
                 threads: args.threads,
                 accel: args.accel,

@@ -228,3 +228,24 @@ fn help_and_version_are_told() {
     }
     assert_eq!(folder.straal("").code, Some(2));
 }
+
+/// What ends a render by noise is told when it begins, and what it left when it ends.
+#[test]
+fn noise_and_its_limit_are_told() {
+    let folder = Folder::with_scene(BALL);
+    let open = folder.straal("render scene.yaml --noise 30%");
+    assert_eq!(open.code, Some(0), "{open:?}");
+    assert!(open.err.contains("at most 30 %; no pixel gets more than 262144 samples\n"), "{open:?}");
+    let few = folder.straal("render scene.yaml --noise 0.1% --spp 40");
+    assert!(few.err.contains("at most 0.1 %; no pixel gets more than 40 samples\n"), "{few:?}");
+    assert!(
+        few.err.contains("blocks of 8 x 8 pixels are noisier than 0.1 %: no pixel was given more than 40"),
+        "{few:?}"
+    );
+    let never = folder.straal("render scene.yaml --noise 30% --spp 20");
+    assert!(never.err.contains("warning: no block can be found to be within 30 % of noise"), "{never:?}");
+    let folder = Folder::with_scene(&BALL.replace("spp: 4", "spp: 48, noise: 0.3"));
+    let scene = folder.straal("render scene.yaml");
+    assert!(scene.err.contains("no pixel gets more than 48 samples\n"), "{scene:?}");
+    assert!(folder.straal("check scene.yaml").out.contains("24 x 16 pixels, at most 48 samples"));
+}

@@ -246,12 +246,14 @@ impl Reader<'_> {
                 Err(e) => self.fail(file, &e),
             }
         }
-        for reflectance in scene.reflectances() {
-            if let Spectrum::Measured(m) = reflectance
-                && let Some(file) = &m.file
-                && let Some(spectrum) = assets.spectrum(file)
-                && let Some(complaint) = too_bright(&spectrum.scaled(m.scale), file.span)
-            {
+        for (file, m) in scene.spectra_of_files() {
+            if let Some(Err(fault)) = assets.spectrum(file).map(|table| m.of_table(table)) {
+                self.d.push(Diagnostic::error(file.span, fault.to_string()));
+            }
+        }
+        for (file, m) in scene.reflectances().into_iter().filter_map(Spectrum::in_file) {
+            let made = assets.spectrum(file).and_then(|table| m.of_table(table).ok());
+            if let Some(complaint) = made.and_then(|spectrum| too_bright(&spectrum, file.span)) {
                 self.d.push(complaint);
             }
         }

@@ -1,7 +1,7 @@
 //! Files of spectra: a wavelength in nanometres and a value on each line.
 //!
-//! The two are parted by spaces, a comma, a colon or a semicolon; `#` begins a comment, and empty lines count for nothing. This
-//! takes pbrt's and Mitsuba's `.spd` and plain tables of two columns.
+//! The two are parted by spaces, a comma, a colon or a semicolon; `#` begins a comment, empty lines count for nothing, and the first line
+//! may name the columns. This takes pbrt's and Mitsuba's `.spd` and tables of two columns as spreadsheets write them.
 
 use straal_color::spectrum::Spectrum;
 
@@ -16,16 +16,24 @@ pub fn read(bytes: &[u8]) -> Result<Spectrum, ReadError> {
     let text =
         std::str::from_utf8(bytes).map_err(|_| ReadError::file("this is not a text: it must be UTF-8"))?;
     let (mut wavelengths, mut values) = (Vec::new(), Vec::new());
+    let mut may_be_heading = true;
     for (i, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or(line);
-        let mut words =
-            line.split(|c: char| c.is_whitespace() || ",:;".contains(c)).filter(|w| !w.is_empty());
-        let Some(first) = words.next() else { continue };
-        let pair =
-            (first.parse::<f64>().ok(), words.next().and_then(|w| w.parse::<f64>().ok()), words.next());
-        let (Some(nm), Some(value), None) = pair else {
-            let message = format!("line {} is not a wavelength and a value", i + 1);
-            return Err(ReadError::file(message));
+        let words = line.split(|c: char| c.is_whitespace() || ",:;".contains(c)).filter(|w| !w.is_empty());
+        let words: Vec<&str> = words.take(3).collect();
+        if words.is_empty() {
+            continue;
+        }
+        let number = |i: usize| words.get(i).and_then(|w| w.parse::<f64>().ok());
+        let is_heading = std::mem::take(&mut may_be_heading) && number(0).is_none();
+        let (nm, value) = match (words.len(), number(0), number(1)) {
+            (2, Some(nm), Some(value)) => (nm, value),
+            _ if is_heading => continue,
+            (n, ..) => {
+                let more = if n > 2 { ": it has more than two columns" } else { "" };
+                let message = format!("line {} is not a wavelength and a value{more}", i + 1);
+                return Err(ReadError::file(message));
+            }
         };
         if wavelengths.len() == MOST {
             return Err(ReadError::file(format!("it has more than {MOST} lines")));
@@ -48,6 +56,7 @@ mod tests {
             "# a\n400,0.25 # b\r\n\r\n500,1",
             "400: .25\n500: 1e0",
             "\u{feff}400;0.25\n500;1",
+            "# of a lamp\n\nwavelength (nm),power\n400,0.25\n500,1",
         ] {
             assert_eq!(read(text.as_bytes()).unwrap(), want, "{text}");
         }
@@ -57,7 +66,10 @@ mod tests {
     fn what_is_wrong_is_told() {
         let fault = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
         assert!(fault(b"400 1\n500").contains("line 2"));
-        assert!(fault(b"400 1 2").contains("line 1"));
+        assert!(fault(b"400 1 2").contains("line 1 is not a wavelength and a value: it has more"));
+        assert!(fault(b"wavelength value\nnm 1\n400 1").contains("line 2"));
+        assert!(fault(b"400 1\nwavelength value").contains("line 2"));
+        assert!(fault(b"wavelength value").contains("at least one"));
         assert!(fault(b"500 1\n400 1").contains("must rise"));
         assert!(fault(b"400 -1").contains("negative"));
         assert!(fault(b"400 nan").contains("not finite"));

@@ -118,6 +118,6 @@ world:
     // 32 patches of 4 x 4 squares of two triangles; each patch has 5 x 5 vertices.
     assert_eq!((f.triangles, f.vertices), (32 * 32 + 1, 32 * 25 + 3));
     assert_eq!(f.visible, 2 * (2 * 1024 + 1) + 1);
-    assert_eq!(f.film_bytes, 100 * 50 * 128);
+    assert_eq!(f.film_bytes, 100 * 50 * 232);
     assert!(f.total_bytes() > f.mesh_bytes + f.search_bytes);
 }

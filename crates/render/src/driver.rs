@@ -1,7 +1,7 @@
 //! The driver: passes over the picture, tiles over the threads, waves of paths.
 
 use crate::camera::FilmPoint;
-use crate::film::{BLOCK, BandSample, Evidence, Film, FilmTile, Flying, MAX_SAMPLES, next_look, reach};
+use crate::film::{BLOCK, BandSample, Film, FilmTile, Flying, MAX_SAMPLES, next_look, reach};
 use crate::filter::{Filter, FilterSample};
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
-use straal_math::lowdisc::{Pattern, Purpose};
+use straal_math::lowdisc::Purpose;
 
 /// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel that is still sampled has the
 /// same number of samples, and the sums are those of any other way to get there.
@@ -64,11 +64,11 @@ impl<'w, I: Integrator> Render<'w, I> {
         if settings.splat {
             film.splat(&world.filter);
         }
-        if settings.noise.is_some() {
-            film.judge_by(match settings.pattern {
-                Pattern::Random => Evidence::Spread,
-                _ => Evidence::Batches,
-            });
+        if settings.holds_batches() {
+            film.hold_batches();
+        }
+        if settings.error {
+            film.tell_error(settings.evidence());
         }
         if settings.cost {
             film.count_costs(clock.is_some());

@@ -9,7 +9,7 @@
 
 use std::fmt;
 
-use straal_color::spectrum::{Beyond, COUNT, FIRST, Observer, Spectrum, illuminant, refraction, uplift};
+use straal_color::spectrum::{COUNT, FIRST, Observer, Quantity, Spectrum, illuminant, refraction, uplift};
 use straal_color::{Adaptation, Light, Matrix3, RgbSpace, Space};
 use straal_math::{ops, table::Table1};
 
@@ -477,6 +477,6 @@ impl EtaTable {
 }
 
 /// The mean over each nanometre in single precision.
-pub(crate) fn table_of(spectrum: &Spectrum, beyond: Beyond) -> [f32; COUNT] {
-    spectrum.means(beyond).map(|v| v as f32)
+pub(crate) fn table_of(spectrum: &Spectrum, quantity: Quantity) -> [f32; COUNT] {
+    spectrum.means(quantity).map(|v| v as f32)
 }

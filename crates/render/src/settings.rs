@@ -1,5 +1,6 @@
 //! What a render is asked for, apart from the world.
 
+use crate::film::Evidence;
 use straal_math::lowdisc::Pattern;
 
 /// A rectangle of pixels, ends exclusive, in coordinates of the whole picture (y down from the top).
@@ -71,6 +72,8 @@ pub struct Settings {
     pub seed: u64,
     /// Ends sampling, block by block, where the relative standard error is at most this (see [`crate::film`]).
     pub noise: Option<f64>,
+    /// Tells each pixel's standard error ([`crate::film::Layers::error`]): 48 bytes a pixel more where that takes batches.
+    pub error: bool,
     /// Lets a sample count in all pixels whose filter reaches it, in place of one pixel whose filter it is drawn by.
     pub splat: bool,
     /// Worker threads; 0 for all cores.
@@ -84,6 +87,16 @@ pub struct Settings {
 }
 
 impl Settings {
+    /// By what noise is told: samples that count in several pixels keep no order to be cut into batches by.
+    pub const fn evidence(&self) -> Evidence {
+        if self.splat { Evidence::Spread } else { Evidence::of(self.pattern.kind()) }
+    }
+
+    /// Whether the film holds batches.
+    pub fn holds_batches(&self) -> bool {
+        (self.error || self.noise.is_some()) && self.evidence() == Evidence::Batches
+    }
+
     /// The whole of a picture of the given size, with the default pattern on all cores.
     pub fn new(size: [u32; 2]) -> Self {
         Self {
@@ -92,6 +105,7 @@ impl Settings {
             pattern: Pattern::Sobol,
             seed: 0,
             noise: None,
+            error: false,
             splat: false,
             threads: 0,
             batch: 1024,

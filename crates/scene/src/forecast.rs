@@ -3,7 +3,7 @@
 mod search;
 
 use crate::Assets;
-use crate::desc::{Bezier, BezierPatches, Channels, MeshSource, Node, Scene, TriangleMesh};
+use crate::desc::{Bezier, BezierPatches, Channels, MeshSource, Node, SamplerKind, Scene, TriangleMesh};
 
 /// Bytes that a scene needs while it is rendered, and what it is made of. Rough by nature: a search tree's size
 /// depends on where the triangles are.
@@ -34,8 +34,12 @@ const TRIANGLE: u64 = 2 * 12;
 /// An RGB pixel of three `f32` (12), the renderer's four lanes (16), and its place in the sampling table (8).
 const PIXEL: u64 = 12 + 16 + 8;
 
-/// Sums of 64 bits of the colour and its square (6), the AOVs (7) and the counts (3).
-const FILM: u64 = 8 * 16;
+/// Sums of 128 bits of the colour, its square and the depth (7), of 64 bits of albedo and normal (6), two counts, padded to 16 bytes;
+/// and the layers that they become (14 of 32 bits).
+const FILM: u64 = 7 * 16 + 6 * 8 + 16 + 14 * 4;
+
+/// By which noise is told of well-spread points: two sums of a colour. An EXR's layer `error` takes as much where nothing adapts.
+const BATCHES: u64 = 2 * 3 * 8;
 
 /// Sums of 128 bits of weighted colours (9) and weights (2).
 const SPLAT: u64 = 11 * 16;
@@ -83,7 +87,10 @@ pub fn forecast(scene: &Scene, assets: &Assets) -> Forecast {
         Channels::Spectral(s) => u64::from(s.bands),
         Channels::Rgb | Channels::Xyz => 0,
     };
-    let mut each = FILM + 16 * bands;
+    let mut each = FILM + (16 + 4) * bands;
+    if scene.sampler.noise.is_some() && scene.sampler.kind != SamplerKind::Random {
+        each += BATCHES;
+    }
     if scene.film.splat {
         // Tiles of 16 x 16 hold sums for the pixels around them as well.
         let side = 16 + 2 * scene.film.filter.radius().ceil() as u64;

@@ -3,12 +3,13 @@
 use straal_math::{Affine, Transform as Rounded};
 
 use crate::desc::{
-    Environment, Group, Instance, Light, Material, MaterialRef, Node, Scene, Spectrum, Surface, Transform,
+    Environment, Group, Instance, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Surface,
+    Transform,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{FileRef, Name};
+use crate::value::{FileRef, Name, Value};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -123,19 +124,23 @@ impl Scene {
 
     /// The files of spectra that are named, with repetitions.
     pub fn spectrum_files(&self) -> Vec<&FileRef> {
-        let mut files: Vec<&FileRef> =
-            self.lights.iter().filter_map(Light::spectrum).filter_map(Spectrum::file).collect();
+        self.spectra_of_files().into_iter().map(|(file, _)| file).collect()
+    }
+
+    /// The spectra that are in files, and these.
+    pub fn spectra_of_files(&self) -> Vec<(&FileRef, &Measured)> {
+        let mut spectra: Vec<&Spectrum> = self.lights.iter().filter_map(Light::spectrum).collect();
         for (_, material) in self.materials.iter() {
-            files.extend(material.spectra().into_iter().filter_map(Spectrum::file));
+            spectra.extend(material.spectra());
         }
         self.visit(|node| {
             if let Some(MaterialRef::Inline(material)) = node.material() {
-                files.extend(material.spectra().into_iter().filter_map(Spectrum::file));
+                spectra.extend(material.spectra());
             }
             let emission = node.surface().and_then(|s| s.emission.as_ref());
-            files.extend(emission.and_then(|e| e.get().file()));
+            spectra.extend(emission.map(Value::get));
         });
-        files
+        spectra.into_iter().filter_map(Spectrum::in_file).collect()
     }
 
     /// The colours of surfaces that are parts of the light that arrives.

@@ -2,7 +2,7 @@
 
 use crate::focus::{self, Blur, NoBlur};
 use crate::look::{Look, Negative, to_screen};
-use crate::picture::{Format, LOOK, Picture, SaveError, with_look, write_png};
+use crate::picture::{ERROR, Format, LOOK, Picture, SaveError, with_look, write_png};
 use std::path::Path;
 use straal_color::{RgbSpace, Space};
 use straal_formats::image::exr::{self, Beauty, Layer, Window};
@@ -82,19 +82,20 @@ impl Plate {
         let plane = focus::Plane { pixels: &self.pixels, depth, width: data.width, center };
         self.pixels = plane.blurred(blur);
         // What is by wavelengths is not blurred and no longer the same picture; its sum becomes the picture.
-        if self.picture.layer(exr::SPECTRAL_LAYER).is_some() {
-            self.picture.layers.retain(|l| l.name != exr::SPECTRAL_LAYER);
+        let is_summed = self.picture.layer(&self.beauty).is_some_and(exr::is_spectral_layer);
+        if self.picture.layers.iter().any(exr::is_spectral_layer) {
+            self.picture.layers.retain(|l| !exr::is_spectral_layer(l));
             self.picture.metadata.retain(|(key, _)| !exr::is_spectral_attribute(key));
         }
-        if self.beauty == exr::SPECTRAL_LAYER {
+        if is_summed {
             self.beauty.clear();
             self.picture.space = self.space;
         }
         self.picture.layers.retain(|l| l.name != self.beauty);
         self.picture.layers.insert(0, Layer::from_rgb(&self.beauty, &self.pixels));
-        // The fingerprint was of other pixels, and so was the variance.
-        self.picture.layers.retain(|l| l.name != "variance");
-        self.picture.metadata.retain(|(key, _)| key != "straal.film_hash");
+        // The fingerprint was of other pixels, and so were the variance and the error.
+        self.picture.layers.retain(|l| !["variance", "error"].contains(&l.name.as_str()));
+        self.picture.metadata.retain(|(key, _)| key != "straal.film_hash" && key != ERROR);
         self.picture.metadata.push(("straal.depth_of_field".into(), blur.to_string()));
         Ok(())
     }
@@ -108,7 +109,7 @@ impl Plate {
         atomic::write(path, |mut file| match format {
             Format::Exr => exr::write(&mut file, &exr::Picture { metadata: story, ..self.picture.clone() }),
             Format::Png => {
-                story.retain(|(key, value)| is_png_text(key, value));
+                story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
                 let at = [x as u32, y as u32];
                 let negative = Negative { pixels: &self.pixels, width, at, space: self.space() };
                 write_png(&mut file, &negative, look, &story)

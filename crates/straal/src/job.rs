@@ -48,6 +48,8 @@ pub struct Overrides {
     pub shuffle_tiles: Option<u64>,
     /// Counts what the searches of each pixel cost.
     pub cost: Option<bool>,
+    /// Tells each pixel's standard error, as an EXR shows it; yes, when absent.
+    pub error: Option<bool>,
     /// Lets a sample count in all pixels whose filter reaches it.
     pub splat: Option<bool>,
     /// Computes light by wavelengths instead of red, green and blue.
@@ -137,6 +139,17 @@ pub struct Progress {
     pub pixels: u64,
     /// Rays traced so far, and time where a clock was lent.
     pub times: Times,
+    /// How many blocks still need samples, where noise decides that; of the replicate under way.
+    pub blocks: Option<Blocks>,
+}
+
+/// Blocks of 8 x 8 pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Blocks {
+    /// Those that need further samples.
+    pub left: u64,
+    /// All of them.
+    pub of: u64,
 }
 
 /// What a render leaves.
@@ -160,7 +173,7 @@ pub struct Outcome {
     pub dropped: straal_render::film::Dropped,
 }
 
-/// Largest picture or crop in pixels: its film takes 11 GB.
+/// Largest picture or crop in pixels: its film takes 15 GB if it tells its error by batches.
 const MAX_PIXELS: usize = 1 << 26;
 
 /// Samples a pixel in each pass. It only decides how often a render can be stopped: samples have names, and the
@@ -186,19 +199,7 @@ impl Job {
         let spectral = wish.spectral.unwrap_or(scene.spectral);
         let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
         check_recording(recording, spectral)?;
-        let pixels = crop.area();
         let splat = wish.splat.unwrap_or(scene.film.splat);
-        let radius = splat.then(|| scene.film.filter.radius());
-        let usual = Film::bytes_a_pixel(&Extent::default());
-        let adapts = wish.noise.or(scene.sampler.noise).is_some();
-        let extent = Extent { recording, splat_radius: radius, adapts };
-        let most = MAX_PIXELS * usual / Film::bytes_a_pixel(&extent);
-        if size.contains(&0) || pixels > most {
-            return Err(Error::Request(format!(
-                "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture \
-                 can be rendered in crops"
-            )));
-        }
         let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
         let structure = built(structure, wish.build)?;
         let spp = wish.spp.unwrap_or(scene.sampler.spp);
@@ -220,6 +221,25 @@ impl Job {
             ));
         }
         let pattern = Pattern::new(kind, spp);
+        let settings = Settings {
+            size,
+            crop,
+            pattern,
+            seed: wish.seed.unwrap_or(scene.sampler.seed),
+            noise,
+            error: wish.error.unwrap_or(true),
+            splat,
+            threads: wish.threads.unwrap_or(0),
+            batch: wish.batch.unwrap_or(1024),
+            shuffle_tiles: wish.shuffle_tiles,
+            cost: wish.cost.unwrap_or(scene.accel.cost),
+        };
+        let extent = Extent {
+            recording,
+            splat_radius: splat.then(|| scene.film.filter.radius()),
+            batches: settings.holds_batches(),
+        };
+        check_size(&settings, &extent)?;
         let by_default = desc::PathTracer::default();
         let (path, chart) = match &scene.integrator {
             desc::Integrator::Path(path) => (path, None),
@@ -253,19 +273,6 @@ impl Job {
                 recording.name()
             )));
         }
-        let threads = wish.threads.unwrap_or(0);
-        let settings = Settings {
-            size,
-            crop,
-            pattern,
-            seed: wish.seed.unwrap_or(scene.sampler.seed),
-            noise,
-            splat,
-            threads,
-            batch: wish.batch.unwrap_or(1024),
-            shuffle_tiles: wish.shuffle_tiles,
-            cost: wish.cost.unwrap_or(scene.accel.cost),
-        };
         Ok(Self {
             world,
             settings,
@@ -411,6 +418,8 @@ impl Job {
     ) -> Result<Run, Error> {
         let mut render = Render::new(&self.world, integrator, settings, control.clock.clone())?;
         let (before, times) = (progress.samples, progress.times);
+        let adapts = self.settings.noise.is_some();
+        let all_blocks = self.noisy_blocks(render.film());
         let mut passes = 0;
         // A short first pass gives a picture, and a forecast, at once.
         let mut next = 1.min(spp);
@@ -422,6 +431,8 @@ impl Job {
             progress.next = u64::from(next);
             progress.times = times;
             progress.times += render.times();
+            progress.blocks =
+                adapts.then(|| Blocks { left: self.noisy_blocks(render.film()), of: all_blocks });
             control.keep_on = control.progress.as_mut().is_none_or(|say| say(progress) == Verdict::GoOn);
         }
         Ok(Run {
@@ -460,6 +471,19 @@ fn recorded(channels: &desc::Channels) -> Result<Recording, Error> {
             Recording::Spectral(s.bands().ok_or_else(none)?)
         }
     })
+}
+
+/// Whether the film of a picture or crop can be held.
+fn check_size(settings: &Settings, extent: &Extent) -> Result<(), Error> {
+    let pixels = settings.crop.area();
+    let usual = Film::bytes_a_pixel(&Extent { batches: true, ..Extent::default() });
+    let most = MAX_PIXELS.min(MAX_PIXELS * usual / Film::bytes_a_pixel(extent));
+    if settings.size.contains(&0) || pixels > most {
+        return Err(Error::Request(format!(
+            "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture can be rendered in crops"
+        )));
+    }
+    Ok(())
 }
 
 fn check_recording(recording: Recording, spectral: bool) -> Result<(), Error> {

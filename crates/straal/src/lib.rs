@@ -26,7 +26,7 @@ pub mod points;
 pub mod replicates;
 pub mod search;
 
-pub use job::{Control, Error, Job, Outcome, Overrides, Progress, Verdict};
+pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};
 pub use look::{Bits, Gamma, Look};
 pub use picture::{CostMeasure, Picture};
 pub use straal_accel::{Build, Isa, Structure};
@@ -34,7 +34,7 @@ pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
 pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};
-pub use straal_render::film::{MAX_SAMPLES, Recording};
+pub use straal_render::film::{FIRST_LOOK, MAX_SAMPLES, Recording};
 pub use straal_render::settings::Region;
 pub use straal_render::stopwatch::{Clock, Phase, Times};
 

@@ -191,10 +191,13 @@ impl Picture {
             one("depth", "Z", l.depth.clone()),
             one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
             Layer::from_rgb("variance", &l.variance),
-            Layer::from_rgb("error", &l.variance.iter().map(|v| v.map(f32::sqrt)).collect::<Vec<_>>()),
         ];
-        layers.extend(l.cost.as_ref().map(cost_layer));
         let mut metadata = self.story.clone();
+        if let Some(error) = &l.error {
+            layers.push(Layer::from_rgb("error", &error.rgb));
+            metadata.push((ERROR.to_owned(), error.evidence.name().to_owned()));
+        }
+        layers.extend(l.cost.as_ref().map(cost_layer));
         if let Some(BandLayers { bands, planes }) = &l.bands {
             let middles = (0..bands.count()).map(|k| bands.center(k));
             let (layer, attributes) = exr::spectral_layer(middles.zip(planes.iter().cloned()));
@@ -222,6 +225,9 @@ pub(crate) fn with_look(story: &[(String, String)], look: &Look) -> Vec<(String,
 
 /// The key of the story under which the look is told.
 pub(crate) const LOOK: &str = "straal.look";
+
+/// The key of the story under which an EXR tells by what its layer `error` is told.
+pub(crate) const ERROR: &str = "straal.error";
 
 /// Develops light and writes it.
 pub(crate) fn write_png(

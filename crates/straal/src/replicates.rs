@@ -3,7 +3,7 @@
 use crate::job::{Control, Error, Job, Outcome};
 use crate::picture::Picture;
 use straal_color::spectrum::Bands;
-use straal_render::film::{BandLayers, CostLayers, Dropped, Layers};
+use straal_render::film::{BandLayers, CostLayers, Dropped, ErrorLayer, Evidence, Layers};
 use straal_render::stopwatch::Times;
 
 /// Distance of the replicates' seeds: odd, and far from what people type.
@@ -11,7 +11,7 @@ const SEED_STEP: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl Job {
     /// Renders `replicates` independently seeded sets of the job's samples; the picture is their mean, its variance
-    /// layer the variance *of that mean*, estimated from their spread with `replicates` - 1 degrees of freedom.
+    /// layer the variance *of that mean*, estimated from their spread with `replicates` - 1 degrees of freedom, and its error layer the root of that.
     ///
     /// The first replicate is the picture that [`Job::render`] gives. A render that is stopped keeps its whole
     /// replicates only; with fewer than two there is no variance, and it is 0.
@@ -69,6 +69,7 @@ struct Sums {
     /// Nodes, primitives and nanoseconds; empty when they aren't counted.
     costs: Vec<[f64; 3]>,
     timed: bool,
+    tells_error: bool,
     /// Light by wavelengths.
     bands: Option<(Bands, Vec<Vec<f64>>)>,
     count: f64,
@@ -87,6 +88,7 @@ impl Sums {
             samples: vec![0; n],
             costs: Vec::new(),
             timed: false,
+            tells_error: false,
             bands: None,
             count: 0.0,
         }
@@ -94,6 +96,7 @@ impl Sums {
 
     fn add(&mut self, l: &Layers) {
         self.count += 1.0;
+        self.tells_error = l.error.is_some();
         if let Some(cost) = &l.cost {
             self.costs.resize(self.rgb.len(), [0.0; 3]);
             self.timed = cost.time.is_some();
@@ -131,11 +134,17 @@ impl Sums {
         let of_mean = |v: &[f64; 3]| {
             if replicates < 2 { [0.0; 3] } else { v.map(|x| (x / (n * (n - 1.0))) as f32) }
         };
+        let variance: Vec<[f32; 3]> = self.spread.iter().map(of_mean).collect();
+        let error = || ErrorLayer {
+            evidence: Evidence::Replicates,
+            rgb: variance.iter().map(|v| v.map(f32::sqrt)).collect(),
+        };
         let layers = Layers {
             width: self.frame.crop.width() as usize,
             height: self.frame.crop.height() as usize,
             rgb: self.rgb.iter().map(round).collect(),
-            variance: self.spread.iter().map(of_mean).collect(),
+            error: self.tells_error.then(error),
+            variance,
             albedo: self.albedo.iter().map(mean).collect(),
             normal: self.normal.iter().map(mean).collect(),
             depth: self.depth.iter().map(|d| (d / n) as f32).collect(),

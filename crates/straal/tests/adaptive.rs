@@ -11,9 +11,14 @@ fn wish() -> Overrides {
     Overrides { size: Some([40, 37]), spp: Some(256), noise: Some(0.08), ..Overrides::default() }
 }
 
-fn bits(p: &Picture, [x, y]: [u32; 2]) -> ([u32; 3], u32) {
+fn bits(p: &Picture, [x, y]: [u32; 2]) -> ([u32; 3], [u32; 3], u32) {
     let i = y as usize * p.layers.width + x as usize;
-    (p.layers.rgb[i].map(f32::to_bits), p.layers.samples[i])
+    (p.layers.rgb[i].map(f32::to_bits), error_of(p, i).map(f32::to_bits), p.layers.samples[i])
+}
+
+/// What the layer `error` tells of a pixel.
+fn error_of(p: &Picture, i: usize) -> [f32; 3] {
+    p.layers.error.as_ref().expect("the layer `error`").rgb[i]
 }
 
 fn range(p: &Picture) -> [u32; 2] {
@@ -40,10 +45,13 @@ fn threads_tiles_batches_and_passes_change_nothing() {
     assert_eq!(common::render(SCENE, other).picture.layers, one.layers);
     // Ended between two looks, it is the picture of as many samples.
     let mut until_80 = |p: &straal::Progress| if p.samples >= 80 { Verdict::Stop } else { Verdict::GoOn };
-    let ended = common::job(SCENE, wish()).render(&mut Control::new(&mut until_80)).expect("a picture");
-    let asked = common::render(SCENE, Overrides { spp: Some(ended.samples), ..wish() });
-    assert_eq!(ended.picture.layers, asked.picture.layers);
-    assert!(!ended.complete && asked.complete);
+    for wish in [wish(), sobol()] {
+        let job = common::job(SCENE, wish.clone());
+        let ended = job.render(&mut Control::new(&mut until_80)).expect("a picture");
+        let asked = common::render(SCENE, Overrides { spp: Some(ended.samples), ..wish });
+        assert_eq!(ended.picture.layers, asked.picture.layers);
+        assert!(!ended.complete && asked.complete);
+    }
 }
 
 #[test]
@@ -99,7 +107,7 @@ fn noise_of_well_spread_samples_is_told_as_it_is() {
         (0..12).map(|seed| common::render(SCENE, wish(PatternKind::Sobol, seed)).picture).collect();
     let n = runs.len() as f64;
     let samples = |p: &Picture| p.layers.samples.iter().map(|&s| f64::from(s)).sum::<f64>() / 1024.0;
-    let (mut worst, mut squares) = (0.0, 0.0);
+    let (mut worst, mut squares, mut told, mut truth) = (0.0, 0.0, 0.0, 0.0);
     for block in 0..16 {
         let (mut variance, mut brightness) = (0.0, 0.0);
         for k in 0..64 {
@@ -109,8 +117,11 @@ fn noise_of_well_spread_samples_is_told_as_it_is() {
                 let mean = values().sum::<f64>() / n;
                 variance += values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
                 brightness += mean;
+                let errors = || runs.iter().map(|p| f64::from(error_of(p, i)[c]));
+                told += errors().map(|e| e * e).sum::<f64>() / n;
             }
         }
+        truth += variance;
         let noise = (variance / 192.0).sqrt() / (brightness / 192.0);
         worst = if noise > worst { noise } else { worst };
         squares += noise * noise / 16.0;
@@ -118,6 +129,8 @@ fn noise_of_well_spread_samples_is_told_as_it_is() {
     let typical = squares.sqrt();
     assert!(typical < target && worst < 1.25 * target, "{typical} typically, {worst} at worst");
     assert!(typical > 0.5 * target, "{typical}: far more samples than need be");
+    let told = (told / truth).sqrt();
+    assert!((0.9..1.7).contains(&told), "the layer `error` tells {told} of the truth");
     let (sobol, random) =
         (samples(&runs[0]), samples(&common::render(SCENE, wish(PatternKind::Random, 0)).picture));
     assert!(sobol < 0.7 * random, "{sobol} Sobol points, {random} independent ones");

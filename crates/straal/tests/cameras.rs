@@ -59,6 +59,9 @@ fn every_camera_gives_the_same_bits() {
         perspective("stereo: { layout: crossed }"),
         perspective("stereo: { layout: anaglyph, separation: 0.3 }, lens: { radius: 0.1 }"),
         perspective("moving_to: { eye: [0.5, 0.2, 2], roll: 5 }, lens: { radius: 0.05 }"),
+        perspective(
+            "moving_to: [{ time: 0.3, eye: [0.5, 0.2, 2] }, { time: 0.8, roll: 5 }], shutter: [0.1, 0.9]",
+        ),
         of_kind("orthographic", "moving_to: { up: [0.2, 1, 0] }, width: 5"),
         of_kind("fisheye", ""),
         of_kind("fisheye", "fov: 360, projection: equisolid"),
@@ -83,6 +86,19 @@ fn every_camera_gives_the_same_bits() {
             assert_eq!(rgb.map(f32::to_bits), whole.map(f32::to_bits), "{camera}: pixel {x},{y}");
         }
     }
+}
+
+/// However a way is told, it is the same: by its end, or by a list, with the times that would be taken anyhow or without.
+#[test]
+fn a_way_may_be_told_in_several_ways() {
+    let at = |way: &str| camera(&perspective(&format!("moving_to: {way}")), Overrides::default());
+    let straight = at("{ eye: [0.5, 0.2, 2], roll: 5 }");
+    assert_eq!(at("[{ eye: [0.5, 0.2, 2], roll: 5 }]"), straight);
+    assert_eq!(at("[{ time: 1, eye: [0.5, 0.2, 2], roll: 5 }]"), straight);
+    // What a pose leaves out stays as it was in the pose before.
+    let bent = at("[{ eye: [0.5, 0.2, 2] }, { roll: 5 }]");
+    assert_eq!(at("[{ time: 0.5, eye: [0.5, 0.2, 2] }, { time: 1, eye: [0.5, 0.2, 2], roll: 5 }]"), bent);
+    assert_ne!(bent, straight);
 }
 
 fn camera(text: &str, wish: Overrides) -> Camera {

@@ -3,7 +3,9 @@
 mod common;
 
 use std::path::Path;
-use straal::{Job, LoadOptions, Overrides};
+use straal::{Job, LoadOptions, Overrides, Recording};
+use straal_color::spectrum::Bands;
+use straal_render::film::{Extent, Film};
 use straal_scene::forecast;
 
 /// Forecast and truth of a world searched by a structure, in bytes.
@@ -76,5 +78,29 @@ fn instances_count() {
     for structure in ["volumes", "bvh", "bvh2", "kd", "octree"] {
         let [forecast, truth] = search_bytes(&world, structure, Path::new(""));
         assert!((0.5..=2.0).contains(&(truth / forecast)), "{structure}: {truth} bytes, {forecast} forecast");
+    }
+}
+
+/// The film's sums, and the layers that they become: 56 bytes a pixel, and 4 for each band.
+#[test]
+fn films_take_what_was_said() {
+    let bands = Bands::new(400.0, 700.0, 16).expect("bands");
+    let spectral = Extent { recording: Recording::Spectral(bands), ..Extent::default() };
+    for (film, sampler, extent, layers) in [
+        ("{}", "{}", Extent::default(), 56),
+        ("{}", "{ noise: 0.02 }", Extent { batches: true, ..Extent::default() }, 56),
+        ("{}", "{ noise: 0.02, kind: random }", Extent::default(), 56),
+        ("{ channels: { spectral: { bands: 16 } } }", "{}", spectral, 56 + 64),
+    ] {
+        let text = format!(
+            "camera: {{ perspective: {{ eye: [0, 0, 5], look_at: [0, 0, 0] }} }}\n\
+             film: {film}\nsampler: {sampler}\nworld: [sphere: {{}}]\n"
+        );
+        let loaded = straal::load_str("scene.yaml", &text, Path::new(""), &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let [width, height] = loaded.scene.film.size;
+        let told = forecast(&loaded.scene, &loaded.assets).film_bytes;
+        let truth = u64::from(width * height) * (Film::bytes_a_pixel(&extent) + layers) as u64;
+        assert_eq!(told, truth, "{film} {sampler}");
     }
 }

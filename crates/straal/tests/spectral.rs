@@ -4,7 +4,11 @@ mod common;
 
 use std::path::Path;
 use straal::compare::{Estimate, Tails, compare};
-use straal::{Control, Job, LoadOptions, Overrides, Picture};
+use straal::{Control, Job, LoadOptions, Overrides, Picture, Recording};
+use straal_color::spectrum::uplift;
+use straal_color::{Matrix3, RgbSpace, Space};
+use straal_formats::Limits;
+use straal_formats::image::exr;
 use straal_math::lowdisc::PatternKind;
 use straal_scene::Image;
 
@@ -89,6 +93,117 @@ lights: [directional: {{ direction: [0, 0, -1], irradiance: {light} }}]
     // In RGB as well.
     let rgb = seen("cie-a", "1", false);
     assert!((rgb[0] - r).abs() < 0.01 && (rgb[2] - b).abs() < 0.01, "{rgb:?}");
+}
+
+/// The measured patches of a ColorChecker as they are rendered under D65, and the X, Y and Z that another program
+/// (colour-science 0.4.7, ASTM E308) gives them. Nothing if this machine has no shared data.
+struct Checker {
+    wavelengths: Vec<f64>,
+    patches: Vec<Patch>,
+}
+
+struct Patch {
+    values: Vec<f64>,
+    xyz: [f64; 3],
+}
+
+impl Checker {
+    const COLUMNS: usize = 6;
+
+    fn read() -> Option<Self> {
+        let folder = common::shared()?.join("scenes/spectral");
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
+        let (table, expected) = (read("colourchecker_babelcolor_average.csv"), read("expected_values.txt"));
+        let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|l| l.split(',').collect()).collect();
+        let column = |c: usize| -> Vec<f64> { rows[1..].iter().map(|r| r[c].parse().unwrap()).collect() };
+        let patch = |c: usize| {
+            let label = format!("BabelColor Average {} XYZ under D65 /100: [", rows[0][c]);
+            let after = expected.split_once(&label).expect("an expected value").1;
+            let numbers = after.split(']').next().unwrap().split_whitespace();
+            let xyz: Vec<f64> = numbers.map(|w| w.parse().unwrap()).collect();
+            Patch { values: column(c), xyz: [xyz[0], xyz[1], xyz[2]] }
+        };
+        Some(Self { wavelengths: column(0), patches: (1..rows[0].len()).map(patch).collect() })
+    }
+
+    /// One pixel for each patch.
+    fn render(&self, interpolation: &str, wish: Overrides) -> Vec<[f32; 3]> {
+        let mut text = String::from(
+            "camera: { orthographic: { eye: [3, 2, 5], look_at: [3, 2, 0], width: 6 } }
+film: { size: [6, 4], filter: box }
+integrator: { path: { max_depth: 2 } }
+lights: [directional: { direction: [0, 0, -1], irradiance: { name: D65, scale: 3.14159265359 } }]
+world:
+",
+        );
+        for (k, patch) in self.patches.iter().enumerate() {
+            let [x, y] = [k % Self::COLUMNS, 3 - k / Self::COLUMNS];
+            let spectrum = format!("wavelengths: {:?}, values: {:?}", self.wavelengths, patch.values);
+            let material = format!("{{ diffuse: {{ reflectance: {{ {spectrum}, {interpolation} }} }} }}");
+            let edges = "edges: [[1, 0, 0], [0, 1, 0]]";
+            text += &format!("  - rectangle: {{ corner: [{x}, {y}, 0], {edges}, material: {material} }}\n");
+        }
+        let loaded = straal::load_str("test.yaml", &text, Path::new(""), &LoadOptions::default());
+        let job = Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), wish).expect("a world");
+        job.render(&mut Control::to_the_end()).expect("a picture").picture.layers.rgb
+    }
+
+    /// The greatest difference from what is expected, as a matrix makes numbers of X, Y and Z.
+    fn error(&self, pixels: &[[f32; 3]], matrix: &Matrix3) -> f64 {
+        let far = |(pixel, patch): (&[f32; 3], &Patch)| {
+            let want = matrix.apply(patch.xyz);
+            // What a screen can't show is black in RGB.
+            let shown = want.map(|v| if v > 0.0 { v } else { 0.0 });
+            (0..3).map(|c| (f64::from(pixel[c]) - shown[c]).abs()).fold(0.0, greater)
+        };
+        pixels.iter().zip(&self.patches).map(far).fold(0.0, greater)
+    }
+}
+
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+/// What is rendered of measured patches is what colorimetry makes of their tables, to 1e-4; straight lines between every 10 nm miss it.
+#[test]
+fn a_rendered_color_checker_is_that_of_the_oracle() {
+    let Some(checker) = Checker::read() else { return };
+    assert_eq!(checker.patches.len(), 24);
+    let spectral = Overrides {
+        spectral: Some(true),
+        spp: Some(1 << 14),
+        recording: Some(Recording::Xyz),
+        ..Overrides::default()
+    };
+    let error = |interpolation: &str| {
+        let pixels = checker.render(interpolation, spectral.clone());
+        checker.error(&pixels, &Matrix3::IDENTITY)
+    };
+    assert!(error("") < 1e-4, "{}", error(""));
+    assert_eq!(error(""), error("interpolation: smooth"));
+    assert!(error("interpolation: linear") > 1e-3);
+    let rgb = checker.render("", Overrides { spp: Some(1), ..Overrides::default() });
+    let error = checker.error(&rgb, &uplift::rgb_from_xyz(Space::Srgb));
+    assert!(error < 1e-4, "{error}");
+}
+
+/// The same tables as a picture of reflectances are developed to the same colours.
+#[test]
+fn a_picture_of_reflectances_is_seen_under_daylight() {
+    let Some(checker) = Checker::read() else { return };
+    let mut picture = exr::Picture::of_size(checker.patches.len(), 1);
+    let channel = |(i, nm): (usize, &f64)| exr::Channel {
+        name: format!("{nm:.3}nm").replace('.', ","),
+        samples: checker.patches.iter().map(|p| p.values[i] as f32).collect(),
+    };
+    let channels = checker.wavelengths.iter().enumerate().map(channel).collect();
+    picture.layers = vec![exr::Layer { name: "T".into(), channels }];
+    let mut bytes = Vec::new();
+    exr::write(&mut bytes, &picture).expect("an EXR");
+    let beauty = exr::read(&bytes, &Limits::default()).expect("an EXR").beauty().expect("colours");
+    assert_eq!(beauty.space, Some(RgbSpace::XYZ));
+    let error = checker.error(&beauty.pixels, &Matrix3::IDENTITY);
+    assert!(error < 1e-4, "{error}");
 }
 
 /// What the film makes of a wavelength doesn't depend on the scene's work space but by the matrix.

@@ -81,7 +81,7 @@ impl Bundle {
             self.o[axis][group][lane] = local.ray.o[axis];
             self.inv[axis][group][lane] = local.inv[axis];
         }
-        self.enter[group][lane] = local.enter;
+        self.enter[group][lane] = local.ray.t_min;
         self.limit[group][lane] = limit;
     }
 

@@ -219,7 +219,7 @@ pub(super) unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256,
         // Planes of an axis stand side by side, the near one second where the direction is negative.
         // As few operations as can be stand between the last plane and the result.
         let (x, y, z) = (near(r, node, 0), near(r, node, 1), near(r, node, 2));
-        let enter = _mm256_max_ps(_mm256_max_ps(x, y), _mm256_max_ps(z, _mm256_set1_ps(r.enter)));
+        let enter = _mm256_max_ps(_mm256_max_ps(x, y), _mm256_max_ps(z, _mm256_set1_ps(r.ray.t_min)));
         let (x, y, z) = (far(r, node, 0), far(r, node, 1), far(r, node, 2));
         let exit = _mm256_min_ps(_mm256_min_ps(x, y), _mm256_min_ps(z, _mm256_set1_ps(limit)));
         (enter, exit)

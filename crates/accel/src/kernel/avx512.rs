@@ -222,7 +222,7 @@ unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
         // The latest of the near crossings, the earliest of the far ones.
         let both = _mm512_mask_min_ps(_mm512_max_ps(x, y), FAR, x, y);
         let both = _mm512_mask_min_ps(_mm512_max_ps(both, z), FAR, both, z);
-        let enter = _mm256_max_ps(_mm512_castps512_ps256(both), _mm256_set1_ps(r.enter));
+        let enter = _mm256_max_ps(_mm512_castps512_ps256(both), _mm256_set1_ps(r.ray.t_min));
         let exit = _mm256_mul_ps(_mm512_extractf32x8_ps::<1>(both), _mm256_set1_ps(NODE_EXIT));
         (enter, _mm256_min_ps(exit, _mm256_set1_ps(limit)))
     }

@@ -56,7 +56,7 @@ impl Children {
     pub const NONE: Self = Self { mask: 0, keys: [NOT_ENTERED; 8] };
 }
 
-/// The greatest key of an entry of `limit`, which isn't below `LEAST_ENTRY`, or less.
+/// The greatest key of an entry of `limit`, which is above 0, or less.
 #[inline(always)]
 pub(crate) fn key_of_limit(limit: f32) -> u32 {
     limit.to_bits() | 7

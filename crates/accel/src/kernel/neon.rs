@@ -34,7 +34,7 @@ impl Kernel for Neon {
                 let near = |axis, side| vmulq_n_f32(from(r, node, axis, side, half), r.inv[axis]);
                 let far = |axis, side| vmulq_n_f32(from(r, node, axis, side ^ 1, half), r.far[axis]);
                 let enter = more(more(near(0, x), near(1, y)), near(2, z));
-                let enter = more(enter, vdupq_n_f32(r.enter));
+                let enter = more(enter, vdupq_n_f32(r.ray.t_min));
                 let exit = less(less(far(0, x), far(1, y)), far(2, z));
                 let exit = less(exit, vdupq_n_f32(limit));
                 let entered = vcleq_f32(enter, exit);

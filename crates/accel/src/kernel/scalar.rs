@@ -21,7 +21,7 @@ impl Kernel for Scalar {
         for lane in 0..WIDTH {
             let near = |axis: usize| from(axis, usize::from(r.neg[axis]), lane) * r.inv[axis];
             let far = |axis: usize| from(axis, usize::from(!r.neg[axis]), lane) * r.far[axis];
-            let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.enter);
+            let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.ray.t_min);
             let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)), limit);
             if enter <= exit {
                 out.keys[lane] = enter.to_bits() & !7 | lane as u32;

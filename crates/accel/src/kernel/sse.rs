@@ -34,7 +34,7 @@ impl Kernel for Sse {
                 let far =
                     |axis, side| _mm_mul_ps(from(r, node, axis, side ^ 1, half), _mm_set1_ps(r.far[axis]));
                 let enter = _mm_max_ps(_mm_max_ps(near(0, x), near(1, y)), near(2, z));
-                let enter = _mm_max_ps(enter, _mm_set1_ps(r.enter));
+                let enter = _mm_max_ps(enter, _mm_set1_ps(r.ray.t_min));
                 let exit = _mm_min_ps(_mm_min_ps(far(0, x), far(1, y)), far(2, z));
                 let exit = _mm_min_ps(exit, _mm_set1_ps(limit));
                 let entered = _mm_cmple_ps(enter, exit);

@@ -69,7 +69,7 @@ fn is_close(r: &LocalRay, node: &Node) -> bool {
             let side = usize::from((r.neg[axis] ^ far) & 1);
             (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
         };
-        let enter = (0..3).map(|axis| crossed(axis, 0)).fold(r.enter, ops::max);
+        let enter = (0..3).map(|axis| crossed(axis, 0)).fold(r.ray.t_min, ops::max);
         let exit = (0..3).map(|axis| crossed(axis, 255)).fold(f32::INFINITY, ops::min) * slab::NODE_EXIT;
         exit.is_finite() && (enter - exit).abs() <= 4.0 * f32::EPSILON * exit.abs()
     })

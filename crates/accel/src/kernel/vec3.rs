@@ -4,7 +4,7 @@
 
 use crate::{
     bvh::Block,
-    local::{LEAST, LEAST_ENTRY, LocalRay, NEG, ROW},
+    local::{LEAST, LocalRay, NEG, ROW},
     slab::{EXIT, NODE_EXIT, PAD_COORDINATE, PAD_EXTENT},
 };
 use std::{arch::x86_64::*, mem::offset_of};
@@ -17,8 +17,8 @@ use straal_math::{Ray, Vec3};
 #[inline(always)]
 pub(super) unsafe fn prepare_avx(ray: &Ray, out: &mut LocalRay) -> bool {
     // SAFETY: the caller's promise. Origin and direction are each followed by one more number of `Ray`, the reciprocal by
-    // `enter`, that of far planes by `origin`, that by `shear`, and that by `rows`, so that four numbers from each are inside;
-    // each is written before what follows it.
+    // that of far planes, that by `origin`, that by `shear`, and that by `rows`, so that four numbers from each are inside; each
+    // is written before what follows it.
     unsafe {
         let o = _mm_loadu_ps((&raw const *ray).byte_add(offset_of!(Ray, o)).cast());
         let d = _mm_loadu_ps((&raw const *ray).byte_add(offset_of!(Ray, d)).cast());
@@ -45,8 +45,7 @@ pub(super) unsafe fn prepare_avx(ray: &Ray, out: &mut LocalRay) -> bool {
         let divisor = _mm_blendv_ps(_mm_or_ps(least, _mm_and_ps(sign, d)), d, kept);
         let one = _mm_set1_ps(1.0);
         let inv = _mm_div_ps(one, divisor);
-        let enter = _mm_max_ps(start, _mm_set1_ps(LEAST_ENTRY));
-        _mm_storeu_ps(to.byte_add(offset_of!(LocalRay, inv)).cast(), _mm_blend_ps::<8>(inv, enter));
+        _mm_storeu_ps(to.byte_add(offset_of!(LocalRay, inv)).cast(), inv);
         let far = _mm_mul_ps(inv, _mm_set1_ps(NODE_EXIT));
         _mm_storeu_ps(to.byte_add(offset_of!(LocalRay, far)).cast(), far);
         let octant = (_mm_movemask_ps(inv) & 7) as usize;

@@ -18,7 +18,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let mut warnings = loaded.warnings.clone();
     let needs = forecast(&loaded.scene, &loaded.assets);
     let structure = straal::search::structure_of(&loaded.scene.accel.structure);
-    let (size, spp) = (loaded.scene.film.size, loaded.scene.sampler.spp);
+    let (size, spp, noise) = (loaded.scene.film.size, loaded.scene.sampler.spp, loaded.scene.sampler.noise);
     // What only compiling finds out is found out as well; brute force spares the building of search trees.
     let overrides = Overrides { accel: Some(Structure::Brute), ..Overrides::default() };
     let job = Job::new(loaded, overrides).map_err(|e| refused(e, &warnings))?;
@@ -38,6 +38,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
             "scene_hash": job.scene_hash,
             "size": size,
             "samples": spp,
+            "noise": noise,
             "camera": { "kind": camera.kind, "degrees": camera.degrees, "focus": focus },
             "triangles": needs.triangles,
             "visible_primitives": needs.visible,
@@ -52,7 +53,8 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
         });
         print(&format!("{report:#}\n"))?;
     } else {
-        let frame = format!("{} x {} pixels, {}", size[0], size[1], count(spp.into(), "sample"));
+        let most = if noise.is_some() { "at most " } else { "" };
+        let frame = format!("{} x {} pixels, {most}{}", size[0], size[1], count(spp.into(), "sample"));
         let (camera, table) = (tell_camera(&camera), tell(&needs, &frame, structure.name()));
         print(&format!("{}: in order\n{camera}{table}", args.scene.display()))?;
     }

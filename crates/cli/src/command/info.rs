@@ -132,16 +132,32 @@ fn layers(all: &[Layer]) -> Vec<(String, Vec<Range>)> {
     all.iter().map(|l| (l.name.clone(), l.channels.iter().map(Range::of).collect())).collect()
 }
 
-/// What the numbers of the picture itself are.
+/// What the numbers of the picture itself are, and what it has by wavelengths.
 fn picture_colours(picture: &exr::Picture) -> String {
-    let spectral = picture.layer(exr::SPECTRAL_LAYER).filter(|l| l.channels.len() > 1);
-    let bands = |l: &Layer| format!("radiance at {} wavelengths", l.channels.len());
-    match (picture.beauty(), spectral) {
-        (Ok(beauty), Some(s)) if beauty.layer == exr::SPECTRAL_LAYER => bands(s),
-        (Ok(beauty), Some(s)) => format!("{}; {}", colours(beauty.space.as_ref()), bands(s)),
-        (Ok(beauty), None) => colours(beauty.space.as_ref()),
-        (Err(_), _) => colours(picture.space.as_ref()),
-    }
+    let contents = exr::SpectralContents::of(picture);
+    let beauty = picture.beauty();
+    let summed = beauty.as_ref().ok().filter(|b| picture.layer(&b.layer).is_some_and(exr::is_spectral_layer));
+    let own = match &beauty {
+        Ok(beauty) => summed.is_none().then(|| colours(beauty.space.as_ref())),
+        Err(_) => (contents == exr::SpectralContents::default()).then(|| colours(picture.space.as_ref())),
+    };
+    let daylight =
+        summed.filter(|b| b.layer != exr::SPECTRAL_LAYER).map(|_| ", developed as it looks under D65");
+    let at = |what: &str, count: usize| {
+        let s = if count == 1 { "" } else { "s" };
+        (count > 0).then(|| format!("{what} at {count} wavelength{s}"))
+    };
+    [
+        own,
+        at("radiance", contents.radiance),
+        at("reflectance", contents.reflectance).map(|told| told + daylight.unwrap_or_default()),
+        contents.polarised.then(|| "polarisation, which straal doesn't read".to_owned()),
+        contents.fluorescent.then(|| "fluorescence, which straal doesn't read".to_owned()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect::<Vec<_>>()
+    .join("; ")
 }
 
 fn colours(space: Option<&RgbSpace>) -> String {
@@ -216,6 +232,30 @@ mod tests {
         let mut bytes = Vec::new();
         exr::write(&mut bytes, picture).unwrap();
         read(&bytes).unwrap()
+    }
+
+    #[test]
+    fn what_is_by_wavelengths_is_told() {
+        let told = |layers: &[&str]| {
+            let mut picture = exr::Picture::of_size(1, 1);
+            let channel = |nm: &str| exr::Channel { name: nm.into(), samples: vec![0.5] };
+            let layer = |name: &&str| Layer {
+                name: (*name).to_owned(),
+                channels: if name.is_empty() {
+                    vec![channel("Y")]
+                } else {
+                    vec![channel("450,000nm"), channel("600,000nm")]
+                },
+            };
+            picture.layers = layers.iter().map(layer).collect();
+            story(&picture).colours
+        };
+        assert_eq!(told(&["S0", "S3"]), "radiance at 2 wavelengths; polarisation, which straal doesn't read");
+        assert_eq!(told(&["T"]), "reflectance at 2 wavelengths, developed as it looks under D65");
+        assert_eq!(told(&["S0", "T"]), "radiance at 2 wavelengths; reflectance at 2 wavelengths");
+        assert_eq!(told(&["T.400,000nm"]), "fluorescence, which straal doesn't read");
+        let grey = told(&["", "T"]);
+        assert!(grey.starts_with("linear RGB") && grey.ends_with("; reflectance at 2 wavelengths"), "{grey}");
     }
 
     #[test]

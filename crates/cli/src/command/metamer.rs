@@ -6,8 +6,9 @@ use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
 use std::io::Write;
 use std::path::Path;
-use straal_color::spectrum::{Beyond, Bins, FIRST, illuminant, metamer, refraction, uplift::Uplift};
+use straal_color::spectrum::{Bins, FIRST, Quantity, illuminant, metamer, refraction, uplift::Uplift};
 use straal_formats::{atomic, spd};
+use straal_scene::suggest::{did_you_mean, list};
 use straal_scene::value::Color;
 
 /// Below this difference colours match: about what trained eyes can tell apart side by side.
@@ -24,7 +25,7 @@ pub fn run(args: &MetamerArgs) -> Result<Exit, Failure> {
     let rows: Vec<(&str, f64)> = illuminant::NAMES
         .iter()
         .filter_map(|name| {
-            let light = illuminant::by_name(name)?.bins(Beyond::Zero);
+            let light = illuminant::by_name(name)?.bins(Quantity::Emission);
             Some((*name, metamer::difference(&a, &b, &light, args.observer)))
         })
         .collect();
@@ -65,18 +66,27 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
     let path = Path::new(typed);
     if !path.exists() {
         if let Some([eta, k]) = refraction::metal(typed) {
-            return Ok(refraction::facing(&eta.bins(Beyond::Same), &k.bins(Beyond::Same)));
+            return Ok(refraction::facing(&eta.bins(Quantity::Index), &k.bins(Quantity::Index)));
         }
         if illuminant::by_name(typed).is_some() {
             let help = "--under says under which light a metamer is made";
             return Err(Failure::input(format!("{typed} is a light, and surfaces are compared")).help(help));
         }
+        let metals: Vec<&str> = refraction::metal_names().collect();
+        let near = did_you_mean(typed, metals.iter().copied());
+        let forms = format!(
+            "it is a file, a colour such as '#b0a090', a grey from 0 to 1, or a metal: {}",
+            list(metals)
+        );
+        return Err(Failure::input(format!("there is no spectrum {typed}")).help(near.unwrap_or(forms)));
     }
     let bytes = read_bytes(path)?;
     let spectrum = spd::read(&bytes).map_err(|e| Failure::input(format!("can't read {typed}: {e}")))?;
-    let bins = spectrum.smooth();
+    let bins = spectrum.bins(Quantity::Reflectance);
     if spectrum.peak() > 1.0 {
-        return Err(Failure::input(format!("{typed} is no reflectance: it reaches {}", spectrum.peak())));
+        let message = format!("{typed} is no reflectance: it reaches {}", spectrum.peak());
+        return Err(Failure::input(message)
+            .help("of all light that falls on it a surface sends back 1; percents are hundredths"));
     }
     Ok(bins)
 }
@@ -85,7 +95,7 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
 fn make(a: &Bins, args: &MetamerArgs, path: &Path) -> Result<Bins, Failure> {
     let light = illuminant::by_name(&args.under)
         .ok_or_else(|| Failure::input(format!("there is no illuminant {}", args.under)))?
-        .bins(Beyond::Zero);
+        .bins(Quantity::Emission);
     let twin = metamer::of(a, &light, args.observer).ok_or_else(|| {
         Failure::input(format!(
             "{} has no metamer: as black or white as it is, there is no room for one",
@@ -116,6 +126,15 @@ mod tests {
         assert!(told(&[("A", 0.0)]).ends_with("under all of these lights.\n"));
         assert!(surface("1.5").is_err() && surface("#zzz").is_err() && surface("0.4").is_ok());
         assert!(surface("D65").is_err());
+        let told = |typed: &str| {
+            surface(typed).err().map(|f| format!("{} {:?}", f.message, f.help)).unwrap_or_default()
+        };
+        assert!(
+            told("glod").contains("no spectrum glod") && told("glod").contains("`gold`"),
+            "{}",
+            told("glod")
+        );
+        assert!(told("#12345").contains("'#b0a090'"), "{}", told("#12345"));
         // Silver is a good mirror and nearly colourless, gold has lost its blue.
         let at = |name: &str, nm: usize| surface(name).map_or(0.0, |bins| bins[nm - FIRST]);
         assert!(at("silver", 450) > 0.9 && at("gold", 450) < 0.5 && at("Gold", 700) > 0.9);

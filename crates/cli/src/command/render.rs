@@ -7,6 +7,7 @@ use crate::exit::{Exit, Failure};
 use crate::interrupt::Interrupt;
 use crate::out;
 use crate::progress::{Pace, Teller};
+use crate::quantity::{count, tell_percent};
 use crate::report::Report;
 use crate::settings::RenderSettings;
 use std::path::Path;
@@ -94,6 +95,10 @@ fn render(
     let mut teller = Teller::new(rendering, pace, settings.quiet);
     interrupt.render_begins(teller.announcer());
     teller.announcer().say(&begins(job));
+    if let Some(noise) = job.settings.noise {
+        let most = if open_ended { straal::MAX_SAMPLES } else { job.spp };
+        teller.announcer().say(&ends_by_noise(noise, most));
+    }
     let mut after_pass = |progress: &Progress| {
         let pace = teller.pass(progress);
         if interrupt.is_asked() || !pace.has_time_for(progress.next) { Verdict::Stop } else { Verdict::GoOn }
@@ -116,6 +121,37 @@ fn begins(job: &Job) -> String {
     format!("rendering {width} x {height} pixels, searching by {} on {}", job.structure(), job.isa())
 }
 
+/// What is said of when noise ends a render, and what else does.
+fn ends_by_noise(noise: f64, most: u32) -> String {
+    let percent = tell_percent(noise);
+    let limit = count(most.into(), "sample");
+    if most < straal::FIRST_LOOK {
+        return format!(
+            "warning: no block can be found to be within {percent} of noise: that is looked at first after {} samples, and no \
+             pixel gets more than {limit}",
+            straal::FIRST_LOOK
+        );
+    }
+    format!(
+        "until the noise of each block of 8 x 8 pixels is at most {percent}; no pixel gets more than {limit}"
+    )
+}
+
 fn not_saved(error: &SaveError) -> Failure {
     Failure::system(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limit_of_samples_is_told() {
+        assert_eq!(
+            ends_by_noise(0.07, 262_144),
+            "until the noise of each block of 8 x 8 pixels is at most 7 %; no pixel gets more than 262144 samples"
+        );
+        let warning = ends_by_noise(0.005, 31);
+        assert!(warning.starts_with("warning: ") && warning.ends_with("no pixel gets more than 31 samples"));
+    }
 }

@@ -25,6 +25,18 @@ pub fn run(args: &SamplerArgs) -> Result<Exit, Failure> {
         (Some(None), Some(kind)) => Some(PathBuf::from(format!("{kind}.svg"))),
         (Some(Some(path)), Some(_)) => Some(path.clone()),
     };
+    if let Some(path) =
+        picture.as_ref().filter(|p| !p.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg")))
+    {
+        let name = path.display();
+        let problem =
+            format!("can't write {name}: points are drawn as SVG, so that the name must end in .svg");
+        let help = format!(
+            "browsers and most programs for drawing read it: --plot {}",
+            path.with_extension("svg").display()
+        );
+        return Err(Failure::input(problem).help(help));
+    }
     if let Some(path) = &picture {
         check_output(path)?;
     }

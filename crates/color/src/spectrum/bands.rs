@@ -1,6 +1,6 @@
 //! Bands of wavelengths, as a film of spectra holds light, and what the eye makes of them.
 
-use super::{COUNT, FIRST, LAST, Observer};
+use super::{Bins, COUNT, FIRST, LAST, Observer, interpolation};
 
 /// Bands of equal width, side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,8 +93,30 @@ pub fn xyz_of_samples(wavelengths: &[f64]) -> Vec<[f64; 3]> {
         .collect()
 }
 
+/// What a reflectance of 1 at each of some wavelengths adds to X, Y and Z under a light, in the units of
+/// [`Observer::surface`]: the weights that ASTM E308 tabulates for wavelengths in equal steps. Between the wavelengths lies what
+/// [`Spectrum::new`](super::Spectrum::new) takes to lie there, but that curves may leave what can be. The wavelengths, in nm, rise.
+/// Empty where none of them is seen.
+pub fn xyz_of_reflectances(wavelengths: &[f64], light: &Bins) -> Vec<[f64; 3]> {
+    if !wavelengths.iter().any(|nm| (FIRST as f64..=LAST as f64).contains(nm)) {
+        return Vec::new();
+    }
+    let functions = Observer::Cie1931.functions();
+    let white: f64 = functions.iter().zip(light).map(|(xyz, l)| xyz[1] * l).sum();
+    let mut sums = vec![[0.0; 3]; wavelengths.len()];
+    for (i, (function, l)) in functions.iter().zip(light).enumerate() {
+        for (k, weight) in interpolation::weights(wavelengths, (FIRST + i) as f64) {
+            for c in 0..3 {
+                sums[k][c] += function[c] * l * weight / white;
+            }
+        }
+    }
+    sums
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::{Quantity, Spectrum, illuminant};
     use super::*;
 
     #[test]
@@ -147,5 +169,25 @@ mod tests {
             assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
         assert!(xyz_of_samples(&[555.0]).is_empty());
+    }
+
+    #[test]
+    fn weights_of_reflectances_are_those_of_the_spectrum() {
+        let light = illuminant::d65();
+        let ten: Vec<f64> = (38..=73).map(|k| 10.0 * f64::from(k)).collect();
+        for wavelengths in [ten, vec![400.0, 470.0, 500.0, 700.0], vec![555.0], vec![300.0, 820.0, 900.0]] {
+            // Neither near 0 nor near 1, so that curves stay where they can be.
+            let value = |nm: &f64| 0.5 + 0.2 * straal_math::ops::sin_cos_degrees(2.0 * nm).0;
+            let values: Vec<f64> = wavelengths.iter().map(value).collect();
+            let weights = xyz_of_reflectances(&wavelengths, &light);
+            let sum = |c: usize| weights.iter().zip(&values).map(|(w, v)| w[c] * v).sum::<f64>();
+            let spectrum = Spectrum::new(wavelengths.clone(), values.clone()).unwrap();
+            let want = Observer::Cie1931.surface(&spectrum.bins(Quantity::Reflectance), &light);
+            for (c, want) in want.into_iter().enumerate() {
+                assert!((sum(c) - want).abs() < 1e-12, "{wavelengths:?}: {} {want}", sum(c));
+            }
+        }
+        assert!(xyz_of_reflectances(&[900.0, 1000.0], &light).is_empty());
+        assert!(xyz_of_reflectances(&[], &light).is_empty());
     }
 }

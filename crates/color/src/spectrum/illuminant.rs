@@ -2,7 +2,7 @@
 
 use straal_math::ops;
 
-use super::{Beyond, Bins, Observer, Spectrum, rows, thermal};
+use super::{Bins, Interpolation, Observer, Quantity, Spectrum, rows, thermal};
 
 /// The names of illuminants, apart from black bodies and daylight of any temperature.
 pub const NAMES: &[&str] = &[
@@ -32,12 +32,12 @@ pub fn by_name(name: &str) -> Option<Spectrum> {
 
 /// D65, mean daylight: the white of sRGB; its luminance is 1.
 pub fn d65() -> Bins {
-    by_name("D65").map_or([1.0; super::COUNT], |s| s.bins(Beyond::Zero))
+    by_name("D65").map_or([1.0; super::COUNT], |s| s.bins(Quantity::Emission))
 }
 
 /// The same spectrum with luminance Y = 1; one without luminance stays as it is.
 pub fn of_unit_luminance(spectrum: &Spectrum) -> Spectrum {
-    let [_, y, _] = Observer::Cie1931.light(&spectrum.bins(Beyond::Zero));
+    let [_, y, _] = Observer::Cie1931.light(&spectrum.bins(Quantity::Emission));
     if y > 0.0 { spectrum.scaled(1.0 / y) } else { spectrum.clone() }
 }
 
@@ -51,9 +51,10 @@ fn a() -> Spectrum {
     thermal::sampled(power)
 }
 
+/// By straight lines, as the CIE's daylight is defined, and since curves ring beside the lines of fluorescent lamps.
 fn table(column: usize) -> Option<Spectrum> {
     let points = rows(include_str!("../../data/illuminants.txt"))
         .filter_map(|row| Some(((*row.first()?)?, (*row.get(column + 1)?)?)));
     let (wavelengths, values) = points.unzip();
-    Spectrum::new(wavelengths, values).ok()
+    Spectrum::new(wavelengths, values).ok()?.interpolated(Interpolation::Linear).ok()
 }

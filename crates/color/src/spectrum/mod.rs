@@ -8,6 +8,7 @@
 
 pub mod bands;
 pub mod illuminant;
+mod interpolation;
 pub mod metamer;
 pub mod observer;
 pub mod refraction;
@@ -15,6 +16,7 @@ pub mod thermal;
 pub mod uplift;
 
 pub use bands::Bands;
+pub use interpolation::Interpolation;
 pub use observer::Observer;
 
 /// The shortest wavelength that is computed with.
@@ -29,20 +31,34 @@ pub const COUNT: usize = LAST - FIRST + 1;
 /// A number for each nanometre from [`FIRST`] to [`LAST`].
 pub type Bins = [f64; COUNT];
 
-/// What a spectrum is beyond the wavelengths at which it was measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Beyond {
-    /// 0: what a lamp doesn't send.
-    Zero,
-    /// The first or last value: what a surface or a metal does is alike nearby.
-    Same,
+/// What the numbers of a spectrum are. It says what lies beyond the wavelengths of a table, and what can't lie between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Quantity {
+    /// Light that a lamp sends, of which there is none beyond the table.
+    Emission,
+    /// The share of light that a surface sends back, from 0 to 1; it goes on beyond the table as it ended.
+    Reflectance,
+    /// A part of an index of refraction, which goes on as it ended.
+    Index,
 }
 
-/// A spectrum as it was measured: values at rising wavelengths, with straight lines between.
+impl Quantity {
+    /// The nearest value that can be.
+    fn held(self, v: f64) -> f64 {
+        match self {
+            _ if v < 0.0 => 0.0,
+            Self::Reflectance if v > 1.0 => 1.0,
+            _ => v,
+        }
+    }
+}
+
+/// A spectrum as it was measured: values at rising wavelengths, and [`Interpolation`] between.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     wavelengths: Vec<f64>,
     values: Vec<f64>,
+    interpolation: Interpolation,
 }
 
 /// What is wrong with a table of wavelengths and values.
@@ -93,10 +109,27 @@ pub enum Fault {
         /// The last.
         last: f64,
     },
+    /// A curve was asked for through wavelengths that are not in equal steps.
+    #[error(
+        "a smooth curve needs wavelengths in equal steps, but number {} is {step} nm after the one before, and the second is {first} \
+         nm after the first", .index + 1
+    )]
+    Uneven {
+        /// The first that is off, from 0.
+        index: usize,
+        /// Its distance from the one before.
+        step: f64,
+        /// The first step.
+        first: f64,
+    },
+    /// A curve was asked for through fewer points than it takes.
+    #[error("a smooth curve needs at least 4 wavelengths, and there are {0}")]
+    Few(usize),
 }
 
 impl Spectrum {
-    /// A spectrum of values, 0 or greater, at wavelengths that rise and overlap with what can be seen.
+    /// A spectrum of values, 0 or greater, at wavelengths that rise and overlap with what can be seen. What lies between is
+    /// smooth if these are at least 4 in equal steps of at most 20 nm, and on straight lines else.
     pub fn new(wavelengths: Vec<f64>, values: Vec<f64>) -> Result<Self, Fault> {
         if wavelengths.len() != values.len() {
             return Err(Fault::Lengths { wavelengths: wavelengths.len(), values: values.len() });
@@ -121,12 +154,30 @@ impl Spectrum {
         if last < FIRST as f64 || first > LAST as f64 {
             return Err(Fault::Unseen { first, last });
         }
-        Ok(Self { wavelengths, values })
+        let interpolation = interpolation::fitting(&wavelengths);
+        Ok(Self { wavelengths, values, interpolation })
     }
 
     /// A spectrum of a number for each nanometre.
     pub fn of_bins(bins: &Bins) -> Self {
-        Self { wavelengths: (FIRST..=LAST).map(|nm| nm as f64).collect(), values: bins.to_vec() }
+        let wavelengths = (FIRST..=LAST).map(|nm| nm as f64).collect();
+        Self { wavelengths, values: bins.to_vec(), interpolation: Interpolation::Smooth }
+    }
+
+    /// The same table, joined in a way of one's choice; a smooth one must have at least 4 wavelengths in equal steps.
+    pub fn interpolated(self, interpolation: Interpolation) -> Result<Self, Fault> {
+        if interpolation == Interpolation::Smooth {
+            let w = &self.wavelengths;
+            if w.len() < interpolation::FEWEST {
+                return Err(Fault::Few(w.len()));
+            }
+            if let Some(index) = interpolation::uneven(w) {
+                // Rounded, since distances of decimal fractions are none.
+                let step = |i: usize| ((w[i] - w[i - 1]) * 1e6).round() / 1e6;
+                return Err(Fault::Uneven { index, step: step(index), first: step(1) });
+            }
+        }
+        Ok(Self { interpolation, ..self })
     }
 
     /// Its wavelengths and values.
@@ -141,59 +192,55 @@ impl Spectrum {
 
     /// The same, each value times `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            wavelengths: self.wavelengths.clone(),
-            values: self.values.iter().map(|v| v * factor).collect(),
-        }
+        Self { values: self.values.iter().map(|v| v * factor).collect(), ..self.clone() }
     }
 
     /// The value at a wavelength.
-    pub fn at(&self, nm: f64, beyond: Beyond) -> f64 {
+    pub fn at(&self, nm: f64, quantity: Quantity) -> f64 {
         let (w, v) = (&self.wavelengths, &self.values);
         let next = w.partition_point(|&x| x <= nm);
-        match (next, beyond) {
-            (0, Beyond::Same) => v[0],
-            (0, Beyond::Zero) => 0.0,
-            _ if next == w.len() => match beyond {
-                Beyond::Same => v[next - 1],
-                Beyond::Zero if nm == w[next - 1] => v[next - 1],
-                Beyond::Zero => 0.0,
-            },
-            _ => {
-                let share = (nm - w[next - 1]) / (w[next] - w[next - 1]);
-                v[next - 1] + (v[next] - v[next - 1]) * share
-            }
+        if next == 0 || next == w.len() {
+            let end = if next == 0 { 0 } else { next - 1 };
+            let is_dark = quantity == Quantity::Emission && nm != w[end];
+            return if is_dark { 0.0 } else { v[end] };
+        }
+        let t = (nm - w[next - 1]) / (w[next] - w[next - 1]);
+        match self.interpolation {
+            Interpolation::Linear => v[next - 1] + (v[next] - v[next - 1]) * t,
+            Interpolation::Smooth => interpolation::smooth(v, next - 1, t, quantity),
         }
     }
 
     /// The value at each nanometre: what tables of the CIE are computed with.
-    pub fn bins(&self, beyond: Beyond) -> Bins {
-        std::array::from_fn(|i| self.at((FIRST + i) as f64, beyond))
+    pub fn bins(&self, quantity: Quantity) -> Bins {
+        std::array::from_fn(|i| self.at((FIRST + i) as f64, quantity))
     }
 
     /// The mean over each nanometre, half of one to either side, so that lines narrower than 1 nm keep their power.
-    pub fn means(&self, beyond: Beyond) -> Bins {
+    pub fn means(&self, quantity: Quantity) -> Bins {
         std::array::from_fn(|i| {
             let middle = (FIRST + i) as f64;
-            self.integral(middle - 0.5, middle + 0.5, beyond)
+            self.integral(middle - 0.5, middle + 0.5, quantity)
         })
     }
 
     /// The first nanometre, with the value there, at which a surface of this reflectance would give back more light than
     /// falls on it, rounding aside.
     pub fn above_one(&self) -> Option<(usize, f64)> {
-        let bins = self.means(Beyond::Same);
+        let bins = self.means(Quantity::Reflectance);
         bins.iter().position(|v| *v > 1.0 + 1e-6).map(|i| (FIRST + i, bins[i]))
     }
 
     /// The integral over wavelengths from `from` to `to`.
-    fn integral(&self, from: f64, to: f64, beyond: Beyond) -> f64 {
+    fn integral(&self, from: f64, to: f64, quantity: Quantity) -> f64 {
+        // Gauss's rule of two points, exact for curves of third order. It leaves out the ends of a piece, as it must where
+        // the table ends.
+        const PLACE: f64 = 0.211_324_865_405_187_13;
         let mut sum = 0.0;
         let mut piece = |a: f64, b: f64| {
             if b > a {
-                // The ends of what was measured belong to the inside: the middle tells on which side a piece is.
-                let inside = self.at(0.5 * (a + b), beyond);
-                sum += (b - a) * inside;
+                let inside = |share: f64| self.at(a + (b - a) * share, quantity);
+                sum += (b - a) * 0.5 * (inside(PLACE) + inside(1.0 - PLACE));
             }
         };
         let first = self.wavelengths.partition_point(|&w| w <= from);
@@ -204,39 +251,6 @@ impl Spectrum {
         }
         piece(a, to);
         sum
-    }
-
-    /// Where the wavelengths are equally spaced, the same spectrum at each nanometre by curves of third order through four
-    /// neighbours (second order in the first and last gap), as ASTM E2022-16 makes colours of tables; else straight lines.
-    /// Beyond the table the ends go on.
-    pub fn smooth(&self) -> Bins {
-        let w = &self.wavelengths;
-        let equal = w.len() >= 4 && {
-            let step = w[1] - w[0];
-            w.windows(2).all(|p| (p[1] - p[0] - step).abs() < 1e-6 * step)
-        };
-        if !equal {
-            return self.bins(Beyond::Same);
-        }
-        std::array::from_fn(|i| {
-            let nm = (FIRST + i) as f64;
-            let next = w.partition_point(|&x| x <= nm);
-            if next == 0 || next == w.len() {
-                return self.at(nm, Beyond::Same);
-            }
-            let near = if next == 1 {
-                0..3
-            } else if next == w.len() - 1 {
-                w.len() - 3..w.len()
-            } else {
-                next - 2..next + 2
-            };
-            let term = |a: usize| {
-                let others = near.clone().filter(|&b| b != a);
-                self.values[a] * others.map(|b| (nm - w[b]) / (w[a] - w[b])).product::<f64>()
-            };
-            near.clone().map(term).sum()
-        })
     }
 }
 

@@ -28,7 +28,7 @@ impl Index {
                 terms.iter().map(|[b, c]| b * l2 / (l2 - c)).fold(1.0, |sum, term| sum + term).sqrt()
             }
             Self::Cauchy(terms) => terms.iter().rev().fold(0.0, |n, term| n / l2 + term),
-            Self::Measured(spectrum) => spectrum.at(nm, super::Beyond::Same),
+            Self::Measured(spectrum) => spectrum.at(nm, super::Quantity::Index),
         }
     }
 

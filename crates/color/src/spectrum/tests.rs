@@ -50,11 +50,11 @@ fn illuminants_are_those_of_the_oracle() {
     assert_near(&white, &want.iter().map(|v| v / 100.0).collect::<Vec<_>>(), "D65");
     for name in ["A", "D50", "D65", "E"] {
         let light = illuminant::by_name(name).unwrap();
-        let xy = chromaticity(Observer::Cie1931.light(&light.bins(Beyond::Zero)));
+        let xy = chromaticity(Observer::Cie1931.light(&light.bins(Quantity::Emission)));
         assert_near(&xy, &expected(&text, &format!("xy of {name}:")), name);
     }
     for kelvin in [1000, 2856, 4000, 5500, 6500, 10000] {
-        let light = thermal::black_body(f64::from(kelvin)).bins(Beyond::Zero);
+        let light = thermal::black_body(f64::from(kelvin)).bins(Quantity::Emission);
         let xy = chromaticity(Observer::Cie1931.light(&light));
         assert_near(&xy, &expected(&text, &format!("blackbody {kelvin} K xy:")), &format!("{kelvin} K"));
     }
@@ -81,7 +81,7 @@ fn the_color_checker_is_that_of_the_oracle() {
     for (k, name) in names.iter().enumerate() {
         let wavelengths = rows.iter().map(|r| r[0]).collect();
         let values = rows.iter().map(|r| r[k + 1]).collect();
-        let patch = Spectrum::new(wavelengths, values).unwrap().smooth();
+        let patch = Spectrum::new(wavelengths, values).unwrap().bins(Quantity::Reflectance);
         let xyz = Observer::Cie1931.surface(&patch, &white);
         let label = format!("BabelColor Average {name} XYZ under D65 /100:");
         assert_near(&xyz, &expected(&text, &label), name);
@@ -111,9 +111,9 @@ fn tables_are_those_that_were_measured() {
             .map(|(a, b)| (a.parse().unwrap(), b.parse().unwrap()))
             .collect();
         let theirs = |nm: f64| points.iter().find(|p| p.0 == nm).unwrap().1;
-        let scale = theirs(560.0) / ours.at(560.0, Beyond::Zero);
+        let scale = theirs(560.0) / ours.at(560.0, Quantity::Emission);
         for &(nm, value) in points.iter().filter(|p| p.0 >= 360.0) {
-            assert!((ours.at(nm, Beyond::Zero) * scale - value).abs() < 1e-3 * 100.0, "{name} at {nm}");
+            assert!((ours.at(nm, Quantity::Emission) * scale - value).abs() < 1e-3 * 100.0, "{name} at {nm}");
         }
     }
 }
@@ -124,14 +124,14 @@ fn daylight_by_formula_is_that_of_the_tables() {
         let table = illuminant::by_name(name).unwrap();
         let formula = illuminant::of_unit_luminance(&thermal::daylight(kelvin).unwrap());
         for nm in (360..=830).step_by(5) {
-            let (a, b) = (table.at(nm as f64, Beyond::Zero), formula.at(nm as f64, Beyond::Zero));
+            let (a, b) = (table.at(nm as f64, Quantity::Emission), formula.at(nm as f64, Quantity::Emission));
             assert!((a - b).abs() < 1e-4, "{name} at {nm}: {a} {b}");
         }
     }
     assert!(thermal::daylight(3999.0).is_none() && thermal::daylight(f64::NAN).is_none());
     // The CIE's own figures for D55 and D75 (CIE 15:2018, table 3).
     for (name, want) in [("D55", [0.33243, 0.34744]), ("D75", [0.29903, 0.31488])] {
-        let light = illuminant::by_name(name).unwrap().bins(Beyond::Zero);
+        let light = illuminant::by_name(name).unwrap().bins(Quantity::Emission);
         assert_near(&chromaticity(Observer::Cie1931.light(&light)), &want, name);
     }
 }
@@ -155,7 +155,7 @@ fn fluorescent_lamps_are_the_cies() {
         ("FL12", [0.4370, 0.4042]),
     ];
     for (name, want) in printed {
-        let light = illuminant::by_name(name).unwrap().bins(Beyond::Zero);
+        let light = illuminant::by_name(name).unwrap().bins(Quantity::Emission);
         let coarse: Bins = std::array::from_fn(|i| if i % 5 == 0 { light[i] } else { 0.0 });
         assert_near(&chromaticity(Observer::Cie1931.light(&coarse)), &want, name);
     }
@@ -163,7 +163,7 @@ fn fluorescent_lamps_are_the_cies() {
     assert_near(&chromaticity(d65), &[0.31382, 0.33100], "D65, 10 degrees");
     for name in illuminant::NAMES {
         let light = illuminant::by_name(&format!("cie-{}", name.to_lowercase())).unwrap();
-        let [_, y, _] = Observer::Cie1931.light(&light.bins(Beyond::Zero));
+        let [_, y, _] = Observer::Cie1931.light(&light.bins(Quantity::Emission));
         assert!((y - 1.0).abs() < 1e-12, "{name}");
     }
     assert!(illuminant::by_name("D64").is_none() && illuminant::by_name("").is_none());
@@ -188,7 +188,7 @@ fn the_cornell_boxes_walls_in_rgb() {
     for (k, want) in theirs.into_iter().enumerate() {
         let column = |c: usize| rows.iter().map(|r| r[c]).collect();
         // Their spectra are 0 outside the table.
-        let bins = Spectrum::new(column(0), column(k + 1)).unwrap().bins(Beyond::Zero);
+        let bins = Spectrum::new(column(0), column(k + 1)).unwrap().bins(Quantity::Emission);
         for (ours, theirs) in Uplift::new().rgb_of_reflectance(&bins).into_iter().zip(want) {
             assert!((ours - theirs).abs() < 1.5e-3, "{ours} {theirs}");
         }
@@ -206,25 +206,36 @@ fn tables_are_refused_with_the_reason() {
     assert_eq!(of(&[500.0], &[-0.1]), Err(Fault::Negative { index: 0, wavelength: 500.0, value: -0.1 }));
     assert_eq!(of(&[0.5], &[1.0]), Err(Fault::NoLight(0.5)));
     assert_eq!(of(&[900.0, 1000.0], &[1.0; 2]), Err(Fault::Unseen { first: 900.0, last: 1000.0 }));
+    let smooth = |w: &[f64]| of(w, &vec![0.5; w.len()]).unwrap().interpolated(Interpolation::Smooth);
+    assert_eq!(smooth(&[400.0, 410.0, 420.0]), Err(Fault::Few(3)));
+    assert_eq!(
+        smooth(&[400.1, 410.3, 420.5, 431.5]),
+        Err(Fault::Uneven { index: 3, step: 11.0, first: 10.2 })
+    );
+    assert_eq!(
+        smooth(&[400.1, 410.3, 420.5, 431.5]).unwrap_err().to_string(),
+        "a smooth curve needs wavelengths in equal steps, but number 4 is 11 nm after the one before, and the second is 10.2 nm \
+         after the first"
+    );
 }
 
 #[test]
 fn between_and_beyond_the_table() {
     let s = Spectrum::new(vec![400.0, 410.0, 700.0], vec![1.0, 3.0, 2.0]).unwrap();
     assert_eq!(
-        [399.0, 400.0, 405.0, 700.0, 701.0].map(|nm| s.at(nm, Beyond::Zero)),
+        [399.0, 400.0, 405.0, 700.0, 701.0].map(|nm| s.at(nm, Quantity::Emission)),
         [0.0, 1.0, 2.0, 2.0, 0.0]
     );
-    assert_eq!([399.0, 701.0].map(|nm| s.at(nm, Beyond::Same)), [1.0, 2.0]);
+    assert_eq!([399.0, 701.0].map(|nm| s.at(nm, Quantity::Index)), [1.0, 2.0]);
     // A line half a nanometre wide between two nanometres loses nothing.
     let line = Spectrum::new(vec![546.2, 546.4, 546.7], vec![0.0, 10.0, 0.0]).unwrap();
     let sum = |bins: Bins| bins.iter().sum::<f64>();
-    assert!((sum(line.means(Beyond::Zero)) - 2.5).abs() < 1e-12);
-    assert_eq!(sum(line.bins(Beyond::Zero)), 0.0);
+    assert!((sum(line.means(Quantity::Emission)) - 2.5).abs() < 1e-12);
+    assert_eq!(sum(line.bins(Quantity::Emission)), 0.0);
     assert_eq!(s.above_one().map(|(nm, _)| nm), Some(400));
     assert_eq!(s.scaled(0.3).above_one(), None);
     let flat = Spectrum::new(vec![400.0], vec![0.25]).unwrap();
-    assert!(flat.means(Beyond::Same).iter().all(|v| (v - 0.25).abs() < 1e-12));
+    assert!(flat.means(Quantity::Index).iter().all(|v| (v - 0.25).abs() < 1e-12));
 }
 
 #[test]
@@ -232,10 +243,59 @@ fn smooth_curves_meet_their_points_and_parabolas() {
     let parabola = |nm: f64| 0.1 + 1e-5 * (nm - 500.0) * (nm - 500.0);
     let wavelengths: Vec<f64> = (36..=83).map(|k| 10.0 * f64::from(k)).collect();
     let values = wavelengths.iter().map(|&nm| parabola(nm)).collect();
-    let bins = Spectrum::new(wavelengths, values).unwrap().smooth();
+    let bins = Spectrum::new(wavelengths, values).unwrap().bins(Quantity::Index);
     for (i, v) in bins.iter().enumerate() {
         assert!((v - parabola((FIRST + i) as f64)).abs() < 1e-12, "{i}");
     }
+}
+
+#[test]
+fn curves_are_for_tables_in_equal_steps_no_wider_than_20_nm() {
+    let of = |w: &[f64]| Spectrum::new(w.to_vec(), (0..w.len()).map(|i| (i * i) as f64).collect()).unwrap();
+    // Half a step on from the second of the squares 0, 1, 4, 9: 2.25 by the parabola, 2.5 by the line.
+    let middle = |s: &Spectrum| {
+        let w: Vec<f64> = s.points().map(|p| p.0).collect();
+        s.at(0.5 * (w[1] + w[2]), Quantity::Index)
+    };
+    for steps in [[400.0, 420.0, 440.0, 460.0], [400.0, 403.333, 406.667, 410.0]] {
+        assert!((middle(&of(&steps)) - 2.25).abs() < 1e-12, "{steps:?}");
+        let lines = of(&steps).interpolated(Interpolation::Linear).unwrap();
+        assert!((middle(&lines) - 2.5).abs() < 1e-12, "{steps:?}");
+    }
+    let wide = of(&[400.0, 500.0, 600.0, 700.0]);
+    assert_eq!(middle(&wide), 2.5);
+    assert_eq!(middle(&wide.interpolated(Interpolation::Smooth).unwrap()), 2.25);
+    assert_eq!(middle(&of(&[400.0, 410.0, 420.0, 431.0])), 2.5);
+}
+
+/// Beside an edge and a line a curve through four points would leave what can be; it must neither, nor change a line's power.
+#[test]
+fn curves_neither_ring_below_black_nor_above_white() {
+    let wavelengths: Vec<f64> = (36..=83).map(|k| 10.0 * f64::from(k)).collect();
+    let of = |f: &dyn Fn(f64) -> f64| {
+        Spectrum::new(wavelengths.clone(), wavelengths.iter().map(|&nm| f(nm)).collect()).unwrap()
+    };
+    let edge = of(&|nm| if nm < 555.0 { 0.0 } else { 1.0 });
+    for tenth in 3600..=8300 {
+        let v = edge.at(f64::from(tenth) / 10.0, Quantity::Reflectance);
+        assert!((0.0..=1.0).contains(&v), "{v}");
+    }
+    // What is above 1 in the table itself is not made to look like a reflectance.
+    assert_eq!(edge.scaled(1.5).above_one().map(|(nm, _)| nm), Some(557));
+    // The same numbers as light may be more than 1, and are where nothing else is known of them.
+    let wave = of(&|nm| 0.5 + 0.5 * ops::sin_cos_degrees(12.0 * (nm - 365.0)).0);
+    let most = |q| wave.bins(q).into_iter().fold(0.0, |a: f64, b| if b > a { b } else { a });
+    assert!(most(Quantity::Reflectance) <= 1.0 && most(Quantity::Emission) <= 1.0 + 1e-3);
+    for (floor, height) in [(0.0, 1.0), (0.1, 1.0), (5.0, 1.0)] {
+        let line = of(&|nm| floor + if nm == 550.0 { height } else { 0.0 });
+        let sum = |bins: Bins| bins[20..COUNT - 21].iter().sum::<f64>();
+        let want = 10.0 * height + floor * (COUNT - 41) as f64;
+        assert!((sum(line.means(Quantity::Emission)) - want).abs() < 1e-9 * want, "{floor}");
+        assert!(line.bins(Quantity::Emission).iter().all(|v| *v >= 0.0));
+    }
+    // Numbers at the end of their range.
+    let vast = of(&|nm| if nm == 550.0 { f64::MAX } else { 0.0 });
+    assert!(vast.bins(Quantity::Emission).iter().all(|v| v.is_finite() && *v >= 0.0));
 }
 
 /// The greatest difference of a colour and its smooth reflectance's, in sRGB.
@@ -318,7 +378,7 @@ fn metals_have_their_colours() {
         assert!(n.points().len() >= 10 && k.points().len() == n.points().len(), "{name}");
     }
     let reflected = |name: &str, nm: f64| {
-        let [n, k] = refraction::metal(name).unwrap().map(|s| s.at(nm, Beyond::Same));
+        let [n, k] = refraction::metal(name).unwrap().map(|s| s.at(nm, Quantity::Index));
         ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
     };
     assert!(reflected("gold", 650.0) > 0.95 && reflected("Gold", 450.0) < 0.45);

@@ -2,7 +2,7 @@
 
 use straal_math::ops;
 
-use super::{FIRST, LAST, Spectrum, rows};
+use super::{FIRST, Interpolation, LAST, Spectrum, rows};
 
 /// A black body (Planck 1901) of a temperature in kelvins; relative, largest value 1. The second radiation constant is
 /// that of CODATA 2018, 0.01438776877 m K.
@@ -43,7 +43,8 @@ pub fn daylight(kelvin: f64) -> Option<Spectrum> {
         let value = s0 + m1 * s1 + m2 * s2;
         values.push(if value > 0.0 { value } else { 0.0 });
     }
-    Spectrum::new(wavelengths, values).ok()
+    // The CIE's daylight lies on straight lines between the rows of this table.
+    Spectrum::new(wavelengths, values).ok()?.interpolated(Interpolation::Linear).ok()
 }
 
 /// A formula at each nanometre.

@@ -23,7 +23,10 @@ use crate::{Limits, ReadError};
 mod spectral;
 mod write;
 
-pub use spectral::{LAYER as SPECTRAL_LAYER, is_attribute as is_spectral_attribute, layer as spectral_layer};
+pub use spectral::{
+    Contents as SpectralContents, LAYER as SPECTRAL_LAYER, is_attribute as is_spectral_attribute,
+    is_layer as is_spectral_layer, layer as spectral_layer,
+};
 pub use write::write;
 
 /// A picture with layers of any channels.
@@ -95,8 +98,8 @@ impl Picture {
         Ok(Image { width: self.data_window.width, height: self.data_window.height, pixels })
     }
 
-    /// The colours of the picture: the layer without a name; else X, Y and Z there; else the sum of its wavelengths; else
-    /// the first layer that has colours or grey.
+    /// The colours of the picture: the layer without a name; else X, Y and Z there; else the sum of its wavelengths, of radiance
+    /// or of reflectance under D65; else the first layer that has colours or grey.
     pub fn beauty(&self) -> Result<Beauty, ReadError> {
         let of = |layer: &Layer| {
             layer.rgb().map(|pixels| Beauty { pixels, space: self.space, layer: layer.name.clone() })
@@ -106,21 +109,17 @@ impl Picture {
             let pixels = unnamed?.triples(["X", "Y", "Z"])?;
             Some(Beauty { pixels, space: Some(RgbSpace::XYZ), layer: String::new() })
         };
-        let summed = || {
-            let pixels = spectral::xyz(self)?;
-            Some(Beauty { pixels, space: Some(RgbSpace::XYZ), layer: spectral::LAYER.to_owned() })
-        };
         let named_rgb = |layer: &&Layer| layer.triples(["R", "G", "B"]).is_some();
         { unnamed }
             .filter(named_rgb)
             .and_then(of)
             .or_else(xyz)
             .or_else(|| unnamed.and_then(of))
-            .or_else(summed)
+            .or_else(|| spectral::beauty(self))
             .or_else(|| self.layers.iter().find_map(of))
             .ok_or_else(|| {
                 let message = "the file has no layer with channels R, G and B, or X, Y and Z, or Y, nor any of wavelengths \
-                               (S0.550,000nm)";
+                               (S0.550,000nm or T.550,000nm)";
                 ReadError::file(message)
             })
     }

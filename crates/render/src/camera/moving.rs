@@ -39,17 +39,17 @@ impl Stand {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moving {
     still: Camera,
-    from: Stand,
-    to: Stand,
-    /// When the shutter opens and closes; 0 is the moment of `from`, 1 that of `to`.
+    /// The poses on its way by their times, which rise; two at least.
+    way: Vec<(f64, Stand)>,
+    /// When the shutter opens and closes.
     shutter: [f64; 2],
 }
 
 impl Moving {
-    /// `still` has the view [`View::ORIGIN`].
-    pub fn new(still: Camera, way: [Stand; 2], shutter: [f64; 2]) -> Self {
-        let [from, to] = way;
-        Self { still, from, to, shutter }
+    /// `still` has the view [`View::ORIGIN`]. `None` without at least two poses whose times rise.
+    pub fn new(still: Camera, way: Vec<(f64, Stand)>, shutter: [f64; 2]) -> Option<Self> {
+        let rises = way.len() >= 2 && way.windows(2).all(|p| p[0].0 < p[1].0);
+        rises.then_some(Self { still, way, shutter })
     }
 
     /// The camera in its own frame.
@@ -57,10 +57,16 @@ impl Moving {
         &self.still
     }
 
-    /// The frame at a moment from 0 to 1 over the shutter; `None` if it then looks nowhere.
+    /// The frame at a moment from 0 to 1 over the shutter; `None` if it then looks nowhere. Before the first pose and after the
+    /// last it rests.
     pub fn view(&self, time: f32) -> Option<View> {
         let [open, close] = self.shutter;
-        self.from.towards(&self.to, open + (close - open) * f64::from(time)).view()
+        let t = open + (close - open) * f64::from(time);
+        let next = self.way.partition_point(|(at, _)| *at <= t).clamp(1, self.way.len() - 1);
+        let ((start, from), (end, to)) = (&self.way[next - 1], &self.way[next]);
+        let share = (t - start) / (end - start);
+        let held = if share < 1.0 { if share > 0.0 { share } else { 0.0 } } else { 1.0 };
+        from.towards(to, held).view()
     }
 
     pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {

@@ -7,32 +7,29 @@ use crate::camera::{
     Projection, Rows, Stand, Stereo, StereoLayout, ThinLens, View, Window,
 };
 use straal_scene::Scene;
-use straal_scene::desc::{self, LensProfile, Observer};
+use straal_scene::desc::{self, LensProfile, Moment};
 
 /// The scene's camera for a picture of `size` pixels; `seen` finds what it is focused on.
 pub(super) fn camera(scene: &Scene, size: [u32; 2], seen: &Seen<'_>) -> Result<Camera, CompileError> {
     let observer = scene.camera.observer();
-    let from = stand(observer);
     let nowhere = || {
         CompileError::new("the camera looks nowhere: `eye` and `look_at` coincide, or `up` is along the view")
     };
-    let view = from.view().ok_or_else(nowhere)?;
-    let Some(pose) = &observer.moving_to else {
+    let moments = observer.moments();
+    let way: Vec<(f64, Stand)> = moments.iter().map(|m| (m.time, stand(m))).collect();
+    let views: Option<Vec<View>> = way.iter().map(|(_, stand)| stand.view()).collect();
+    let view = *views.as_deref().and_then(<[View]>::first).ok_or_else(nowhere)?;
+    if way.len() == 1 {
         return still(scene, size, Look { at_start: view, view, seen });
-    };
-    let to = Stand {
-        eye: pose.eye.unwrap_or(from.eye),
-        look_at: pose.look_at.unwrap_or(from.look_at),
-        up: pose.up.unwrap_or(from.up),
-        roll: pose.roll.unwrap_or(from.roll),
-    };
-    to.view().ok_or_else(nowhere)?;
+    }
     let own = still(scene, size, Look { at_start: view, view: View::ORIGIN, seen })?;
-    Ok(Camera::Moving(Box::new(Moving::new(own, [from, to], observer.shutter))))
+    let moving = Moving::new(own, way, observer.shutter);
+    let moving = moving.ok_or_else(|| CompileError::new("the times of the camera's poses must rise"))?;
+    Ok(Camera::Moving(Box::new(moving)))
 }
 
-fn stand(o: &Observer) -> Stand {
-    Stand { eye: o.eye, look_at: o.look_at, up: o.up, roll: o.roll }
+fn stand(m: &Moment) -> Stand {
+    Stand { eye: m.eye, look_at: m.look_at, up: m.up, roll: m.roll }
 }
 
 /// The frame in which a camera is made, and that in which it stands in the world at time 0.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use straal_color::spectrum::{Beyond, Bins, COUNT, Observer, Spectrum, illuminant, refraction, uplift};
+use straal_color::spectrum::{Bins, COUNT, Observer, Quantity, Spectrum, illuminant, refraction, uplift};
 use straal_color::{Light, Matrix3, Space};
 use straal_scene::desc;
 use straal_scene::span::Span;
@@ -23,7 +23,7 @@ pub(super) struct Paint<'a> {
     /// `None` in RGB.
     uplift: Option<uplift::Uplift>,
     /// Tables of RGB colours that were met, by their use and their bits.
-    known: BTreeMap<(Use, [u64; 3]), u32>,
+    known: BTreeMap<(Quantity, [u64; 3]), u32>,
     /// Tables of measured spectra, by their bits.
     tables: BTreeMap<Vec<u32>, u32>,
     /// Filled as colours are met.
@@ -34,14 +34,6 @@ pub(super) struct Paint<'a> {
 
 /// Nobody reads more.
 const MOST_NOTES: usize = 20;
-
-/// What a colour is of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Use {
-    Reflectance,
-    Emission,
-    Index,
-}
 
 impl<'a> Paint<'a> {
     pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
@@ -60,12 +52,12 @@ impl<'a> Paint<'a> {
 
     /// Share of light that comes back.
     pub fn reflectance(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
-        self.colour(s, Use::Reflectance)
+        self.colour(s, Quantity::Reflectance)
     }
 
     /// Light that is sent out.
     pub fn emission(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
-        self.colour(s, Use::Emission)
+        self.colour(s, Quantity::Emission)
     }
 
     /// The same times a factor.
@@ -119,7 +111,7 @@ impl<'a> Paint<'a> {
         }
     }
 
-    fn colour(&mut self, s: &desc::Spectrum, of: Use) -> Result<Colour, CompileError> {
+    fn colour(&mut self, s: &desc::Spectrum, of: Quantity) -> Result<Colour, CompileError> {
         match s {
             desc::Spectrum::Rgb(color) => Ok(self.rgb(*color, of)),
             desc::Spectrum::Measured(m) => {
@@ -133,9 +125,9 @@ impl<'a> Paint<'a> {
 
     /// What is a hair below 0 by rounding is 0. Indices of refraction are no colours: they are those of red, green and
     /// blue in any space.
-    fn rgb(&mut self, color: Color, of: Use) -> Colour {
+    fn rgb(&mut self, color: Color, of: Quantity) -> Colour {
         let rgb = match self.to_work {
-            Some(m) if of != Use::Index => m.apply(color.0),
+            Some(m) if of != Quantity::Index => m.apply(color.0),
             _ => color.0,
         };
         let rgb = Light::rgb(rgb.map(|v| if v < 0.0 { 0.0 } else { v as f32 }));
@@ -166,26 +158,26 @@ impl<'a> Paint<'a> {
             let read = read.ok_or_else(|| {
                 CompileError::at(format!("the spectrum `{}` was not read", file.value), file.span)
             })?;
-            return Ok((read.scaled(m.scale), span));
+            let read = m.of_table(read).map_err(|fault| CompileError::at(fault.to_string(), span))?;
+            return Ok((read, span));
         }
         let found = m.spectrum().ok_or_else(|| CompileError::at("this is no spectrum", span))?;
         Ok((found, span))
     }
 
     /// The colour of a spectrum of some use, which `what` calls by name.
-    fn measured(&mut self, spectrum: &Spectrum, (of, what): (Use, &str)) -> Result<Colour, String> {
-        let beyond = if of == Use::Emission { Beyond::Zero } else { Beyond::Same };
-        let bins = spectrum.means(beyond);
-        if of == Use::Reflectance
+    fn measured(&mut self, spectrum: &Spectrum, (of, what): (Quantity, &str)) -> Result<Colour, String> {
+        let bins = spectrum.means(of);
+        if of == Quantity::Reflectance
             && let Some((nm, v)) = spectrum.above_one()
         {
             return Err(format!("this spectrum reflects more light than falls on it: {v} at {nm} nm"));
         }
         let matrix = uplift::rgb_from_xyz(self.space);
         let rgb = match of {
-            Use::Reflectance => matrix.apply(Observer::Cie1931.surface(&bins, &illuminant::d65())),
-            Use::Emission => matrix.apply(Observer::Cie1931.light(&bins)),
-            Use::Index => {
+            Quantity::Reflectance => matrix.apply(Observer::Cie1931.surface(&bins, &illuminant::d65())),
+            Quantity::Emission => matrix.apply(Observer::Cie1931.light(&bins)),
+            Quantity::Index => {
                 let mean = |part: &Bins| part.iter().zip(&bins).map(|(a, b)| a * b).sum();
                 uplift::positive_parts(self.space).each_ref().map(mean)
             }
@@ -197,11 +189,11 @@ impl<'a> Paint<'a> {
                 format!("{what} has the colour {rgb}, which the work space `{space}` doesn't hold: {help}");
             note(&mut self.notes, told);
         }
-        let most = if of == Use::Reflectance { 1.0 } else { f64::MAX };
+        let most = if of == Quantity::Reflectance { 1.0 } else { f64::MAX };
         let held = |v: f64| if v > 0.0 { if v < most { v } else { most } } else { 0.0 };
         let mut colour = Colour::from(Light::rgb(rgb.map(|v| held(v) as f32)));
         if self.uplift.is_some() && bins.iter().any(|v| *v > 0.0) {
-            let table = table_of(spectrum, beyond);
+            let table = table_of(spectrum, of);
             let palette = &mut self.palette;
             let bits = table.iter().map(|v| v.to_bits()).collect();
             colour.spectrum = *self.tables.entry(bits).or_insert_with(|| palette.add(table));
@@ -265,7 +257,7 @@ impl<'a> Paint<'a> {
                 CompileError::at(format!("there is no metal named `{}`", name.value), name.span)
             })?;
             let mut colour = |s: &Spectrum| {
-                self.measured(s, (Use::Index, "a metal"))
+                self.measured(s, (Quantity::Index, "a metal"))
                     .map_err(|message| CompileError::at(message, name.span))
             };
             return Ok([colour(&n)?, colour(&k)?]);
@@ -273,7 +265,7 @@ impl<'a> Paint<'a> {
         let (Some(eta), Some(k)) = (&d.eta, &d.k) else {
             return Err(CompileError::new("a conductor needs `metal`, or `eta` and `k`"));
         };
-        Ok([self.colour(eta.get(), Use::Index)?, self.colour(k.get(), Use::Index)?])
+        Ok([self.colour(eta.get(), Quantity::Index)?, self.colour(k.get(), Quantity::Index)?])
     }
 }
 
@@ -302,10 +294,10 @@ struct Lifted {
 }
 
 /// What is said of a colour that nothing has.
-fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Use) -> String {
+fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Quantity) -> String {
     let (what, why) = match of {
-        Use::Emission => ("light", "is of a colour that no light has"),
-        Use::Reflectance | Use::Index => (
+        Quantity::Emission => ("light", "is of a colour that no light has"),
+        Quantity::Reflectance | Quantity::Index => (
             "a surface",
             "is more colourful than one can be without sending back more light than falls on it",
         ),
@@ -314,17 +306,17 @@ fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Use) -> String {
     format!("{what} of linear sRGB {rgb} {why}: by wavelengths it becomes {nearest}")
 }
 
-fn lift(uplift: &uplift::Uplift, Color(rgb): Color, of: Use) -> Lifted {
+fn lift(uplift: &uplift::Uplift, Color(rgb): Color, of: Quantity) -> Lifted {
     let exact = |table| Lifted { table, nearest: None };
     match of {
-        Use::Reflectance => match uplift.reach(rgb) {
+        Quantity::Reflectance => match uplift.reach(rgb) {
             Ok(smooth) => exact(smooth.bins().map(|v| v as f32)),
             Err(smooth) => {
                 let bins = smooth.bins();
                 Lifted { table: bins.map(|v| v as f32), nearest: Some(uplift.rgb_of_reflectance(&bins)) }
             }
         },
-        Use::Emission => {
+        Quantity::Emission => {
             let found = uplift.reach_light(rgb);
             let (smooth, scale) = found.unwrap_or_else(|nearest| nearest);
             let bins = smooth.bins();
@@ -332,7 +324,7 @@ fn lift(uplift: &uplift::Uplift, Color(rgb): Color, of: Use) -> Lifted {
             let nearest = || uplift.rgb_of_reflectance(&bins).map(|v| v * scale);
             Lifted { table, nearest: found.is_err().then(nearest) }
         }
-        Use::Index => {
+        Quantity::Index => {
             // Red, green and blue each where they see most of the light, and between them what lies between.
             let parts = uplift::positive_parts(Space::Srgb);
             let mut last = (rgb[0] + rgb[1] + rgb[2]) / 3.0;

@@ -6,14 +6,10 @@
 //! a chessboard, and each half ends by what the other half shows, which knows nothing of its own luck (after Kirk and
 //! Arvo 1991, "Unbiased Sampling Techniques for Image Synthesis").
 //!
-//! How noisy a pixel is, independent samples tell by their spread. Points that avoid one another leave less noise than
-//! that: there the samples are taken in two or three batches, in order, of as many as the largest power of two allows. Each
-//! batch is well spread by itself, so that batch means differ by as much as pictures of so many samples do. Their union is
-//! more even still, and batches avoid one another: the mean is better than the differences tell, never worse. A pixel tells
-//! little by three numbers, but the half of a block that is judged as one has up to 32 of them.
+//! [`super::evidence`] tells how noisy a pixel is. A pixel by itself tells little by two or three batches, but the half of a
+//! block that is judged as one has up to 32 of them.
 
-use super::fixed::Value;
-use super::{FilmTile, Pixel, TILE};
+use super::{FilmTile, TILE};
 use crate::settings::Region;
 
 /// Side of a block in pixels.
@@ -26,49 +22,15 @@ const ACROSS: u32 = TILE / BLOCK;
 pub const DARK: f64 = 0.01;
 
 /// The least number of samples after which blocks are looked at.
-const FIRST_LOOK: u32 = 32;
+pub const FIRST_LOOK: u32 = 32;
 
-/// The look after `samples` samples: the next of 32, 48, 64, 96, 128, ...; before them all 16, when the first batch is full.
+/// The look after `samples` samples: the next of 32, 48, 64, 96, 128, ...
 pub(crate) fn next_look(samples: u32) -> u32 {
-    let mut look = FIRST_LOOK / 2;
+    let mut look = FIRST_LOOK;
     while look <= samples {
-        look += if look < FIRST_LOOK { look } else { 1 << (look.ilog2() - 1) };
+        look += 1 << (look.ilog2() - 1);
     }
     look
-}
-
-/// By what a pixel's noise is told.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Evidence {
-    /// By how samples scatter: they are independent.
-    Spread,
-    /// By how the means of batches do.
-    Batches,
-}
-
-/// Sums of a pixel when it had one batch's samples, and two.
-pub(super) type Marks = [[Value; 3]; 2];
-
-/// The variance of a pixel's mean by the means of its batches.
-fn variance_by_batches(p: &Pixel, marks: &Marks, channel: usize) -> f64 {
-    let [one, two] = marks.map(|m| m[channel].to_f64());
-    let all = p.value[channel].to_f64();
-    // Of a power of two, two halves; of one and a half times that, three thirds.
-    if p.count.is_power_of_two() {
-        let size = f64::from(p.count / 2);
-        let difference = (all - one - one) / size;
-        return 0.25 * difference * difference;
-    }
-    let size = f64::from(p.count / 3);
-    let mean = all / (3.0 * size);
-    let squares: f64 = { [one, two - one, all - two] }
-        .iter()
-        .map(|sum| {
-            let off = sum / size - mean;
-            off * off
-        })
-        .sum();
-    squares / 6.0
 }
 
 /// What one half of a block shows.
@@ -82,14 +44,13 @@ struct Half {
 }
 
 impl Half {
-    /// Adds a pixel, whose marks there are where noise is told by batches.
-    fn add(&mut self, p: &Pixel, marks: Option<&Marks>) {
+    /// Adds pixel `k` of a tile.
+    fn add(&mut self, tile: &FilmTile, k: usize) {
         self.pixels += 1;
-        self.samples = p.count;
+        self.samples = tile.pixels[k].count;
         for c in 0..3 {
-            let (mean, spread) = p.mean_and_variance(c);
-            self.variance += marks.map_or(spread, |marks| variance_by_batches(p, marks, c));
-            self.brightness += mean.abs();
+            self.variance += tile.variance_of_mean(k, c);
+            self.brightness += tile.pixels[k].mean(c).abs();
         }
     }
 
@@ -145,45 +106,14 @@ impl FilmTile {
         open.fold(0_u32, |blocks, p| blocks | 1 << place(p).0).count_ones()
     }
 
-    /// Makes ready to tell noise by batches.
-    pub(crate) fn mark_batches(&mut self) {
-        self.marks = vec![Marks::default(); self.pixels.len()];
-    }
-
     /// Ends the halves whose counterparts' noise is at most `target`, those that go on having `samples` samples.
     pub(crate) fn look(&mut self, samples: u32, target: f64) {
-        if samples >= FIRST_LOOK {
-            self.end_halves(samples, target);
-        }
-        self.mark(samples);
-    }
-
-    /// Notes the sums that the next looks need as those of their first or second batch. Pixels that have ended keep what
-    /// they were judged by.
-    fn mark(&mut self, samples: u32) {
-        let width = self.region.width() as usize;
-        for (k, (marks, p)) in self.marks.iter_mut().zip(&self.pixels).enumerate() {
-            let pixel = [self.region.min[0] + (k % width) as u32, self.region.min[1] + (k / width) as u32];
-            if !self.sampled.contains(pixel) {
-                continue;
-            }
-            if samples < FIRST_LOOK {
-                marks[0] = p.value;
-            } else if samples.is_power_of_two() {
-                marks[1] = p.value;
-            } else {
-                marks[0] = marks[1];
-            }
-        }
-    }
-
-    fn end_halves(&mut self, samples: u32, target: f64) {
         let mut blocks = [[Half::default(); 2]; (ACROSS * ACROSS) as usize];
         let width = self.region.width() as usize;
-        for (k, p) in self.pixels.iter().enumerate() {
+        for k in 0..self.pixels.len() {
             let pixel = [self.region.min[0] + (k % width) as u32, self.region.min[1] + (k / width) as u32];
             let (block, half) = place(pixel);
-            blocks[block][half].add(p, self.marks.get(k));
+            blocks[block][half].add(self, k);
         }
         for (block, halves) in blocks.iter().enumerate() {
             for half in 0..2 {
@@ -207,41 +137,8 @@ mod tests {
         while looks.len() < 8 {
             looks.push(next_look(looks[looks.len() - 1]));
         }
-        assert_eq!(looks, [16, 32, 48, 64, 96, 128, 192, 256]);
+        assert_eq!(looks, [32, 48, 64, 96, 128, 192, 256, 384]);
         assert_eq!(next_look(100), 128);
-    }
-
-    /// Of independent samples, batches tell what the spread tells, with more chance in it.
-    #[test]
-    fn batches_tell_the_variance_of_the_mean() {
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 40) as f32 / (1_u64 << 24) as f32
-        };
-        let (mut sums, n) = ([0.0; 6], 4000);
-        for _ in 0..n {
-            let mut tile = FilmTile::new(Region { min: [0, 0], max: [1, 1] });
-            tile.mark_batches();
-            let mut taken = 0;
-            for (sum, look) in sums.iter_mut().zip([0, 32, 48, 64, 96, 128]) {
-                let stop = if look == 0 { 16 } else { look };
-                while taken < stop {
-                    let sample = super::super::Sample { rgb: [random(); 3], ..Default::default() };
-                    tile.add([0, 0], taken, &sample, &[]);
-                    taken += 1;
-                }
-                if look > 0 {
-                    *sum += variance_by_batches(&tile.pixels[0], &tile.marks[0], 0) * f64::from(look);
-                }
-                tile.look(stop, 0.0);
-            }
-        }
-        // The variance of numbers from 0 to 1 is 1/12.
-        for sum in &sums[1..] {
-            let variance = sum / f64::from(n);
-            assert!((variance * 12.0 - 1.0).abs() < 0.08, "{variance}");
-        }
     }
 
     #[test]

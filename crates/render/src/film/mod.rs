@@ -4,12 +4,14 @@
 //! (ARCHITECTURE.md, "Same bits"): each sample's numbers are rounded once to fixed point and added as integers.
 
 mod adaptive;
+mod evidence;
 mod fixed;
 mod hash;
 mod recording;
 mod splat;
 
-pub use adaptive::{BLOCK, DARK};
+pub use adaptive::{BLOCK, DARK, FIRST_LOOK};
+pub use evidence::Evidence;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
 pub use recording::Recording;
@@ -17,8 +19,9 @@ pub use splat::{Flying, Splats, reach};
 
 use crate::filter::Filter;
 use crate::settings::Region;
-pub(crate) use adaptive::{Evidence, next_look};
-use adaptive::{Marks, Sampled};
+use adaptive::Sampled;
+pub(crate) use adaptive::next_look;
+use evidence::Marks;
 use fixed::{Guide, Square, Value};
 use straal_color::spectrum::Bands;
 use straal_math::ops;
@@ -54,10 +57,15 @@ struct Pixel {
 }
 
 impl Pixel {
+    /// The mean of a channel.
+    fn mean(&self, channel: usize) -> f64 {
+        self.value[channel].to_f64() / f64::from(self.count.max(1))
+    }
+
     /// The mean of a channel and the variance of that mean, estimated from the samples' spread; 0 for a single sample.
     fn mean_and_variance(&self, channel: usize) -> (f64, f64) {
         let count = f64::from(self.count.max(1));
-        let mean = self.value[channel].to_f64() / count;
+        let mean = self.mean(channel);
         let spread = self.square[channel].to_f64() / count - mean * mean;
         (mean, if self.count > 1 && spread > 0.0 { spread / (count - 1.0) } else { 0.0 })
     }
@@ -135,12 +143,26 @@ impl FilmTile {
         self.splats.as_mut()
     }
 
+    /// Makes ready to tell noise by batches.
+    fn mark_batches(&mut self) {
+        self.marks = vec![Marks::default(); self.pixels.len()];
+    }
+
+    /// The variance of the mean of a channel of pixel `k`, by what the film has to tell it.
+    fn variance_of_mean(&self, k: usize, channel: usize) -> f64 {
+        let p = &self.pixels[k];
+        self.marks.get(k).map_or_else(|| p.mean_and_variance(channel).1, |marks| marks.variance(p, channel))
+    }
+
     /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some. False
-    /// where it was dropped.
+    /// where it was dropped. Where noise is told by batches, a pixel's samples come in the order of their indices.
     pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) -> bool {
         let i = self.index(pixel);
         let of_each = self.bands.len() / self.pixels.len();
         let p = &mut self.pixels[i];
+        if let Some(marks) = self.marks.get_mut(i) {
+            marks.note(p.count, &p.value);
+        }
         p.count += 1;
         let fits = { sample.rgb.iter() }.chain(bands.iter().map(|b| &b.value)).all(|v| v.abs() < MAX_VALUE);
         if !fits {
@@ -179,6 +201,8 @@ pub struct Film {
     costs: Costs,
     /// Bands of wavelengths that are held besides RGB.
     bands: Option<Bands>,
+    /// By what pixels tell their standard error, if they do.
+    error: Option<Evidence>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -195,8 +219,8 @@ pub struct Extent {
     pub recording: Recording,
     /// Radius of the filter in pixels where samples are splatted.
     pub splat_radius: Option<f64>,
-    /// Whether sampling ends by noise.
-    pub adapts: bool,
+    /// Whether noise is told by batches.
+    pub batches: bool,
 }
 
 /// Samples that a film refused.
@@ -219,6 +243,8 @@ pub struct Layers {
     pub rgb: Vec<[f32; 3]>,
     /// Variance of that mean, estimated from the samples' spread; 0 for a single sample.
     pub variance: Vec<[f32; 3]>,
+    /// Standard error of that mean, if the film holds it.
+    pub error: Option<ErrorLayer>,
     /// Mean albedo of the first surface.
     pub albedo: Vec<[f32; 3]>,
     /// Mean shading normal of the first surface.
@@ -231,6 +257,15 @@ pub struct Layers {
     pub cost: Option<CostLayers>,
     /// Light by wavelengths, if the film holds it. No part of the film's hash.
     pub bands: Option<BandLayers>,
+}
+
+/// How far pixels are from what they would be with endless samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorLayer {
+    /// By what it is told.
+    pub evidence: Evidence,
+    /// Standard error of each pixel's mean; 0 for a single sample.
+    pub rgb: Vec<[f32; 3]>,
 }
 
 /// Mean radiance in bands of wavelengths.
@@ -272,14 +307,17 @@ impl Film {
                 }
             }
         }
-        Self { size, crop, tiles, costs: Costs::No, bands: None }
+        Self { size, crop, tiles, costs: Costs::No, bands: None, error: None }
     }
 
-    /// Says by what the noise of pixels is told.
-    pub(crate) fn judge_by(&mut self, evidence: Evidence) {
-        if evidence == Evidence::Batches {
-            self.tiles.iter_mut().for_each(FilmTile::mark_batches);
-        }
+    /// Makes room for batches, by which noise is told then.
+    pub(crate) fn hold_batches(&mut self) {
+        self.tiles.iter_mut().for_each(FilmTile::mark_batches);
+    }
+
+    /// Lets layers have the standard error; batches, if it is by these, are held before.
+    pub(crate) fn tell_error(&mut self, by: Evidence) {
+        self.error = Some(by);
     }
 
     /// How many blocks need further samples, of a film that adapts.
@@ -315,7 +353,7 @@ impl Film {
     pub fn bytes_a_pixel(of: &Extent) -> usize {
         let bands = of.recording.bands().map_or(0, Bands::count);
         let splats = of.splat_radius.map_or(0, |radius| splat::bytes_a_pixel(radius, bands));
-        let marks = if of.adapts { size_of::<Marks>() } else { 0 };
+        let marks = if of.batches { size_of::<Marks>() } else { 0 };
         size_of::<Pixel>() + bands * size_of::<Value>() + splats + marks
     }
 
@@ -335,6 +373,7 @@ impl Film {
             height: h,
             rgb: vec![[0.0; 3]; n],
             variance: vec![[0.0; 3]; n],
+            error: self.error.map(|evidence| ErrorLayer { evidence, rgb: vec![[0.0; 3]; n] }),
             albedo: vec![[0.0; 3]; n],
             normal: vec![[0.0; 3]; n],
             depth: vec![0.0; n],
@@ -360,6 +399,9 @@ impl Film {
                     let (mean, variance) = p.mean_and_variance(c);
                     out.rgb[i][c] = mean as f32;
                     out.variance[i][c] = variance as f32;
+                    if let Some(error) = &mut out.error {
+                        error.rgb[i][c] = (tile.variance_of_mean(k, c) as f32).sqrt();
+                    }
                     out.albedo[i][c] = (p.albedo[c].to_f64() / count) as f32;
                     out.normal[i][c] = (p.normal[c].to_f64() / count) as f32;
                 }

@@ -1,14 +1,16 @@
 //! Surroundings on the faces of a cube, brought to latitude and longitude.
 //!
-//! So there is one way to look surroundings up and to sample them. The picture is as fine as the faces are in their middles, and each
-//! pixel is the mean of several directions, so that what is small and bright is not lost.
+//! So there is one way to look surroundings up and to sample them: faces as they are would need a rule for each seam between them. The
+//! picture is as fine as the faces are in their middles, and each pixel is the mean of several directions, so that what is small and
+//! bright is not lost. What a cube map loses by it: a pixel is spread over about two, and while all light together is kept to a
+//! thousandth, that of a single bright pixel comes out by at most 4 % off in the middle of a face, and 11 % in its corners.
 
 use crate::camera::{CubeLayout, face_axes};
 use straal_math::{DVec3, ops};
 use straal_scene::Image;
 
 /// Directions for each pixel, across and down.
-const DIRECTIONS: usize = 3;
+const DIRECTIONS: usize = 4;
 
 /// The faces of a cube within a picture.
 struct Faces<'a> {
@@ -55,17 +57,19 @@ pub fn latitude_longitude(image: &Image, layout: CubeLayout) -> Result<Image, St
     for j in 0..height {
         let latitudes: [(f64, f64); DIRECTIONS] =
             std::array::from_fn(|k| ops::sin_cos_degrees(180.0 * (j as f64 + part(k)) / (height - 1) as f64));
+        // By the solid angle about each, which near a pole differs from one to the next.
+        let all: f64 = latitudes.iter().map(|(sin, _)| sin.abs()).sum::<f64>() * DIRECTIONS as f64;
         for i in 0..width {
             let mut sum = [0.0_f64; 3];
             for (sin, cos) in latitudes {
                 for (s, c) in &longitudes[i * DIRECTIONS..][..DIRECTIONS] {
                     let light = faces.towards(DVec3::new(sin * s, cos, -sin * c));
                     for k in 0..3 {
-                        sum[k] += light[k];
+                        sum[k] += light[k] * (sin.abs() / all);
                     }
                 }
             }
-            pixels.push(sum.map(|v| (v / (DIRECTIONS * DIRECTIONS) as f64) as f32));
+            pixels.push(sum.map(|v| v as f32));
         }
     }
     Ok(Image { width, height, pixels })
@@ -130,6 +134,50 @@ mod tests {
             assert_eq!((at(3, 0), at(20, 16)), (2.0, 3.0));
             assert_eq!((at(16, 8), at(24, 8), at(0, 8), at(8, 8)), (5.0, 0.0, 4.0, 1.0));
             assert!(picture.pixels.iter().all(|p| p[0] <= 5.0), "a pixel of no face was taken");
+        }
+    }
+
+    /// Of all directions, what each row of pixels counts for in a picture that is bilinear between them.
+    fn row_weights(height: usize, width: usize) -> Vec<f64> {
+        const STEPS: usize = 200;
+        let mut weights = vec![0.0; height];
+        let step = 180.0 / ((height - 1) * STEPS) as f64;
+        for i in 0..(height - 1) * STEPS {
+            let t = ((i % STEPS) as f64 + 0.5) / STEPS as f64;
+            let (sin, _) = ops::sin_cos_degrees(step * (i as f64 + 0.5));
+            let area = sin * step.to_radians() * 2.0 * std::f64::consts::PI / width as f64;
+            weights[i / STEPS] += (1.0 - t) * area;
+            weights[i / STEPS + 1] += t * area;
+        }
+        weights
+    }
+
+    /// A pixel of a face has the light of its solid angle, wherever it is.
+    #[test]
+    fn each_pixel_keeps_its_light() {
+        const SIDE: usize = 16;
+        let weights = row_weights(2 * SIDE + 1, 4 * SIDE);
+        // Face 5 is seen along -z, face 2 upwards.
+        for face in [5, 2] {
+            let (mut found, mut wanted) = (0.0, 0.0);
+            for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+                let mut image =
+                    Image { width: 6 * SIDE, height: SIDE, pixels: vec![[0.0; 3]; 6 * SIDE * SIDE] };
+                image.pixels[y * image.width + face * SIDE + x] = [1.0; 3];
+                let picture = latitude_longitude(&image, CubeLayout::Row).expect("a picture");
+                let rows = picture.pixels.chunks(picture.width).zip(&weights);
+                let light: f64 =
+                    rows.map(|(row, w)| row.iter().map(|p| f64::from(p[0]) * w).sum::<f64>()).sum();
+                // The solid angle of a square on a plane at distance 1, by its corners.
+                let edge = |i: usize| 2.0 * i as f64 / SIDE as f64 - 1.0;
+                let corner = |x: f64, y: f64| ops::atan2_d(x * y, (1.0 + x * x + y * y).sqrt());
+                let (x0, x1, y0, y1) = (edge(x), edge(x + 1), edge(y), edge(y + 1));
+                let angle = corner(x1, y1) - corner(x0, y1) - corner(x1, y0) + corner(x0, y0);
+                assert!((light / angle - 1.0).abs() < 0.06, "face {face}, {x}, {y}: {}", light / angle);
+                found += light;
+                wanted += angle;
+            }
+            assert!((found / wanted - 1.0).abs() < 2e-3, "face {face}: {}", found / wanted);
         }
     }
 

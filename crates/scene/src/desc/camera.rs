@@ -3,8 +3,10 @@
 use straal_math::{DVec3, ops};
 
 use crate::desc::check;
+use crate::desc::way::{Moment, Way};
 use crate::describe::describe;
 use crate::limit::Limit;
+use crate::span::Span;
 use crate::value::Name;
 
 describe! {
@@ -55,8 +57,9 @@ describe! {
         up: DVec3 = DVec3::Y,
         /// Turns the camera about its view, in degrees, clockwise for who stands behind it.
         roll: f64 = 0.0,
-        /// Where the camera is at time 1, if it moves; at time 0 it is where the other keys say.
-        moving_to: Option<Pose> = None,
+        /// Where the camera is at time 1, if it moves, or a list of where it is at several times; at time 0 it is where the
+        /// other keys say.
+        moving_to: Option<Way> = None,
         /// When the shutter opens and closes, between the times 0 and 1 of `moving_to`.
         shutter: [f64; 2] [Limit::UNIT] = [0.0, 1.0],
     }
@@ -82,19 +85,25 @@ impl Observer {
     pub fn distance(&self) -> f64 {
         (self.look_at - self.eye).length()
     }
-}
 
-describe! {
-    /// What of a camera's place and view changes while it moves; the rest stays.
-    pub struct Pose {
-        /// Where the camera stands.
-        eye: Option<DVec3> = None,
-        /// The point in the middle of the picture.
-        look_at: Option<DVec3> = None,
-        /// The direction that is up in the picture.
-        up: Option<DVec3> = None,
-        /// Turn about the view in degrees.
-        roll: Option<f64> = None,
+    /// Where it is at time 0 and then at each pose of its way. What a pose leaves out stays as it was.
+    pub fn moments(&self) -> Vec<Moment> {
+        let Self { eye, look_at, up, roll, .. } = *self;
+        let mut last = Moment { time: 0.0, eye, look_at, up, roll, span: Span::NONE };
+        let mut moments = vec![last];
+        let poses = self.moving_to.iter().flat_map(|way| way.poses.iter().zip(way.times()));
+        for (pose, time) in poses {
+            last = Moment {
+                time,
+                eye: pose.eye.unwrap_or(last.eye),
+                look_at: pose.look_at.unwrap_or(last.look_at),
+                up: pose.up.unwrap_or(last.up),
+                roll: pose.roll.unwrap_or(last.roll),
+                span: pose.span,
+            };
+            moments.push(last);
+        }
+        moments
     }
 }
 

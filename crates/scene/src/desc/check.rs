@@ -9,8 +9,8 @@ use crate::decode::{Decoder, Keys};
 use crate::desc::{
     Bezier, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment,
     EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Gaussian, Index, Lens, LensProfile,
-    Measured, Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight,
-    Triangle, TriangleMesh, Viewpoint,
+    Measured, Moment, Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels,
+    SpotLight, Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -36,7 +36,7 @@ fn view(eye: DVec3, target: DVec3, up: DVec3, key: &str, keys: &Keys<'_>, d: &mu
     }
 }
 
-/// A camera's place and view, at the beginning and at the end of its way.
+/// A camera's place and view, at the beginning and at the poses of its way.
 fn observer(o: &Observer, keys: &Keys<'_>, d: &mut Decoder) {
     view(o.eye, o.look_at, o.up, "look_at", keys, d);
     let [open, close] = o.shutter;
@@ -44,17 +44,16 @@ fn observer(o: &Observer, keys: &Keys<'_>, d: &mut Decoder) {
         let message = format!("the shutter closes at {close}, before it opens at {open}");
         d.push(Diagnostic::error(keys.span("shutter"), message).help("it is `[open, close]`"));
     }
-    let Some(to) = &o.moving_to else { return };
-    let (eye, look_at, up) =
-        (to.eye.unwrap_or(o.eye), to.look_at.unwrap_or(o.look_at), to.up.unwrap_or(o.up));
-    let message = if eye == look_at {
-        "at the end of its way the camera is where it looks, so there is no direction to look in"
-    } else if Affine::look_at(eye, look_at, up).is_none() {
-        "at the end of the camera's way `up` has no direction, or that of the view"
-    } else {
-        return;
-    };
-    d.push(Diagnostic::error(keys.key_span("moving_to"), message));
+    for Moment { time, eye, look_at, up, span, .. } in o.moments().into_iter().skip(1) {
+        let message = if eye == look_at {
+            format!("at time {time} the camera is where it looks, so there is no direction to look in")
+        } else if Affine::look_at(eye, look_at, up).is_none() {
+            format!("at time {time} the camera's `up` has no direction, or that of the view")
+        } else {
+            continue;
+        };
+        d.push(Diagnostic::error(span, message));
+    }
 }
 
 pub(super) fn perspective(c: &Perspective, keys: &Keys<'_>, d: &mut Decoder) {
@@ -233,12 +232,23 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
     match given[..] {
         [] => d.push(Diagnostic::error(keys.owner(), format!("a spectrum needs one of {FORMS}"))),
         ["wavelengths"] => {
-            if let Err(fault) = Table::new(m.wavelengths.clone(), m.values.clone()) {
-                let key = if matches!(fault, Fault::Negative { .. }) { "values" } else { "wavelengths" };
+            let table = Table::new(m.wavelengths.clone(), m.values.clone());
+            if let Err(fault) = table.and_then(|table| m.of_table(&table)) {
+                let key = match fault {
+                    Fault::Negative { .. } => "values",
+                    Fault::Uneven { .. } | Fault::Few(_) => "interpolation",
+                    _ => "wavelengths",
+                };
                 d.push(Diagnostic::error(keys.span(key), fault.to_string()));
             }
         }
-        [_] => {
+        ["file"] => {}
+        [form] => {
+            if m.interpolation.is_some() {
+                let message = format!("`interpolation` means nothing beside `{form}`");
+                let help = "it is for the tables of `file`, and of `wavelengths` with `values`";
+                d.push(Diagnostic::error(keys.key_span("interpolation"), message).help(help));
+            }
             if let Some(name) = &m.name {
                 known(name, "illuminant", illuminant::by_name(name).is_some(), illuminant::NAMES, d);
             }

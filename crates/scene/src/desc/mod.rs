@@ -12,6 +12,7 @@ pub mod settings;
 pub mod shape;
 pub mod spectrum;
 pub mod transform;
+mod way;
 
 pub use accel::{
     Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, PlaneChoice, Split, Structure,
@@ -19,7 +20,7 @@ pub use accel::{
 };
 pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
-    Observer, Orthographic, Panorama, PanoramaRows, Perspective, Pose, Stereo, StereoLayout,
+    Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
 };
 pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
@@ -35,8 +36,9 @@ pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
     Triangle, TriangleMesh,
 };
-pub use spectrum::{Formula, Index, Measured, Spectrum};
+pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use transform::{Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint};
+pub use way::{Moment, Pose, Way};
 
 use crate::describe::describe;
 use crate::value::Named;

@@ -30,11 +30,11 @@ impl Spectrum {
         }
     }
 
-    /// The file it is in, if any.
-    pub fn file(&self) -> Option<&FileRef> {
+    /// The file it is in, if any, and what is said of it.
+    pub fn in_file(&self) -> Option<(&FileRef, &Measured)> {
         match self {
             Self::Rgb(_) => None,
-            Self::Measured(m) => m.file.as_ref(),
+            Self::Measured(m) => Some((m.file.as_ref()?, m)),
         }
     }
 }
@@ -58,8 +58,11 @@ describe! {
         file: Option<FileRef> = None,
         /// Wavelengths in nm, rising; `values` has as many.
         wavelengths: Vec<f64> = Vec::new(),
-        /// The value at each of `wavelengths`; straight lines lie between.
+        /// The value at each of `wavelengths`.
         values: Vec<f64> = Vec::new(),
+        /// What lies between the wavelengths of a file or of `wavelengths`; `smooth` if not told for 4 or more in equal steps
+        /// of at most 20 nm, `linear` for others.
+        interpolation: Option<Interpolation> = None,
         /// What all values are multiplied by.
         scale: f64 [Limit::NON_NEGATIVE] = 1.0,
     }
@@ -67,8 +70,8 @@ describe! {
 
 impl Measured {
     /// The keys of this mapping.
-    pub(crate) const KEYS: [&'static str; 7] =
-        ["name", "blackbody", "daylight", "file", "wavelengths", "values", "scale"];
+    pub(crate) const KEYS: [&'static str; 8] =
+        ["name", "blackbody", "daylight", "file", "wavelengths", "values", "interpolation", "scale"];
 
     /// An illuminant by name.
     pub fn named(name: Name) -> Self {
@@ -84,9 +87,31 @@ impl Measured {
         } else if let Some(kelvin) = self.daylight {
             illuminant::of_unit_luminance(&spectrum::thermal::daylight(kelvin)?)
         } else {
-            spectrum::Spectrum::new(self.wavelengths.clone(), self.values.clone()).ok()?
+            let table = spectrum::Spectrum::new(self.wavelengths.clone(), self.values.clone()).ok()?;
+            return self.of_table(&table).ok();
         };
         Some(light.scaled(self.scale))
+    }
+
+    /// The spectrum that it makes of a table, which for one of a file is what was read.
+    pub fn of_table(&self, table: &spectrum::Spectrum) -> Result<spectrum::Spectrum, spectrum::Fault> {
+        let scaled = table.scaled(self.scale);
+        match self.interpolation {
+            None => Ok(scaled),
+            Some(Interpolation::Linear) => scaled.interpolated(spectrum::Interpolation::Linear),
+            Some(Interpolation::Smooth) => scaled.interpolated(spectrum::Interpolation::Smooth),
+        }
+    }
+}
+
+describe! {
+    /// What lies between two wavelengths of a table.
+    pub enum Interpolation {
+        /// A straight line.
+        "linear" => Linear,
+        /// A curve through the four nearest points, as colorimetry has it (ASTM E2022). Where it would go below 0, or above 1 as a
+        /// reflectance, there are straight lines.
+        "smooth" => Smooth,
     }
 }
 

@@ -1,13 +1,55 @@
 //! Wavelengths in OpenEXR, after Fichet, Pacanowski and Wilkie (2021), "An OpenEXR Layout for Spectral Images".
 //!
 //! Radiance at 550 nm is the channel `S0.550,000nm`: S0 is the first of Stokes' parameters, the comma keeps the
-//! number apart from the names of layers, and the unit is metres or hertz with or without a prefix.
+//! number apart from the names of layers, and the unit is metres or hertz with or without a prefix. S1 to S3 tell how light
+//! is polarised.
+//!
+//! The share of light that comes back or passes at 550 nm is the channel `T.550,000nm`. Of a fluorescent surface,
+//! `T.400,000nm.550,000nm` is what light of 400 nm makes shine at 550 nm.
 
-use super::{Channel, Layer, Picture};
-use straal_color::spectrum::bands::xyz_of_samples;
+use super::{Beauty, Channel, Layer, Picture};
+use straal_color::RgbSpace;
+use straal_color::spectrum::bands::{xyz_of_reflectances, xyz_of_samples};
+use straal_color::spectrum::illuminant;
 
 /// The layer of radiance by wavelengths.
 pub const LAYER: &str = "S0";
+
+/// The layer of reflectances.
+const REFLECTIVE: &str = "T";
+
+/// What a picture has by wavelengths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Contents {
+    /// At how many wavelengths it has radiance.
+    pub radiance: usize,
+    /// At how many it has the share of light that comes back or passes.
+    pub reflectance: usize,
+    /// Whether it tells how the light is polarised, which isn't read.
+    pub polarised: bool,
+    /// Whether it tells what light of one wavelength makes shine at another, which isn't read.
+    pub fluorescent: bool,
+}
+
+impl Contents {
+    /// Those of a picture.
+    pub fn of(picture: &Picture) -> Self {
+        let count = |name: &str| picture.layer(name).map_or(0, |l| named(l).len());
+        let polarised = ["S1", "S2", "S3"].into_iter().any(|name| count(name) > 0);
+        let fluorescent = picture.layers.iter().any(|l| is_fluorescence(&l.name));
+        Self { radiance: count(LAYER), reflectance: count(REFLECTIVE), polarised, fluorescent }
+    }
+}
+
+/// Whether a layer is one that [`Contents`] tells of.
+pub fn is_layer(layer: &Layer) -> bool {
+    is_fluorescence(&layer.name)
+        || [LAYER, "S1", "S2", "S3", REFLECTIVE].contains(&layer.name.as_str()) && !named(layer).is_empty()
+}
+
+fn is_fluorescence(layer: &str) -> bool {
+    layer.split_once('.').is_some_and(|(first, nm)| first == REFLECTIVE && nanometres(nm).is_some())
+}
 
 /// Metres a second.
 const LIGHT: f64 = 299_792_458.0;
@@ -29,15 +71,30 @@ pub fn is_attribute(name: &str) -> bool {
     ATTRIBUTES.iter().any(|(own, _)| *own == name)
 }
 
-/// X, Y and Z of a picture that has wavelengths, two at least.
-pub(super) fn xyz(picture: &Picture) -> Option<Vec<[f32; 3]>> {
-    let layer = picture.layer(LAYER)?;
-    let named = layer.channels.iter().filter_map(|c| Some((nanometres(&c.name)?, &c.samples)));
-    let mut channels: Vec<(f64, &Vec<f32>)> = named.collect();
+/// The channels of a layer that are named by a wavelength, by rising wavelength in nm, each once.
+fn named(layer: &Layer) -> Vec<(f64, &[f32])> {
+    let channels = layer.channels.iter();
+    let mut channels: Vec<(f64, &[f32])> =
+        channels.filter_map(|c| Some((nanometres(&c.name)?, c.samples.as_slice()))).collect();
     channels.sort_by(|a, b| a.0.total_cmp(&b.0));
     channels.dedup_by(|a, b| a.0 == b.0);
+    channels
+}
+
+/// The colours of a picture that has wavelengths, two at least: of its radiance; without any, of its reflectance under D65.
+pub(super) fn beauty(picture: &Picture) -> Option<Beauty> {
+    let of_surface = |wavelengths: &[f64]| xyz_of_reflectances(wavelengths, &illuminant::d65());
+    sum(picture, LAYER, &xyz_of_samples).or_else(|| sum(picture, REFLECTIVE, &of_surface))
+}
+
+/// X, Y and Z of a layer's wavelengths, by weights for each.
+fn sum(picture: &Picture, layer: &str, weigh: &dyn Fn(&[f64]) -> Vec<[f64; 3]>) -> Option<Beauty> {
+    let channels = named(picture.layer(layer)?);
+    if channels.len() < 2 {
+        return None;
+    }
     let wavelengths: Vec<f64> = channels.iter().map(|c| c.0).collect();
-    let weights = xyz_of_samples(&wavelengths);
+    let weights = weigh(&wavelengths);
     if weights.is_empty() {
         return None;
     }
@@ -49,7 +106,8 @@ pub(super) fn xyz(picture: &Picture) -> Option<Vec<[f32; 3]>> {
             }
         }
     }
-    Some(sums.into_iter().map(|sum| sum.map(|v| v as f32)).collect())
+    let pixels = sums.into_iter().map(|sum| sum.map(|v| v as f32)).collect();
+    Some(Beauty { pixels, space: Some(RgbSpace::XYZ), layer: layer.to_owned() })
 }
 
 /// The wavelength in nm that a channel is named by.
@@ -92,6 +150,7 @@ fn nanometres(name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use straal_color::spectrum::Observer;
 
     #[test]
     fn wavelengths_are_told_in_metres_and_hertz() {
@@ -116,7 +175,49 @@ mod tests {
         let (layer, attributes) = layer((0..470).map(|i| (360.5 + f64::from(i), vec![1.0, 0.25])));
         assert_eq!((layer.channels[0].name.as_str(), attributes.len()), ("360,500nm", 2));
         picture.layers.push(layer);
-        let xyz = xyz(&picture).unwrap();
+        let xyz = beauty(&picture).unwrap().pixels;
         assert!((xyz[0][1] - 1.0).abs() < 1e-6 && (xyz[1][1] - 0.25).abs() < 1e-6, "{xyz:?}");
+    }
+
+    fn layer_named(name: &str, channels: &[(&str, f32)]) -> Layer {
+        let channel =
+            |(name, v): &(&str, f32)| Channel { name: (*name).to_owned(), samples: vec![*v, 0.5 * v] };
+        Layer { name: name.to_owned(), channels: channels.iter().map(channel).collect() }
+    }
+
+    #[test]
+    fn reflectances_are_seen_under_daylight() {
+        let mut picture = Picture::of_size(2, 1);
+        let grey = [("400,000nm", 0.5), ("0,7um", 0.5), ("500nm", 0.5), ("A", 9.0)];
+        picture.layers.push(layer_named("T", &grey));
+        let white = Observer::Cie1931.light(&illuminant::d65());
+        let seen = beauty(&picture).unwrap();
+        assert_eq!((seen.layer.as_str(), seen.space), ("T", Some(RgbSpace::XYZ)));
+        for (c, white) in white.into_iter().enumerate() {
+            assert!((f64::from(seen.pixels[0][c]) - 0.5 * white).abs() < 1e-6, "{seen:?}");
+            assert!((f64::from(seen.pixels[1][c]) - 0.25 * white).abs() < 1e-6, "{seen:?}");
+        }
+        // Light counts before what it falls on.
+        picture.layers.push(layer_named("S0", &[("400nm", 1.0), ("700nm", 1.0)]));
+        assert_eq!(beauty(&picture).unwrap().layer, "S0");
+        // One wavelength is no spectrum, and infrared is no colour.
+        for channels in [&[("500nm", 1.0)][..], &[("900nm", 1.0), ("1000nm", 1.0)]] {
+            picture.layers = vec![layer_named("T", channels)];
+            assert_eq!(beauty(&picture), None);
+        }
+    }
+
+    #[test]
+    fn what_is_by_wavelengths_is_told() {
+        let mut picture = Picture::of_size(2, 1);
+        assert_eq!(Contents::of(&picture), Contents::default());
+        let two = [("400nm", 1.0), ("700nm", 1.0)];
+        picture.layers = ["S0", "S1", "T", "T.400,0nm"].map(|name| layer_named(name, &two)).into();
+        let want = Contents { radiance: 2, reflectance: 2, polarised: true, fluorescent: true };
+        assert_eq!(Contents::of(&picture), want);
+        assert!(picture.layers.iter().all(is_layer));
+        for (name, channel) in [("T", "Z"), ("S2", "R"), ("T.x", "500nm"), ("", "500nm"), ("depth", "Z")] {
+            assert!(!is_layer(&layer_named(name, &[(channel, 1.0)])), "{name}");
+        }
     }
 }

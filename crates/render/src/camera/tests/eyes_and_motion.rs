@@ -70,26 +70,27 @@ fn glasses_take_each_colour_once() {
     assert_eq!(c.taken(&left), [2.0, 0.0, 0.0], "red is the left eye's");
 }
 
-#[test]
-fn a_moving_camera_is_a_still_one_at_every_moment() {
-    let stands = [
-        Stand { eye: DVec3::new(1.0, 2.0, 5.0), look_at: DVec3::ZERO, up: DVec3::Y, roll: 0.0 },
-        Stand {
-            eye: DVec3::new(-2.0, 1.0, 4.0),
-            look_at: DVec3::new(0.0, 1.0, 0.0),
-            up: DVec3::new(0.3, 1.0, 0.0),
-            roll: 40.0,
-        },
-    ];
+/// A way of three poses. From the second to the third at half the pace.
+fn way() -> Vec<(f64, Stand)> {
+    let start = Stand { eye: DVec3::new(1.0, 2.0, 5.0), look_at: DVec3::ZERO, up: DVec3::Y, roll: 0.0 };
+    let turned = Stand {
+        eye: DVec3::new(-2.0, 1.0, 4.0),
+        look_at: DVec3::new(0.0, 1.0, 0.0),
+        up: DVec3::new(0.3, 1.0, 0.0),
+        roll: 40.0,
+    };
+    let end = Stand { eye: DVec3::new(0.0, 1.0, -4.0), roll: -20.0, ..turned };
+    vec![(0.0, start), (0.25, turned), (0.75, end)]
+}
+
+/// Checks each kind of camera, carried along a way, by the still one that stands where the way is at a moment.
+#[track_caller]
+fn is_carried(way: &[(f64, Stand)], shutter: [f64; 2], moments: &[(f32, Stand)]) {
     for (name, own) in every_kind(&View::ORIGIN).into_iter().filter(|(n, _)| *n != "moving") {
-        let moving = Camera::Moving(Box::new(Moving::new(own, stands, [0.5, 1.0])));
-        for time in [0.0_f32, 0.25, 1.0] {
-            // The shutter is open in the second half of the way.
-            let t = 0.5 + 0.5 * f64::from(time);
-            let mix = |a: DVec3, b: DVec3| a * (1.0 - t) + b * t;
-            let [a, b] = stands;
-            let view = View::look_at(mix(a.eye, b.eye), mix(a.look_at, b.look_at), mix(a.up, b.up)).unwrap();
-            let still = every_kind(&view.rolled(40.0 * t)).into_iter().find(|(n, _)| *n == name).unwrap().1;
+        let moving = Camera::Moving(Box::new(Moving::new(own, way.to_vec(), shutter).unwrap()));
+        for &(time, stand) in moments {
+            let view = View::look_at(stand.eye, stand.look_at, stand.up).unwrap();
+            let still = every_kind(&view.rolled(stand.roll)).into_iter().find(|(n, _)| *n == name).unwrap().1;
             for position in [[100.5, 50.5], [62.0, 31.0], [130.0, 60.0]] {
                 let at = FilmPoint { time, lens: [0.3, 0.8], ..FilmPoint::at(position) };
                 let (found, want) = (moving.ray(&at), still.ray(&at));
@@ -97,10 +98,49 @@ fn a_moving_camera_is_a_still_one_at_every_moment() {
                     assert_eq!(found.is_some(), want.is_some(), "{name}");
                     continue;
                 };
-                assert!((found.o - want.o).length() < 3e-6, "{name}: {found:?} {want:?}");
-                assert!((found.d - want.d).length() < 3e-6, "{name}: {found:?} {want:?}");
+                assert!((found.o - want.o).length() < 3e-6, "{name} at {time}: {found:?} {want:?}");
+                assert!((found.d - want.d).length() < 3e-6, "{name} at {time}: {found:?} {want:?}");
             }
         }
+    }
+}
+
+fn mixed(a: Stand, b: Stand, t: f64) -> Stand {
+    let mix = |a: DVec3, b: DVec3| a * (1.0 - t) + b * t;
+    Stand {
+        eye: mix(a.eye, b.eye),
+        look_at: mix(a.look_at, b.look_at),
+        up: mix(a.up, b.up),
+        roll: a.roll * (1.0 - t) + b.roll * t,
+    }
+}
+
+#[test]
+fn a_moving_camera_is_a_still_one_at_every_moment() {
+    let [(_, a), (_, b), _] = way()[..] else { panic!("three poses") };
+    // The shutter is open in the second half of the way.
+    let moments = [0.0_f32, 0.25, 1.0].map(|time| (time, mixed(a, b, 0.5 + 0.5 * f64::from(time))));
+    is_carried(&[(0.0, a), (1.0, b)], [0.5, 1.0], &moments);
+}
+
+#[test]
+fn a_way_of_several_poses_goes_from_each_to_the_next_and_rests_at_the_last() {
+    let [(_, a), (_, b), (_, c)] = way()[..] else { panic!("three poses") };
+    let moments = [
+        (0.0, a),
+        (0.125, mixed(a, b, 0.5)),
+        (0.25, b),
+        (0.375, mixed(b, c, 0.25)),
+        (0.75, c),
+        (0.875, c),
+        (1.0, c),
+    ];
+    is_carried(&way(), [0.0, 1.0], &moments);
+    // A shutter that is open for a part of it.
+    is_carried(&way(), [0.125, 0.375], &[(0.0, mixed(a, b, 0.5)), (0.5, b), (1.0, mixed(b, c, 0.25))]);
+    let own = || pinhole(&View::ORIGIN);
+    for way in [vec![], vec![(0.0, a)], vec![(0.0, a), (0.0, b)], vec![(0.5, a), (0.25, b)]] {
+        assert_eq!(Moving::new(own(), way, [0.0, 1.0]), None);
     }
 }
 
@@ -109,7 +149,9 @@ fn a_moment_without_view_has_no_ray() {
     let stand =
         |z: f64| Stand { eye: DVec3::new(0.0, 0.0, z), look_at: DVec3::ZERO, up: DVec3::Y, roll: 0.0 };
     let own = pinhole(&View::ORIGIN);
-    let through = Camera::Moving(Box::new(Moving::new(own, [stand(1.0), stand(-1.0)], [0.0, 1.0])));
+    let through = Camera::Moving(Box::new(
+        Moving::new(own, vec![(0.0, stand(1.0)), (1.0, stand(-1.0))], [0.0, 1.0]).unwrap(),
+    ));
     let at = |time| FilmPoint { time, ..FilmPoint::at([100.0, 50.0]) };
     assert!(through.ray(&at(0.25)).is_some() && through.ray(&at(0.75)).is_some());
     assert_eq!(through.ray(&at(0.5)), None);

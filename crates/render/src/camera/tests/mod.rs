@@ -91,6 +91,7 @@ fn every_kind(view: &View) -> Vec<(&'static str, Camera)> {
     let own = Camera::Perspective(Perspective::new(&View::ORIGIN, &window));
     let stand =
         |x: f64| Stand { eye: DVec3::new(x, 0.0, 4.0), look_at: DVec3::ZERO, up: DVec3::Y, roll: 9.0 * x };
+    let moving = Moving::new(own, vec![(0.0, stand(-1.0)), (1.0, stand(1.0))], [0.25, 0.75]);
     vec![
         ("pinhole", Camera::Perspective(Perspective::new(view, &window))),
         ("round lens", lens(Iris::round(0.2))),
@@ -108,7 +109,7 @@ fn every_kind(view: &View) -> Vec<(&'static str, Camera)> {
         ("parallel", stereo(StereoLayout::Parallel)),
         ("crossed", stereo(StereoLayout::Crossed)),
         ("anaglyph", stereo(StereoLayout::Anaglyph)),
-        ("moving", Camera::Moving(Box::new(Moving::new(own, [stand(-1.0), stand(1.0)], [0.25, 0.75])))),
+        ("moving", Camera::Moving(Box::new(moving.unwrap()))),
     ]
 }
 

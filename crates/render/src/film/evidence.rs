@@ -1,0 +1,158 @@
+//! By what the noise of a pixel's mean is told.
+//!
+//! Independent samples tell the variance of their mean by how they scatter. Points that avoid one another leave less noise
+//! than that: there the samples are taken in two or three batches, in order, all but the last of as many as a power of two. Each
+//! batch is well spread by itself, so that batch means differ by as much as pictures of so many samples do. Their union is
+//! more even still, and batches avoid one another: the mean is better than the differences tell, never worse. What two or
+//! three numbers tell of a single pixel has as much chance in it as they have: one or two degrees of freedom.
+
+use super::Pixel;
+use super::fixed::Value;
+use straal_math::lowdisc::PatternKind;
+
+/// By what a pixel's noise is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// By how samples scatter: they are independent.
+    Spread,
+    /// By how the means of batches do.
+    Batches,
+    /// By how whole pictures of independent seeds do.
+    Replicates,
+}
+
+impl Evidence {
+    /// What suits a pattern. Sets of a known number are shuffled, but for Sobol's: part of one is as good as independent
+    /// samples, so that batches of it would tell no more than the spread does, and that by fewer numbers.
+    pub const fn of(pattern: PatternKind) -> Self {
+        match pattern {
+            PatternKind::Sobol | PatternKind::BlueSobol | PatternKind::Halton => Self::Batches,
+            PatternKind::Hammersley
+            | PatternKind::MultiJittered
+            | PatternKind::NRooks
+            | PatternKind::Jittered
+            | PatternKind::Regular
+            | PatternKind::Random => Self::Spread,
+        }
+    }
+
+    /// The name in a picture's story.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Spread => "spread",
+            Self::Batches => "batches",
+            Self::Replicates => "replicates",
+        }
+    }
+}
+
+/// The sums that batches end with: those of a pixel when it had h / 2 samples and h, h being the largest power of two below
+/// the number that it has. In double precision: integers so large are rounded, always alike.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Marks([[f64; 3]; 2]);
+
+impl Marks {
+    /// Takes note of a pixel's sums before the next sample is added; its samples come in order.
+    #[inline]
+    pub(super) fn note(&mut self, count: u32, sums: &[Value; 3]) {
+        if count.is_power_of_two() {
+            self.0 = [self.0[1], sums.map(Value::to_f64)];
+        }
+    }
+
+    /// The variance of a channel's mean by the means of batches; 0 for a single sample.
+    pub(super) fn variance(&self, p: &Pixel, channel: usize) -> f64 {
+        let [at_half, at_whole] = self.0.map(|sums| sums[channel]);
+        let whole = p.count.next_power_of_two() / 2;
+        if whole == 0 {
+            return 0.0;
+        }
+        let (half, whole) = ((whole / 2, at_half), (whole, at_whole));
+        let end = (p.count, p.value[channel].to_f64());
+        // The last batch, of all that is left, has as many samples as the first, or more.
+        if p.count == 2 * whole.0 {
+            variance_of_batches([whole, end])
+        } else if p.count < whole.0 + half.0 {
+            variance_of_batches([half, end])
+        } else {
+            variance_of_batches([half, whole, end])
+        }
+    }
+}
+
+/// The variance of the mean of batches that end at some numbers of samples with some sums, if each one's mean has a
+/// variance in inverse proportion to its size.
+fn variance_of_batches<const K: usize>(ends: [(u32, f64); K]) -> f64 {
+    let (count, all) = ends[K - 1];
+    let mean = all / f64::from(count);
+    let (mut before, mut squares) = ((0, 0.0), 0.0);
+    for (at, sum) in ends {
+        let size = f64::from(at - before.0);
+        let off = (sum - before.1) / size - mean;
+        squares += size * off * off;
+        before = (at, sum);
+    }
+    squares / (f64::from(count) * (K - 1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{FilmTile, Sample};
+    use crate::settings::Region;
+
+    /// The variances that the samples of one pixel tell in batches, by number of samples.
+    fn told(samples: impl Iterator<Item = f32>) -> Vec<f64> {
+        let mut tile = FilmTile::new(Region { min: [0, 0], max: [1, 1] });
+        tile.mark_batches();
+        let mut told = Vec::new();
+        for (i, v) in samples.enumerate() {
+            tile.add([0, 0], i as u32, &Sample { rgb: [v; 3], ..Sample::default() }, &[]);
+            told.push(tile.marks[0].variance(&tile.pixels[0], 1));
+        }
+        told
+    }
+
+    #[test]
+    fn batches_are_halves_or_thirds_as_near_as_can_be() {
+        let v = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0];
+        let got = told(v.into_iter());
+        let mean = |range: std::ops::Range<usize>| v[range.clone()].iter().sum::<f32>() / range.len() as f32;
+        // Two equal batches: a quarter of the squared difference.
+        let square = |v: f32| f64::from(v * v);
+        let halves = |n: usize| 0.25 * square(mean(0..n / 2) - mean(n / 2..n));
+        let unequal = square(mean(0..2) - mean(2..5)) * 6.0 / 25.0;
+        let thirds: f64 =
+            [0..2, 2..4, 4..6].into_iter().map(|r| square(mean(r) - mean(0..6))).sum::<f64>() / 6.0;
+        for (n, want) in [(1, 0.0), (2, halves(2)), (4, halves(4)), (5, unequal), (6, thirds), (8, halves(8))]
+        {
+            assert!((got[n - 1] - want).abs() < 1e-6, "{n}: {}, not {want}", got[n - 1]);
+        }
+    }
+
+    /// Of independent samples, batches tell what the spread tells, with more chance in it.
+    #[test]
+    fn batches_tell_the_variance_of_the_mean() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1_u64 << 24) as f32
+        };
+        let (mut sums, n) = (vec![0.0; 128], 4000);
+        for _ in 0..n {
+            for (sum, told) in sums.iter_mut().zip(told(std::iter::repeat_with(&mut random).take(128))) {
+                *sum += told;
+            }
+        }
+        assert_eq!(sums[0], 0.0);
+        for (i, sum) in sums.iter().enumerate().skip(1) {
+            // The variance of numbers from 0 to 1 is 1/12.
+            let variance = sum / f64::from(n) * (i + 1) as f64 * 12.0;
+            assert!((variance - 1.0).abs() < 0.1, "{} samples: {variance} of the variance", i + 1);
+        }
+    }
+
+    #[test]
+    fn what_is_even_has_no_variance() {
+        assert!(told(std::iter::repeat_n(0.1, 300)).iter().all(|v| *v == 0.0));
+    }
+}
