@@ -16,11 +16,7 @@
 //! - among equal t, the least (instance chain, geometry, primitive) wins.
 //!
 //! # Limits
-//! All but the wide tree give the hit of brute force on any input. The wide tree does as long as ray parameters of hits aren't
-//! below 1e-37, where single precision loses its digits: with a direction so long that hits lie at such a t, or in a scene so
-//! small, it may miss what brute force finds.
-//!
-//! That hit is the scene's as long as products of two lengths are finite (coordinates below 1e18), ray parameters are ordinary
+//! All structures give the hit of brute force on any input. That hit is the scene's as long as products of two lengths are finite (coordinates below 1e18), ray parameters are ordinary
 //! numbers (1e-37 to 1e37), and directions aren't shorter than 1e-30: boxes are crossed along directions whose coordinates
 //! below 1e-37 count as that.
 //!

@@ -7,11 +7,6 @@ use common::*;
 use straal_accel::*;
 use straal_math::{Ray, Vec3};
 
-/// All but the wide tree, whose kernels have tests of their own.
-fn classics() -> Vec<Structure> {
-    all_structures().into_iter().filter(|s| !matches!(s, Structure::Bvh(_) | Structure::Brute)).collect()
-}
-
 fn ball(levels: u32) -> Vec<[Vec3; 3]> {
     let (positions, indices) = icosphere(levels);
     indices.iter().map(|f| f.map(|i| positions[i as usize])).collect()
@@ -77,8 +72,7 @@ fn the_same_hits_at_any_size() {
             let brute = Scene::build(input.clone(), &(), &reference()).unwrap();
             let mut expected = vec![Hit::MISS; rays.len()];
             brute.closest(&(), &rays, &mut expected);
-            for structure in classics() {
-                let options = Options { structure, ..reference() };
+            for options in all_options() {
                 let scene = Scene::build(input.clone(), &(), &options).unwrap();
                 scene.validate().unwrap();
                 let (mut hits, mut blocked) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
@@ -86,8 +80,8 @@ fn the_same_hits_at_any_size() {
                 scene.occluded(&(), &rays, &mut blocked);
                 for (i, ray) in rays.iter().enumerate() {
                     let (got, want) = (&hits[i], &expected[i]);
-                    assert_eq!(bits(got), bits(want), "{structure:?}, scale {scale:e}, {ray:?}");
-                    assert_eq!(blocked[i], want.is_hit(), "{structure:?}, scale {scale:e}, {ray:?}");
+                    assert_eq!(bits(got), bits(want), "{options:?}, scale {scale:e}, {ray:?}");
+                    assert_eq!(blocked[i], want.is_hit(), "{options:?}, scale {scale:e}, {ray:?}");
                 }
             }
         }

@@ -6,8 +6,8 @@ use std::mem::MaybeUninit;
 /// Subtrees to be visited, each with the key of its entry (see [`super::Children::keys`]). A child that ends the search
 /// lies at the bottom.
 ///
-/// It costs nothing to make: initialising kilobytes for each ray would show. It holds up to `N` - 7 items, so that a vector
-/// fits behind the last. A stack of [`ALL`] is never full, since trees are built so; a smaller one has to be relieved
+/// It costs nothing to make: initialising kilobytes for each ray would show. Up to `N` - 8 items leave room for the eight of
+/// a node behind the last. A stack of [`ALL`] is never full, since trees are built so; a smaller one has to be relieved
 /// ([`Descent::spill`]).
 #[repr(align(64))]
 pub(crate) struct Descent<const N: usize> {
@@ -58,7 +58,7 @@ impl<const N: usize> Descent<N> {
 
     #[inline(always)]
     pub fn push(&mut self, key: u32, child: Child) {
-        if self.len <= Self::ROOMY {
+        if self.len < N {
             self.keys[self.len].write(key);
             self.children[self.len].write(child);
             self.len += 1;
@@ -219,6 +219,26 @@ mod tests {
         }
         assert_eq!(stack.pop(), Child::DONE);
         assert!(!stack.refill(&mut spilled));
+    }
+
+    #[test]
+    fn a_stack_that_is_not_full_takes_all_of_a_node() {
+        for before in 0..100 {
+            let mut stack = Descent::<24>::new();
+            let mut spilled = Spilled::new();
+            for i in 0..before {
+                if stack.is_full() {
+                    stack.spill(&mut spilled);
+                }
+                stack.push(i, Child::node(i));
+            }
+            if !stack.is_full() {
+                (0..8).for_each(|i| stack.push(i, Child::node(before + i)));
+                for i in (0..8).rev() {
+                    assert_eq!(stack.pop(), Child::node(before + i));
+                }
+            }
+        }
     }
 
     #[test]

@@ -71,7 +71,7 @@ fn is_close(r: &LocalRay, node: &Node) -> bool {
         };
         let enter = (0..3).map(|axis| crossed(axis, 0)).fold(r.ray.t_min, ops::max);
         let exit = (0..3).map(|axis| crossed(axis, 255)).fold(f32::INFINITY, ops::min) * slab::NODE_EXIT;
-        exit.is_finite() && (enter - exit).abs() <= 4.0 * f32::EPSILON * exit.abs()
+        exit.is_finite() && exit != 0.0 && (enter - exit).abs() <= 4.0 * f32::EPSILON * exit.abs()
     })
 }
 
