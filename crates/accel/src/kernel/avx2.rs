@@ -8,7 +8,7 @@ use super::{
     Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, ahead, bundle, by_class,
     descent::Descent,
     entry::entry_points,
-    leaf::{self, Places},
+    leaf::{self, Pick, Twelve},
     vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
@@ -191,13 +191,13 @@ impl Kernel for Avx2 {
     #[inline(always)]
     fn inside(self, r: &LocalRay, block: &Block) -> u32 {
         // SAFETY: `self` is the proof that the processor has AVX2.
-        unsafe { leaf::inside::<Twelve>(r, block) }
+        unsafe { leaf::inside::<Self>(r, block) }
     }
 
     #[inline(always)]
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
         // SAFETY: `self` is the proof that the processor has AVX2.
-        unsafe { leaf::block::<Twelve>(r, block, limit) }
+        unsafe { leaf::block::<Self>(r, block, limit) }
     }
 
     #[inline(always)]
@@ -346,40 +346,13 @@ unsafe fn from(r: &LocalRay, node: &Node, axis: usize, row: u8) -> __m256 {
     }
 }
 
-/// Twelve lanes.
-#[derive(Clone, Copy)]
-struct Twelve(__m256, __m128);
-
-impl Places for Twelve {
+impl Pick for Avx2 {
     #[inline(always)]
-    unsafe fn load(at: *const f32) -> Self {
-        // SAFETY: the caller's promise.
-        unsafe { Self(_mm256_load_ps(at), _mm_load_ps(at.add(8))) }
-    }
-
-    #[inline(always)]
-    unsafe fn minus(self, x: f32) -> Self {
-        // SAFETY: the caller's promise.
-        unsafe { Self(_mm256_sub_ps(self.0, _mm256_set1_ps(x)), _mm_sub_ps(self.1, _mm_set1_ps(x))) }
-    }
-
-    #[inline(always)]
-    unsafe fn minus_scaled(self, by: f32, other: Self) -> Self {
+    unsafe fn pick(from: Twelve, vertices: __m256i) -> __m256 {
         // SAFETY: the caller's promise.
         unsafe {
-            Self(
-                _mm256_sub_ps(self.0, _mm256_mul_ps(_mm256_set1_ps(by), other.0)),
-                _mm_sub_ps(self.1, _mm_mul_ps(_mm_set1_ps(by), other.1)),
-            )
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn pick(self, vertices: __m256i) -> __m256 {
-        // SAFETY: the caller's promise.
-        unsafe {
-            let first = _mm256_permutevar8x32_ps(self.0, vertices);
-            let others = _mm256_permutevar8x32_ps(_mm256_castps128_ps256(self.1), vertices);
+            let first = _mm256_permutevar8x32_ps(from.0, vertices);
+            let others = _mm256_permutevar8x32_ps(_mm256_castps128_ps256(from.1), vertices);
             // Bit 3 of the number chooses.
             let is_other = _mm256_slli_epi32::<28>(vertices);
             _mm256_blendv_ps(first, others, _mm256_castsi256_ps(is_other))

@@ -11,7 +11,7 @@ use super::{
     bundle,
     descent::Descent,
     entry::entry_points,
-    leaf::{self, Places},
+    leaf::{self, Pick, Twelve},
     vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
@@ -185,13 +185,13 @@ impl Kernel for Avx512 {
     #[inline(always)]
     fn inside(self, r: &LocalRay, block: &Block) -> u32 {
         // SAFETY: an `Avx512` is made only where there is AVX2 too.
-        unsafe { leaf::inside::<Twelve>(r, block) }
+        unsafe { leaf::inside::<Self>(r, block) }
     }
 
     #[inline(always)]
     fn block(self, r: &LocalRay, block: &Block, limit: f32) -> Lanes {
         // SAFETY: an `Avx512` is made only where there is AVX2 too.
-        unsafe { leaf::block::<Twelve>(r, block, limit) }
+        unsafe { leaf::block::<Self>(r, block, limit) }
     }
 
     #[inline(always)]
@@ -247,37 +247,10 @@ unsafe fn crossed(r: &LocalRay, node: &Node, axis: usize) -> __m512 {
     }
 }
 
-/// Twelve lanes. In two registers, since picking from both at once takes half the time of picking from one of sixteen.
-#[derive(Clone, Copy)]
-struct Twelve(__m256, __m128);
-
-impl Places for Twelve {
+impl Pick for Avx512 {
     #[inline(always)]
-    unsafe fn load(at: *const f32) -> Self {
+    unsafe fn pick(from: Twelve, vertices: __m256i) -> __m256 {
         // SAFETY: the caller's promise.
-        unsafe { Self(_mm256_load_ps(at), _mm_load_ps(at.add(8))) }
-    }
-
-    #[inline(always)]
-    unsafe fn minus(self, x: f32) -> Self {
-        // SAFETY: the caller's promise.
-        unsafe { Self(_mm256_sub_ps(self.0, _mm256_set1_ps(x)), _mm_sub_ps(self.1, _mm_set1_ps(x))) }
-    }
-
-    #[inline(always)]
-    unsafe fn minus_scaled(self, by: f32, other: Self) -> Self {
-        // SAFETY: the caller's promise.
-        unsafe {
-            Self(
-                _mm256_sub_ps(self.0, _mm256_mul_ps(_mm256_set1_ps(by), other.0)),
-                _mm_sub_ps(self.1, _mm_mul_ps(_mm_set1_ps(by), other.1)),
-            )
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn pick(self, vertices: __m256i) -> __m256 {
-        // SAFETY: the caller's promise.
-        unsafe { _mm256_permutex2var_ps(self.0, vertices, _mm256_castps128_ps256(self.1)) }
+        unsafe { _mm256_permutex2var_ps(from.0, vertices, _mm256_castps128_ps256(from.1)) }
     }
 }
