@@ -219,11 +219,31 @@ pub(super) unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256,
         // Planes of an axis stand side by side, the near one second where the direction is negative.
         // As few operations as can be stand between the last plane and the result.
         let (x, y, z) = (near(r, node, 0), near(r, node, 1), near(r, node, 2));
-        let enter = _mm256_max_ps(_mm256_max_ps(x, y), _mm256_max_ps(z, _mm256_set1_ps(r.ray.t_min)));
+        let enter = latest(latest(x, y), latest(z, _mm256_set1_ps(r.ray.t_min)));
         let (x, y, z) = (far(r, node, 0), far(r, node, 1), far(r, node, 2));
-        let exit = _mm256_min_ps(_mm256_min_ps(x, y), _mm256_min_ps(z, _mm256_set1_ps(limit)));
+        let exit = earliest(earliest(x, y), earliest(z, _mm256_set1_ps(limit)));
         (enter, exit)
     }
+}
+
+/// The greater of two entries by their bits as integers. Of two below 0 it is the lesser, but `t_min`, among them, isn't below 0.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn latest(a: __m256, b: __m256) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_castsi256_ps(_mm256_max_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b))) }
+}
+
+/// `scalar::earliest` in eight lanes.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+pub(super) unsafe fn earliest(a: __m256, b: __m256) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm256_castsi256_ps(_mm256_min_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b))) }
 }
 
 /// [`Children::keys`] of entries.

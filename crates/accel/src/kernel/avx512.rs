@@ -7,7 +7,7 @@
 
 use super::{
     Children, Kernel, Lanes, NOT_ENTERED, ahead,
-    avx2::{self, classes_avx2, far_to_near, keys, least},
+    avx2::{self, classes_avx2, earliest, far_to_near, keys, latest, least},
     bundle,
     descent::Descent,
     entry::entry_points,
@@ -220,11 +220,12 @@ unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
     unsafe {
         let (x, y, z) = (crossed(r, node, 0), crossed(r, node, 1), crossed(r, node, 2));
         // The latest of the near crossings, the earliest of the far ones.
-        let both = _mm512_mask_min_ps(_mm512_max_ps(x, y), FAR, x, y);
-        let both = _mm512_mask_min_ps(_mm512_max_ps(both, z), FAR, both, z);
-        let enter = _mm256_max_ps(_mm512_castps512_ps256(both), _mm256_set1_ps(r.ray.t_min));
+        let [x, y, z] = [_mm512_castps_si512(x), _mm512_castps_si512(y), _mm512_castps_si512(z)];
+        let both = _mm512_mask_min_epi32(_mm512_max_epi32(x, y), FAR, x, y);
+        let both = _mm512_castsi512_ps(_mm512_mask_min_epi32(_mm512_max_epi32(both, z), FAR, both, z));
+        let enter = latest(_mm512_castps512_ps256(both), _mm256_set1_ps(r.ray.t_min));
         let exit = _mm256_mul_ps(_mm512_extractf32x8_ps::<1>(both), _mm256_set1_ps(NODE_EXIT));
-        (enter, _mm256_min_ps(exit, _mm256_set1_ps(limit)))
+        (enter, earliest(exit, _mm256_set1_ps(limit)))
     }
 }
 

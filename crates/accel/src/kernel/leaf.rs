@@ -87,9 +87,9 @@ struct Crossing {
     /// By vertex, sheared x and y.
     xy: [[__m256; 2]; 3],
     edges: [__m256; 3],
-    least: __m256,
-    most: __m256,
-    /// The lanes in which no two signs differ.
+    /// The lanes with an edge function of zero.
+    on_edge: __m256,
+    /// The lanes in which no two signs differ, and those with a zero.
     inside: u32,
 }
 
@@ -107,13 +107,14 @@ impl Crossing {
             let b = [P::pick(x, j), P::pick(y, j)];
             let c = [P::pick(x, k), P::pick(y, k)];
             let edges @ [u, v, w] = [edge(&c, &b), edge(&a, &c), edge(&b, &a)];
-            let least = _mm256_min_ps(u, _mm256_min_ps(v, w));
-            let most = _mm256_max_ps(u, _mm256_max_ps(v, w));
+            // A zero has either sign, so that any leaves the lane in.
             let zero = _mm256_setzero_ps();
-            let positive = _mm256_cmp_ps::<_CMP_GE_OQ>(least, zero);
-            let inside = _mm256_or_ps(positive, _mm256_cmp_ps::<_CMP_LE_OQ>(most, zero));
-            let inside = _mm256_movemask_ps(inside) as u32 & block.lanes();
-            Self { moved, corners, xy: [a, b, c], edges, least, most, inside }
+            let is_zero = |x| _mm256_cmp_ps::<_CMP_EQ_OQ>(x, zero);
+            let on_edge = _mm256_or_ps(is_zero(u), _mm256_or_ps(is_zero(v), is_zero(w)));
+            let differ = _mm256_or_ps(_mm256_xor_ps(u, v), _mm256_xor_ps(v, w));
+            let outside = _mm256_movemask_ps(_mm256_andnot_ps(on_edge, differ)) as u32;
+            let inside = !outside & block.lanes();
+            Self { moved, corners, xy: [a, b, c], edges, on_edge, inside }
         }
     }
 
@@ -182,10 +183,8 @@ pub(super) unsafe fn block<P: Pick>(r: &LocalRay, block: &Block, limit: f32) -> 
         if crossing.inside == 0 {
             return out;
         }
-        let Crossing { xy: [a, b, c], edges: [u, v, w], least, most, inside, .. } = crossing;
+        let Crossing { xy: [a, b, c], edges: [u, v, w], on_edge, inside, .. } = crossing;
         let zero = _mm256_setzero_ps();
-        let on_edge = _mm256_cmp_ps::<_CMP_EQ_OQ>(least, zero);
-        let on_edge = _mm256_or_ps(on_edge, _mm256_cmp_ps::<_CMP_EQ_OQ>(most, zero));
         let det = _mm256_add_ps(_mm256_add_ps(u, v), w);
         let off = _mm256_set1_ps(-0.0);
         let size = |x| _mm256_andnot_ps(off, x);

@@ -35,8 +35,8 @@ impl Kernel for Neon {
                 let far = |axis, side| vmulq_n_f32(from(r, node, axis, side ^ 1, half), r.far[axis]);
                 let enter = more(more(near(0, x), near(1, y)), near(2, z));
                 let enter = more(enter, vdupq_n_f32(r.ray.t_min));
-                let exit = less(less(far(0, x), far(1, y)), far(2, z));
-                let exit = less(exit, vdupq_n_f32(limit));
+                let exit = earliest(earliest(far(0, x), far(1, y)), far(2, z));
+                let exit = earliest(exit, vdupq_n_f32(limit));
                 let entered = vcleq_f32(enter, exit);
                 out.mask |= mask(entered) << half;
                 let lanes = vaddq_u32(vld1q_u32(LANES.as_ptr()), vdupq_n_u32(half as u32));
@@ -133,6 +133,16 @@ unsafe fn more(a: float32x4_t, b: float32x4_t) -> float32x4_t {
 unsafe fn less(a: float32x4_t, b: float32x4_t) -> float32x4_t {
     // SAFETY: the caller's promise.
     unsafe { vbslq_f32(vcltq_f32(a, b), a, b) }
+}
+
+/// `scalar::earliest` in four lanes.
+///
+/// # Safety
+/// The processor must have NEON.
+#[inline(always)]
+unsafe fn earliest(a: float32x4_t, b: float32x4_t) -> float32x4_t {
+    // SAFETY: the caller's promise.
+    unsafe { vreinterpretq_f32_s32(vminq_s32(vreinterpretq_s32_f32(a), vreinterpretq_s32_f32(b))) }
 }
 
 /// A plane of four boxes, from the ray's origin.

@@ -8,6 +8,14 @@ use crate::{
 };
 use straal_math::ops;
 
+/// The lesser of two exits by their bits as integers, as all kernels take it: for several processors that is quicker than a
+/// comparison of numbers. Of two below 0 it is the greater: both are before any entry. -0 is before all, so that a ray that
+/// begins on a plane of a box may enter a box that it doesn't cross.
+fn earliest(a: f32, b: f32) -> f32 {
+    let (a, b) = (a.to_bits() as i32, b.to_bits() as i32);
+    f32::from_bits(if b < a { b } else { a } as u32)
+}
+
 /// No vector instructions.
 #[derive(Clone, Copy)]
 pub(crate) struct Scalar;
@@ -22,7 +30,7 @@ impl Kernel for Scalar {
             let near = |axis: usize| from(axis, usize::from(r.neg[axis]), lane) * r.inv[axis];
             let far = |axis: usize| from(axis, usize::from(!r.neg[axis]), lane) * r.far[axis];
             let enter = ops::max(ops::max(ops::max(near(0), near(1)), near(2)), r.ray.t_min);
-            let exit = ops::min(ops::min(ops::min(far(0), far(1)), far(2)), limit);
+            let exit = earliest(earliest(earliest(far(0), far(1)), far(2)), limit);
             if enter <= exit {
                 out.keys[lane] = enter.to_bits() & !7 | lane as u32;
                 out.mask |= 1 << lane;

@@ -35,8 +35,8 @@ impl Kernel for Sse {
                     |axis, side| _mm_mul_ps(from(r, node, axis, side ^ 1, half), _mm_set1_ps(r.far[axis]));
                 let enter = _mm_max_ps(_mm_max_ps(near(0, x), near(1, y)), near(2, z));
                 let enter = _mm_max_ps(enter, _mm_set1_ps(r.ray.t_min));
-                let exit = _mm_min_ps(_mm_min_ps(far(0, x), far(1, y)), far(2, z));
-                let exit = _mm_min_ps(exit, _mm_set1_ps(limit));
+                let exit = earliest(earliest(far(0, x), far(1, y)), far(2, z));
+                let exit = earliest(exit, _mm_set1_ps(limit));
                 let entered = _mm_cmple_ps(enter, exit);
                 out.mask |= (_mm_movemask_ps(entered) as u32) << half;
                 let bits = _mm_castps_si128(enter);
@@ -127,6 +127,16 @@ impl Kernel for Sse {
     }
 
     entry_points!("sse4.2,popcnt");
+}
+
+/// `scalar::earliest` in four lanes.
+///
+/// # Safety
+/// The processor must have SSE4.1.
+#[inline(always)]
+unsafe fn earliest(a: __m128, b: __m128) -> __m128 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm_castsi128_ps(_mm_min_epi32(_mm_castps_si128(a), _mm_castps_si128(b))) }
 }
 
 /// A plane of four boxes, from the ray's origin.

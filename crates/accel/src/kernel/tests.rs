@@ -143,7 +143,9 @@ fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
         assert_eq!(got.mask, want.mask);
         let (want_lanes, got_lanes) =
             (scalar::Scalar.block(&ray, &block, limit), kernel.block(&ray, &block, limit));
-        assert_eq!((got_lanes.hit, got_lanes.doubtful), (want_lanes.hit, want_lanes.doubtful));
+        assert_eq!(got_lanes.hit, want_lanes.hit);
+        // Some may be doubted although they are missed for certain.
+        assert_eq!(got_lanes.doubtful & want_lanes.doubtful, want_lanes.doubtful);
         assert_eq!((got_lanes.hit | got_lanes.doubtful) & !kernel.inside(&ray, &block), 0);
         for lane in 0..8 {
             if want.mask >> lane & 1 == 1 {

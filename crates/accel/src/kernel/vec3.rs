@@ -48,7 +48,8 @@ pub(super) unsafe fn prepare_avx(ray: &Ray, out: &mut LocalRay) -> bool {
         _mm_storeu_ps(to.byte_add(offset_of!(LocalRay, inv)).cast(), inv);
         let far = _mm_mul_ps(inv, _mm_set1_ps(NODE_EXIT));
         _mm_storeu_ps(to.byte_add(offset_of!(LocalRay, far)).cast(), far);
-        let octant = (_mm_movemask_ps(inv) & 7) as usize;
+        // The signs of `inv`, known before it is.
+        let octant = (_mm_movemask_ps(d) & 7) as usize;
         ((*to).neg, (*to).octant) = (NEG[octant], octant as u8);
 
         // y > x, z > x, z > y
