@@ -374,7 +374,8 @@ impl Scene {
         data.searcher = match options.structure {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
             Structure::Bvh(params) => {
-                Searcher::Bvh(Bvh::build(&prims, &params, |id| self.vertices(&data, id)))
+                let bvh = Bvh::build(&prims, &params, |id| self.vertices(&data, id));
+                Searcher::Bvh(bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree" })?)
             }
             Structure::Bvh2(params) => Searcher::Bvh2(Bvh2::build(&prims, &params)),
             Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),

@@ -41,10 +41,10 @@ pub(super) struct Plan<'a> {
     pub least_overlap: f32,
 }
 
-pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>) -> Bvh {
+pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>) -> Option<Bvh> {
     let mut refs: Vec<Ref> = prims.iter().map(Ref::of).collect();
     if refs.is_empty() {
-        return Bvh::EMPTY;
+        return Some(Bvh::EMPTY);
     }
     let mut root = Span::of(&refs, 0, 0);
     let cuts = params.build == Build::Best || spatial_split::is_crowded(&refs, &root);
@@ -75,6 +75,7 @@ pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>)
             (tree, costs)
         })
         .unzip();
+    drop(refs);
     choose(&mut upper.twigs, &costs);
     join(&upper.twigs, trees)
 }

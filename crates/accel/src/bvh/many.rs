@@ -17,7 +17,7 @@ use crate::{
     kernel::{
         Kernel, LaneHit,
         descent::{Descent, Spilled},
-        prefetch::{TO_FIRST, TO_SECOND},
+        prefetch::NOT,
     },
     local::LocalRay,
     query::Query,
@@ -29,8 +29,8 @@ use straal_math::Ray;
 /// Rays in flight: enough that the first of a loop has its node from the third-level cache when the last was prefetched.
 pub(super) const FLIGHT: usize = 32;
 
-/// The same from memory, which is farther. Yet more push each other's stacks out of the first-level cache (64: 2 % slower at ten
-/// million triangles).
+/// The same from memory, which is farther. Yet more push each other's stacks out of the first-level cache (at ten million
+/// triangles, 40 and 64 are 2 % slower, 32 is 5 %).
 pub(super) const REMOTE_FLIGHT: usize = 48;
 
 /// Size of a ray's stack: nearly all rays do with fewer. All stacks together are to stay in the first-level cache.
@@ -93,8 +93,8 @@ impl Bvh {
         let mut room = None;
         let mut waiting = Waiting { rays, next: 0 };
         let prefetch = |kernel: K, child: Child| {
-            if const { PREFETCH == TO_FIRST } {
-                kernel.prefetch::<PREFETCH>(&self.nodes, &self.blocks, child);
+            if const { PREFETCH != NOT } {
+                kernel.prefetch::<PREFETCH>(&self.lines, child);
             }
         };
         // Rays that are searched or may be.
@@ -125,7 +125,7 @@ impl Bvh {
                 if stack.is_full() {
                     stack.spill(&mut spilled[i]);
                 }
-                let node = &self.nodes[next.0[i].index()];
+                let node = self.lines.node(next.0[i].index());
                 let child = match ANY {
                     true => q.kernel.step_any(&f.ray, node, f.near.limit, stack),
                     false => q.kernel.step(&f.ray, node, f.near.limit, stack),
@@ -194,13 +194,6 @@ impl Bvh {
                 let child = stack.pop();
                 next.0[i] = child;
                 prefetch(q.kernel, child);
-            }
-            // From memory, all at once: the first line of each may wait for its page to be found, and several such waits then go
-            // on side by side.
-            if const { PREFETCH == TO_SECOND } {
-                for i in Members::<N>(classes[class::NODE] | classes[class::BLOCK] | classes[class::OBJECT]) {
-                    q.kernel.prefetch::<PREFETCH>(&self.nodes, &self.blocks, next.0[i]);
-                }
             }
         }
     }

@@ -6,6 +6,7 @@ pub(crate) mod block;
 mod build;
 pub(crate) mod bundle;
 mod collapse;
+mod layout;
 pub(crate) mod many;
 pub(crate) mod near;
 mod object_split;
@@ -20,6 +21,7 @@ mod validate;
 mod wide;
 
 use crate::{
+    kernel::lines::{LINE, Lines},
     scene::{GroupData, Scene},
     structure::Prim,
 };
@@ -71,7 +73,8 @@ impl Node {
     }
 }
 
-/// What a box contains: the highest two bits tell the kind, the others are an index.
+/// What a box contains: the highest two bits tell the kind, the others are an index: the first line of a node or of a
+/// block, but the number of an object or of an outline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub(crate) struct Child(u32);
@@ -184,15 +187,14 @@ enum Distance {
 pub(crate) struct Bvh {
     /// `None` when there is nothing to hit.
     root: Option<Child>,
-    nodes: Vec<Node>,
-    /// The leaves' triangles, or, in a compact tree, none.
-    blocks: Vec<Block>,
-    /// In a compact tree, what tells how to put each block together.
+    /// Nodes, and the leaves' triangles but in a compact tree.
+    lines: Lines,
+    /// In a compact tree, what tells how to put each block together; blocks are numbers of these there.
     outlines: Vec<Outline>,
 }
 
 impl Bvh {
-    pub const EMPTY: Self = Self { root: None, nodes: Vec::new(), blocks: Vec::new(), outlines: Vec::new() };
+    pub const EMPTY: Self = Self { root: None, lines: Lines::EMPTY, outlines: Vec::new() };
 
     /// How long nodes are likely to be waited for.
     fn distance(&self) -> Distance {
@@ -207,9 +209,7 @@ impl Bvh {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.nodes.as_slice())
-            + size_of_val(self.blocks.as_slice())
-            + size_of_val(self.outlines.as_slice())
+        self.lines.len() * LINE + size_of_val(self.outlines.as_slice())
     }
 
     /// A leaf's block; `room` is for one that has to be put together.
@@ -221,9 +221,9 @@ impl Bvh {
         i: usize,
         room: &'a mut Option<Block>,
     ) -> &'a Block {
-        match self.blocks.get(i) {
-            Some(block) => block,
-            None => room.insert(self.gather(scene, group, i)),
+        match self.outlines.is_empty() {
+            true => self.lines.block(i),
+            false => room.insert(self.gather(scene, group, i)),
         }
     }
 
@@ -235,13 +235,18 @@ impl Bvh {
 
     /// The numbers of a block's triangles.
     fn block_ids(&self, i: u32) -> impl Iterator<Item = u32> + '_ {
-        let block = self.blocks.get(i as usize).into_iter().flat_map(Block::ids);
+        let block = self.outlines.is_empty().then(|| self.lines.block(i as usize).ids());
         // One of both has none.
-        block.chain(self.outlines.get(i as usize).into_iter().flat_map(Outline::ids))
+        block.into_iter().flatten().chain(self.outlines.get(i as usize).into_iter().flat_map(Outline::ids))
     }
 
-    /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group.
-    pub fn build(prims: &[Prim], params: &BvhParams, vertices: impl Fn(u32) -> [Vec3; 3] + Sync) -> Self {
+    /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group. `None` if it takes more
+    /// than 64 GiB.
+    pub fn build(
+        prims: &[Prim],
+        params: &BvhParams,
+        vertices: impl Fn(u32) -> [Vec3; 3] + Sync,
+    ) -> Option<Self> {
         build::build(prims, params, &vertices)
     }
 }

@@ -140,13 +140,13 @@ impl Bvh {
         let mut item = Item { entry: 0.0, child: root, node: u32::MAX, slot: 0 };
         loop {
             if let ChildKind::Node(index) = item.child.kind() {
-                let node = &self.nodes[index as usize];
+                let node = self.lines.node(index as usize);
                 let (mut mask, entries) = q.kernel.entries(&p.bundle, node, limit);
                 let start = len;
                 while mask != 0 && len < STACK {
                     let slot = take(&mut mask);
                     let entry = entries[slot];
-                    q.kernel.prefetch::<TO_FIRST>(&self.nodes, &self.blocks, node.children[slot]);
+                    q.kernel.prefetch::<TO_FIRST>(&self.lines, node.children[slot]);
                     // The farthest first.
                     let mut i = len;
                     while i > start && stack[i - 1].entry < entry {
@@ -157,9 +157,11 @@ impl Bvh {
                     len += 1;
                 }
             } else {
-                let entering = match self.nodes.get(item.node as usize) {
-                    Some(node) => q.kernel.entering(&p.bundle, node, item.slot as usize % WIDTH),
-                    None => u64::MAX,
+                let entering = match item.node {
+                    u32::MAX => u64::MAX,
+                    i => {
+                        q.kernel.entering(&p.bundle, self.lines.node(i as usize), item.slot as usize % WIDTH)
+                    }
                 };
                 leaves += 1;
                 crossed += entering.count_ones();

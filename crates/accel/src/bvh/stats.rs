@@ -13,7 +13,7 @@ impl Bvh {
         let Some(root) = self.root else { return out };
         let whole = match root.kind() {
             ChildKind::Node(i) => {
-                let node = &self.nodes[i as usize];
+                let node = self.lines.node(i as usize);
                 half_area(&(0..WIDTH).fold(Bounds::EMPTY, |b, lane| b.union(node.bounds(lane))))
             }
             _ => 1.0,
@@ -38,7 +38,7 @@ impl Bvh {
                 ChildKind::Node(i) => {
                     out.nodes += 1;
                     out.sah_cost += chance;
-                    let node = &self.nodes[i as usize];
+                    let node = self.lines.node(i as usize);
                     for lane in 0..WIDTH {
                         let b = node.bounds(lane);
                         if !b.is_empty() {

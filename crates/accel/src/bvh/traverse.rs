@@ -176,7 +176,7 @@ impl Search for Bvh {
         let mut stack = Descent::<ALL>::new();
         loop {
             while child.is_node() {
-                let node = &self.nodes[child.index()];
+                let node = self.lines.node(child.index());
                 if COUNT {
                     q.count_node(node.count());
                 }
@@ -214,7 +214,7 @@ impl Search for Bvh {
         let mut stack = Descent::<ALL>::new();
         loop {
             while child.is_node() {
-                let node = &self.nodes[child.index()];
+                let node = self.lines.node(child.index());
                 if COUNT {
                     q.count_node(node.count());
                 }

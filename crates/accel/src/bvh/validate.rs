@@ -37,7 +37,7 @@ impl Bvh {
                     }
                 }
                 ChildKind::Node(i) => {
-                    let node = &self.nodes[i as usize];
+                    let node = self.lines.node(i as usize);
                     for lane in 0..WIDTH {
                         let b = node.bounds(lane);
                         if b.is_empty() {

@@ -6,10 +6,10 @@
 use super::{
     Block, Bvh, Child, Node, Outline, WIDTH,
     collapse::{Twig, What, parts},
+    layout::{Blocks, MOST_LINES, lay_out},
     slots,
     span::{Box4, Span},
 };
-use crate::kernel::pages::want_large;
 use rayon::prelude::*;
 
 /// The binary tree of a range, and the triangles of its leaves; references are within it.
@@ -23,11 +23,11 @@ pub(super) struct Binary {
     pub tasks: Vec<Span>,
 }
 
-/// The wide tree of the upper binary one and those that hang below it.
-pub(super) fn join(upper: &[Twig], trees: Vec<Binary>) -> Bvh {
+/// The wide tree of the upper binary one and those that hang below it; `None` if it is larger than a child can tell.
+pub(super) fn join(upper: &[Twig], trees: Vec<Binary>) -> Option<Bvh> {
     let mut top = Top { upper, trees: &trees, nodes: Vec::new(), hanging: Vec::new() };
     let mut root = top.child(Site { task: None, twig: 0 }, None);
-    let Top { mut nodes, hanging, .. } = top;
+    let Top { nodes, hanging, .. } = top;
     let below: Vec<(Child, Vec<Node>)> = hanging
         .par_iter()
         .map(|h| {
@@ -37,27 +37,24 @@ pub(super) fn join(upper: &[Twig], trees: Vec<Binary>) -> Bvh {
         .collect();
     let first_leaf: Vec<usize> =
         trees.iter().scan(0, |sum, t| Some(std::mem::replace(sum, *sum + t.leaves()))).collect();
-    nodes.reserve_exact(below.iter().map(|(_, nodes)| nodes.len()).sum());
-    want_large(&mut nodes);
+    let mut count = nodes.len();
+    let mut parts = vec![nodes];
     for (h, (child, mut part)) in hanging.iter().zip(below) {
-        let moved = |child: Child| child.moved(nodes.len() as u32, first_leaf[h.task] as u32);
+        let moved = |child: Child| child.moved(count as u32, first_leaf[h.task] as u32);
         part.iter_mut().for_each(|node| node.children = node.children.map(moved));
         let child = moved(child);
         match h.parent {
-            Some((node, slot)) => nodes[node].children[slot] = child,
+            Some((node, slot)) => parts[0][node].children[slot] = child,
             None => root = child,
         }
-        nodes.append(&mut part);
+        count += part.len();
+        parts.push(part);
     }
-    let (mut blocks, mut outlines) = (Vec::new(), Vec::new());
-    blocks.reserve_exact(trees.iter().map(|t| t.blocks.len()).sum());
-    outlines.reserve_exact(trees.iter().map(|t| t.outlines.len()).sum());
-    want_large(&mut blocks);
-    for mut tree in trees {
-        blocks.append(&mut tree.blocks);
-        outlines.append(&mut tree.outlines);
-    }
-    Bvh { root: Some(root), nodes, blocks, outlines }
+    let blocks = Blocks { parts: trees.iter().map(|t| t.blocks.as_slice()).collect(), first: first_leaf };
+    let (root, lines) = lay_out(root, &parts, &blocks, MOST_LINES)?;
+    let mut outlines = Vec::with_capacity(trees.iter().map(|t| t.outlines.len()).sum());
+    trees.iter().for_each(|t| outlines.extend_from_slice(&t.outlines));
+    Some(Bvh { root: Some(root), lines, outlines })
 }
 
 /// The wide tree's upper nodes under way.

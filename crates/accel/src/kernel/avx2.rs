@@ -9,6 +9,7 @@ use super::{
     descent::Descent,
     entry::entry_points,
     leaf::{self, Pick, Twelve},
+    lines::Lines,
     vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
@@ -201,8 +202,8 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn prefetch<const HOW: u8>(self, nodes: &[Node], blocks: &[Block], child: Child) {
-        super::prefetch::prefetch::<HOW>(nodes, blocks, child);
+    fn prefetch<const HOW: u8>(self, lines: &Lines, child: Child) {
+        super::prefetch::prefetch::<HOW>(lines, child);
     }
 
     entry_points!("avx2,bmi1,bmi2,lzcnt,popcnt");

@@ -14,6 +14,7 @@ pub(crate) mod descent;
 mod entry;
 #[cfg(target_arch = "x86_64")]
 mod leaf;
+pub(crate) mod lines;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 pub(crate) mod pages;
@@ -37,6 +38,7 @@ use crate::{
     structure::{Place, Search, each},
 };
 use descent::Descent;
+use lines::Lines;
 use straal_math::Ray;
 
 /// Which of a node's children a ray enters.
@@ -255,7 +257,7 @@ pub(crate) trait Kernel: Copy {
 
     /// Starts to load what a child names, where the instruction set can: to [`prefetch::TO_FIRST`] or [`prefetch::TO_SECOND`].
     #[inline(always)]
-    fn prefetch<const HOW: u8>(self, _nodes: &[Node], _blocks: &[Block], _child: Child) {}
+    fn prefetch<const HOW: u8>(self, _lines: &Lines, _child: Child) {}
 
     /// `Query::closest_in`, compiled for the instruction set.
     fn closest_in<S: Shapes, const COUNT: bool>(

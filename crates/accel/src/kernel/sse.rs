@@ -4,7 +4,7 @@
 //!
 //! Safety: an [`Sse`] is made only where the processor has SSE4.2.
 
-use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
+use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points, lines::Lines};
 use crate::{
     bvh::{Block, Child, Node},
     local::LocalRay,
@@ -122,8 +122,8 @@ impl Kernel for Sse {
     }
 
     #[inline(always)]
-    fn prefetch<const HOW: u8>(self, nodes: &[Node], blocks: &[Block], child: Child) {
-        super::prefetch::prefetch::<HOW>(nodes, blocks, child);
+    fn prefetch<const HOW: u8>(self, lines: &Lines, child: Child) {
+        super::prefetch::prefetch::<HOW>(lines, child);
     }
 
     entry_points!("sse4.2,popcnt");
