@@ -16,9 +16,13 @@ use super::{
     vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
-    bvh::{Block, Child, Node, bundle::Bundle, many::Next},
+    bvh::{
+        Block, Child, Node, WIDTH,
+        bundle::{Bundle, GROUPS},
+        many::Next,
+    },
     local::LocalRay,
-    slab::NODE_EXIT,
+    slab::{EXIT, NODE_EXIT},
 };
 use std::arch::x86_64::*;
 use straal_math::Ray;
@@ -140,7 +144,7 @@ impl Kernel for Avx512 {
     #[inline(always)]
     fn entering(self, b: &Bundle, node: &Node, slot: usize) -> u64 {
         // SAFETY: see the head of the file.
-        unsafe { bundle::entering(b, node, slot) }
+        unsafe { entering(b, node, slot) }
     }
 
     #[inline(always)]
@@ -247,6 +251,43 @@ unsafe fn crossed(r: &LocalRay, node: &Node, axis: usize) -> __m512 {
         let from = _mm512_sub_ps(_mm512_castpd_ps(planes), _mm512_set1_ps(r.ray.o[axis]));
         _mm512_mul_ps(from, _mm512_set1_ps(r.inv[axis]))
     }
+}
+
+/// `bundle::entering`, sixteen rays at a time.
+///
+/// # Safety
+/// The processor must have AVX-512 F.
+#[inline(always)]
+unsafe fn entering(bundle: &Bundle, node: &Node, slot: usize) -> u64 {
+    let mut out = 0;
+    for pair in 0..GROUPS / 2 {
+        // SAFETY: the caller's promise; `pair` is less than half the groups.
+        unsafe {
+            let mut enter = rays(&bundle.enter, pair);
+            let mut exit = _mm512_set1_ps(f32::INFINITY);
+            for (axis, a) in bundle.axes.iter().enumerate() {
+                let near = _mm512_set1_ps(node.planes[2 * axis + (a.near & 1)][slot]);
+                let far = _mm512_set1_ps(node.planes[2 * axis + (a.near & 1 ^ 1)][slot]);
+                let (o, inv) = (rays(&bundle.o[axis], pair), rays(&bundle.inv[axis], pair));
+                enter = _mm512_max_ps(_mm512_mul_ps(_mm512_sub_ps(near, o), inv), enter);
+                exit = _mm512_min_ps(_mm512_mul_ps(_mm512_sub_ps(far, o), inv), exit);
+            }
+            let exit = _mm512_min_ps(_mm512_mul_ps(exit, _mm512_set1_ps(EXIT)), rays(&bundle.limit, pair));
+            let entered = _mm512_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
+            out |= u64::from(entered) << (2 * WIDTH * pair);
+        }
+    }
+    out
+}
+
+/// The numbers of sixteen rays.
+///
+/// # Safety
+/// The processor must have AVX-512 F, and `pair` be less than half of [`GROUPS`].
+#[inline(always)]
+unsafe fn rays(groups: &[[f32; WIDTH]; GROUPS], pair: usize) -> __m512 {
+    // SAFETY: the caller's promise; groups of eight numbers follow each other, and two of them are read.
+    unsafe { _mm512_loadu_ps(groups.as_ptr().add(2 * pair).cast()) }
 }
 
 impl Pick for Avx512 {
