@@ -77,7 +77,7 @@ pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>)
         .unzip();
     drop(refs);
     choose(&mut upper.twigs, &costs);
-    join(&upper.twigs, trees)
+    join(&upper.twigs, &trees)
 }
 
 impl Binary {

@@ -1,7 +1,7 @@
 //! The wide tree's nodes, from binary trees of which `collapse.rs` chose what is opened.
 //!
 //! The upper nodes come first, then what is made of each task, a node before what is below it and the left half before the
-//! right: what lies close together in space does so in memory.
+//! right: what lies close together in space does so in this order, which `layout.rs` keeps.
 
 use super::{
     Block, Bvh, Child, Node, Outline, WIDTH,
@@ -24,8 +24,8 @@ pub(super) struct Binary {
 }
 
 /// The wide tree of the upper binary one and those that hang below it; `None` if it is larger than a child can tell.
-pub(super) fn join(upper: &[Twig], trees: Vec<Binary>) -> Option<Bvh> {
-    let mut top = Top { upper, trees: &trees, nodes: Vec::new(), hanging: Vec::new() };
+pub(super) fn join(upper: &[Twig], trees: &[Binary]) -> Option<Bvh> {
+    let mut top = Top { upper, trees, nodes: Vec::new(), hanging: Vec::new() };
     let mut root = top.child(Site { task: None, twig: 0 }, None);
     let Top { nodes, hanging, .. } = top;
     let below: Vec<(Child, Vec<Node>)> = hanging
