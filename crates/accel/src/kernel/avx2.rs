@@ -61,7 +61,13 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn step<const N: usize>(self, r: &LocalRay, node: &Node, limit: f32, stack: &mut Descent<N>) -> Child {
+    fn step<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
         // SAFETY: see the head of the file. Eight numbers are read from arrays of eight, and eight of each stored, of which
         // the first are those of the mask by the table.
         unsafe {
@@ -89,7 +95,7 @@ impl Kernel for Avx2 {
         node: &Node,
         limit: f32,
         stack: &mut Descent<N>,
-    ) -> Child {
+    ) -> Option<Child> {
         // SAFETY: as above.
         unsafe {
             let mask = self.entered(r, node, limit);

@@ -71,13 +71,20 @@ impl Kernel for Avx512 {
     }
 
     #[inline(always)]
-    fn step<const N: usize>(self, r: &LocalRay, node: &Node, limit: f32, stack: &mut Descent<N>) -> Child {
+    fn step<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
         // SAFETY: see the head of the file. Eight numbers are read from an array of eight, and eight of each stored, of which
         // the first are those of the mask.
         unsafe {
-            let (enter, exit) = interval(r, node, limit);
             let order = far_to_near(r);
-            let (enter, exit) = (_mm256_permutexvar_ps(order, enter), _mm256_permutexvar_ps(order, exit));
+            let (enter, exit) = slabs(r, node);
+            let ordered = (_mm256_permutexvar_ps(order, enter), _mm256_permutexvar_ps(order, exit));
+            let (enter, exit) = within(r, limit, ordered);
             let children = _mm256_loadu_si256(node.children.as_ptr().cast());
             let children = _mm256_permutexvar_epi32(order, children);
             let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
@@ -97,10 +104,10 @@ impl Kernel for Avx512 {
         node: &Node,
         limit: f32,
         stack: &mut Descent<N>,
-    ) -> Child {
+    ) -> Option<Child> {
         // SAFETY: as above.
         unsafe {
-            let (enter, exit) = interval(r, node, limit);
+            let (enter, exit) = within(r, limit, slabs(r, node));
             let mask = _mm256_cmp_ps_mask::<_CMP_LE_OQ>(enter, exit);
             let children = _mm256_loadu_si256(node.children.as_ptr().cast());
             let children = _mm256_maskz_compress_epi32(mask, children);
@@ -213,31 +220,56 @@ impl Kernel for Avx512 {
     entry_points!("avx512f,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt");
 }
 
-/// Where the ray enters and leaves each box, no earlier than its start and no later than `limit`: fewer instructions than
-/// `avx2::interval`, which counts where many rays are in flight, but a longer way to the result, which counts where one is.
-/// Exits are raised at the end.
+/// Where the ray's line enters and leaves each box: fewer instructions than `avx2::interval`, which counts where many rays are
+/// in flight, but a longer way to the result, which counts where one is.
 ///
 /// # Safety
 /// The processor must have AVX-512 F, DQ and VL.
 #[inline(always)]
-unsafe fn interval(r: &LocalRay, node: &Node, limit: f32) -> (__m256, __m256) {
+unsafe fn slabs(r: &LocalRay, node: &Node) -> (__m256, __m256) {
     // SAFETY: the caller's promise.
     unsafe {
         let (x, y, z) = (crossed(r, node, 0), crossed(r, node, 1), crossed(r, node, 2));
-        // The latest of the near crossings, the earliest of the far ones.
-        let [x, y, z] = [_mm512_castps_si512(x), _mm512_castps_si512(y), _mm512_castps_si512(z)];
-        let both = _mm512_mask_min_epi32(_mm512_max_epi32(x, y), FAR, x, y);
-        let both = _mm512_castsi512_ps(_mm512_mask_min_epi32(_mm512_max_epi32(both, z), FAR, both, z));
-        let enter = latest(_mm512_castps512_ps256(both), _mm256_set1_ps(r.ray.t_min));
-        let exit = _mm256_mul_ps(_mm512_extractf32x8_ps::<1>(both), _mm256_set1_ps(NODE_EXIT));
-        (enter, earliest(exit, _mm256_set1_ps(limit)))
+        let enter = latest(latest(near_half(x), near_half(y)), near_half(z));
+        (enter, earliest(earliest(far_half(x), far_half(y)), far_half(z)))
     }
 }
 
-/// The lanes of far planes.
-const FAR: __mmask16 = 0xff00;
+/// The lanes of near planes.
+///
+/// # Safety
+/// The processor must have AVX-512 F.
+#[inline(always)]
+unsafe fn near_half(crossed: __m512) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm512_castps512_ps256(crossed) }
+}
 
-/// Where the ray crosses the near planes of an axis, and in the lanes [`FAR`] the far ones.
+/// The lanes of far planes.
+///
+/// # Safety
+/// The processor must have AVX-512 DQ.
+#[inline(always)]
+unsafe fn far_half(crossed: __m512) -> __m256 {
+    // SAFETY: the caller's promise.
+    unsafe { _mm512_extractf32x8_ps::<1>(crossed) }
+}
+
+/// What is left of that from the ray's start to `limit`; exits are raised. The lanes may be in any order: they are put in
+/// order before this, since the compiler, if it is done behind, also puts the ray's eight equal numbers in order.
+///
+/// # Safety
+/// The processor must have AVX2.
+#[inline(always)]
+unsafe fn within(r: &LocalRay, limit: f32, (enter, exit): (__m256, __m256)) -> (__m256, __m256) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        let exit = _mm256_mul_ps(exit, _mm256_set1_ps(NODE_EXIT));
+        (latest(enter, _mm256_set1_ps(r.ray.t_min)), earliest(exit, _mm256_set1_ps(limit)))
+    }
+}
+
+/// Where the ray crosses the near planes of an axis, and in the upper eight lanes the far ones.
 ///
 /// # Safety
 /// The processor must have AVX-512 F and DQ.

@@ -170,18 +170,18 @@ impl<const N: usize> Descent<N> {
         self.len += count;
     }
 
-    /// One step down: pushes the first `count` of eight items and takes what is on top. Without a branch: whether a node
-    /// has anything to visit is hard to guess.
+    /// One step down: pushes the first `count` of eight items and takes what is on top; `None`, with nothing done, where there
+    /// is no room or nothing at all. There is no other branch: whether a node has anything to visit is hard to guess.
     ///
     /// # Safety
     /// `store` is given room for eight keys and eight children, and must initialise the first `count` of each, at most
     /// eight.
     #[inline(always)]
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
-    pub unsafe fn step(&mut self, count: usize, store: impl FnOnce(*mut u32, *mut u32)) -> Child {
+    pub unsafe fn step(&mut self, count: usize, store: impl FnOnce(*mut u32, *mut u32)) -> Option<Child> {
         let top = self.len.wrapping_sub(1);
         if top >= Self::ROOMY {
-            return Child::DONE;
+            return None;
         }
         // SAFETY: items below `len` are initialised, and there are such; `len` is at most `N` - 8, so that there is room for
         // eight.
@@ -190,7 +190,7 @@ impl<const N: usize> Descent<N> {
             let child = self.children.as_mut_ptr().add(top + 1);
             store(key.cast(), child.cast());
             self.len = top + count;
-            (*self.children.as_ptr().add(top + count)).assume_init()
+            Some((*self.children.as_ptr().add(top + count)).assume_init())
         }
     }
 }

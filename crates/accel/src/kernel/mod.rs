@@ -159,16 +159,25 @@ pub(crate) trait Kernel: Copy {
     fn entered(self, r: &LocalRay, node: &Node, limit: f32) -> u32;
 
     /// One step down: pushes the children entered no later than `limit`, in the order of the ray's octant (see
-    /// `bvh/slots.rs`), the first on top, and takes what is on top. The stack isn't full.
+    /// `bvh/slots.rs`), the first on top, and takes what is on top. `None`, with nothing done, where the stack is full.
     #[inline(always)]
-    fn step<const N: usize>(self, r: &LocalRay, node: &Node, limit: f32, stack: &mut Descent<N>) -> Child {
+    fn step<const N: usize>(
+        self,
+        r: &LocalRay,
+        node: &Node,
+        limit: f32,
+        stack: &mut Descent<N>,
+    ) -> Option<Child> {
+        if stack.is_full() {
+            return None;
+        }
         let found = self.node(r, node, limit);
         for slot in FAR_TO_NEAR[usize::from(r.octant & 7)] {
             if found.mask >> slot & 1 == 1 {
                 stack.push(found.keys[slot as usize & 7], node.children[slot as usize & 7]);
             }
         }
-        stack.pop()
+        Some(stack.pop())
     }
 
     /// The same in any order and without keys.
@@ -179,13 +188,16 @@ pub(crate) trait Kernel: Copy {
         node: &Node,
         limit: f32,
         stack: &mut Descent<N>,
-    ) -> Child {
+    ) -> Option<Child> {
+        if stack.is_full() {
+            return None;
+        }
         let mut mask = self.entered(r, node, limit);
         while mask != 0 {
             stack.push(0, node.children[(mask.trailing_zeros() & 7) as usize]);
             mask &= mask - 1;
         }
-        stack.pop()
+        Some(stack.pop())
     }
 
     /// A child entered no later than `limit`, while the others are pushed, without keys; `None` when there is none.
@@ -199,7 +211,7 @@ pub(crate) trait Kernel: Copy {
     ) -> Option<Child> {
         match self.entered(r, node, limit) {
             0 => None,
-            _ => Some(self.step_any(r, node, limit, stack)),
+            _ => self.step_any(r, node, limit, stack),
         }
     }
 

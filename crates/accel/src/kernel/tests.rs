@@ -47,7 +47,7 @@ fn steps<K: Kernel>(kernel: K, ray: &LocalRay, node: &Node, limit: f32) -> [Vec<
         v
     };
     let mut stack = Descent::<24>::new();
-    let mut octant = vec![kernel.step(ray, node, limit, &mut stack)];
+    let mut octant: Vec<Child> = kernel.step(ray, node, limit, &mut stack).into_iter().collect();
     octant.extend(rest(stack));
     let mut stack = Descent::<24>::new();
     let mut nearest: Vec<Child> = kernel.nearest(ray, node, limit, &mut stack).into_iter().collect();
@@ -56,13 +56,23 @@ fn steps<K: Kernel>(kernel: K, ray: &LocalRay, node: &Node, limit: f32) -> [Vec<
     let mut any: Vec<Child> = kernel.any(ray, node, limit, &mut stack).into_iter().collect();
     any.extend(rest(stack));
     let mut stack = Descent::<24>::new();
-    let mut step_any = vec![kernel.step_any(ray, node, limit, &mut stack)];
+    let mut step_any: Vec<Child> = kernel.step_any(ray, node, limit, &mut stack).into_iter().collect();
     step_any.extend(rest(stack));
     let step_any = sorted(step_any, 0);
     let any = sorted(any, 0);
     assert!(any == step_any || any.is_empty() && step_any == [Child::DONE]);
     let from = nearest.len().min(1);
     [octant, sorted(nearest, from), any]
+}
+
+/// A step that finds no room for eight more does nothing.
+fn leaves_a_full_stack<K: Kernel>(kernel: K, ray: &LocalRay, node: &Node, limit: f32) {
+    let mut stack = Descent::<24>::new();
+    (0..16).for_each(|i| stack.push(i, Child::node(i)));
+    assert_eq!(kernel.step(ray, node, limit, &mut stack), None);
+    assert_eq!(kernel.step_any(ray, node, limit, &mut stack), None);
+    (0..16).rev().for_each(|i| assert_eq!(stack.pop(), Child::node(i)));
+    assert_eq!(stack.pop(), Child::DONE);
 }
 
 /// Whether a rounding of exits decides which boxes are entered.
@@ -177,6 +187,7 @@ fn same_as_scalar<K: Kernel>(kernel: K) -> u32 {
                 boxed += 1;
             }
         }
+        leaves_a_full_stack(kernel, &ray, &node, limit);
         if is_close(&ray, &node) {
             close += 1;
         } else {
