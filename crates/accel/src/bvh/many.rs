@@ -126,8 +126,8 @@ impl Bvh {
                 }
             }
             let together = const { if PREFETCH == NOT { N } else { TOGETHER } };
-            for first in (0..N).step_by(together) {
-                let some = classes[class::NODE] & (u64::MAX >> (64 - together)) << first;
+            for start in (0..N).step_by(together) {
+                let some = classes[class::NODE] & (u64::MAX >> (64 - together)) << start;
                 for i in Members::<N>(some) {
                     let (f, stack) = (&flights[i], &mut stacks[i]);
                     let node = nodes.get(next.0[i].index());
