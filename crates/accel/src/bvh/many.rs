@@ -141,6 +141,7 @@ impl Bvh {
                         None => stack.spill(&mut spilled[i]),
                     }
                 }
+                // The compiler would keep a loop that does nothing.
                 if PREFETCH != NOT {
                     Members::<N>(some).for_each(|i| prefetch(q.kernel, next.0[i]));
                 }

@@ -200,7 +200,8 @@ pub(crate) trait Kernel: Copy {
         Some(stack.pop())
     }
 
-    /// A child entered no later than `limit`, while the others are pushed, without keys; `None` when there is none.
+    /// A child entered no later than `limit`, while the others are pushed, without keys; `None` when there is none. The stack
+    /// isn't full.
     #[inline(always)]
     fn any<const N: usize>(
         self,
