@@ -9,7 +9,7 @@
 //! what else the machine does weighs on all alike.
 #![allow(clippy::print_stdout, clippy::disallowed_methods)] // a program that prints, and whose rays reach no pixel
 
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../tests/all/common/mod.rs"]
 mod common;
 mod embree;
 mod rays;

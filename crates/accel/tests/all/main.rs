@@ -1,0 +1,10 @@
+//! The integration tests of this crate, in one program: linking is what costs when there are many.
+
+mod awkward_rays;
+mod beams;
+mod classics;
+mod common;
+mod extremes;
+mod million;
+mod same_hit;
+mod space;

@@ -1,0 +1,100 @@
+//! Ctrl-C, as the shell sends it.
+#![cfg(unix)]
+
+use crate::common::{BALL, Folder, Run};
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStderr, Command};
+
+/// The command, brought to a line of standard error.
+struct Running {
+    child: Child,
+    err: BufReader<ChildStderr>,
+    said: String,
+}
+
+impl Running {
+    fn start(folder: &Folder, words: &str) -> Self {
+        let mut child = folder.command(words).spawn().unwrap();
+        let err = BufReader::new(child.stderr.take().unwrap());
+        Self { child, err, said: String::new() }
+    }
+
+    /// Reads on until a line holds `part`.
+    fn until(mut self, part: &str) -> Self {
+        loop {
+            let mut line = String::new();
+            assert!(self.err.read_line(&mut line).unwrap() > 0, "no `{part}` in {}", self.said);
+            self.said += &line;
+            if line.contains(part) {
+                return self;
+            }
+        }
+    }
+
+    fn press_ctrl_c(self) -> Self {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        self
+    }
+
+    fn end(mut self) -> Run {
+        self.err.read_to_string(&mut self.said).unwrap();
+        let mut out = String::new();
+        self.child.stdout.take().unwrap().read_to_string(&mut out).unwrap();
+        Run { code: self.child.wait().unwrap().code(), out, err: self.said }
+    }
+}
+
+#[test]
+fn the_first_ends_with_the_picture_so_far() {
+    let folder = Folder::with_scene(BALL);
+    let run = Running::start(&folder, "render scene.yaml -o a.exr --spp 200000 --json")
+        .until("rendering")
+        .press_ctrl_c()
+        .end();
+    assert_eq!(run.code, Some(130), "{run:?}");
+    assert_eq!(folder.names(), ["a.exr", "scene.yaml"]);
+    let report = run.json();
+    assert_eq!((report["interrupted"].as_bool(), report["complete"].as_bool()), (Some(true), Some(false)));
+    let samples = report["samples"].as_u64().unwrap();
+    assert!(samples >= 1 && run.err.contains(&format!("ended by Ctrl-C with {samples} sample")), "{run:?}");
+    let whole = folder.json(&format!("render scene.yaml -o b.exr --spp {samples}"));
+    assert_eq!(whole["film_hash"], report["film_hash"]);
+}
+
+#[test]
+fn a_replicate_that_is_not_whole_is_better_than_nothing() {
+    let folder = Folder::with_scene(BALL);
+    let run = Running::start(&folder, "render scene.yaml -o a.exr --spp 200000 --replicates 2 --json")
+        .until("rendering")
+        .press_ctrl_c()
+        .end();
+    assert_eq!(run.code, Some(130), "{run:?}");
+    let report = run.json();
+    let samples = report["samples"].as_u64().unwrap();
+    assert!(samples >= 1 && report["complete"].as_bool() == Some(false), "{run:?}");
+    let story = folder.json("info a.exr")["metadata"].clone();
+    assert_eq!(story["straal.samples"], samples.to_string());
+}
+
+/// Brute force against a teapot of 50,000 triangles: the first pass alone would take minutes.
+#[test]
+fn the_second_ends_at_once() {
+    let slow = "\
+camera: { perspective: { eye: [0, 2, 8], look_at: [0, 1, 0], fov: 40 } }
+film: { size: [640, 480] }
+world:
+  - bezier: { builtin: teapot, resolution: 28 }
+lights:
+  - environment: { radiance: [1, 1, 1] }
+";
+    let folder = Folder::with_scene(slow);
+    let run = Running::start(&folder, "render scene.yaml -o a.exr --accel brute --isa scalar")
+        .until("rendering")
+        .press_ctrl_c()
+        .until("Ctrl-C again")
+        .press_ctrl_c()
+        .end();
+    assert_eq!(run.code, Some(130), "{run:?}");
+    assert_eq!(folder.names(), ["scene.yaml"]);
+}

@@ -1,0 +1,11 @@
+//! The integration tests of this crate, in one program: linking is what costs when there are many.
+
+mod accel;
+mod book;
+mod common;
+mod complaints;
+mod develop;
+mod diff;
+mod interrupt;
+mod render;
+mod sampler;

@@ -1,0 +1,10 @@
+//! The integration tests of this crate, in one program: linking is what costs when there are many.
+
+mod bare_mesh;
+mod common;
+mod complaints;
+mod images;
+mod obj;
+mod ply;
+mod scenes;
+mod schema;

@@ -1,0 +1,186 @@
+//! Renders that stop where the picture is good enough.
+
+use crate::common;
+
+use straal::{Control, Overrides, PatternKind, Picture, Verdict};
+
+const SCENE: &str = "scenes/reference/box-diffuse.yaml";
+
+/// 40 x 37 pixels whose blocks get from 32 to 256 samples.
+fn wish() -> Overrides {
+    Overrides { size: Some([40, 37]), spp: Some(256), noise: Some(0.08), ..Overrides::default() }
+}
+
+fn bits(p: &Picture, [x, y]: [u32; 2]) -> ([u32; 3], [u32; 3], u32) {
+    let i = y as usize * p.layers.width + x as usize;
+    (p.layers.rgb[i].map(f32::to_bits), error_of(p, i).map(f32::to_bits), p.layers.samples[i])
+}
+
+/// What the layer `error` tells of a pixel.
+fn error_of(p: &Picture, i: usize) -> [f32; 3] {
+    p.layers.error.as_ref().expect("the layer `error`").rgb[i]
+}
+
+fn range(p: &Picture) -> [u32; 2] {
+    let counts = &p.layers.samples;
+    [*counts.iter().min().expect("pixels"), *counts.iter().max().expect("pixels")]
+}
+
+#[test]
+fn threads_tiles_batches_and_passes_change_nothing() {
+    let plain = common::render(SCENE, wish()).picture;
+    let [least, most] = range(&plain);
+    assert!(least <= 64 && most >= 128, "{least} to {most} samples");
+    for other in [
+        Overrides { threads: Some(1), ..wish() },
+        Overrides { threads: Some(7), batch: Some(7), shuffle_tiles: Some(5), ..wish() },
+    ] {
+        assert_eq!(common::render(SCENE, other).picture.layers, plain.layers);
+    }
+    let sobol = || Overrides { pattern: Some(PatternKind::Sobol), noise: Some(0.05), ..wish() };
+    let one = common::render(SCENE, Overrides { threads: Some(1), ..sobol() }).picture;
+    let [least, most] = range(&one);
+    assert!(least <= 64 && most >= 128, "{least} to {most} Sobol points");
+    let other = Overrides { threads: Some(7), batch: Some(7), shuffle_tiles: Some(5), ..sobol() };
+    assert_eq!(common::render(SCENE, other).picture.layers, one.layers);
+    // Ended between two looks, it is the picture of as many samples.
+    let mut until_80 = |p: &straal::Progress| if p.samples >= 80 { Verdict::Stop } else { Verdict::GoOn };
+    for wish in [wish(), sobol()] {
+        let job = common::job(SCENE, wish.clone());
+        let ended = job.render(&mut Control::new(&mut until_80)).expect("a picture");
+        let asked = common::render(SCENE, Overrides { spp: Some(ended.samples), ..wish });
+        assert_eq!(ended.picture.layers, asked.picture.layers);
+        assert!(!ended.complete && asked.complete);
+    }
+}
+
+#[test]
+fn a_crop_is_cut_from_the_whole() {
+    let whole = common::render(SCENE, wish()).picture;
+    let [x0, y0, x1, y1] = [11, 5, 27, 37];
+    let crop = common::render(SCENE, Overrides { crop: Some([x0, y0, x1, y1]), ..wish() }).picture;
+    for y in y0..y1 {
+        for x in x0..x1 {
+            assert_eq!(bits(&crop, [x - x0, y - y0]), bits(&whole, [x, y]), "pixel {x},{y}");
+        }
+    }
+}
+
+#[test]
+fn it_ends_by_itself_and_keeps_its_word() {
+    let target = 0.08;
+    let outcome = common::render(SCENE, Overrides { size: Some([32, 32]), spp: Some(100_000), ..wish() });
+    assert!(outcome.complete && outcome.samples < 4096, "{} samples", outcome.samples);
+    // The noise of each block as it is told by the layer `variance`, the halves of a block together.
+    let layers = &outcome.picture.layers;
+    let mut above = 0;
+    let mut blocks = 0;
+    for by in 0..layers.height / 8 {
+        for bx in 0..layers.width / 8 {
+            let (mut variance, mut brightness) = (0.0, 0.0);
+            for k in 0..64 {
+                let i = (8 * by + k / 8) * layers.width + 8 * bx + k % 8;
+                variance += layers.variance[i].iter().map(|&v| f64::from(v)).sum::<f64>() / 192.0;
+                brightness += layers.rgb[i].iter().map(|&v| f64::from(v)).sum::<f64>() / 192.0;
+            }
+            blocks += 1;
+            above += usize::from(variance.sqrt() / brightness > 1.25 * target);
+        }
+    }
+    assert!(above * 10 <= blocks, "{above} of {blocks} blocks are far above the target");
+}
+
+/// Sobol points, judged by batches: what is left is measured between seeds, and must be as little as was asked for; and
+/// independent samples must have needed more.
+#[test]
+fn noise_of_well_spread_samples_is_told_as_it_is() {
+    let target = 0.08;
+    let wish = |kind, seed| Overrides {
+        size: Some([32, 32]),
+        spp: Some(100_000),
+        noise: Some(target),
+        pattern: Some(kind),
+        seed: Some(seed),
+        ..Overrides::default()
+    };
+    let runs: Vec<Picture> =
+        (0..12).map(|seed| common::render(SCENE, wish(PatternKind::Sobol, seed)).picture).collect();
+    let n = runs.len() as f64;
+    let samples = |p: &Picture| p.layers.samples.iter().map(|&s| f64::from(s)).sum::<f64>() / 1024.0;
+    let (mut worst, mut squares, mut told, mut truth) = (0.0, 0.0, 0.0, 0.0);
+    for block in 0..16 {
+        let (mut variance, mut brightness) = (0.0, 0.0);
+        for k in 0..64 {
+            let i = (block / 4 * 8 + k / 8) * 32 + block % 4 * 8 + k % 8;
+            for c in 0..3 {
+                let values = || runs.iter().map(|p| f64::from(p.layers.rgb[i][c]));
+                let mean = values().sum::<f64>() / n;
+                variance += values().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
+                brightness += mean;
+                let errors = || runs.iter().map(|p| f64::from(error_of(p, i)[c]));
+                told += errors().map(|e| e * e).sum::<f64>() / n;
+            }
+        }
+        truth += variance;
+        let noise = (variance / 192.0).sqrt() / (brightness / 192.0);
+        worst = if noise > worst { noise } else { worst };
+        squares += noise * noise / 16.0;
+    }
+    let typical = squares.sqrt();
+    assert!(typical < target && worst < 1.25 * target, "{typical} typically, {worst} at worst");
+    assert!(typical > 0.5 * target, "{typical}: far more samples than need be");
+    let told = (told / truth).sqrt();
+    assert!((0.9..1.7).contains(&told), "the layer `error` tells {told} of the truth");
+    let (sobol, random) =
+        (samples(&runs[0]), samples(&common::render(SCENE, wish(PatternKind::Random, 0)).picture));
+    assert!(sobol < 0.7 * random, "{sobol} Sobol points, {random} independent ones");
+}
+
+/// The mean over seeds of the picture's mean, by channel, with its standard error.
+fn mean_of_runs(wish: &Overrides, seeds: std::ops::Range<u64>) -> [(f64, f64); 3] {
+    let n = seeds.clone().count() as f64;
+    let runs: Vec<[f64; 3]> = seeds
+        .map(|seed| {
+            let rgb =
+                common::render(SCENE, Overrides { seed: Some(seed), ..wish.clone() }).picture.layers.rgb;
+            std::array::from_fn(|c| rgb.iter().map(|p| f64::from(p[c])).sum::<f64>() / rgb.len() as f64)
+        })
+        .collect();
+    std::array::from_fn(|c| {
+        let mean = runs.iter().map(|r| r[c]).sum::<f64>() / n;
+        let spread = runs.iter().map(|r| (r[c] - mean) * (r[c] - mean)).sum::<f64>() / (n - 1.0);
+        (mean, (spread / n).sqrt())
+    })
+}
+
+#[test]
+fn stopping_early_does_not_darken() {
+    for kind in [PatternKind::Random, PatternKind::Sobol] {
+        let small = Overrides { size: Some([24, 24]), spp: Some(128), pattern: Some(kind), ..wish() };
+        // Sobol points end nearly all blocks at the first look by a larger target.
+        let noise = Some(if kind == PatternKind::Random { 0.12 } else { 0.08 });
+        let adaptive = mean_of_runs(&Overrides { noise, ..small.clone() }, 0..64);
+        let fixed = mean_of_runs(&Overrides { noise: None, spp: Some(64), ..small }, 1000..1064);
+        for (c, (a, f)) in adaptive.iter().zip(fixed).enumerate() {
+            let error = (a.1 * a.1 + f.1 * f.1).sqrt();
+            assert!((a.0 - f.0).abs() < 3.0 * error, "{kind}, channel {c}: {a:?}, fixed {f:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_noisier_than_asked_is_counted() {
+    let few = Overrides { noise: Some(0.001), spp: Some(20), ..wish() };
+    // 40 x 37 pixels are 5 x 5 blocks.
+    assert_eq!(common::render(SCENE, few.clone()).noisy_blocks, 25);
+    assert_eq!(common::render(SCENE, Overrides { noise: Some(0.9), spp: Some(64), ..few }).noisy_blocks, 0);
+}
+
+#[test]
+fn patterns_that_must_know_their_number_are_refused() {
+    let loaded =
+        straal::load(&common::project().join(SCENE), &straal::LoadOptions::default()).expect("a scene");
+    let wish = Overrides { pattern: Some(PatternKind::NRooks), ..wish() };
+    let refused = straal::Job::new(loaded, wish).err().expect("a refusal").to_string();
+    assert!(refused.starts_with("the sampler n_rooks must know how many samples"), "{refused}");
+}

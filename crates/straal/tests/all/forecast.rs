@@ -1,0 +1,106 @@
+//! What `straal check` says of memory before a render, beside what the search structures take.
+
+use crate::common;
+
+use std::path::Path;
+use straal::{Job, LoadOptions, Overrides, Recording};
+use straal_color::spectrum::Bands;
+use straal_render::film::{Extent, Film};
+use straal_scene::forecast;
+
+/// Forecast and truth of a world searched by a structure, in bytes.
+fn search_bytes(world: &str, structure: &str, base: &Path) -> [f64; 2] {
+    let text = format!(
+        "camera: {{ perspective: {{ eye: [0, 0, 5], look_at: [0, 0, 0] }} }}\n\
+         accel: {{ structure: {structure} }}\n{world}"
+    );
+    let loaded = straal::load_str("scene.yaml", &text, base, &LoadOptions::default())
+        .unwrap_or_else(|e| panic!("{text}\n{e}"));
+    let forecast = forecast(&loaded.scene, &loaded.assets).search_bytes;
+    let job = Job::new(loaded, Overrides::default()).unwrap();
+    [forecast as f64, job.world.accel.memory_bytes() as f64]
+}
+
+const STRUCTURES: [&str; 19] = [
+    "brute",
+    "volumes",
+    "bvh",
+    "{ bvh: { compact: true } }",
+    "{ bvh: { build: fast } }",
+    "{ bvh: { build: best } }",
+    "bvh2",
+    "{ bvh2: { leaf_size: 1 } }",
+    "{ bvh2: { split: agglomerative } }",
+    "grid",
+    "{ grid: { factor: 1 } }",
+    "{ grid: { factor: 4 } }",
+    "kd",
+    "{ kd: { clip: true } }",
+    "{ kd: { leaf_size: 8 } }",
+    "octree",
+    "{ octree: { leaf_size: 1 } }",
+    "bsp",
+    "{ bsp: { choice: sah } }",
+];
+
+#[test]
+fn search_structures_take_what_was_said() {
+    let teapot = "world: [bezier: { builtin: teapot, resolution: 12 }]";
+    let mut worlds = vec![(teapot, common::project())];
+    if let Some(shared) = common::shared() {
+        worlds.push(("world: [mesh: { file: spot_triangulated.obj }]", shared.join("scenes/meshes/spot")));
+        let bunny = "world: [mesh: { file: bun_zipper.ply }]";
+        worlds.push((bunny, shared.join("scenes/meshes/stanford-bunny")));
+    }
+    let mut off = Vec::new();
+    for (world, base) in &worlds {
+        for structure in STRUCTURES {
+            let [forecast, truth] = search_bytes(world, structure, base);
+            let ratio = truth / forecast;
+            if !(1.0 / 1.5..=1.5).contains(&ratio) {
+                off.push(format!("{world}, {structure}: {truth} bytes, {ratio:.2} times what was said"));
+            }
+        }
+    }
+    assert!(off.is_empty(), "{off:#?}");
+}
+
+/// What counts in a scene of many copies is the copies.
+#[test]
+fn instances_count() {
+    let mut world = String::from(
+        "objects: { ball: { group: { children: [sphere: {}, disc: { center: [0, 2, 0] }] } } }\nworld:\n",
+    );
+    for i in 0..2000 {
+        world +=
+            &format!("  - instance: {{ of: ball, transform: [translate: [{}, {}, 0]] }}\n", i % 50, i / 50);
+    }
+    for structure in ["volumes", "bvh", "bvh2", "kd", "octree"] {
+        let [forecast, truth] = search_bytes(&world, structure, Path::new(""));
+        assert!((0.5..=2.0).contains(&(truth / forecast)), "{structure}: {truth} bytes, {forecast} forecast");
+    }
+}
+
+/// The film's sums, and the layers that they become: 56 bytes a pixel, and 4 for each band.
+#[test]
+fn films_take_what_was_said() {
+    let bands = Bands::new(400.0, 700.0, 16).expect("bands");
+    let spectral = Extent { recording: Recording::Spectral(bands), ..Extent::default() };
+    for (film, sampler, extent, layers) in [
+        ("{}", "{}", Extent::default(), 56),
+        ("{}", "{ noise: 0.02 }", Extent { batches: true, ..Extent::default() }, 56),
+        ("{}", "{ noise: 0.02, kind: random }", Extent::default(), 56),
+        ("{ channels: { spectral: { bands: 16 } } }", "{}", spectral, 56 + 64),
+    ] {
+        let text = format!(
+            "camera: {{ perspective: {{ eye: [0, 0, 5], look_at: [0, 0, 0] }} }}\n\
+             film: {film}\nsampler: {sampler}\nworld: [sphere: {{}}]\n"
+        );
+        let loaded = straal::load_str("scene.yaml", &text, Path::new(""), &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let [width, height] = loaded.scene.film.size;
+        let told = forecast(&loaded.scene, &loaded.assets).film_bytes;
+        let truth = u64::from(width * height) * (Film::bytes_a_pixel(&extent) + layers) as u64;
+        assert_eq!(told, truth, "{film} {sampler}");
+    }
+}

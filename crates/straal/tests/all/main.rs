@@ -1,0 +1,19 @@
+//! The integration tests of this crate, in one program: linking is what costs when there are many.
+
+mod adaptive;
+mod cameras;
+mod closed_form;
+mod common;
+mod cube_environment;
+mod custom;
+mod default_sampler;
+mod error_layer;
+mod film_channels;
+mod filters;
+mod forecast;
+mod hashes;
+mod lab;
+mod power;
+mod same_bits;
+mod spectral;
+mod wide_gamut;

@@ -1,0 +1,108 @@
+//! The statistics of `straal diff` on real renders: equal pictures pass, and small faults are found.
+
+use crate::common;
+
+use straal::compare::{Estimate, Tails, compare};
+use straal::{Control, Overrides, Picture};
+use straal_math::lowdisc::{PatternKind, Purpose};
+use straal_render::driver::Render;
+use straal_render::integrator::{Integrator, PathTracer, Wave};
+use straal_render::lanes::Lanes;
+use straal_render::world::World;
+use straal_scene::Image;
+
+const REPLICATES: u32 = 16;
+
+fn replicates(scene: &str, seed: u64, spp: u32) -> Picture {
+    let wish = Overrides {
+        size: Some([64, 64]),
+        spp: Some(spp),
+        seed: Some(seed),
+        pattern: Some(PatternKind::Random),
+        ..Overrides::default()
+    };
+    let job = common::job(scene, wish);
+    job.render_replicates(REPLICATES, &mut Control::to_the_end()).expect("replicates").picture
+}
+
+fn images(p: &Picture) -> (Image, Image) {
+    let variance = Image { pixels: p.layers.variance.clone(), ..p.to_image() };
+    (p.to_image(), variance)
+}
+
+fn differs(a: (&Image, &Image), b: &Picture, tails: Tails) -> bool {
+    let (bm, bv) = images(b);
+    let dof = f64::from(REPLICATES - 1);
+    let a = Estimate { dof, ..Estimate::new(a.0, Some(a.1)) };
+    let b = Estimate { dof, ..Estimate::new(&bm, Some(&bv)) };
+    let verdict = compare(a, b, tails).expect("equal sizes");
+    verdict.differs
+}
+
+fn brighter(image: &Image, by: f32) -> Image {
+    Image { pixels: image.pixels.iter().map(|p| p.map(|v| v * by)).collect(), ..image.clone() }
+}
+
+fn shifted(image: &Image) -> Image {
+    let mut out = image.clone();
+    for (row, from) in out.pixels.chunks_mut(image.width).zip(image.pixels.chunks(image.width)) {
+        row[1..].copy_from_slice(&from[..image.width - 1]);
+    }
+    out
+}
+
+#[test]
+fn independent_renders_agree_and_small_faults_show() {
+    let scene = "scenes/cornell-box.yaml";
+    let (a, b) = (replicates(scene, 1, 32), replicates(scene, 1001, 32));
+    let (mean, variance) = images(&a);
+    assert!(!differs((&mean, &variance), &b, Tails::Light), "independent renders differ");
+    assert!(differs((&brighter(&mean, 1.01), &variance), &b, Tails::Light), "x 1.01 passes");
+    assert!(differs((&shifted(&mean), &shifted(&variance)), &b, Tails::Light), "a shift by one pixel passes");
+}
+
+#[test]
+fn heavy_tails_hide_no_two_percent() {
+    let scene = "scenes/glass-and-mirror.yaml";
+    let (a, b) = (replicates(scene, 1, 64), replicates(scene, 1001, 64));
+    let (mean, variance) = images(&a);
+    assert!(!differs((&mean, &variance), &b, Tails::Heavy), "independent renders differ");
+    assert!(differs((&brighter(&mean, 1.02), &variance), &b, Tails::Heavy), "x 1.02 passes");
+}
+
+/// A path tracer with a bug: one path in ten ends at each bounce, and the survivors aren't told.
+struct Forgetful(PathTracer);
+
+impl Integrator for Forgetful {
+    type State<L: Lanes> = <PathTracer as Integrator>::State<L>;
+
+    fn start<L: Lanes>(&self, lanes: L) -> Self::State<L> {
+        self.0.start(lanes)
+    }
+
+    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, Self::State<L>>) {
+        let pattern = wave.pattern;
+        self.0.step(world, wave);
+        for path in wave.paths.iter_mut() {
+            path.alive &= pattern.d1(&path.name, Purpose::Custom) >= 0.1;
+        }
+    }
+}
+
+#[test]
+fn a_roulette_weight_left_out_shows() {
+    let scene = "scenes/cornell-box.yaml";
+    let wish = Overrides { size: Some([64, 64]), pattern: Some(PatternKind::Random), ..Overrides::default() };
+    let job = common::job(scene, wish);
+    let mut settings = job.settings.clone();
+    let render = |settings| {
+        let mut render = Render::new(&job.world, Forgetful(job.integrator), settings, None).expect("threads");
+        render.advance(REPLICATES * 32);
+        render.into_film().layers()
+    };
+    settings.seed = 77;
+    let layers = render(settings);
+    let mean = Image { width: layers.width, height: layers.height, pixels: layers.rgb };
+    let variance = Image { pixels: layers.variance, ..mean.clone() };
+    assert!(differs((&mean, &variance), &replicates(scene, 1001, 32), Tails::Light));
+}
