@@ -79,6 +79,7 @@ impl RenderSettings {
                 spectral: args.spectral.then_some(true),
                 recording: args.channels,
                 error: Some(has_exr),
+                layers: Some(has_exr),
                 splat: args.splat.then_some(true),
                 threads: args.threads,
                 accel: args.accel,

@@ -9,7 +9,7 @@ use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom, Request};
 use straal_render::driver::{Render, RenderError};
-use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
+use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording, hash_of};
 use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
@@ -50,6 +50,8 @@ pub struct Overrides {
     pub cost: Option<bool>,
     /// Tells each pixel's standard error, as an EXR shows it; yes, when absent.
     pub error: Option<bool>,
+    /// Keeps all layers of an EXR; yes, when absent. Without them the picture has its colours alone, and its film takes a third.
+    pub layers: Option<bool>,
     /// Lets a sample count in all pixels whose filter reaches it.
     pub splat: Option<bool>,
     /// Computes light by wavelengths instead of red, green and blue.
@@ -159,6 +161,8 @@ pub struct Outcome {
     pub picture: Picture,
     /// Samples per pixel taken; of an adaptive render, of the pixels that have the most.
     pub samples: u32,
+    /// Samples of a pixel on average.
+    pub mean_samples: f64,
     /// Passes they were taken in.
     pub passes: u32,
     /// Whether all samples asked for were taken.
@@ -228,18 +232,14 @@ impl Job {
             seed: wish.seed.unwrap_or(scene.sampler.seed),
             noise,
             error: wish.error.unwrap_or(true),
+            layers: wish.layers.unwrap_or(true),
             splat,
             threads: wish.threads.unwrap_or(0),
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
             cost: wish.cost.unwrap_or(scene.accel.cost),
         };
-        let extent = Extent {
-            recording,
-            splat_radius: splat.then(|| scene.film.filter.radius()),
-            batches: settings.holds_batches(),
-        };
-        check_size(&settings, &extent)?;
+        check_size(&settings, &settings.extent(recording, scene.film.filter.radius()))?;
         let by_default = desc::PathTracer::default();
         let (path, chart) = match &scene.integrator {
             desc::Integrator::Path(path) => (path, None),
@@ -332,14 +332,14 @@ impl Job {
         let of = if control.open_ended { MAX_SAMPLES } else { self.spp };
         let mut progress = Progress { of: u64::from(of), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
-        let layers = run.film.layers();
-        let mut picture = Picture::new(&run.film, layers, self.film_space());
+        let mut picture = Picture::new(&run.film, run.film.layers(), self.film_space());
         picture.story = self.story(run.samples);
         picture.story.push(("straal.passes".into(), run.passes.to_string()));
-        picture.story.push(("straal.film_hash".into(), run.film.hash()));
+        picture.story.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
         Ok(Outcome {
             picture,
             samples: run.samples,
+            mean_samples: run.film.mean_samples(),
             passes: run.passes,
             complete: control.open_ended || run.complete,
             noisy_blocks: self.noisy_blocks(&run.film),
@@ -476,8 +476,10 @@ fn recorded(channels: &desc::Channels) -> Result<Recording, Error> {
 /// Whether the film of a picture or crop can be held.
 fn check_size(settings: &Settings, extent: &Extent) -> Result<(), Error> {
     let pixels = settings.crop.area();
-    let usual = Film::bytes_a_pixel(&Extent { batches: true, ..Extent::default() });
-    let most = MAX_PIXELS.min(MAX_PIXELS * usual / Film::bytes_a_pixel(extent));
+    let usual = Film::bytes_a_pixel(&Extent { batches: true, layers: true, ..Extent::default() }) as u64;
+    let bytes = Film::bytes(extent, settings.crop, settings.size);
+    let each = if pixels > 0 { bytes.div_ceil(pixels as u64).max(1) } else { usual };
+    let most = MAX_PIXELS.min((MAX_PIXELS as u64 * usual / each) as usize);
     if settings.size.contains(&0) || pixels > most {
         return Err(Error::Request(format!(
             "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture can be rendered in crops"

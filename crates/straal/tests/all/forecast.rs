@@ -85,11 +85,12 @@ fn instances_count() {
 #[test]
 fn films_take_what_was_said() {
     let bands = Bands::new(400.0, 700.0, 16).expect("bands");
-    let spectral = Extent { recording: Recording::Spectral(bands), ..Extent::default() };
+    let usual = Extent { layers: true, ..Extent::default() };
+    let spectral = Extent { recording: Recording::Spectral(bands), ..usual };
     for (film, sampler, extent, layers) in [
-        ("{}", "{}", Extent::default(), 56),
-        ("{}", "{ noise: 0.02 }", Extent { batches: true, ..Extent::default() }, 56),
-        ("{}", "{ noise: 0.02, kind: random }", Extent::default(), 56),
+        ("{}", "{}", usual, 56),
+        ("{}", "{ noise: 0.02 }", Extent { batches: true, ..usual }, 56),
+        ("{}", "{ noise: 0.02, kind: random }", usual, 56),
         ("{ channels: { spectral: { bands: 16 } } }", "{}", spectral, 56 + 64),
     ] {
         let text = format!(
