@@ -162,6 +162,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = quantity::threads)]
     pub threads: Option<usize>,
 
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken. When absent, what the machine or its
+    /// control group has free, less a tenth
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
+    pub memory: Option<u64>,
+
     /// Structure in which rays are searched, and its parameters, as in bvh:build=fast,compact=true; changes the speed
     /// only
     #[arg(long, value_name = "STRUCTURE[:KEY=VALUE,...]", value_parser = StructureParser)]
@@ -305,7 +310,7 @@ pub struct GammaChartArgs {
 
 const CHECK_ABOUT: &str = "\
 Checks a scene without rendering it: reads all its files, tells everything that is wrong with them in one go, and \
-forecasts how much memory a render takes.";
+forecasts how much memory a render takes: one with the same --size, --output and so on, to a tenth or so.";
 
 /// `straal check`
 #[derive(Debug, Args)]
@@ -313,6 +318,63 @@ forecasts how much memory a render takes.";
 pub struct CheckArgs {
     /// The scene or mesh
     pub scene: PathBuf,
+
+    /// Where the picture that is forecast would go: an .exr takes more than a .png
+    #[arg(short, long = "output", value_name = "PICTURE")]
+    pub output: Vec<PathBuf>,
+
+    /// Width and height of the picture that is forecast
+    #[arg(long, value_name = "WxH", value_parser = quantity::size)]
+    pub size: Option<Size>,
+
+    /// Its part that is rendered
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = quantity::crop)]
+    pub crop: Option<Crop>,
+
+    /// With light by wavelengths
+    #[arg(long)]
+    pub spectral: bool,
+
+    /// With samples that count in several pixels
+    #[arg(long, conflicts_with = "noise")]
+    pub splat: bool,
+
+    /// In which numbers an EXR holds the picture
+    #[arg(long, value_name = "NUMBERS", value_parser = quantity::recording)]
+    pub channels: Option<Recording>,
+
+    /// Sampled until its noise is at most this
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = quantity::noise)]
+    pub noise: Option<f64>,
+
+    /// Pattern of the random numbers
+    #[arg(long, value_name = "PATTERN", value_parser = pattern())]
+    pub sampler: Option<PatternKind>,
+
+    /// Worker threads; all cores when absent
+    #[arg(long, value_name = "N", value_parser = quantity::threads)]
+    pub threads: Option<usize>,
+
+    /// Structure in which rays are searched, and its parameters
+    #[arg(long, value_name = "STRUCTURE[:KEY=VALUE,...]", value_parser = StructureParser)]
+    pub accel: Option<Structure>,
+
+    /// Work that goes into the tree of the structure bvh
+    #[arg(long, value_name = "WORK", value_parser = build())]
+    pub build: Option<Build>,
+
+    /// Paths that travel together
+    #[arg(long, value_name = "N", value_parser = quantity::batch)]
+    pub batch: Option<usize>,
+
+    /// With what the searches of each pixel cost
+    #[arg(long)]
+    pub cost: bool,
+
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken. When absent, what the machine or its
+    /// control group has free, less a tenth
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
+    pub memory: Option<u64>,
 
     /// Print one JSON object on standard output instead
     #[arg(long)]
@@ -345,6 +407,11 @@ Examples:
 pub struct AccelArgs {
     /// The scene or mesh
     pub scene: PathBuf,
+
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken. When absent, what the machine or its
+    /// control group has free, less a tenth
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
+    pub memory: Option<u64>,
 
     /// What is compared with bvh, with commas between: names, and parameters as --accel of `straal render` takes them.
     /// One of each kind when absent, but brute only where the scene is small

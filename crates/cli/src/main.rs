@@ -7,6 +7,7 @@ mod command;
 mod complaint;
 mod exit;
 mod interrupt;
+mod machine;
 mod out;
 mod process;
 mod progress;

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use straal_scene::decode::{Describe, Strictness, read_scene};
 use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
+use straal_scene::forecast::{description_bytes, mesh_bytes};
+use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
 
@@ -23,6 +25,8 @@ pub struct Options {
     pub text: yaml::Limits,
     /// How much the files it names may ask for.
     pub files: Limits,
+    /// Bytes of memory that reading all this may take; no limit when absent.
+    pub memory: Option<u64>,
 }
 
 /// A scene without errors, and everything it names.
@@ -37,6 +41,10 @@ pub struct Loaded {
     /// BLAKE3 of what the scene says and of the bytes of its files: the same for the same scene, however it is
     /// commented, spaced or ordered within a mapping of settings.
     pub hash: [u8; 32],
+    /// Bytes of the texts that are kept for messages.
+    pub text_bytes: u64,
+    /// Bytes that reading took at a time, the program's own among them.
+    pub peak_bytes: u64,
 }
 
 /// The largest scene text, in bytes.
@@ -60,7 +68,13 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         let message = format!("cannot read `{}`: {problem}", path.display());
         only(Diagnostic::error(Span::NONE, message).maybe_help(similar(path)))
     };
-    check_file(path, MOST_TEXT).map_err(fail)?;
+    let length = check_file(path, MOST_TEXT).map_err(fail)?;
+    let what = || format!("reading `{}`", path.display());
+    if let Some(shortage) =
+        Ledger::new(options.memory).refuse(text_needs(length, &options.text), what, TEXT_HELP)
+    {
+        return Err(lacking(&shortage));
+    }
     let bytes = std::fs::read(path).map_err(|e| fail(reason(&e)))?;
     let base = path.parent().unwrap_or(Path::new(""));
     load_bytes(&path.display().to_string(), &bytes, base, options)
@@ -74,22 +88,54 @@ pub fn load_str(name: &str, text: &str, base: &Path, options: &Options) -> Resul
 /// Loads a scene from its bytes, which should be UTF-8.
 pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let mut d = Diagnostics::default();
-    let Some((scene, file)) = describe(name, bytes, options, &mut d) else { return Err(d) };
+    let Some((scene, file, tree_bytes)) = describe(name, bytes, options, &mut d) else { return Err(d) };
+    // The bytes, and the text that messages quote; while they are read, another copy and the tree of values.
+    let length = bytes.len() as u64;
+    let mut ledger = Ledger::new(options.memory);
+    ledger.keep(2 * length);
+    ledger.pass(length + tree_bytes + description_bytes(&scene));
+    ledger.keep(description_bytes(&scene));
     let paths = locate(&scene, base, &options.files, &mut d);
     if d.has_errors() {
         d.sort();
         return Err(d);
     }
-    let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), d: &mut d };
+    let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), ledger, d: &mut d };
     let assets = reader.assets(&scene, &paths);
+    let mut ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
+    // To be hashed, the scene is written again.
+    ledger.pass(length + tree_bytes);
     let needs_light = matches!(scene.integrator, Integrator::Path(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }
     d.sort();
-    if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash }) }
+    if d.has_errors() {
+        return Err(d);
+    }
+    Ok(Loaded { scene, assets, warnings: d, hash, text_bytes: length, peak_bytes: ledger.most() })
+}
+
+/// What makes a scene's text take less memory.
+const TEXT_HELP: &str = "meshes in PLY files, and instances of objects, take less than long lists";
+
+/// Bytes that reading a text of some length takes: copies of it, and the tree of its values. It is known better when it is read.
+fn text_needs(length: u64, limits: &yaml::Limits) -> u64 {
+    /// Of values for each byte of text, as in lists of numbers.
+    const VALUES: u64 = 15;
+    /// Of a key and its value.
+    const ENTRY: u64 = 112;
+    let tree = (VALUES * length).min(ENTRY.saturating_mul(limits.nodes as u64));
+    3 * length + tree
+}
+
+/// A complaint that there is too little memory.
+fn lacking(shortage: &Shortage) -> Diagnostics {
+    let mut d = only(Diagnostic::error(Span::NONE, shortage.to_string()).help(shortage.help()));
+    d.lacks_memory = true;
+    d
 }
 
 fn only(complaint: Diagnostic) -> Diagnostics {
@@ -99,7 +145,12 @@ fn only(complaint: Diagnostic) -> Diagnostics {
 }
 
 /// What a text says, as far as it can be read.
-fn describe(name: &str, bytes: &[u8], options: &Options, d: &mut Diagnostics) -> Option<(Scene, FileId)> {
+fn describe(
+    name: &str,
+    bytes: &[u8],
+    options: &Options,
+    d: &mut Diagnostics,
+) -> Option<(Scene, FileId, u64)> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.len() as u64 > MOST_TEXT {
         d.push(Diagnostic::error(
@@ -125,7 +176,7 @@ fn describe(name: &str, bytes: &[u8], options: &Options, d: &mut Diagnostics) ->
     let tree = yaml::read(file, &options.text, d)?;
     let (scene, complaints) = read_scene(&tree, std::mem::take(d), Strictness { lenient: options.lenient });
     *d = complaints;
-    Some((scene, file))
+    Some((scene, file, tree.heap_bytes()))
 }
 
 /// Where each file that the scene names is; complains of all that aren't there.
@@ -151,7 +202,7 @@ fn locate(scene: &Scene, base: &Path, limits: &Limits, d: &mut Diagnostics) -> B
 }
 
 /// Only plain files are read: a device could go on for ever.
-pub(crate) fn check_file(path: &Path, most: u64) -> Result<(), String> {
+pub(crate) fn check_file(path: &Path, most: u64) -> Result<u64, String> {
     let data = std::fs::metadata(path).map_err(|e| reason(&e))?;
     if data.is_dir() {
         return Err("it is a folder".to_owned());
@@ -162,7 +213,7 @@ pub(crate) fn check_file(path: &Path, most: u64) -> Result<(), String> {
     if data.len() > most {
         return Err(format!("it has {} bytes, more than {most}", data.len()));
     }
-    Ok(())
+    Ok(data.len())
 }
 
 fn reason(e: &io::Error) -> String {
@@ -193,6 +244,8 @@ struct Reader<'a> {
     limits: &'a Limits,
     /// BLAKE3 of each file, by the name that the scene gives it.
     hashes: BTreeMap<String, [u8; 32]>,
+    /// What has been read so far.
+    ledger: Ledger,
     d: &'a mut Diagnostics,
 }
 
@@ -262,6 +315,12 @@ impl Reader<'_> {
 
     /// A mesh; an empty one after a complaint.
     fn mesh(&mut self, file: &FileRef, path: &Path) -> (MeshAsset, [u8; 32]) {
+        const HELP: &str = "a mesh of fewer triangles takes less";
+        // As many bytes as the file has for the mesh that it holds, and the file's own.
+        let length = check_file(path, u64::MAX).unwrap_or(0);
+        if self.is_too_much(file, 2 * length, HELP) {
+            return Default::default();
+        }
         let Some(bytes) = self.bytes(file, path) else { return Default::default() };
         match mesh_file::read(path, &bytes, self.limits) {
             Ok(MeshFile { asset, warnings, hash }) => {
@@ -273,6 +332,9 @@ impl Reader<'_> {
                     let message = format!("the mesh `{}` is empty: it has no triangles", file.value);
                     self.d.push(Diagnostic::error(file.span, message));
                 }
+                let own = mesh_bytes(&asset.mesh);
+                self.ledger.pass(bytes.len() as u64 + own);
+                self.ledger.keep(own);
                 (asset, hash)
             }
             Err(e) => {
@@ -292,6 +354,15 @@ impl Reader<'_> {
                 Default::default()
             }
         }
+    }
+
+    /// Whether reading a file takes more memory than there is, which is told then.
+    fn is_too_much(&mut self, file: &FileRef, bytes: u64, help: &'static str) -> bool {
+        let what = || format!("reading `{}`", suggest::brief(file));
+        let Some(shortage) = self.ledger.refuse(bytes, what, help) else { return false };
+        self.d.push(Diagnostic::error(file.span, shortage.to_string()).help(shortage.help()));
+        self.d.lacks_memory = true;
+        true
     }
 
     fn bytes(&mut self, file: &FileRef, path: &Path) -> Option<Vec<u8>> {
@@ -339,9 +410,15 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         let message = format!("cannot read `{}`: {problem}", path.display());
         only(Diagnostic::error(Span::NONE, message).maybe_help(help))
     };
-    check_file(path, options.files.max_bytes).map_err(|p| fail(p, similar(path)))?;
+    let length = check_file(path, options.files.max_bytes).map_err(|p| fail(p, similar(path)))?;
+    let mut ledger = Ledger::new(options.memory);
+    let what = || format!("reading `{}`", path.display());
+    if let Some(shortage) = ledger.refuse(2 * length, what, "a mesh of fewer triangles takes less") {
+        return Err(lacking(&shortage));
+    }
     let bytes = std::fs::read(path).map_err(|e| fail(reason(&e), None))?;
     let read = mesh_file::read(path, &bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
+    ledger.pass(length + mesh_bytes(&read.asset.mesh));
     let name = path.display().to_string();
     let scene = studio::around(&name, &read.asset).map_err(|problem| fail(problem, None))?;
     let mut warnings = Diagnostics::default();
@@ -352,5 +429,5 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    Ok(Loaded { scene, assets, warnings, hash })
+    Ok(Loaded { scene, assets, warnings, hash, text_bytes: 0, peak_bytes: ledger.most() })
 }

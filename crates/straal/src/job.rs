@@ -1,5 +1,6 @@
 //! A scene with all that was asked for it: compiled, ready to render.
 
+use crate::forecast::Forecast;
 use crate::look::{Bits, Gamma, Look};
 use crate::picture::Picture;
 use crate::search;
@@ -7,7 +8,7 @@ use straal_accel::{Build, BvhParams, Isa, Structure};
 use straal_color::{Dither, RgbSpace, Space};
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
-use straal_render::compile::{self, CompileError, Custom, Request};
+use straal_render::compile::{self, CompileError, Custom, Detail, Request};
 use straal_render::driver::{Render, RenderError};
 use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording, hash_of};
 use straal_render::integrator::{Integrator, PathTracer, SineProduct};
@@ -15,6 +16,7 @@ use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
 use straal_render::world::World;
 use straal_scene::desc;
+use straal_scene::memory::Shortage;
 use straal_scene::value::Depth;
 
 /// What a caller wants otherwise than the scene says; `None` leaves it to the scene.
@@ -58,6 +60,8 @@ pub struct Overrides {
     pub spectral: Option<bool>,
     /// In which numbers the film takes light.
     pub recording: Option<Recording>,
+    /// Bytes of memory that may be used: a job that takes more is refused before it takes them. No limit when absent.
+    pub memory: Option<u64>,
 }
 
 /// Why a job can't be done.
@@ -67,6 +71,9 @@ pub enum Error {
     /// What was asked for makes no sense for this scene.
     #[error("{0}")]
     Request(String),
+    /// It takes more memory than may be used.
+    #[error(transparent)]
+    Memory(#[from] Shortage),
     /// The description has no world.
     #[error(transparent)]
     Compile(#[from] CompileError),
@@ -89,6 +96,9 @@ pub struct Job {
     pub chart: Option<SineProduct>,
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
+    /// What it takes of memory.
+    pub forecast: Forecast,
+    memory: Option<u64>,
     look: Look,
     space: Space,
     structure: Structure,
@@ -195,51 +205,27 @@ impl Job {
         Self::of(&loaded, &wish, custom)
     }
 
+    /// Compiles a scene only to find what is wrong with it, and what follows from its camera: curved surfaces are coarse and rays
+    /// searched by brute force, so that its picture isn't the scene's.
+    pub fn draft(loaded: &Loaded, wish: Overrides) -> Result<Self, Error> {
+        let wish = Overrides { accel: Some(Structure::Brute), build: None, ..wish };
+        Self::made(loaded, &wish, &Custom::default(), Detail::Draft)
+    }
+
     /// The same of a scene that is needed further.
     pub(crate) fn of(loaded: &Loaded, wish: &Overrides, custom: &Custom) -> Result<Self, Error> {
+        Self::made(loaded, wish, custom, Detail::Whole)
+    }
+
+    fn made(loaded: &Loaded, wish: &Overrides, custom: &Custom, detail: Detail) -> Result<Self, Error> {
         let scene = &loaded.scene;
-        let size = wish.size.unwrap_or(scene.film.size);
-        let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
-        let spectral = wish.spectral.unwrap_or(scene.spectral);
-        let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
-        check_recording(recording, spectral)?;
-        let splat = wish.splat.unwrap_or(scene.film.splat);
-        let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
-        let structure = built(structure, wish.build)?;
-        let spp = wish.spp.unwrap_or(scene.sampler.spp);
-        if spp == 0 || spp > MAX_SAMPLES {
-            return Err(Error::Request(format!(
-                "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
-            )));
+        let plan = Plan::new(loaded, wish)?;
+        let forecast = Forecast::of(loaded, &plan);
+        if let Some(shortage) = forecast.refuse(wish.memory) {
+            return Err(shortage.into());
         }
-        let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
-        let noise = wish.noise.or(scene.sampler.noise);
-        if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
-            return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
-        }
-        if splat && noise.is_some() {
-            return Err(Error::Request(
-                "samples that count in several pixels (`splat`) can't be taken by the noise of each: pixels with many samples \
-                 would weigh more in their neighbours"
-                    .into(),
-            ));
-        }
-        let pattern = Pattern::new(kind, spp);
-        let settings = Settings {
-            size,
-            crop,
-            pattern,
-            seed: wish.seed.unwrap_or(scene.sampler.seed),
-            noise,
-            error: wish.error.unwrap_or(true),
-            layers: wish.layers.unwrap_or(true),
-            splat,
-            threads: wish.threads.unwrap_or(0),
-            batch: wish.batch.unwrap_or(1024),
-            shuffle_tiles: wish.shuffle_tiles,
-            cost: wish.cost.unwrap_or(scene.accel.cost),
-        };
-        check_size(&settings, &settings.extent(recording, scene.film.filter.radius()))?;
+        let Plan { settings, spp, spectral, recording, structure, .. } = plan;
+        let size = settings.size;
         let by_default = desc::PathTracer::default();
         let (path, chart) = match &scene.integrator {
             desc::Integrator::Path(path) => (path, None),
@@ -265,6 +251,7 @@ impl Job {
             search: &search,
             spectral,
             recording,
+            detail,
         })?;
         if recording != Recording::Rgb && world.camera.needs().taken {
             return Err(Error::Request(format!(
@@ -280,6 +267,8 @@ impl Job {
             integrator,
             chart,
             scene_hash: scene_hash(loaded, custom),
+            forecast,
+            memory: wish.memory,
             look: look(&scene.film),
             space: scene.color.space.space(),
             structure,
@@ -390,6 +379,12 @@ impl Job {
         if self.settings.noise.is_some() { film.open_blocks() } else { 0 }
     }
 
+    /// Refuses to sum up replicates where that takes more memory than may be used.
+    pub(crate) fn check_replicates(&self) -> Result<(), Error> {
+        let shortage = self.forecast.with_replicates(&self.settings).refuse(self.memory);
+        shortage.map_or(Ok(()), |shortage| Err(shortage.into()))
+    }
+
     pub(crate) fn progress(&self) -> Progress {
         Progress { pixels: self.settings.crop.area() as u64, ..Progress::default() }
     }
@@ -443,6 +438,67 @@ impl Job {
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+/// What a job will be, before anything of it is made.
+pub(crate) struct Plan {
+    pub settings: Settings,
+    pub spp: u32,
+    pub spectral: bool,
+    pub recording: Recording,
+    pub structure: Structure,
+    /// In pixels.
+    pub filter_radius: f64,
+}
+
+impl Plan {
+    /// What a scene and a caller's wishes come to.
+    pub fn new(loaded: &Loaded, wish: &Overrides) -> Result<Self, Error> {
+        let scene = &loaded.scene;
+        let size = wish.size.unwrap_or(scene.film.size);
+        let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
+        let spectral = wish.spectral.unwrap_or(scene.spectral);
+        let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
+        check_recording(recording, spectral)?;
+        let splat = wish.splat.unwrap_or(scene.film.splat);
+        let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
+        let structure = built(structure, wish.build)?;
+        let spp = wish.spp.unwrap_or(scene.sampler.spp);
+        if spp == 0 || spp > MAX_SAMPLES {
+            return Err(Error::Request(format!(
+                "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
+            )));
+        }
+        let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
+        let noise = wish.noise.or(scene.sampler.noise);
+        if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
+            return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
+        }
+        if splat && noise.is_some() {
+            return Err(Error::Request(
+                "samples that count in several pixels (`splat`) can't be taken by the noise of each: pixels with many samples \
+                 would weigh more in their neighbours"
+                    .into(),
+            ));
+        }
+        let settings = Settings {
+            size,
+            crop,
+            pattern: Pattern::new(kind, spp),
+            seed: wish.seed.unwrap_or(scene.sampler.seed),
+            noise,
+            error: wish.error.unwrap_or(true),
+            layers: wish.layers.unwrap_or(true),
+            splat,
+            threads: wish.threads.unwrap_or(0),
+            batch: wish.batch.unwrap_or(1024),
+            shuffle_tiles: wish.shuffle_tiles,
+            cost: wish.cost.unwrap_or(scene.accel.cost),
+        };
+        let filter_radius = scene.film.filter.radius();
+        check_size(&settings, &settings.extent(recording, filter_radius))?;
+        Ok(Self { settings, spp, spectral, recording, structure, filter_radius })
     }
 }
 
