@@ -213,6 +213,7 @@ impl Picture {
             space: Some(self.space),
             layers,
             metadata,
+            notes: Vec::new(),
         }
     }
 }
