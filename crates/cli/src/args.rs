@@ -200,6 +200,10 @@ pub struct RenderArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Read files from this folder only: what a scene names, and what those files name. Symbolic links are followed first
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long)]
     pub lenient: bool,
@@ -318,6 +322,10 @@ pub struct CheckArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Read files from this folder only: what a scene names, and what those files name. Symbolic links are followed first
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
+
     /// Take unknown keys for warnings
     #[arg(long)]
     pub lenient: bool,
@@ -387,6 +395,10 @@ pub struct AccelArgs {
     /// Print one JSON object on standard output instead
     #[arg(long)]
     pub json: bool,
+
+    /// Read files from this folder only: what a scene names, and what those files name. Symbolic links are followed first
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
 
     /// Take unknown keys of the scene for warnings
     #[arg(long)]

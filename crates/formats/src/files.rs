@@ -154,11 +154,20 @@ pub struct Found {
     pub instead: Option<String>,
 }
 
+/// A folder that files must be in.
+#[derive(Clone, Debug)]
+struct Root {
+    /// Without symbolic links.
+    real: PathBuf,
+    /// As it was given, but absolute.
+    given: PathBuf,
+}
+
 /// Finds files by the names that scenes and meshes give them.
 #[derive(Clone, Debug, Default)]
 pub struct Finder {
-    /// The folder that all files must be in, without symbolic links.
-    root: Option<PathBuf>,
+    /// The folder that all files must be in.
+    root: Option<Root>,
     /// Names in folders that were looked through, by their lower case.
     listings: BTreeMap<PathBuf, BTreeMap<String, Vec<String>>>,
 }
@@ -180,14 +189,18 @@ impl Finder {
         if !real.is_dir() {
             return Err(told("it is not a folder"));
         }
-        Ok(Self { root: Some(real), ..Self::default() })
+        let given = std::path::absolute(folder).unwrap_or_else(|_| real.clone());
+        Ok(Self { root: Some(Root { real, given }), ..Self::default() })
     }
 
     /// Where a file is that the caller itself names: it may be anywhere, but one in the root must not lead out of it.
     pub(crate) fn named(&self, path: &Path) -> Result<PathBuf, Refusal> {
         let Some(root) = &self.root else { return Ok(path.to_owned()) };
         let folder = path.parent().unwrap_or(Path::new(""));
-        let is_inside = resolved(folder).starts_with(root);
+        let written = std::path::absolute(path).unwrap_or_default();
+        let is_inside = resolved(folder).starts_with(&root.real)
+            || written.starts_with(&root.given)
+            || written.starts_with(&root.real);
         if is_inside { self.confined(path) } else { Ok(path.to_owned()) }
     }
 
@@ -262,10 +275,10 @@ impl Finder {
     fn confined(&self, path: &Path) -> Result<PathBuf, Refusal> {
         let Some(root) = &self.root else { return Ok(path.to_owned()) };
         let real = resolved(path);
-        if real.starts_with(root) {
+        if real.starts_with(&root.real) {
             return Ok(real);
         }
-        let (path, root) = (path.display(), root.display());
+        let (path, root) = (path.display(), root.real.display());
         Err(Refusal::new(format!("`{path}` lies outside of `{root}`, and only files in there may be read"))
             .help("`--root` says which folder a scene may read from"))
     }

@@ -202,7 +202,7 @@ mod tests {
         let text = b"\xef\xbb\xbfv 1\rv 2\r\n\rv 3 \\\r 4 \\\r\n5\n# no\\\nv 6 # c:\\\nv 7#\r#MRGB ff\r\r\nv \xff\xff 8 # x";
         let mut lines = Lines::new(text);
         let mut found = Vec::new();
-        while let Some(s) = lines.next() {
+        for s in lines.by_ref() {
             found.push((s.line, s.words().collect::<Vec<_>>().join(" ")));
         }
         let want = [(1, "1"), (2, "2"), (4, "3 4 5"), (8, "6"), (9, "7"), (12, "\u{fffd}\u{fffd} 8")];

@@ -3,6 +3,7 @@
 mod bare_mesh;
 mod common;
 mod complaints;
+mod files;
 mod images;
 mod obj;
 mod ply;

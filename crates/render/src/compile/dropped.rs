@@ -61,20 +61,47 @@ fn source(node: Option<&Node>) -> (Source, Span) {
 
 impl Source {
     fn tell(&self, count: usize, is_finite: bool) -> String {
-        let several = count != 1;
-        let lacks = match (self, is_finite) {
+        let (s, is) = if count == 1 { ("", "is") } else { ("s", "are") };
+        let things = match self {
+            Self::File(file) => format!("in `{file}`: {count} triangle{s}"),
+            Self::Mesh => format!("in a `mesh`: {count} triangle{s}"),
+            Self::Shape(kind) => format!("{count} shape{s} `{kind}`"),
+            Self::Instance(object) => format!("{count} instance{s} of `{object}`"),
+        };
+        let lacking = match (self, is_finite) {
+            (_, false) => "with coordinates beyond single precision",
             (Self::File(_) | Self::Mesh, true) => "without area",
             (_, true) => "without extent",
-            (_, false) => "with coordinates beyond single precision",
         };
-        let triangles = if several { "triangles" } else { "triangle" };
-        let left_out = if several { "are left out" } else { "is left out" };
-        let things = match self {
-            Self::File(file) => return format!("in `{file}`: {count} {triangles} {lacks} {left_out}"),
-            Self::Mesh => return format!("in a `mesh`: {count} {triangles} {lacks} {left_out}"),
-            Self::Shape(kind) => format!("of shapes `{kind}`"),
-            Self::Instance(object) => format!("of instances of `{object}`"),
-        };
-        format!("{things} {count} {lacks} {left_out}")
+        format!("{things} {lacking} {is} left out")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_left_out_is_told_in_one_line_for_each_source() {
+        let lost = |from, not_finite, empty| accel::Dropped { from, not_finite, empty };
+        let dropped = [
+            lost(DroppedFrom::Geometry(0), 0, 2),
+            lost(DroppedFrom::Geometry(9), 0, 1),
+            lost(DroppedFrom::Instance { group: 3 }, 1, 0),
+            lost(DroppedFrom::Instance { group: 3 }, 1, 0),
+        ];
+        let told = tell(&dropped, &[], &BTreeMap::from([("pot", 3), ("pan", 1)]));
+        let told: Vec<_> = told.iter().map(|d| (d.count, d.message.as_str())).collect();
+        assert_eq!(
+            told,
+            [
+                (3, "3 shapes `custom shape` without extent are left out"),
+                (2, "2 instances of `pot` with coordinates beyond single precision are left out")
+            ]
+        );
+        assert_eq!(
+            Source::File("a.ply".into()).tell(1, true),
+            "in `a.ply`: 1 triangle without area is left out"
+        );
     }
 }
