@@ -205,6 +205,10 @@ pub struct RenderArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Read files from this folder only: what a scene names, and what those files name. Symbolic links are followed first
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long)]
     pub lenient: bool,
@@ -380,6 +384,10 @@ pub struct CheckArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Read files from this folder only: what a scene names, and what those files name. Symbolic links are followed first
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
+
     /// Take unknown keys for warnings
     #[arg(long)]
     pub lenient: bool,
@@ -454,6 +462,10 @@ pub struct AccelArgs {
     /// Print one JSON object on standard output instead
     #[arg(long)]
     pub json: bool,
+
+    /// Read files from this folder only: what a scene names, and what those files name. Symbolic links are followed first
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
 
     /// Take unknown keys of the scene for warnings
     #[arg(long)]

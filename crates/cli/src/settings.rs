@@ -38,6 +38,8 @@ pub struct RenderSettings {
     pub json: bool,
     /// Whether unknown keys are warnings.
     pub lenient: bool,
+    /// The folder that files are read from, where that is confined.
+    pub root: Option<PathBuf>,
 }
 
 impl RenderSettings {
@@ -107,6 +109,7 @@ impl RenderSettings {
             quiet: args.quiet,
             json: args.json,
             lenient: args.lenient,
+            root: args.root,
         })
     }
 

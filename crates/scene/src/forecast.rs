@@ -261,10 +261,6 @@ impl Walk<'_> {
             names.sort_unstable();
             names.dedup();
             own.meshes = (names.len() as u64).max(1);
-            // Each has its own list of normals and texture coordinates, for all vertices.
-            let shared = own.vertices.saturating_mul(12);
-            let others = (own.vertex_bytes - shared).saturating_mul(own.meshes);
-            own.vertex_bytes = shared.saturating_add(others);
         }
         lit_if(m.surface.emission.is_some() || glows, own)
     }

@@ -36,7 +36,7 @@ impl Plate {
     pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
             let picture = exr::read(bytes, limits)?;
-            let Beauty { pixels, space, layer } = picture.beauty()?;
+            let Beauty { pixels, space, layer, .. } = picture.beauty()?;
             return Ok(Self { picture, pixels, space, beauty: layer });
         }
         let Image { width, height, pixels } = image::read(bytes, limits)?;

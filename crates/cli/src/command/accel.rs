@@ -17,7 +17,12 @@ use straal_scene::Diagnostics;
 /// Compares search structures on a scene's rays; the exit says whether their hits differ.
 pub fn run(args: &AccelArgs, start: Instant) -> Result<Exit, Failure> {
     let request = request(args)?;
-    let options = LoadOptions { lenient: args.lenient, memory: request.memory, ..LoadOptions::default() };
+    let options = LoadOptions {
+        lenient: args.lenient,
+        root: args.root.clone(),
+        memory: request.memory,
+        ..LoadOptions::default()
+    };
     let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
     if !args.quiet {
         out::say(&complaint::show(&loaded.warnings, out::has_colours()));

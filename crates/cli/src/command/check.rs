@@ -15,7 +15,8 @@ use straal::{CameraFacts as Facts, Forecast, Job, LoadOptions, Overrides};
 pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let memory = args.memory.or_else(machine::memory);
     let wish = overrides(args)?;
-    let options = LoadOptions { lenient: args.lenient, memory, ..LoadOptions::default() };
+    let options =
+        LoadOptions { lenient: args.lenient, root: args.root.clone(), memory, ..LoadOptions::default() };
     let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
     let mut warnings = loaded.warnings.clone();
     let needs = straal::forecast(&loaded, &wish).map_err(|e| refused(e, &warnings))?;
@@ -44,6 +45,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
             "camera": job.as_ref().map(|job| camera_as_json(&job.camera())),
             "triangles": needs.triangles,
             "visible_primitives": needs.visible,
+            "dropped_primitives": job.as_ref().map(|job| job.world.dropped.iter().map(|d| d.count).sum::<usize>()),
             "memory_bytes": memory_as_json(&needs),
             "memory_limit_bytes": memory,
             "fits": shortage.is_none(),

@@ -71,8 +71,12 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
 }
 
 fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options =
-        LoadOptions { lenient: settings.lenient, memory: settings.memory, ..LoadOptions::default() };
+    let options = LoadOptions {
+        lenient: settings.lenient,
+        root: settings.root.clone(),
+        memory: settings.memory,
+        ..LoadOptions::default()
+    };
     match &settings.scene {
         Some(path) => straal::load(path, &options),
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),
