@@ -1,7 +1,7 @@
 //! What was typed. What it means is worked out in [`crate::settings`].
 
 use crate::exit;
-use crate::quantity::{self, Crop, Dimensions, Shape, Size};
+use crate::quantity::{self, Crop, Dimensions, Every, Samples, Shape, Size};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::marker::PhantomData;
@@ -40,6 +40,9 @@ pub enum Command {
     /// Render a scene to a picture
     #[command(long_about = RENDER_ABOUT)]
     Render(Box<RenderArgs>),
+    /// Put together parts of a picture that were rendered apart
+    #[command(long_about = MERGE_ABOUT)]
+    Merge(MergeArgs),
     /// Check a scene without rendering it
     #[command(long_about = CHECK_ABOUT)]
     Check(CheckArgs),
@@ -76,7 +79,8 @@ light by itself. What is said here wins over what the scene says.
 
 The same scene and settings give the same bits, whatever the number of threads, the instruction set or the crop. \
 Rendering goes in passes over the whole picture; a render that is ended by --time or by Ctrl-C leaves the very \
-picture that --spp of as many samples gives. A second Ctrl-C ends at once and writes nothing.";
+picture that --spp of as many samples gives. A second Ctrl-C ends at once and writes nothing. What a checkpoint holds is not \
+lost even to a power cut: --resume goes on from it.";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -86,6 +90,7 @@ Examples:
   straal render scene.yaml --time 90s           as good as it gets in a minute and a half
   straal render scene.yaml --noise 2%           as many samples as it takes, where it takes them
   straal render scene.yaml --spp 4 --size 320x180 --crop 100,50,200,120
+  straal render scene.yaml -o a.exr --resume    goes on where it was cut off
   straal render scene.yaml --json --quiet | jq .film_hash
   straal render scene.yaml -o a.exr --spp 16 --replicates 16
                                                 a picture that knows its own variance, for `straal diff`";
@@ -115,6 +120,24 @@ pub struct RenderArgs {
     /// 2%. No pixel gets more samples than --spp says, without it 262144
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = quantity::noise)]
     pub noise: Option<f64>,
+
+    /// Take a part of the samples only, such as 64..128: the first (from 0), and one past the last. For --save-sums on
+    /// several machines
+    #[arg(long, value_name = "A..B", value_parser = quantity::samples)]
+    pub samples: Option<Samples>,
+
+    /// Write the exact sums of what was rendered to a file, for `straal merge`. Without -o there is no picture then
+    #[arg(long, value_name = "FILE")]
+    pub save_sums: Option<PathBuf>,
+
+    /// Write what there is beside the picture, to PICTURE.checkpoint, whenever so much time has passed, for --resume; or off.
+    /// 60s where an EXR is written, else off. The file goes when the picture is there
+    #[arg(long, value_name = "TIME", value_parser = quantity::checkpoint)]
+    pub checkpoint: Option<Every>,
+
+    /// Go on from the checkpoint beside the picture, to the same bits; from the beginning where there is none
+    #[arg(long)]
+    pub resume: bool,
 
     /// Width and height of the whole picture, such as 640x360
     #[arg(long, value_name = "WxH", value_parser = quantity::size)]
@@ -301,6 +324,47 @@ pub struct GammaChartArgs {
     /// Where the chart goes, a PNG
     #[arg(short, long, value_name = "PICTURE", default_value = "gamma-chart.png")]
     pub output: PathBuf,
+}
+
+const MERGE_ABOUT: &str = "\
+Puts together parts of a picture that `straal render --save-sums` wrote, on whatever machines: runs of samples, crops, or \
+both, in any order. The picture is that of one render of all of it, to the last bit. Samples that several files have are \
+refused, and so are gaps.";
+
+const MERGE_EXAMPLES: &str = "\
+Examples:
+  straal render scene.yaml --spp 128 --samples 0..64 --save-sums a.sums       here
+  straal render scene.yaml --spp 128 --samples 64..128 --save-sums b.sums     there
+  straal merge a.sums b.sums -o scene.exr -o scene.png
+  straal merge scene.exr.checkpoint -o so-far.png --allow-gaps";
+
+/// `straal merge`
+#[derive(Debug, Args)]
+#[command(after_help = MERGE_EXAMPLES, after_long_help = format!("{MERGE_EXAMPLES}\n\n{}", exit::TABLE))]
+pub struct MergeArgs {
+    /// The files of sums
+    #[arg(required = true)]
+    pub sums: Vec<PathBuf>,
+
+    /// Where the picture goes: .exr, .png, .hdr or .pfm; may be given several times
+    #[arg(short, long = "output", value_name = "PICTURE", required = true)]
+    pub output: Vec<PathBuf>,
+
+    /// Take samples that are missing for a warning
+    #[arg(long)]
+    pub allow_gaps: bool,
+
+    /// How a PNG is developed
+    #[command(flatten)]
+    pub look: LookArgs,
+
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
 }
 
 const CHECK_ABOUT: &str = "\

@@ -7,7 +7,9 @@ mod command;
 mod complaint;
 mod exit;
 mod interrupt;
+mod keeping;
 mod out;
+mod places;
 mod process;
 mod progress;
 mod quantity;
@@ -17,6 +19,7 @@ mod settings;
 use args::{Command, CommandLine};
 use clap::Parser;
 use exit::{Exit, Failure};
+use interrupt::Interrupt;
 use std::panic;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -39,8 +42,10 @@ fn run(start: Instant) -> Exit {
         }
     };
     let json = wants_json(&line.command);
+    let interrupt = Interrupt::listen();
     let done = match line.command {
-        Command::Render(args) => command::render::run(*args, start),
+        Command::Render(args) => command::render::run(*args, start, &interrupt),
+        Command::Merge(args) => command::merge::run(&args, &interrupt),
         Command::Check(args) => command::check::run(&args),
         Command::Accel(args) => command::accel::run(&args, start),
         Command::Sampler(args) => command::sampler::run(&args),
@@ -57,6 +62,7 @@ fn run(start: Instant) -> Exit {
 fn wants_json(command: &Command) -> bool {
     match command {
         Command::Render(a) => a.json,
+        Command::Merge(a) => a.json,
         Command::Check(a) => a.json,
         Command::Accel(a) => a.json,
         Command::Sampler(a) => a.json,
