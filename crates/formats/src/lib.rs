@@ -14,6 +14,7 @@ pub mod mesh_file;
 pub mod read_error;
 pub mod spd;
 mod studio;
+mod temporary;
 pub mod yaml;
 
 pub use limits::Limits;

@@ -37,6 +37,8 @@ pub struct Loaded {
     /// BLAKE3 of what the scene says and of the bytes of its files: the same for the same scene, however it is
     /// commented, spaced or ordered within a mapping of settings.
     pub hash: [u8; 32],
+    /// The files that were read, but for the one that the scene is told in; a mesh by itself is one of them.
+    pub files: Vec<PathBuf>,
 }
 
 /// The largest scene text, in bytes.
@@ -80,16 +82,18 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
         d.sort();
         return Err(d);
     }
-    let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), d: &mut d };
+    let files = paths.values().cloned().collect();
+    let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), files, d: &mut d };
     let assets = reader.assets(&scene, &paths);
     let hash = hash(&scene, &reader.hashes);
+    let files = reader.files;
     let needs_light = matches!(scene.integrator, Integrator::Path(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }
     d.sort();
-    if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash }) }
+    if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash, files }) }
 }
 
 fn only(complaint: Diagnostic) -> Diagnostics {
@@ -193,6 +197,8 @@ struct Reader<'a> {
     limits: &'a Limits,
     /// BLAKE3 of each file, by the name that the scene gives it.
     hashes: BTreeMap<String, [u8; 32]>,
+    /// What is read.
+    files: Vec<PathBuf>,
     d: &'a mut Diagnostics,
 }
 
@@ -264,7 +270,8 @@ impl Reader<'_> {
     fn mesh(&mut self, file: &FileRef, path: &Path) -> (MeshAsset, [u8; 32]) {
         let Some(bytes) = self.bytes(file, path) else { return Default::default() };
         match mesh_file::read(path, &bytes, self.limits) {
-            Ok(MeshFile { asset, warnings, hash }) => {
+            Ok(MeshFile { asset, warnings, hash, libraries }) => {
+                self.files.extend(libraries);
                 for warning in warnings {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
@@ -352,5 +359,6 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    Ok(Loaded { scene, assets, warnings, hash })
+    let files = std::iter::once(path.to_path_buf()).chain(read.libraries).collect();
+    Ok(Loaded { scene, assets, warnings, hash, files })
 }

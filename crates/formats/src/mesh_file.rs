@@ -1,7 +1,7 @@
 //! A mesh file of any kind that straal reads, with the materials that came with it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use straal_scene::desc::{Conductor, Dielectric, Diffuse, Material, Mirror, Spectrum};
@@ -21,6 +21,8 @@ pub struct MeshFile {
     pub warnings: Vec<String>,
     /// BLAKE3 of the file and of the material libraries that it names.
     pub hash: [u8; 32],
+    /// The material libraries that were read.
+    pub libraries: Vec<PathBuf>,
 }
 
 /// Reads the bytes of a mesh file; `path` tells its kind, and where the material libraries are that it names.
@@ -30,17 +32,20 @@ pub fn read(path: &Path, bytes: &[u8], limits: &Limits) -> Result<MeshFile, Read
     if bytes.starts_with(b"ply") {
         let mesh = Arc::new(mesh::ply::read(bytes, limits)?);
         let asset = MeshAsset { mesh, ..MeshAsset::default() };
-        return Ok(MeshFile { asset, warnings: Vec::new(), hash: hasher.finalize().into() });
+        let hash = hasher.finalize().into();
+        return Ok(MeshFile { asset, warnings: Vec::new(), hash, libraries: Vec::new() });
     }
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     if extension.as_deref() != Some("obj") {
         let found = extension.map(|e| format!(", found .{e}")).unwrap_or_default();
         return Err(ReadError::file(format!("a mesh must be a .ply or .obj file{found}")));
     }
+    let mut libraries = Vec::new();
     let mut library = |name: &str| {
         let path = path.parent()?.join(name);
         check_file(&path, limits.max_bytes).ok()?;
-        let bytes = std::fs::read(path).ok()?;
+        let bytes = std::fs::read(&path).ok()?;
+        libraries.push(path);
         hasher.update(&bytes);
         Some(bytes)
     };
@@ -54,7 +59,7 @@ pub fn read(path: &Path, bytes: &[u8], limits: &Limits) -> Result<MeshFile, Read
         materials.insert(name.clone(), PartMaterial { material, emission });
     }
     let asset = MeshAsset { mesh: Arc::new(file.mesh), materials: Arc::new(materials) };
-    Ok(MeshFile { asset, warnings, hash: hasher.finalize().into() })
+    Ok(MeshFile { asset, warnings, hash: hasher.finalize().into(), libraries })
 }
 
 /// The material that comes nearest to what an MTL file means, and what is lost by it.

@@ -7,5 +7,7 @@ mod complaints;
 mod develop;
 mod diff;
 mod interrupt;
+mod keeping;
+mod places;
 mod render;
 mod sampler;
