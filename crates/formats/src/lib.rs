@@ -17,6 +17,7 @@ mod number;
 pub mod read_error;
 pub mod spd;
 mod studio;
+mod temporary;
 pub mod yaml;
 
 pub use limits::Limits;

@@ -49,6 +49,8 @@ pub struct Loaded {
     pub text_bytes: u64,
     /// Bytes that reading took at a time, the program's own among them.
     pub peak_bytes: u64,
+    /// The files that were read, but for the one that the scene is told in; a mesh by itself is one of them.
+    pub files: Vec<PathBuf>,
 }
 
 /// The largest scene text, in bytes.
@@ -111,12 +113,15 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
         d.sort();
         return Err(d);
     }
-    let mut reader = Reader { limits: &options.files, finder, hashes: BTreeMap::new(), ledger, d: &mut d };
+    let files = paths.values().cloned().collect();
+    let mut reader =
+        Reader { limits: &options.files, finder, hashes: BTreeMap::new(), files, ledger, d: &mut d };
     let assets = reader.assets(&scene, &paths);
     let mut ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
     // To be hashed, the scene is written again.
     ledger.pass(length + tree_bytes);
+    let files = reader.files;
     let needs_light = matches!(scene.integrator, Integrator::Path(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
@@ -126,7 +131,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     if d.has_errors() {
         return Err(d);
     }
-    Ok(Loaded { scene, assets, warnings: d, hash, text_bytes: length, peak_bytes: ledger.most() })
+    Ok(Loaded { scene, assets, warnings: d, hash, files, text_bytes: length, peak_bytes: ledger.most() })
 }
 
 /// What makes a mesh take less memory.
@@ -257,6 +262,8 @@ struct Reader<'a> {
     hashes: BTreeMap<String, [u8; 32]>,
     /// What has been read so far.
     ledger: Ledger,
+    /// What is read.
+    files: Vec<PathBuf>,
     d: &'a mut Diagnostics,
 }
 
@@ -332,7 +339,8 @@ impl Reader<'_> {
             return Default::default();
         }
         match mesh_file::load(path, self.limits, &mut self.finder) {
-            Ok(MeshFile { asset, warnings, hash }) => {
+            Ok(MeshFile { asset, warnings, hash, libraries }) => {
+                self.files.extend(libraries);
                 for warning in warnings {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
@@ -445,5 +453,6 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    Ok(Loaded { scene, assets, warnings, hash, text_bytes: 0, peak_bytes: ledger.most() })
+    let files = std::iter::once(path.to_path_buf()).chain(read.libraries).collect();
+    Ok(Loaded { scene, assets, warnings, hash, files, text_bytes: 0, peak_bytes: ledger.most() })
 }

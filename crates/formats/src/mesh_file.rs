@@ -21,6 +21,8 @@ pub struct MeshFile {
     pub warnings: Vec<String>,
     /// BLAKE3 of the file and of the material libraries that it names.
     pub hash: [u8; 32],
+    /// The material libraries that were read.
+    pub libraries: Vec<PathBuf>,
 }
 
 /// Reads a mesh file and the material libraries that it names, which `finder` finds.
@@ -32,7 +34,15 @@ pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFil
         return read_ply(&bytes, limits).map_err(|e| Refusal::new(e.to_string()));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut shelf = Shelf { folder, limits, finder, read: HashSet::new(), told: Vec::new(), refusal: None };
+    let mut shelf = Shelf {
+        folder,
+        limits,
+        finder,
+        read: HashSet::new(),
+        libraries: Vec::new(),
+        told: Vec::new(),
+        refusal: None,
+    };
     let mut hasher = blake3::Hasher::new();
     hasher.update(&bytes);
     let file = mesh::obj::read(&bytes, limits, &mut |name| {
@@ -44,6 +54,7 @@ pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFil
         return Err(refusal);
     }
     let file = file.map_err(|e: ReadError| Refusal::new(e.to_string()))?;
+    let libraries = shelf.libraries;
     let mut warnings = shelf.told;
     warnings.extend(file.warnings);
     let mut told = material::Told::default();
@@ -55,13 +66,13 @@ pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFil
     }
     warnings.extend(told.finish());
     let asset = MeshAsset { mesh: Arc::new(file.mesh), materials: Arc::new(materials) };
-    Ok(MeshFile { asset, warnings, hash: hasher.finalize().into() })
+    Ok(MeshFile { asset, warnings, hash: hasher.finalize().into(), libraries })
 }
 
 fn read_ply(bytes: &[u8], limits: &Limits) -> Result<MeshFile, ReadError> {
     let file = mesh::ply::read(bytes, limits)?;
     let asset = MeshAsset { mesh: Arc::new(file.mesh), ..MeshAsset::default() };
-    Ok(MeshFile { asset, warnings: file.warnings, hash: blake3::hash(bytes).into() })
+    Ok(MeshFile { asset, warnings: file.warnings, hash: blake3::hash(bytes).into(), libraries: Vec::new() })
 }
 
 /// Whether a file of this extension that begins so can be a mesh.
@@ -92,6 +103,8 @@ struct Shelf<'a> {
     finder: &'a mut Finder,
     /// What was read already, under whatever name.
     read: HashSet<PathBuf>,
+    /// Those that were read, as they were found.
+    libraries: Vec<PathBuf>,
     told: Vec<String>,
     /// The first that must not be read.
     refusal: Option<Refusal>,
@@ -128,6 +141,7 @@ impl Shelf<'_> {
                     self.tell(format!("there is no material library {shown}: '{instead}' is read"));
                 }
                 self.read.insert(real);
+                self.libraries.push(found.path);
                 Some(bytes)
             }
             // A folder `a` is no reason against the file `a b.mtl`.

@@ -69,6 +69,9 @@ const SURROUNDINGS: u64 = 12 + 8;
 /// The same while the tables are made: weights in double and in single precision.
 const SURROUNDINGS_MAKING: u64 = 8 + 4;
 
+/// Where the batches of a pixel end.
+const BATCHES: u64 = 48;
+
 /// A pixel's sums over replicates in double precision: of colours; of the other layers, and the spread of colours.
 const REPLICATES: [u64; 2] = [24, 24 + 24 + 24 + 8 + 4];
 
@@ -88,6 +91,9 @@ impl Forecast {
         } else {
             plan.settings.threads
         };
+        // Of samples that others come before, batches are kept exact, which takes as much again.
+        let is_later = plan.first > 0 && extent.batches;
+        let later = if is_later { BATCHES.saturating_mul(region.area() as u64) } else { 0 };
         let mut f = Self {
             triangles: contents.kept.triangles,
             vertices: contents.kept.vertices,
@@ -99,7 +105,7 @@ impl Forecast {
             building: building.saturating_add(making),
             lights,
             images: pixels.saturating_mul(SURROUNDINGS),
-            film: Film::bytes(&extent, region, plan.settings.size),
+            film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
             layers: crop.saturating_mul(each),
             threads: (threads as u64).saturating_mul(THREAD + PATH * plan.settings.batch as u64),
             peak: 0,

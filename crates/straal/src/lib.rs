@@ -26,6 +26,7 @@ pub mod picture;
 pub mod points;
 pub mod replicates;
 pub mod search;
+pub mod sums;
 
 pub use forecast::{Forecast, forecast};
 pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};

@@ -204,7 +204,7 @@ mod tests {
         let want = "\
 memory of a render, about:
   film        29.5 MB  640 x 360 pixels, 16 samples
-  geometry    56.0 kB  1000 triangles, 5000 shapes in sight
+  geometry    56.0 kB  1,000 triangles, 5000 shapes in sight
   search      70.0 kB  kd
   threads     15.0 MB  and the program itself
   at most     45.0 MB  at a time, building and reading included

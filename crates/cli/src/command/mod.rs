@@ -2,10 +2,13 @@
 
 pub mod accel;
 pub mod check;
+pub mod completions;
 pub mod develop;
 pub mod diff;
 pub mod gamma_chart;
 pub mod info;
+pub mod man;
+pub mod merge;
 pub mod metamer;
 pub mod render;
 pub mod sampler;
@@ -19,6 +22,35 @@ use straal_scene::{Diagnostic, Diagnostics, Span};
 /// Prints a result; that it could not be printed is a failure of the system.
 fn print(text: &str) -> Result<(), Failure> {
     crate::out::result(text).map_err(|e| Failure::system(format!("can't write to standard output: {e}")))
+}
+
+/// Files that are written one after the other: one that fails doesn't keep the others from being tried.
+#[derive(Default)]
+struct Writing {
+    written: Vec<String>,
+    failed: Vec<String>,
+}
+
+impl Writing {
+    /// Takes note of what became of a file.
+    fn note<E: std::fmt::Display>(&mut self, path: &Path, done: Result<(), E>) {
+        match done {
+            Ok(()) => self.written.push(path.display().to_string()),
+            Err(e) => self.failed.push(e.to_string()),
+        }
+    }
+
+    /// All failures as one, with what was written all the same.
+    fn end(self) -> Result<(), Failure> {
+        if self.failed.is_empty() {
+            return Ok(());
+        }
+        let failure = Failure::system(self.failed.join("; "));
+        if self.written.is_empty() {
+            return Err(failure);
+        }
+        Err(failure.help(format!("written all the same: {}", self.written.join(", "))))
+    }
 }
 
 /// The bytes of a picture or a spectrum.

@@ -8,6 +8,8 @@ mod develop;
 mod diff;
 mod files;
 mod interrupt;
+mod keeping;
 mod memory;
+mod places;
 mod render;
 mod sampler;

@@ -19,7 +19,7 @@ const GUIDE_RANGE: f32 = 4.0;
 
 /// Sum of values below 2^32, in units of 2^-62.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Value(i128);
+pub struct Value(pub(super) i128);
 
 impl Value {
     pub fn add(&mut self, v: f32) {
@@ -31,6 +31,12 @@ impl Value {
     }
 }
 
+impl From<Value> for f64 {
+    fn from(v: Value) -> Self {
+        v.to_f64()
+    }
+}
+
 impl AddAssign for Value {
     fn add_assign(&mut self, o: Self) {
         self.0 += o.0;
@@ -39,7 +45,7 @@ impl AddAssign for Value {
 
 /// Sum of squares of values below 2^32, in units of 2^-44.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Square(i128);
+pub struct Square(pub(super) i128);
 
 impl Square {
     /// Adds v².
@@ -126,7 +132,7 @@ impl<A: Across, const N: usize> Rowed<A, N> {
 
 /// Sum of an albedo or normal, in units of 2^-40; what lies beyond ±4 is taken as that, NaN as 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Guide(i64);
+pub struct Guide(pub(super) i64);
 
 impl Guide {
     pub fn add(&mut self, v: f32) {

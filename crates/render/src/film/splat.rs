@@ -24,7 +24,7 @@ const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
 
 /// Sums of one pixel, of light v and heights w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Splat {
+pub(super) struct Splat {
     /// Of w v.
     value: [Value; 3],
     /// Of w, in units of 2^-30: 2^18 samples of each of 33 x 33 pixels stay below 2^59.
@@ -32,7 +32,20 @@ struct Splat {
 }
 
 impl Splat {
-    fn merge(&mut self, o: &Self) {
+    /// Numbers of 128 bits that it is made of, and those of 64.
+    pub(super) const NUMBERS: [usize; 2] = [3, 1];
+
+    /// Every number of 128 bits, in the order in which they are written; the weight comes after them.
+    pub(super) fn values(&mut self) -> impl Iterator<Item = &mut i128> {
+        self.value.iter_mut().map(|v| &mut v.0)
+    }
+
+    /// The sum of heights.
+    pub(super) fn weights(&mut self) -> &mut i64 {
+        &mut self.weight
+    }
+
+    pub(super) fn merge(&mut self, o: &Self) {
         self.weight += o.weight;
         for (sum, other) in self.value.iter_mut().zip(o.value) {
             *sum += other;
@@ -80,6 +93,31 @@ impl Splats {
         let region = tile.grown(reach).intersection(Region::whole(size));
         let sums = vec![Splat::default(); region.area()];
         Self { region, bands: vec![Value::default(); region.area() * bands], sums, reach }
+    }
+
+    /// For sums that were made before, and reach nobody else.
+    pub(super) fn alone(tile: Region, bands: usize) -> Self {
+        let sums = vec![Splat::default(); tile.area()];
+        Self { region: tile, bands: vec![Value::default(); tile.area() * bands], sums, reach: 0 }
+    }
+
+    /// How far a sample's own pixel may be from one that it counts in.
+    pub(super) const fn reach(&self) -> u32 {
+        self.reach
+    }
+
+    /// The sums of a pixel and of its bands, if it is within reach.
+    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(&Splat, &[Value])> {
+        let of_each = self.bands.len() / self.sums.len();
+        let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
+        Some((&self.sums[i], &self.bands[i * of_each..][..of_each]))
+    }
+
+    /// The same to be changed.
+    pub(super) fn at_mut(&mut self, pixel: [u32; 2]) -> Option<(&mut Splat, &mut [Value])> {
+        let of_each = self.bands.len() / self.sums.len();
+        let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
+        Some((&mut self.sums[i], &mut self.bands[i * of_each..][..of_each]))
     }
 
     /// Adds a sample to all pixels within reach.
