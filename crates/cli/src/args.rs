@@ -276,6 +276,10 @@ pub struct DevelopArgs {
     #[arg(short, long = "output", value_name = "PICTURE", required = true)]
     pub output: Vec<PathBuf>,
 
+    /// Develop this layer of an EXR as if it were the picture, and leave out the others: its name or the last part of it
+    #[arg(long, value_name = "NAME", conflicts_with = "depth_of_field")]
+    pub layer: Option<String>,
+
     /// How a PNG is developed
     #[command(flatten)]
     pub look: LookArgs,

@@ -225,11 +225,12 @@ impl Fault {
     /// there are none.
     pub fn told(&self, what: &str, becomes: &str) -> Option<String> {
         let [x, y] = self.first;
-        match self.count {
-            0 => None,
-            1 => Some(format!("a number of the pixel {x}, {y} is {what}: {becomes}")),
-            n => Some(format!("numbers of {n} pixels are {what}, the first at {x}, {y}: {becomes}")),
-        }
+        let told = match self.count {
+            0 => return None,
+            1 => format!("a number of the pixel {x}, {y} is {what}"),
+            n => format!("numbers of {n} pixels are {what}, the first at {x}, {y}"),
+        };
+        Some(if becomes.is_empty() { told } else { format!("{told}: {becomes}") })
     }
 }
 
