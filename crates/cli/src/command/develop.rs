@@ -20,9 +20,6 @@ fn warn(args: &DevelopArgs, plate: &Plate) {
     for note in plate.notes().iter().chain(&nan).chain(&infinite) {
         out::say(&format!("warning: {name}: {note}\n"));
     }
-    if args.layer.is_none() && plate.notes().iter().any(|note| note.contains("could be the picture")) {
-        out::say("help: choose another by --layer NAME\n");
-    }
 }
 
 /// Develops a picture again.

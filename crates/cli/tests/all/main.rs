@@ -7,5 +7,6 @@ mod complaints;
 mod develop;
 mod diff;
 mod interrupt;
+mod pictures;
 mod render;
 mod sampler;
