@@ -209,6 +209,12 @@ impl Scene {
         self.groups.iter().map(reached).collect()
     }
 
+    /// The cells (grid, kd-tree, octree, BSP tree) or boxes (binary tree) of the world where the plane at a height z cuts them, for
+    /// drawings. Other structures have none.
+    pub fn section(&self, z: f64) -> Vec<crate::Section> {
+        each!(&self.groups[0].searcher, s => s.section(z))
+    }
+
     /// How many primitives were left out because they can never be hit: with a coordinate that isn't finite, triangles
     /// without area, shapes with an empty box. Groups that the world doesn't reach aren't counted.
     pub fn dropped(&self) -> usize {

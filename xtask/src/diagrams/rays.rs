@@ -4,7 +4,7 @@ use super::Diagram;
 use crate::draw::*;
 use straal::points::Request;
 use straal_math::lowdisc::PatternKind;
-use straal_math::{Affine, DVec3, Ray, Transform, ops, warp};
+use straal_math::{Affine, DVec3, Ray, Transform, Vec3, ops, warp};
 
 /// What is drawn here.
 pub const ALL: &[Diagram] = &[
@@ -22,7 +22,7 @@ pub const ALL: &[Diagram] = &[
 
 /// A ray through a pixel meets a ball twice.
 fn ray() -> String {
-    let mut d = Drawing::new(640, 260);
+    let mut d = Drawing::new(690, 260);
     let eye = [60.0, 190.0];
     let (centre, radius) = ([480.0, 110.0], 72.0);
     // The film, seen a little from the side.
@@ -54,7 +54,8 @@ fn ray() -> String {
     d.label([eye[0], eye[1] + 22.0], "o, the eye");
     d.words([eye[0] + 52.0, eye[1] - 26.0], "d", "middle", RAY);
     d.dot(at(first), HOT);
-    d.words([at(first)[0] - 8.0, at(first)[1] - 10.0], "t = (b − √…) / a: the nearest hit", "end", HOT);
+    d.words([at(first)[0] - 6.0, at(first)[1] - 32.0], "the nearest hit:", "end", HOT);
+    d.words([at(first)[0] - 6.0, at(first)[1] - 14.0], "t = (b − √…) / a", "end", HOT);
     d.dot(at(second), FAINT);
     d.words([at(second)[0] + 8.0, at(second)[1] + 20.0], "t = (b + √…) / a", "start", INK);
     d.dot(centre, INK);
@@ -124,8 +125,14 @@ fn warps() -> String {
         let (left, top) = (35.0 + 225.0 * (i % 3) as f32, 36.0 + 225.0 * (i / 3) as f32);
         let panel = Panel { area: [left, top, left + 180.0, top + 180.0], world: [-1.05, -1.05, 1.05, 1.05] };
         d.label([left + 90.0, top - 12.0], name);
-        // Only what faces the viewer of the sphere.
-        let seen = |u: [f32; 2]| i != 5 || warp::uniform_sphere(u).y <= 0.0;
+        // Only what faces the viewer.
+        let above = |w: Vec3| 0.42 * w.z - 0.9 * w.y >= 0.0;
+        let seen = |u: [f32; 2]| match i {
+            3 => above(warp::cosine_hemisphere(u)),
+            4 => above(warp::cosine_power_hemisphere(u, 20.0)),
+            5 => warp::uniform_sphere(u).y <= 0.0,
+            _ => true,
+        };
         let cells = 8_u8;
         let place = |k: u8, steps: u8| f32::from(k) / f32::from(steps) * 0.9999;
         for column in 0..cells {
@@ -183,10 +190,10 @@ fn warp_disc(u: [f32; 2]) -> [f32; 2] {
 /// The frame of a camera and its view plane from the side, and what a wider angle takes in.
 fn view_plane() -> String {
     let mut d = Drawing::new(660, 270);
-    let eye = [90.0, 140.0];
-    let plane = 300.0;
+    let eye = [170.0, 130.0];
+    let plane = 350.0;
     let far = 600.0;
-    let half = 0.40;
+    let half = 0.26;
     let at = |x: f32, slope: f32| [x, eye[1] - slope * (x - eye[0])];
     d.area(&[eye, at(far, half), at(far, -half)], "#f4f7fb", "none");
     d.path(&[eye, at(far, half)], FAINT, 1.2);
@@ -197,21 +204,21 @@ fn view_plane() -> String {
         let y = at(plane, half)[1] + f32::from(k) / 8.0 * (at(plane, -half)[1] - at(plane, half)[1]);
         d.path(&[[plane - 5.0, y], [plane + 5.0, y]], INK, 1.0);
     }
-    d.label([plane, 258.0], "view plane, one mark a pixel");
-    d.arrow(eye, at(far - 40.0, 0.26), RAY);
-    d.words([far - 95.0, 30.0], "the ray of this pixel", "middle", RAY);
-    d.dot(at(plane, 0.26), RAY);
+    d.label([plane + 60.0, 252.0], "view plane, one mark a pixel");
+    d.arrow(eye, at(far, 0.16), RAY);
+    d.words([470.0, 108.0], "the ray of this pixel", "start", RAY);
+    d.dot(at(plane, 0.16), RAY);
     d.arrow(eye, [eye[0], eye[1] - 68.0], GREEN);
     d.words([eye[0] + 8.0, eye[1] - 60.0], "v", "start", GREEN);
     d.arrow(eye, [eye[0] - 68.0, eye[1]], GREEN);
     d.words([eye[0] - 62.0, eye[1] - 9.0], "w", "start", GREEN);
-    d.words([eye[0] - 8.0, eye[1] + 24.0], "u comes out of the page", "middle", GREEN);
+    d.words([eye[0] + 6.0, eye[1] + 22.0], "u comes out of the page", "end", GREEN);
     d.dot(eye, INK);
-    d.arc(eye, 92.0, [-21.8, 21.8], INK);
-    d.text([eye[0] + 66.0, eye[1] + 20.0], "α");
-    d.arrow([195.0, 205.0], [plane, 205.0], INK);
-    d.arrow([195.0, 205.0], [eye[0], 205.0], INK);
-    d.label([195.0, 222.0], "d");
+    d.arc(eye, 112.0, [-14.6, 14.6], INK);
+    d.text([eye[0] + 92.0, eye[1] + 18.0], "α");
+    d.arrow([260.0, 205.0], [plane, 205.0], INK);
+    d.arrow([260.0, 205.0], [eye[0], 205.0], INK);
+    d.label([260.0, 222.0], "d");
     d.text([far - 30.0, eye[1] - 8.0], "look_at");
     d.dot([far - 40.0, eye[1]], INK);
     d.finish()
@@ -259,7 +266,7 @@ fn thin_lens() -> String {
     d.label([film, 250.0], "film");
     d.label([lens, 250.0], "lens of radius r");
     d.label([focus, 250.0], "plane in focus");
-    d.words([near[0], axis + 26.0], "too near", "middle", HOT);
+    d.words([near[0] + 14.0, axis + 44.0], "too near", "middle", HOT);
     d.words([film - 10.0, axis + 5.0], "blurred", "end", HOT);
     d.arrow([390.0, 22.0], [focus, 22.0], INK);
     d.arrow([390.0, 22.0], [lens, 22.0], INK);
@@ -373,23 +380,23 @@ fn ray_shapes() -> String {
 /// A ray and a stretched ball, and the same ray and the round one.
 fn inverse_ray() -> String {
     let mut d = Drawing::new(700, 290);
-    let stretch = Affine::scale(DVec3::new(1.5, 0.7, 1.0));
-    let turned = Affine::rotate(DVec3::new(0.0, 0.0, 1.0), 25.0).map_or(stretch, |turn| stretch.then(&turn));
+    let stretch = Affine::scale(DVec3::new(1.5, 0.8, 1.0));
+    let turned = Affine::rotate(DVec3::new(0.0, 0.0, 1.0), 20.0).map_or(stretch, |turn| stretch.then(&turn));
     let Some(transform) = Transform::new(&turned) else { return String::new() };
     let world = Panel { area: [20.0, 40.0, 340.0, 250.0], world: [-2.4, -1.575, 2.4, 1.575] };
     let object = Panel { area: [390.0, 40.0, 680.0, 250.0], world: [-2.175, -1.575, 2.175, 1.575] };
-    let ring = |map: &dyn Fn(straal_math::Vec3) -> straal_math::Vec3, panel: &Panel| -> Vec<At> {
+    let ring = |map: &dyn Fn(Vec3) -> Vec3, panel: &Panel| -> Vec<At> {
         (0..=72_u8)
             .map(|i| {
                 let (sin, cos) = ops::sin_cos(f32::from(i).to_radians() * 5.0);
-                let p = map(straal_math::Vec3::new(cos, sin, 0.0));
+                let p = map(Vec3::new(cos, sin, 0.0));
                 panel.at([p.x, p.y])
             })
             .collect()
     };
     d.area(&ring(&|p| transform.point(p), &world), STUFF, INK);
     d.area(&ring(&|p| p, &object), STUFF, INK);
-    let ray = Ray::new(straal_math::Vec3::new(-2.2, 0.9, 0.0), straal_math::Vec3::new(2.0, -0.75, 0.0));
+    let ray = Ray::new(Vec3::new(-2.2, -0.3, 0.0), Vec3::new(2.0, 0.35, 0.0));
     let inner = transform.inverse_ray(&ray);
     // The hit with the round ball; t is the same for both rays.
     let (a, b, c) = (inner.d.length_squared(), -inner.d.dot(inner.o), inner.o.length_squared() - 1.0);
@@ -410,8 +417,8 @@ fn inverse_ray() -> String {
     }
     d.label([180.0, 26.0], "in the world: stretched and turned");
     d.label([535.0, 26.0], "in the ball's own space");
-    d.arrow([332.0, 145.0], [386.0, 145.0], INK);
-    d.label([359.0, 136.0], "inverse");
+    d.arrow([336.0, 215.0], [390.0, 215.0], INK);
+    d.label([363.0, 206.0], "inverse");
     d.label([350.0, 278.0], "the direction keeps its length, so that t is the same number on both sides");
     d.finish()
 }
