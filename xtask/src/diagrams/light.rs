@@ -26,8 +26,8 @@ pub const ALL: &[Diagram] = &[
 /// The CIE's chromaticities, the spectral colours around them, and what RGB spaces hold.
 fn chromaticities() -> String {
     let mut d = Drawing::new(620, 470);
-    let panel = Panel { area: [60.0, 34.0, 420.0, 418.0], world: [-0.05, -0.1, 0.8, 0.9] };
-    panel.axes(&mut d, &[0.0, 0.2, 0.4, 0.6], &[0.0, 0.2, 0.4, 0.6, 0.8], ["x", "y"]);
+    let panel = Panel { area: [60.0, 34.0, 420.0, 418.0], world: [-0.05, -0.1, 0.8, 1.03] };
+    panel.axes(&mut d, &[0.0, 0.2, 0.4, 0.6], &[0.0, 0.2, 0.4, 0.6, 0.8, 1.0], ["x", "y"]);
     let functions = Observer::Cie1931.functions();
     let of = |nm: usize| {
         let [x, y, z] = functions[nm - FIRST];
@@ -254,7 +254,7 @@ fn solid_angle() -> String {
     d.dashes(&[middle, [middle[0] - 0.905 * 95.0, middle[1] + 0.425 * 95.0]], RAY);
     d.words([265.0, 160.0], "d", "middle", RAY);
     d.text([middle[0] + 26.0, middle[1] + 2.0], "dA, a piece of the lamp");
-    d.words([middle[0] - 112.0, middle[1] + 62.0], "normal of the lamp", "start", GREEN);
+    d.words([middle[0] - 60.0, middle[1] + 100.0], "the lamp's normal", "start", GREEN);
     d.arrow(point, [point[0], 150.0], GREEN);
     d.words([point[0] - 8.0, 158.0], "n", "end", GREEN);
     d.dot(point, INK);
@@ -307,7 +307,7 @@ fn mirrored() -> String {
 /// Facets that are turned halfway, and how many there are for each roughness.
 fn microfacets() -> String {
     let mut d = Drawing::new(720, 300);
-    let heights = [150.0, 172.0, 140.0, 165.0, 150.0, 178.0, 146.0, 168.0, 138.0, 160.0, 150.0_f32];
+    let heights = [150.0, 172.0, 166.0, 140.0, 134.0, 165.0, 150.0, 144.0, 178.0, 146.0, 140.0_f32];
     let points: Vec<At> = heights.iter().enumerate().map(|(i, &y)| [20.0 + 30.0 * i as f32, y + 30.0]).collect();
     let mut ground = points.clone();
     ground.extend([[320.0, 230.0], [20.0, 230.0]]);
@@ -324,12 +324,12 @@ fn microfacets() -> String {
             d.arrow(middle, on_circle(middle, 48.0, normal), GREEN);
         }
     }
-    let at = [170.0, 150.0];
-    d.arrow(on_circle(at, 140.0, i), on_circle(at, 30.0, i), RAY);
-    d.arrow(on_circle(at, 30.0, o), on_circle(at, 140.0, o), RAY);
-    d.words([50.0, 52.0], "light", "end", RAY);
-    d.words([246.0, 30.0], "eye", "start", RAY);
-    d.words([128.0, 118.0], "m", "end", GREEN);
+    let at = [125.0, 167.0];
+    d.arrow(on_circle(at, 140.0, i), at, RAY);
+    d.arrow(at, on_circle(at, 140.0, o), RAY);
+    d.words([20.0, 62.0], "light", "start", RAY);
+    d.words([200.0, 46.0], "eye", "start", RAY);
+    d.words([110.0, 118.0], "m", "end", GREEN);
     d.label([170.0, 254.0], "only facets with normal m, halfway,");
     d.label([170.0, 273.0], "send light from one to the other");
     let panel = Panel { area: [400.0, 36.0, 600.0, 240.0], world: [0.0, 0.0, 60.0, 1.0] };
@@ -349,7 +349,7 @@ fn paths() -> String {
     d.boxed([120.0, 24.0], [560.0, 280.0], "#fbfbfc", INK);
     d.boxed([300.0, 24.0], [400.0, 32.0], GLOW, INK);
     d.label([350.0, 18.0], "lamp");
-    d.boxed([240.0, 200.0], [310.0, 280.0], STUFF, INK);
+    d.boxed([245.0, 256.0], [295.0, 280.0], STUFF, INK);
     let eye = [30.0, 160.0];
     let vertices = [[430.0, 280.0], [560.0, 150.0], [160.0, 280.0]];
     let lamp = [[345.0, 32.0], [380.0, 32.0], [330.0, 32.0]];
@@ -427,7 +427,7 @@ fn spectra() -> String {
         let Some(light) = illuminant::by_name(name) else { continue };
         let light = illuminant::of_unit_luminance(&light);
         d.path(&lamps.curve(|nm| ops::min(light.at(f64::from(nm), Quantity::Emission) as f32, 2.5)), colour, 1.8);
-        let x = 50.0 + 105.0 * i as f32;
+        let x = 30.0 + 115.0 * i as f32;
         d.path(&[[x, 280.0], [x + 16.0, 280.0]], colour, 2.5);
         d.words([x + 20.0, 285.0], words, "start", INK);
     }
