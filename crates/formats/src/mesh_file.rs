@@ -53,6 +53,8 @@ pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFil
     if let Some(refusal) = shelf.refusal {
         return Err(refusal);
     }
+    let mut libraries: Vec<PathBuf> = shelf.read.into_iter().collect();
+    libraries.sort();
     let file = file.map_err(|e: ReadError| Refusal::new(e.to_string()))?;
     let libraries = shelf.libraries;
     let mut warnings = shelf.told;

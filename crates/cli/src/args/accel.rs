@@ -73,12 +73,6 @@ pub struct AccelArgs {
     #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
     pub memory: Option<u64>,
 
-    /// Read files from this folder only: what a scene names, and what those files name
-    ///
-    /// Symbolic links are followed first.
-    #[arg(long, value_name = "DIR")]
-    pub root: Option<PathBuf>,
-
     /// Say nothing but errors, besides the table
     #[arg(short, long)]
     pub quiet: bool,
@@ -86,6 +80,12 @@ pub struct AccelArgs {
     /// Print one JSON object on standard output instead
     #[arg(long)]
     pub json: bool,
+
+    /// Read files from this folder only: what a scene names, and what those files name
+    ///
+    /// Symbolic links are followed first.
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
 
     /// Take unknown keys of the scene for warnings
     #[arg(long)]

@@ -79,15 +79,15 @@ pub struct CheckArgs {
     #[arg(long, value_name = "SIZE", value_parser = quantity::memory, help_heading = MACHINE)]
     pub memory: Option<u64>,
 
-    /// Read files from this folder only: what a scene names, and what those files name
-    ///
-    /// Symbolic links are followed first.
-    #[arg(long, value_name = "DIR", help_heading = MACHINE)]
-    pub root: Option<PathBuf>,
-
     /// Print one JSON object on standard output instead
     #[arg(long)]
     pub json: bool,
+
+    /// Read files from this folder only: what a scene names, and what those files name
+    ///
+    /// Symbolic links are followed first.
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
 
     /// Take unknown keys for warnings
     #[arg(long)]

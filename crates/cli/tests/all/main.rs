@@ -10,6 +10,7 @@ mod files;
 mod interrupt;
 mod keeping;
 mod memory;
+mod pictures;
 mod places;
 mod render;
 mod sampler;

@@ -225,11 +225,12 @@ impl Fault {
     /// there are none.
     pub fn told(&self, what: &str, becomes: &str) -> Option<String> {
         let [x, y] = self.first;
-        match self.count {
-            0 => None,
-            1 => Some(format!("a number of the pixel {x}, {y} is {what}: {becomes}")),
-            n => Some(format!("numbers of {n} pixels are {what}, the first at {x}, {y}: {becomes}")),
-        }
+        let told = match self.count {
+            0 => return None,
+            1 => format!("a number of the pixel {x}, {y} is {what}"),
+            n => format!("numbers of {n} pixels are {what}, the first at {x}, {y}"),
+        };
+        Some(if becomes.is_empty() { told } else { format!("{told}: {becomes}") })
     }
 }
 
@@ -238,14 +239,19 @@ impl Fault {
 pub fn surroundings(bytes: &[u8], limits: &Limits) -> Result<(Image, Vec<String>), ReadError> {
     let mut photo = Photo::read(bytes, limits)?;
     photo.tame();
-    if !photo.is_whole() {
-        let [width, height] = photo.size;
-        let Window { x, y, width: own_width, height: own_height } = photo.part;
-        let told = format!(
-            "it has {own_width} x {own_height} pixels from {x}, {y} of a picture of {width} x {height}: the rest is black, \
-             and what lies beyond is left out"
-        );
-        photo.notes.push(told);
+    let [width, height] = photo.size;
+    let Window { x, y, width: across, height: down } = photo.part;
+    let reaches = |at: i32, length: usize, frame: usize| {
+        let end = i64::from(at) + length as i64;
+        (at > 0 || end < frame as i64, at < 0 || end > frame as i64)
+    };
+    let (x_side, y_side) = (reaches(x, across, width), reaches(y, down, height));
+    let rest =
+        [(x_side.0 || y_side.0, "the rest is black"), (x_side.1 || y_side.1, "what lies beyond is left out")];
+    let rest: Vec<&str> = rest.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
+    if !rest.is_empty() {
+        let part = format!("{across} x {down} pixels from {x}, {y} of a picture of {width} x {height}");
+        photo.notes.push(format!("it has {part}: {}", rest.join(", ")));
     }
     let notes = std::mem::take(&mut photo.notes);
     Ok((photo.to_srgb(), notes))

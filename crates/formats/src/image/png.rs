@@ -130,6 +130,10 @@ pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
 }
 
 fn told(error: png::DecodingError) -> ReadError {
+    // What it says of sums is not for people.
+    if error.to_string().starts_with("CRC error") {
+        return ReadError::file("the PNG file is damaged: a checksum is wrong");
+    }
     ReadError::file(format!("the PNG file is damaged: {error}"))
 }
 
@@ -167,7 +171,9 @@ pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError>
         3 => (1, 4),
         4 => (2, 2),
         6 => (4, 4),
-        _ => return Err(damaged()),
+        other => {
+            return Err(ReadError::file(format!("the PNG file is damaged: there is no colour type {other}")));
+        }
     };
     let depth = if start[24] == 16 { 2 } else { 1 };
     let pixels = limits.check_size(width.into(), height.into())? as u64;

@@ -208,7 +208,10 @@ fn note(rank: Rank, equal: &[&Choice]) -> Option<String> {
     if equal.len() > 1 {
         let names = list(equal.iter().map(|c| c.layer.as_str()));
         let name = if taken.is_empty() { "the one without a name".into() } else { format!("`{taken}`") };
-        return Some(format!("several of its layers could be the picture, {names}: {name} is taken"));
+        let another = "`straal develop --layer NAME` makes a picture of another";
+        return Some(format!(
+            "several of its layers could be the picture, {names}: {name} is taken; {another}"
+        ));
     }
     match rank {
         Rank::OtherColours => {
@@ -405,8 +408,10 @@ mod tests {
     #[test]
     fn ties_name_all_that_could_be_meant() {
         let told = choose(&layers("b.R, b.G, b.B, a.R, a.G, a.B, albedo.R, albedo.G, albedo.B"), None);
-        let want = "several of its layers could be the picture, `b` and `a`: `b` is taken";
-        assert_eq!(told.unwrap().note.as_deref(), Some(want));
+        let told = told.unwrap().note.unwrap();
+        let want =
+            "several of its layers could be the picture, `b` and `a`: `b` is taken; `straal develop --layer";
+        assert!(told.starts_with(want), "{told}");
     }
 
     #[test]
