@@ -8,7 +8,7 @@ use straal::picture::film_hash;
 use straal_color::{RgbSpace, Space};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{Format, Photo};
-use straal_formats::{Limits, ReadError};
+use straal_formats::ReadError;
 
 /// What a picture tells of itself.
 #[derive(Default)]
@@ -105,7 +105,7 @@ pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
 }
 
 fn read(bytes: &[u8]) -> Result<Story, ReadError> {
-    let limits = Limits::default();
+    let limits = super::picture_limits();
     if Format::of(bytes)? != Format::Exr {
         let mut photo = Photo::read(bytes, &limits)?;
         photo.notes.extend(faults(&photo));
