@@ -131,7 +131,7 @@ pub struct RenderArgs {
     pub save_sums: Option<PathBuf>,
 
     /// Write what there is beside the picture, to PICTURE.checkpoint, whenever so much time has passed, for --resume; or off.
-    /// 60s where an EXR is written, else off. The file goes when the picture is there
+    /// 60s where an EXR or sums are written, else off. The file goes when the picture is there
     #[arg(long, value_name = "TIME", value_parser = quantity::checkpoint)]
     pub checkpoint: Option<Every>,
 

@@ -7,6 +7,7 @@ use crate::quantity::count;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use straal::Job;
 use straal::sums::{Kept, Snapshot};
 use straal_formats::atomic::{self, WriteError};
 
@@ -46,6 +47,8 @@ pub struct Keeping<'a> {
     kept: Option<u32>,
     written: u32,
     has_failed: bool,
+    /// Whether all samples that were asked for are taken.
+    is_complete: bool,
     sums: Option<Result<(), WriteError>>,
 }
 
@@ -72,6 +75,7 @@ impl<'a> Keeping<'a> {
             kept: None,
             written: 0,
             has_failed: false,
+            is_complete: false,
             sums: None,
         };
         let name = this.path.display();
@@ -88,9 +92,7 @@ impl<'a> Keeping<'a> {
                 None
             }
             (Some(_), false) if wish.every.is_some() => {
-                this.say(&format!(
-                    "warning: {name} is there, but isn't used without --resume, and will be replaced"
-                ));
+                this.say(&format!("warning: there is a {name}, which isn't used without --resume"));
                 None
             }
             _ => None,
@@ -115,13 +117,13 @@ impl<'a> Keeping<'a> {
 
     /// Looks at the render after a pass.
     pub fn look(&mut self, snapshot: &Snapshot<'_>) {
+        self.is_complete = snapshot.is_complete && self.interrupt.asked().is_none();
         if let (true, Some(path)) = (snapshot.is_last, &self.wish.sums) {
             self.sums = Some(self.write(path, snapshot));
         }
         let Some(every) = self.wish.every else { return };
-        let is_cut_off = !snapshot.is_complete || self.interrupt.asked().is_some();
         let is_due = if snapshot.is_last {
-            is_cut_off && (self.wish.is_said || self.kept.is_some() || self.began.elapsed() >= every)
+            !self.is_complete && (self.wish.is_said || self.kept.is_some() || self.began.elapsed() >= every)
         } else {
             self.last.elapsed() >= every
         };
@@ -153,9 +155,11 @@ impl<'a> Keeping<'a> {
         self.wish.sums.as_deref().zip(self.sums.take())
     }
 
-    /// When all results are written: a render that is complete needs no checkpoint any more.
-    pub fn end(mut self, is_complete: bool) -> Told {
-        if is_complete && self.kept.is_some() && fs::remove_file(&self.path).is_ok() {
+    /// When all results of a job are tried: a render that is complete, and written, needs no checkpoint any more; nor an
+    /// earlier one that wasn't used.
+    pub fn end(mut self, job: &Job, is_written: bool) -> Told {
+        let is_ours = |path: &Path| Kept::open(path).is_ok_and(|kept| kept.is_of(job));
+        if is_written && self.is_complete && is_ours(&self.path) && fs::remove_file(&self.path).is_ok() {
             self.kept = None;
         }
         if let Some(samples) = self.kept {

@@ -491,7 +491,9 @@ impl Job {
                 self.show(&render, control, [false, false]);
             }
         }
-        self.show(&render, control, [true, next == 0 || control.open_ended]);
+        // Time is the end of what has no other; of what noise should end, it is too early.
+        let ends_by_time = control.open_ended && !adapts;
+        self.show(&render, control, [true, next == 0 || ends_by_time]);
         let samples = render.samples_done() - self.first;
         Ok(Run {
             samples,

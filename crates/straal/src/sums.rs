@@ -109,6 +109,14 @@ pub enum SumsError {
     Gaps(String),
 }
 
+/// Whether a file says that it holds sums.
+pub fn is_named(path: &Path) -> bool {
+    let mut magic = [0; 8];
+    path.is_file()
+        && File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
+        && magic == *MAGIC
+}
+
 /// An opened file of sums whose header is whole.
 #[derive(Debug)]
 pub struct Kept {
@@ -174,6 +182,21 @@ impl Kept {
     /// Samples of each pixel that it holds.
     pub fn samples(&self) -> u32 {
         self.stamp.span.end - self.stamp.span.first
+    }
+
+    /// Whether it holds sums of a job's scene, rendered in the same way.
+    pub fn is_of(&self, job: &Job) -> bool {
+        self.stamp.story == job.facts()
+    }
+
+    /// Reads all of it, to find out whether it is what was written.
+    pub fn verify(&mut self) -> Result<(), SumsError> {
+        self.sums(|stamp, input| {
+            let Span { region, first, .. } = stamp.span;
+            let bytes = region.area() as u64 * stamp.held.bytes_a_pixel(first) as u64;
+            let found = io::copy(&mut input.take(bytes), &mut io::sink())?;
+            if found < bytes { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
+        })
     }
 
     /// Reads the sums through `read`, and then finds out whether they were what was written.

@@ -59,7 +59,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
     }
     let written = writing.end();
-    let kept = keeping.end(written.is_ok() && interrupted.is_none() && outcome.complete);
+    let kept = keeping.end(&job, written.is_ok());
     written?;
     let report = Report {
         pictures: &settings.outputs,
