@@ -1,7 +1,9 @@
 //! Ctrl-C, and the signals by which a system or a scheduler ends a program: the first ends the render after the present
 //! pass, the second ends the command.
 
-use crate::exit::Exit;
+use crate::complaint;
+use crate::exit::{Exit, Failure};
+use crate::out;
 use crate::progress::Announcer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
@@ -135,6 +137,9 @@ impl Interrupt {
         if let Some(announcer) = self.announcer() {
             announcer.say(&format!("ended by {}", cause.name()));
         }
+        let told = format!("ended by {}, without a picture", cause.name());
+        let ended = Failure { exit: Exit::Interrupted, ..Failure::input(told) };
+        out::last_words(|| complaint::failure_as_json(&ended));
         std::process::exit(i32::from(Exit::Interrupted.code()));
     }
 

@@ -292,8 +292,14 @@ impl Reader<'_> {
     /// A picture; an empty one after a complaint.
     fn image(&mut self, file: &FileRef, path: &Path) -> (Arc<Image>, [u8; 32]) {
         let Some(bytes) = self.bytes(file, path) else { return Default::default() };
-        match image::read(&bytes, self.limits) {
-            Ok(image) => (Arc::new(image), blake3::hash(&bytes).into()),
+        match image::surroundings(&bytes, self.limits) {
+            Ok((image, notes)) => {
+                for note in notes {
+                    let message = format!("in `{}`: {note}", suggest::brief(file));
+                    self.d.push(Diagnostic::warning(file.span, message));
+                }
+                (Arc::new(image), blake3::hash(&bytes).into())
+            }
             Err(e) => {
                 self.fail(file, &e);
                 Default::default()

@@ -11,6 +11,18 @@ use straal::focus::Blur;
 use straal::picture::Format;
 use straal_formats::Limits;
 
+/// What was guessed when the picture was read, and what of it is no light.
+fn warn(args: &DevelopArgs, plate: &Plate) {
+    let name = args.picture.display();
+    let faults = plate.faults();
+    let nan = faults.nan.told("no number (NaN)", "black in a PNG and an HDR, NaN in an EXR and a PFM");
+    let infinite = "white in a PNG, the largest number of an HDR, infinite in an EXR and a PFM";
+    let infinite = faults.infinite.told("infinite", infinite);
+    for note in plate.notes().iter().chain(&nan).chain(&infinite) {
+        out::say(&format!("warning: {name}: {note}\n"));
+    }
+}
+
 /// Develops a picture again.
 pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
     let mut has_png = false;
@@ -27,8 +39,15 @@ pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
     }
     let name = args.picture.display();
     let bytes = read_bytes(&args.picture)?;
-    let mut plate = Plate::read(&bytes, &Limits::default())
-        .map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
+    let limits = Limits::default();
+    let plate = match &args.layer {
+        Some(layer) => Plate::read_layer(&bytes, &limits, layer),
+        None => Plate::read(&bytes, &limits),
+    };
+    let mut plate = plate.map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
+    if !args.quiet {
+        warn(args, &plate);
+    }
     if let Some(lens) = args.depth_of_field {
         let spanned = args.fov.map(|degrees| Blur::focal_pixels(plate.size()[0], degrees));
         let Some(focal_pixels) = spanned.or(plate.focal_pixels()) else {

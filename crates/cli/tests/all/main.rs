@@ -9,5 +9,6 @@ mod diff;
 mod interrupt;
 mod keeping;
 mod places;
+mod pictures;
 mod render;
 mod sampler;

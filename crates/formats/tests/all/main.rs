@@ -1,6 +1,7 @@
 //! The integration tests of this crate, in one program: linking is what costs when there are many.
 
 mod bare_mesh;
+mod colours;
 mod common;
 mod complaints;
 mod images;
@@ -8,3 +9,4 @@ mod obj;
 mod ply;
 mod scenes;
 mod schema;
+mod windows;
