@@ -51,15 +51,20 @@ pub struct Stamp {
     pub error: Option<Evidence>,
     /// What there is of each pixel.
     pub held: Held,
+    /// Whether some tiles have more samples than the span says: it was written in the middle of a pass.
+    pub is_midway: bool,
     /// The first sample that was dropped: pixel and index.
     pub dropped: Option<([u32; 2], u32)>,
 }
 
-/// A render between two passes, or at its end, for who wants to keep its sums.
+/// A render between two passes, in the middle of one or at its end, for who wants to keep its sums. In the middle some tiles
+/// have more samples than [`Snapshot::samples`] says; who goes on from there takes of each what it hasn't got.
 pub struct Snapshot<'a> {
     pub(crate) job: &'a Job,
     pub(crate) film: &'a Film,
     pub(crate) end: u32,
+    /// Whether it is in the middle of a pass.
+    pub is_midway: bool,
     /// Whether no pass comes after.
     pub is_last: bool,
     /// Whether all samples that were asked for are taken.
@@ -74,7 +79,7 @@ impl Snapshot<'_> {
 
     /// Writes its sums.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let stamp = self.job.stamp(self.film, self.end).to_string();
+        let stamp = Stamp { is_midway: self.is_midway, ..self.job.stamp(self.film, self.end) }.to_string();
         let mut out = Hashed::new(out);
         out.write_all(MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
@@ -295,7 +300,9 @@ impl std::fmt::Display for Stamp {
             let [from, to] = bands.ends();
             writeln!(f, "bands {from} {to} {}", bands.count())?;
         }
-        for (key, is_held) in [("splats", self.held.splats), ("batches", self.held.batches)] {
+        let flags =
+            [("splats", self.held.splats), ("batches", self.held.batches), ("midway", self.is_midway)];
+        for (key, is_held) in flags {
             if is_held {
                 writeln!(f, "{key} yes")?;
             }
@@ -375,7 +382,9 @@ impl Stamp {
             Some(_) => return None,
         };
         let look = fact("look")?.parse().ok()?;
-        let stamp = Self { story, also, look, size: [width, height], span, whole, error, held, dropped };
+        let is_midway = fact("midway").is_some();
+        let stamp =
+            Self { story, also, look, size: [width, height], span, whole, error, held, is_midway, dropped };
         (is_sound && fact("record") == Some(stamp.held.names(first).as_str())).then_some(stamp)
     }
 
@@ -431,6 +440,7 @@ impl Job {
             whole: self.whole,
             error: self.settings.error.then(|| self.settings.evidence()),
             held: film.held(),
+            is_midway: false,
             dropped: film.dropped().first,
         }
     }
@@ -490,6 +500,13 @@ pub fn merge(mut parts: Vec<Kept>, gaps: bool) -> Result<Merged, SumsError> {
                 differences.join("; ")
             )));
         }
+    }
+    if let Some(midway) = parts.iter().find(|p| p.stamp.is_midway && parts.len() > 1) {
+        return Err(SumsError::Parts(format!(
+            "{} was written in the middle of a pass, so that some pixels have more samples than others: by itself it makes a \
+             picture, and `straal render --resume` goes on from it",
+            midway.path.display()
+        )));
     }
     let (crop, end) = frame(&parts)?;
     let whole = parts.iter().filter_map(|p| p.stamp.whole).max().unwrap_or(end).max(end);

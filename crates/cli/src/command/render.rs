@@ -132,8 +132,7 @@ fn render(
     control.clock = Some(Arc::new(move || u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)));
     control.open_ended = open_ended;
     control.resume = kept;
-    control.longest_pass =
-        keeping.longest_pass().map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+    control.pause = keeping.pause();
     let is_wanted = keeping.is_wanted();
     let mut keep = |snapshot: &Snapshot<'_>| keeping.look(snapshot);
     if is_wanted {

@@ -8,7 +8,7 @@ mod develop;
 mod diff;
 mod interrupt;
 mod keeping;
-mod places;
 mod pictures;
+mod places;
 mod render;
 mod sampler;
