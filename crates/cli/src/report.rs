@@ -124,6 +124,7 @@ impl<'a> Report<'a> {
             "threads": o.threads,
             "share_of_time": shares(&o.times),
             "noisy_blocks": o.noisy_blocks,
+            "dropped_primitives": self.job.world.dropped.iter().map(|d| d.count).sum::<usize>(),
             "dropped": { "count": o.dropped.count, "first": first_dropped },
             "isa": self.job.isa().name(),
             "structure": self.job.structure().name(),

@@ -39,6 +39,8 @@ pub struct RenderSettings {
     pub json: bool,
     /// Whether unknown keys are warnings.
     pub lenient: bool,
+    /// The folder that files are read from, where that is confined.
+    pub root: Option<PathBuf>,
 }
 
 impl RenderSettings {
@@ -130,6 +132,7 @@ impl RenderSettings {
             quiet: args.quiet,
             json: args.json,
             lenient: args.lenient,
+            root: args.root,
         })
     }
 

@@ -182,6 +182,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]
     pub threads: Option<usize>,
 
+    /// Read files from this folder only: what a scene names, and what those files name
+    ///
+    /// Symbolic links are followed first.
+    #[arg(long, value_name = "DIR", help_heading = MACHINE)]
+    pub root: Option<PathBuf>,
+
     /// Say nothing but errors
     #[arg(short, long, help_heading = TALK)]
     pub quiet: bool,

@@ -15,8 +15,8 @@ pub mod sampler;
 pub mod schema;
 
 use crate::exit::Failure;
-use std::fs;
 use std::path::Path;
+use straal_formats::{Limits, files};
 use straal_scene::{Diagnostic, Diagnostics, Span};
 
 /// Prints a result; that it could not be printed is a failure of the system.
@@ -53,21 +53,24 @@ impl Writing {
     }
 }
 
-/// The bytes of a picture.
+/// The bytes of a picture or a spectrum.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    // A device or a pipe could go on for ever.
-    let fail = |problem: String| Failure::input(format!("can't read {}: {problem}", path.display()));
-    let about = fs::metadata(path).map_err(|e| fail(e.to_string()))?;
-    if !about.is_file() {
-        return Err(fail("it is not a file".into()));
-    }
-    fs::read(path).map_err(|e| fail(e.to_string()))
+    files::read(path, Limits::default().max_bytes).map_err(|refusal| {
+        let failure = Failure::input(format!("can't read {}: {}", path.display(), refusal.problem));
+        match refusal.help {
+            Some(help) => failure.help(help),
+            None => failure,
+        }
+    })
 }
 
 /// Adds what a job's author should know to the complaints of its scene.
 fn warn(complaints: &mut Diagnostics, job: &straal::Job) {
     for note in &job.world.notes {
         complaints.push(Diagnostic::warning(Span::NONE, note));
+    }
+    for dropped in &job.world.dropped {
+        complaints.push(Diagnostic::warning(dropped.span, &dropped.message));
     }
 }
 

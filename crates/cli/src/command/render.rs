@@ -84,7 +84,8 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
 }
 
 fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options = LoadOptions { lenient: settings.lenient, ..LoadOptions::default() };
+    let options =
+        LoadOptions { lenient: settings.lenient, root: settings.root.clone(), ..LoadOptions::default() };
     match &settings.scene {
         Some(path) => straal::load(path, &options),
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),

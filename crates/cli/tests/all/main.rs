@@ -6,6 +6,7 @@ mod common;
 mod complaints;
 mod develop;
 mod diff;
+mod files;
 mod interrupt;
 mod keeping;
 mod pictures;

@@ -4,6 +4,7 @@ mod bare_mesh;
 mod colours;
 mod common;
 mod complaints;
+mod files;
 mod images;
 mod obj;
 mod ply;
