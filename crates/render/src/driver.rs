@@ -1,12 +1,12 @@
 //! The driver: passes over the picture, tiles over the threads, waves of paths.
 
 use crate::camera::FilmPoint;
-use crate::film::{BLOCK, BandSample, Film, FilmTile, Flying, MAX_SAMPLES, next_look, reach};
+use crate::film::{BandSample, Film, FilmTile, Flying, MAX_SAMPLES, next_look};
 use crate::filter::{Filter, FilterSample};
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
-use crate::settings::{Region, Settings};
+use crate::settings::Settings;
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
 use crate::world::World;
 use std::ops::Range;
@@ -55,17 +55,8 @@ impl<'w, I: Integrator> Render<'w, I> {
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-        // Blocks end as a whole, so that one that is cut by the crop is rendered as a whole.
-        let region = match settings.noise {
-            Some(_) => settings.crop.in_squares(BLOCK, settings.size),
-            // Samples beyond the crop count in it.
-            None if settings.splat => {
-                let reach = reach(f64::from(world.filter.radius()));
-                settings.crop.grown(reach).intersection(Region::whole(settings.size))
-            }
-            None => settings.crop,
-        };
-        let mut film = Film::over(settings.size, settings.crop, region);
+        let region = settings.rendered(f64::from(world.filter.radius()));
+        let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
         if let Some(bands) = world.palette.recording().bands() {
             film.hold_bands(*bands);
         }

@@ -17,6 +17,7 @@ pub mod compare;
 pub mod develop;
 pub mod false_colour;
 pub mod focus;
+pub mod forecast;
 pub mod gamma_chart;
 pub mod job;
 pub mod lab;
@@ -27,6 +28,7 @@ pub mod replicates;
 pub mod search;
 pub mod sums;
 
+pub use forecast::{Forecast, forecast};
 pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};
 pub use look::{Bits, Gamma, Look};
 pub use picture::{CostMeasure, Picture};

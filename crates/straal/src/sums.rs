@@ -300,9 +300,18 @@ impl std::fmt::Display for Stamp {
             let [from, to] = bands.ends();
             writeln!(f, "bands {from} {to} {}", bands.count())?;
         }
-        let flags =
-            [("splats", self.held.splats), ("batches", self.held.batches), ("midway", self.is_midway)];
-        for (key, is_held) in flags {
+        if !self.held.mean_squares.is_empty() {
+            let numbers: Vec<String> = self.held.mean_squares.iter().map(f64::to_string).collect();
+            writeln!(f, "mean_squares {}", numbers.join(" "))?;
+        }
+        let held = &self.held;
+        for (key, is_held) in [
+            ("splats", held.splats),
+            ("batches", held.batches),
+            ("squares", held.squares),
+            ("guides", held.guides),
+            ("midway", self.is_midway),
+        ] {
             if is_held {
                 writeln!(f, "{key} yes")?;
             }
@@ -361,11 +370,22 @@ impl Stamp {
                 _ => return None,
             },
         };
+        let mean_squares: Vec<f64> = match fact("mean_squares") {
+            None => Vec::new(),
+            Some(value) => value.split(' ').map(|n| n.parse().ok()).collect::<Option<_>>()?,
+        };
+        // Filters reach 16 pixels at most.
+        if mean_squares.len() > 17 || mean_squares.iter().any(|v| !v.is_finite()) {
+            return None;
+        }
         let held = Held {
             costs: fact("costs").map(|c| c == "tests_and_time"),
             bands,
             splats: fact("splats").is_some(),
             batches: fact("batches").is_some(),
+            squares: fact("squares").is_some(),
+            guides: fact("guides").is_some(),
+            mean_squares,
         };
         let error = match fact("error") {
             None => None,

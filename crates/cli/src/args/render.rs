@@ -182,6 +182,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]
     pub threads: Option<usize>,
 
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
+    ///
+    /// When absent, what the machine or its control group has free, less a tenth.
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory, help_heading = MACHINE)]
+    pub memory: Option<u64>,
+
     /// Read files from this folder only: what a scene names, and what those files name
     ///
     /// Symbolic links are followed first.

@@ -77,6 +77,7 @@ fn warn(complaints: &mut Diagnostics, job: &straal::Job) {
 /// Why the library won't do a job, with the place in the scene where it knows one; `read` holds the scene's texts.
 fn refused(error: straal::Error, read: &Diagnostics) -> Failure {
     match error {
+        straal::Error::Memory(shortage) => Failure::memory(&shortage),
         straal::Error::Render(e) => Failure::system(e.to_string()),
         straal::Error::Compile(e) => {
             let mut complaints = Diagnostics::default();

@@ -28,6 +28,9 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
     if !settings.quiet {
+        if let Some(note) = &settings.note {
+            out::say(&format!("{note}\n"));
+        }
         out::say(&complaint::show(&warnings, out::has_colours()));
         if settings.look_is_lost() {
             out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
@@ -84,8 +87,12 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
 }
 
 fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options =
-        LoadOptions { lenient: settings.lenient, root: settings.root.clone(), ..LoadOptions::default() };
+    let options = LoadOptions {
+        lenient: settings.lenient,
+        root: settings.root.clone(),
+        memory: settings.memory,
+        ..LoadOptions::default()
+    };
     match &settings.scene {
         Some(path) => straal::load(path, &options),
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),
