@@ -95,8 +95,8 @@ impl RenderSettings {
         let is_exr = |o: &&PathBuf| matches!(Format::of(o), Ok(Format::Exr));
         let has_exr = outputs.iter().any(|o| is_exr(&o));
         let has_plain_exr = outputs.iter().filter(is_exr).any(|o| !o.exists() || o.is_file());
-        let by_default =
-            ((has_plain_exr || args.resume) && args.replicates.is_none()).then_some(BETWEEN_CHECKPOINTS);
+        let is_long = has_plain_exr || args.save_sums.is_some() || args.resume;
+        let by_default = (is_long && args.replicates.is_none()).then_some(BETWEEN_CHECKPOINTS);
         let keep = Wish {
             every: args.checkpoint.map_or(by_default, |Every(time)| time),
             is_said: args.checkpoint.is_some() || args.resume,

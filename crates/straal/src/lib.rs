@@ -37,6 +37,7 @@ pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
 pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};
+pub use straal_render::driver::Pause;
 pub use straal_render::film::{FIRST_LOOK, MAX_SAMPLES, Recording};
 pub use straal_render::settings::Region;
 pub use straal_render::stopwatch::{Clock, Phase, Times};

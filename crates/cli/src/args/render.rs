@@ -116,7 +116,7 @@ pub struct RenderArgs {
 
     /// Write what there is beside the picture whenever so much time has passed, for --resume; or off
     ///
-    /// It goes to PICTURE.checkpoint: every 60s where an EXR is written, else off. The file goes when the picture is there.
+    /// It goes to PICTURE.checkpoint: every 60s where an EXR or sums are written, else off. The file goes when the picture is there.
     #[arg(long, value_name = "TIME", value_parser = quantity::checkpoint, help_heading = KEEPING)]
     pub checkpoint: Option<Every>,
 

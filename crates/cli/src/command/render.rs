@@ -62,7 +62,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
     }
     let written = writing.end();
-    let kept = keeping.end(written.is_ok() && interrupted.is_none() && outcome.complete);
+    let kept = keeping.end(&job, written.is_ok());
     written?;
     let report = Report {
         pictures: &settings.outputs,
@@ -140,8 +140,7 @@ fn render(
     control.clock = Some(Arc::new(move || u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)));
     control.open_ended = open_ended;
     control.resume = kept;
-    control.longest_pass =
-        keeping.longest_pass().map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+    control.pause = keeping.pause();
     let is_wanted = keeping.is_wanted();
     let mut keep = |snapshot: &Snapshot<'_>| keeping.look(snapshot);
     if is_wanted {
