@@ -13,7 +13,7 @@ pub mod mesh;
 pub mod mesh_file;
 pub mod read_error;
 pub mod spd;
-mod studio;
+pub mod studio;
 pub mod yaml;
 
 pub use limits::Limits;

@@ -12,10 +12,11 @@ use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
 
 use crate::mesh_file::{self, MeshFile};
-use crate::{Limits, ReadError, image, spd, studio, yaml};
+use crate::studio::{self, Studio};
+use crate::{Limits, ReadError, image, spd, yaml};
 
 /// How a scene is loaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// Whether unknown keys are only warned of.
     pub lenient: bool,
@@ -23,6 +24,8 @@ pub struct Options {
     pub text: yaml::Limits,
     /// How much the files it names may ask for.
     pub files: Limits,
+    /// How a bare mesh is shown.
+    pub studio: Studio,
 }
 
 /// A scene without errors, and everything it names.
@@ -343,8 +346,10 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let bytes = std::fs::read(path).map_err(|e| fail(reason(&e), None))?;
     let read = mesh_file::read(path, &bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
     let name = path.display().to_string();
-    let scene = studio::around(&name, &read.asset).map_err(|problem| fail(problem, None))?;
+    let (scene, told) =
+        studio::around(&name, &read.asset, &options.studio).map_err(|problem| fail(problem, None))?;
     let mut warnings = Diagnostics::default();
+    told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }

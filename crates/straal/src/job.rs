@@ -447,7 +447,7 @@ impl Job {
 }
 
 /// How a film wants its picture developed.
-fn look(film: &desc::Film) -> Look {
+pub(crate) fn look(film: &desc::Film) -> Look {
     Look {
         exposure: film.exposure,
         tone: film.tone.curve(),

@@ -25,6 +25,7 @@ pub mod picture;
 pub mod points;
 pub mod replicates;
 pub mod search;
+pub mod written;
 
 pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};
 pub use look::{Bits, Gamma, Look};
@@ -32,6 +33,7 @@ pub use picture::{CostMeasure, Picture};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{Loaded, Options as LoadOptions, load, load_str};
+pub use straal_formats::studio::{self, Studio};
 pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};
 pub use straal_render::film::{FIRST_LOOK, MAX_SAMPLES, Recording};

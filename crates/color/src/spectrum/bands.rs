@@ -18,6 +18,11 @@ impl Bands {
         (inside && count >= 2 && to - from >= f64::from(count)).then_some(Self { from, to, count })
     }
 
+    /// Where the first begins and the last ends, in nm.
+    pub const fn ends(&self) -> [f64; 2] {
+        [self.from, self.to]
+    }
+
     /// How many.
     pub const fn count(&self) -> usize {
         self.count as usize
