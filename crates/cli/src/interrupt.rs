@@ -1,6 +1,8 @@
 //! Ctrl-C: the first ends the render after the present pass, the second ends the command.
 
-use crate::exit::Exit;
+use crate::complaint;
+use crate::exit::{Exit, Failure};
+use crate::out;
 use crate::progress::Announcer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
@@ -61,6 +63,9 @@ impl Interrupt {
         if let Some(announcer) = self.announcer() {
             announcer.say("ended by Ctrl-C");
         }
+        let ended =
+            Failure { exit: Exit::Interrupted, ..Failure::input("ended by Ctrl-C, without a picture") };
+        out::last_words(|| complaint::failure_as_json(&ended));
         std::process::exit(i32::from(Exit::Interrupted.code()));
     }
 

@@ -1,5 +1,6 @@
 //! Quantities as they are typed on the command line, and as people read them.
 
+use std::str::FromStr;
 use std::time::Duration;
 use straal::Recording;
 use straal::points::Map;
@@ -158,6 +159,26 @@ pub fn field_of_view(typed: &str) -> Result<f64, String> {
     degrees.ok_or_else(|| "expected degrees between 0 and 180".to_owned())
 }
 
+/// Samples per pixel.
+pub fn spp(typed: &str) -> Result<u32, String> {
+    within(typed, 1, straal::MAX_SAMPLES)
+}
+
+/// A number of independent sets of samples.
+pub fn replicates(typed: &str) -> Result<u32, String> {
+    within(typed, 2, 10_000)
+}
+
+/// A number of edges of a path.
+pub fn depth(typed: &str) -> Result<u32, String> {
+    at_least_one(typed)
+}
+
+/// The seed of random numbers.
+pub fn seed(typed: &str) -> Result<u64, String> {
+    typed.parse().map_err(|_| "write a whole number, 0 or greater, of at most 19 digits".to_owned())
+}
+
 /// A number of threads.
 pub fn threads(typed: &str) -> Result<usize, String> {
     within(typed, 1, 4096)
@@ -168,16 +189,54 @@ pub fn batch(typed: &str) -> Result<usize, String> {
     within(typed, 1, 1 << 20)
 }
 
+/// Samples per pixel of a picture whose rays are recorded.
+pub fn recorded_spp(typed: &str) -> Result<u32, String> {
+    within(typed, 1, 1024)
+}
+
 /// A number of rays of each kind.
 pub fn rays(typed: &str) -> Result<usize, String> {
     within(typed, 1, 1 << 21)
 }
 
-fn within(typed: &str, least: usize, most: usize) -> Result<usize, String> {
+/// A number of rounds of timing.
+pub fn rounds(typed: &str) -> Result<u32, String> {
+    within(typed, 1, 1000)
+}
+
+/// A number of points of a pattern.
+pub fn points(typed: &str) -> Result<u32, String> {
+    within(typed, 1, straal::points::MOST)
+}
+
+fn within<T>(typed: &str, least: T, most: T) -> Result<T, String>
+where
+    T: FromStr + PartialOrd + TryInto<u64> + Copy,
+{
+    let told = |n: T| n.try_into().map_or(String::new(), grouped);
     match typed.parse() {
         Ok(n) if (least..=most).contains(&n) => Ok(n),
-        _ => Err(format!("write a whole number from {least} to {most}")),
+        _ => Err(format!("write a whole number from {} to {}", told(least), told(most))),
     }
+}
+
+/// A number whose only upper limit is that of the machine, which nobody means.
+fn at_least_one(typed: &str) -> Result<u32, String> {
+    let n = typed.parse().ok().filter(|n| *n > 0);
+    n.ok_or_else(|| "write a whole number, 1 or greater".to_owned())
+}
+
+/// A whole number as people write it: 16,384.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut told = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            told.push(',');
+        }
+        told.push(digit);
+    }
+    told
 }
 
 /// A time as people read it: `4.2 s`, `3 min 20 s`, `1 h 02 min`.
@@ -211,7 +270,7 @@ pub fn tell_bytes(bytes: u64) -> String {
 
 /// A number with its noun: `1 sample`, `3 samples`.
 pub fn count(n: u64, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+    format!("{} {noun}{}", grouped(n), if n == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]
@@ -258,6 +317,11 @@ mod tests {
         assert!(["nan", "0", "180", "-3", "wide"].iter().all(|typed| field_of_view(typed).is_err()));
         assert_eq!((threads("1"), batch("1024")), (Ok(1), Ok(1024)));
         assert!(threads("0").is_err() && threads("5000").is_err() && batch("0").is_err());
+        assert_eq!(spp("300000"), Err("write a whole number from 1 to 262,144".into()));
+        assert_eq!(
+            (depth("0"), seed("-1").is_err()),
+            (Err("write a whole number, 1 or greater".into()), true)
+        );
     }
 
     #[test]
@@ -270,5 +334,7 @@ mod tests {
         );
         assert_eq!([0.07, 0.005, 1e-15].map(tell_percent), ["7 %", "0.5 %", "1e-13 %"]);
         assert_eq!((count(1, "sample"), count(0, "sample")), ("1 sample".into(), "0 samples".into()));
+        assert_eq!(count(16_384, "sample"), "16,384 samples");
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
     }
 }

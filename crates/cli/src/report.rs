@@ -63,7 +63,7 @@ impl<'a> Report<'a> {
                 if o.noisy_blocks == 1 { "is" } else { "are" },
                 tell_percent(noise),
                 if o.samples >= straal::MAX_SAMPLES {
-                    format!("no pixel can have more than {} samples", straal::MAX_SAMPLES)
+                    format!("no pixel can have more than {}", count(straal::MAX_SAMPLES.into(), "sample"))
                 } else {
                     format!("no pixel was given more than {}", count(o.samples.into(), "sample"))
                 }

@@ -142,7 +142,7 @@ mod tests {
         let want = "\
 memory of a render, about:
   film        29.5 MB  640 x 360 pixels, 16 samples
-  geometry    56.0 kB  1000 triangles, 5000 shapes in sight
+  geometry    56.0 kB  1,000 triangles, 5000 shapes in sight
   search      70.0 kB  kd
   images          0 B
   together    29.6 MB

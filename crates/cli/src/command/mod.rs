@@ -2,10 +2,12 @@
 
 pub mod accel;
 pub mod check;
+pub mod completions;
 pub mod develop;
 pub mod diff;
 pub mod gamma_chart;
 pub mod info;
+pub mod man;
 pub mod metamer;
 pub mod render;
 pub mod sampler;

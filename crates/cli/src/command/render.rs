@@ -149,7 +149,7 @@ mod tests {
     fn the_limit_of_samples_is_told() {
         assert_eq!(
             ends_by_noise(0.07, 262_144),
-            "until the noise of each block of 8 x 8 pixels is at most 7 %; no pixel gets more than 262144 samples"
+            "until the noise of each block of 8 x 8 pixels is at most 7 %; no pixel gets more than 262,144 samples"
         );
         let warning = ends_by_noise(0.005, 31);
         assert!(warning.starts_with("warning: ") && warning.ends_with("no pixel gets more than 31 samples"));
