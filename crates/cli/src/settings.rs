@@ -1,7 +1,7 @@
 //! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
 //! ray is traced found out.
 
-use crate::args::{LookArgs, RenderArgs};
+use crate::args::{LookArgs, RenderArgs, StudioArgs};
 use crate::exit::Failure;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -24,6 +24,10 @@ pub struct RenderSettings {
     pub replicates: Option<u32>,
     /// Where the picture of the searches' costs goes, and which cost it shows.
     pub cost_picture: Option<(PathBuf, CostMeasure)>,
+    /// Where the scene goes as a file.
+    pub write_scene: Option<PathBuf>,
+    /// How a bare mesh is shown.
+    pub studio: StudioArgs,
     /// Steps of the look in place of the scene's.
     pub look: LookArgs,
     /// Whether only errors are told.
@@ -64,6 +68,12 @@ impl RenderSettings {
         if args.scene.as_deref().is_some_and(|scene| outputs.iter().any(|o| is_same_file(o, scene))) {
             return Err(Failure::input("the picture would replace the scene"));
         }
+        if let Some(path) = &args.write_scene {
+            check_scene_output(path, args.scene.as_deref())?;
+        }
+        if let Some(option) = args.studio.first() {
+            check_bare(option, args.scene.as_deref())?;
+        }
         let has_exr = outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Exr)));
         Ok(Self {
             scene: args.scene,
@@ -91,6 +101,8 @@ impl RenderSettings {
             time: args.time,
             replicates: args.replicates,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
+            write_scene: args.write_scene,
+            studio: args.studio,
             look: args.look,
             quiet: args.quiet,
             json: args.json,
@@ -108,6 +120,30 @@ impl RenderSettings {
         let has_png = self.outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Png | Format::Exr)));
         self.look != LookArgs::default() && !has_png
     }
+}
+
+/// Whether a scene can be written there.
+fn check_scene_output(path: &Path, scene: Option<&Path>) -> Result<(), Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if !matches!(extension.as_deref(), Some("yaml" | "yml")) {
+        let message = format!("a scene is written as YAML: the name {} must end in .yaml", path.display());
+        return Err(Failure::input(message));
+    }
+    if scene.is_some_and(|scene| is_same_file(path, scene)) {
+        return Err(Failure::input("the scene that is written would replace the one that is read"));
+    }
+    check_output(path)
+}
+
+/// Whether what is rendered is a mesh without a scene, for which alone an option is.
+fn check_bare(option: &str, scene: Option<&Path>) -> Result<(), Failure> {
+    let what = match scene {
+        Some(path) if straal::is_mesh(path) => return Ok(()),
+        Some(path) => format!("{} is a scene, which", path.display()),
+        None => "the scene that straal brings along".to_owned(),
+    };
+    let message = format!("{option} is for bare meshes (.ply, .obj): {what} says that itself");
+    Err(Failure::input(message).help("change it in the scene; --write-scene gives one to begin with"))
 }
 
 /// The scene's name with .png, in the current folder.

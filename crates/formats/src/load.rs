@@ -45,13 +45,20 @@ pub struct Loaded {
 /// The largest scene text, in bytes.
 const MOST_TEXT: u64 = 1 << 28;
 
+/// Whether a file is taken for a bare mesh, by its name.
+pub fn is_mesh(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply") || e.eq_ignore_ascii_case("obj"))
+}
+
 /// Loads a scene (YAML or JSON), or a bare `.ply` or `.obj` mesh, which gets a studio around it.
 ///
 /// The files that a scene names are looked for in its folder. On failure all complaints are given at once.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if is_mesh(path) {
+        return load_mesh(path, options);
+    }
     match extension.as_str() {
-        "ply" | "obj" => return load_mesh(path, options),
         "pbrt" | "xml" | "gltf" | "glb" | "usd" | "usda" | "usdc" | "usdz" | "blend" | "fbx" => {
             let help = "straal reads its own scenes (.yaml, .json) and meshes (.ply, .obj)";
             let message = format!("`{}`: .{extension} files are not supported", path.display());

@@ -19,24 +19,27 @@ use crate::{Dither, Gamut};
 /// Whole numbers up to here are exact in a scene's text.
 const EXACT: u64 = 1 << 53;
 
-/// The text of a scene as YAML that, kept in `folder` and rendered by itself, gives the film that `wish` gives with the loaded one,
-/// developed by `look`.
-///
-/// What changes the speed only is left out of `wish`. `base` is the folder that the scene's files are named from.
-pub fn text(
-    loaded: &Loaded,
-    wish: &Overrides,
-    look: &Look,
-    base: &Path,
-    folder: &Path,
-) -> Result<String, Error> {
+/// The scene that by itself gives the film that `wish` gives with the loaded one, developed by `look`. What changes the speed
+/// only is left out of `wish`.
+pub fn scene(loaded: &Loaded, wish: &Overrides, look: &Look) -> Result<desc::Scene, Error> {
     let mut scene = loaded.scene.clone();
     apply(&mut scene, wish)?;
     develop_as(&mut scene.film, look);
+    Ok(scene)
+}
+
+/// How a scene wants its picture developed.
+pub fn look(loaded: &Loaded) -> Look {
+    crate::job::look(&loaded.scene.film)
+}
+
+/// The text of a scene as YAML that is kept in `folder`. `base` is the folder that the scene's files are named from.
+pub fn text(scene: &desc::Scene, base: &Path, folder: &Path) -> String {
     let mut tree = scene.write();
-    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let folder = here.canonicalize().unwrap_or_else(|_| folder.to_owned());
     rebase(&mut tree, base, &folder);
-    Ok(yaml::write(&tree))
+    yaml::write(&tree)
 }
 
 /// What wins over the scene.

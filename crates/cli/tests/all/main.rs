@@ -9,3 +9,4 @@ mod diff;
 mod interrupt;
 mod render;
 mod sampler;
+mod studio;

@@ -90,13 +90,14 @@ pub fn guess(asset: &MeshAsset) -> (Up, &'static str) {
             if n[k].abs() < 0.98 * size {
                 continue;
             }
-            let [low, high] = [a.min(b).min(c)[k] - min[k], max[k] - a.max(b).max(c)[k]];
-            let [at_low, at_high] = [a.max(b).max(c)[k] - min[k], max[k] - a.min(b).min(c)[k]];
             let thin = 0.02 * extent[k];
-            if low <= thin && at_low <= thin {
-                bottom[k] += n[k].abs();
-            } else if high <= thin && at_high <= thin {
-                top[k] += n[k].abs();
+            let is_low = a.max(b).max(c)[k] - min[k] <= thin;
+            let is_high = max[k] - a.min(b).min(c)[k] <= thin;
+            match (is_low, is_high) {
+                (true, false) => bottom[k] += n[k].abs(),
+                (false, true) => top[k] += n[k].abs(),
+                // Within neither, or of a sheet, which has no thickness.
+                _ => {}
             }
         }
     }
@@ -159,6 +160,8 @@ mod tests {
     fn a_sheet_lies_and_a_triangle_alone_says_nothing() {
         let sheet = [[0., 0., 0.], [1., 0., 0.01], [1., 1., 0.], [0., 1., 0.01]];
         assert_eq!(guess(&asset(&sheet, &[[0, 1, 2], [0, 2, 3]])).0, Up::Z);
+        let poster = sheet.map(|[a, b, _]| [a, b, 0.0]);
+        assert_eq!(guess(&asset(&poster, &[[0, 1, 2], [0, 2, 3]])).0, Up::Y);
         let floor = sheet.map(|[a, b, c]| [a, c, b]);
         assert_eq!(guess(&asset(&floor, &[[0, 1, 2], [0, 2, 3]])).0, Up::Y);
         let line = [[0., 0., 0.], [1., 0., 0.], [2., 0., 0.]];
