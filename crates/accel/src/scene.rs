@@ -138,7 +138,7 @@ impl GroupData {
 impl Scene {
     /// Checks the input and builds the structure of every group that the world needs. Uses the threads of the current
     /// rayon pool; the result doesn't depend on their number.
-    pub fn build<S: Shapes>(input: Input, shapes: &S, options: &Options) -> Result<Self, BuildError> {
+    pub fn build(input: Input, shapes: &dyn Shapes, options: &Options) -> Result<Self, BuildError> {
         if !options.isa.is_available() {
             return Err(BuildError::IsaMissing { isa: options.isa });
         }
@@ -237,22 +237,22 @@ impl Scene {
     }
 
     /// The first hit of each ray. Looks at as many rays as there are hits, and the other way round.
-    pub fn closest<S: Shapes>(&self, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+    pub fn closest(&self, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
         kernel::closest(self, shapes, rays, hits);
     }
 
     /// Whether each ray hits anything. Looks at as many rays as there are answers, and the other way round.
-    pub fn occluded<S: Shapes>(&self, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
+    pub fn occluded(&self, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]) {
         kernel::occluded(self, shapes, rays, blocked);
     }
 
     /// [`Self::closest`] of one ray, with the number of tests it took.
-    pub fn closest_counted<S: Shapes>(&self, shapes: &S, ray: &Ray) -> (Hit, Cost) {
+    pub fn closest_counted(&self, shapes: &dyn Shapes, ray: &Ray) -> (Hit, Cost) {
         kernel::closest_counted(self, shapes, ray)
     }
 
     /// [`Self::occluded`] of one ray, with the number of tests it took.
-    pub fn occluded_counted<S: Shapes>(&self, shapes: &S, ray: &Ray) -> (bool, Cost) {
+    pub fn occluded_counted(&self, shapes: &dyn Shapes, ray: &Ray) -> (bool, Cost) {
         kernel::occluded_counted(self, shapes, ray)
     }
 
@@ -291,11 +291,11 @@ impl Scene {
         }
     }
 
-    fn build_group<S: Shapes>(
+    fn build_group(
         &self,
         group: &Group,
         first_instance: u32,
-        shapes: &S,
+        shapes: &dyn Shapes,
         options: &Options,
     ) -> Result<(GroupData, usize), BuildError> {
         let mut data = GroupData { is_built: true, ..GroupData::empty() };
