@@ -19,6 +19,7 @@ Examples:
   straal develop scene.exr -o scene.png --exposure +1 --tone agx
   straal develop scene.exr -o scene.png --exposure auto --gamut flag
   straal develop scene.exr -o scene.hdr         light in another format
+  straal develop scene.exr -o albedo.png --layer albedo
   straal develop scene.exr -o near.png --depth-of-field focus=3.5,radius=0.05";
 
 /// `straal develop`
@@ -31,6 +32,10 @@ pub struct DevelopArgs {
     /// Where the developed picture goes: .png, .exr, .hdr or .pfm; may be given several times
     #[arg(short, long = "output", value_name = "PICTURE", required = true)]
     pub output: Vec<PathBuf>,
+
+    /// Develop this layer of an EXR as if it were the picture, and leave out the others: its name, or the last part of it
+    #[arg(long, value_name = "NAME", conflicts_with = "depth_of_field")]
+    pub layer: Option<String>,
 
     /// How a PNG is developed
     #[command(flatten)]

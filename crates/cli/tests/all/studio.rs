@@ -142,7 +142,7 @@ fn what_makes_no_sense_is_refused() {
         ("render wedge.obj --view side", "[possible values: front, back, left, right, top, three-quarter]"),
         ("render wedge.obj --background mauve", "a colour in hexadecimal in quotes, such as '#4060a0'"),
         ("render wedge.obj --write-scene wedge.obj", "must end in .yaml"),
-        ("render scene.yaml --write-scene scene.yaml", "would replace the one that is read"),
+        ("render scene.yaml --write-scene scene.yaml", "scene.yaml would replace what it is made from"),
         ("render wedge.obj --write-scene no/such/a.yaml", "there is no folder no/such"),
     ] {
         let run = folder.straal(words);

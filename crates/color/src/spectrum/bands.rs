@@ -18,14 +18,14 @@ impl Bands {
         (inside && count >= 2 && to - from >= f64::from(count)).then_some(Self { from, to, count })
     }
 
-    /// Where the first begins and the last ends, in nm.
-    pub const fn ends(&self) -> [f64; 2] {
-        [self.from, self.to]
-    }
-
     /// How many.
     pub const fn count(&self) -> usize {
         self.count as usize
+    }
+
+    /// Where the first begins and the last ends, in nm.
+    pub const fn ends(&self) -> [f64; 2] {
+        [self.from, self.to]
     }
 
     /// Width of each in nm.
