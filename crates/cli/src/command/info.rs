@@ -7,9 +7,9 @@ use serde_json::{Map, Value as Json, json};
 use straal::picture::film_hash;
 use straal::sums;
 use straal_color::{RgbSpace, Space};
+use straal_formats::ReadError;
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{Format, Photo};
-use straal_formats::ReadError;
 
 /// What a picture tells of itself.
 #[derive(Default)]
