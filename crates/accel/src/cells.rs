@@ -6,7 +6,6 @@
 use crate::{
     clip::Limits,
     hit::Hit,
-    input::Shapes,
     kernel::{Kernel, stack::Stack},
     local::LocalRay,
     mailbox::Mailboxes,
@@ -118,11 +117,11 @@ pub(crate) type Later<P> = Stack<Todo<P>, 169>;
 
 /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
 #[inline(always)]
-fn walk<T: Cells, K: Kernel, S: Shapes, const COUNT: bool>(
+fn walk<T: Cells, K: Kernel, const COUNT: bool>(
     tree: &T,
-    q: &mut Query<'_, K, S, COUNT>,
+    q: &mut Query<'_, K, COUNT>,
     at: &Place<'_>,
-    mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
+    mut leaf: impl FnMut(&mut Query<'_, K, COUNT>, &[Packed]) -> f32,
 ) {
     let Some((enter, exit)) = partition::interval(tree.bounds(), at.ray) else { return };
     if !tree.limits().hold(at.ray, exit) {
@@ -159,9 +158,9 @@ fn walk<T: Cells, K: Kernel, S: Shapes, const COUNT: bool>(
 
 impl<T: Cells> Search for T {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -173,11 +172,7 @@ impl<T: Cells> Search for T {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let mut tested = Mailboxes::new(self.options().mailboxes);
         let mut found = false;
         walk(self, q, at, |q, leaf| {

@@ -1,5 +1,6 @@
 //! Quantities as they are typed on the command line, and as people read them.
 
+use std::str::FromStr;
 use std::time::Duration;
 use straal::Recording;
 use straal::points::Map;
@@ -152,10 +153,57 @@ pub fn crop(typed: &str) -> Result<Crop, String> {
     }
 }
 
+/// Samples of each pixel: the first, and one past the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Samples(pub [u32; 2]);
+
+/// Samples such as `64..128`.
+pub fn samples(typed: &str) -> Result<Samples, String> {
+    let numbers =
+        typed.split_once("..").and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    match numbers {
+        Some([first, end]) if first < end => Ok(Samples([first, end])),
+        Some(_) => Err("none: the first must be less than the end, which isn't one of them".into()),
+        None => Err("write the first, from 0, and one past the last, such as 64..128".into()),
+    }
+}
+
+/// How often something is done, if at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Every(pub Option<Duration>);
+
+/// A time such as `60s`, or `off`.
+pub fn checkpoint(typed: &str) -> Result<Every, String> {
+    if typed.eq_ignore_ascii_case("off") {
+        return Ok(Every(None));
+    }
+    duration(typed).map(|time| Every(Some(time))).map_err(|e| format!("{e}; or off"))
+}
+
 /// Degrees from edge to edge.
 pub fn field_of_view(typed: &str) -> Result<f64, String> {
     let degrees = typed.parse().ok().filter(|v: &f64| *v > 0.0 && *v < 180.0);
     degrees.ok_or_else(|| "expected degrees between 0 and 180".to_owned())
+}
+
+/// Samples per pixel.
+pub fn spp(typed: &str) -> Result<u32, String> {
+    within(typed, 1, straal::MAX_SAMPLES)
+}
+
+/// A number of independent sets of samples.
+pub fn replicates(typed: &str) -> Result<u32, String> {
+    within(typed, 2, 10_000)
+}
+
+/// A number of edges of a path.
+pub fn depth(typed: &str) -> Result<u32, String> {
+    at_least_one(typed)
+}
+
+/// The seed of random numbers.
+pub fn seed(typed: &str) -> Result<u64, String> {
+    typed.parse().map_err(|_| "write a whole number, 0 or greater, of at most 19 digits".to_owned())
 }
 
 /// A number of threads.
@@ -168,16 +216,54 @@ pub fn batch(typed: &str) -> Result<usize, String> {
     within(typed, 1, 1 << 20)
 }
 
+/// Samples per pixel of a picture whose rays are recorded.
+pub fn recorded_spp(typed: &str) -> Result<u32, String> {
+    within(typed, 1, 1024)
+}
+
 /// A number of rays of each kind.
 pub fn rays(typed: &str) -> Result<usize, String> {
     within(typed, 1, 1 << 21)
 }
 
-fn within(typed: &str, least: usize, most: usize) -> Result<usize, String> {
+/// A number of rounds of timing.
+pub fn rounds(typed: &str) -> Result<u32, String> {
+    within(typed, 1, 1000)
+}
+
+/// A number of points of a pattern.
+pub fn points(typed: &str) -> Result<u32, String> {
+    within(typed, 1, straal::points::MOST)
+}
+
+fn within<T>(typed: &str, least: T, most: T) -> Result<T, String>
+where
+    T: FromStr + PartialOrd + TryInto<u64> + Copy,
+{
+    let told = |n: T| n.try_into().map_or(String::new(), grouped);
     match typed.parse() {
         Ok(n) if (least..=most).contains(&n) => Ok(n),
-        _ => Err(format!("write a whole number from {least} to {most}")),
+        _ => Err(format!("write a whole number from {} to {}", told(least), told(most))),
     }
+}
+
+/// A number whose only upper limit is that of the machine, which nobody means.
+fn at_least_one(typed: &str) -> Result<u32, String> {
+    let n = typed.parse().ok().filter(|n| *n > 0);
+    n.ok_or_else(|| "write a whole number, 1 or greater".to_owned())
+}
+
+/// A whole number as people write it: 16,384.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut told = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            told.push(',');
+        }
+        told.push(digit);
+    }
+    told
 }
 
 /// A time as people read it: `4.2 s`, `3 min 20 s`, `1 h 02 min`.
@@ -211,7 +297,7 @@ pub fn tell_bytes(bytes: u64) -> String {
 
 /// A number with its noun: `1 sample`, `3 samples`.
 pub fn count(n: u64, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+    format!("{} {noun}{}", grouped(n), if n == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]
@@ -241,6 +327,17 @@ mod tests {
     }
 
     #[test]
+    fn samples_and_intervals_are_read() {
+        assert_eq!(samples("64..128"), Ok(Samples([64, 128])));
+        for typed in ["", "64", "64..", "..64", "64..64", "9..3", "-1..3", "1..2..3", "0..99999999999"] {
+            assert!(samples(typed).is_err(), "{typed}");
+        }
+        assert_eq!(checkpoint("Off"), Ok(Every(None)));
+        assert_eq!(checkpoint("2m"), Ok(Every(Some(Duration::from_secs(120)))));
+        assert!(checkpoint("often").is_err_and(|e| e.ends_with("; or off")));
+    }
+
+    #[test]
     fn sizes_and_crops_are_read() {
         assert_eq!(size("640x360"), Ok(Size([640, 360])));
         for typed in ["", "640", "640x", "0x3", "640x360x2", "-1x2", "1.5x2"] {
@@ -258,6 +355,11 @@ mod tests {
         assert!(["nan", "0", "180", "-3", "wide"].iter().all(|typed| field_of_view(typed).is_err()));
         assert_eq!((threads("1"), batch("1024")), (Ok(1), Ok(1024)));
         assert!(threads("0").is_err() && threads("5000").is_err() && batch("0").is_err());
+        assert_eq!(spp("300000"), Err("write a whole number from 1 to 262,144".into()));
+        assert_eq!(
+            (depth("0"), seed("-1").is_err()),
+            (Err("write a whole number, 1 or greater".into()), true)
+        );
     }
 
     #[test]
@@ -270,5 +372,7 @@ mod tests {
         );
         assert_eq!([0.07, 0.005, 1e-15].map(tell_percent), ["7 %", "0.5 %", "1e-13 %"]);
         assert_eq!((count(1, "sample"), count(0, "sample")), ("1 sample".into(), "0 samples".into()));
+        assert_eq!(count(16_384, "sample"), "16,384 samples");
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
     }
 }

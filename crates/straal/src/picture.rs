@@ -210,6 +210,7 @@ impl Picture {
             space: Some(self.space),
             layers,
             metadata,
+            notes: Vec::new(),
         }
     }
 }

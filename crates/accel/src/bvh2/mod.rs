@@ -16,7 +16,6 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::{Kernel, stack::Stack},
     partition::{chance, half_area},
     query::Query,
@@ -129,9 +128,9 @@ struct Todo {
 
 impl Search for Bvh2 {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -177,11 +176,7 @@ impl Search for Bvh2 {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         if self.nodes.is_empty() {
             return false;
         }

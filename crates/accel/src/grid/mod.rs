@@ -20,7 +20,6 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::Kernel,
     mailbox::Mailboxes,
     partition::{chance, finite},
@@ -103,9 +102,9 @@ impl Grid {
 
 impl Search for Grid {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -119,11 +118,7 @@ impl Search for Grid {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let mut tested = Mailboxes::new(self.params.mailboxes);
         let mut found = false;
         q.count_node(1);

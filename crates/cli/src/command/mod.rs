@@ -2,18 +2,21 @@
 
 pub mod accel;
 pub mod check;
+pub mod completions;
 pub mod develop;
 pub mod diff;
 pub mod gamma_chart;
 pub mod info;
+pub mod man;
+pub mod merge;
 pub mod metamer;
 pub mod render;
 pub mod sampler;
 pub mod schema;
 
 use crate::exit::Failure;
-use std::fs;
 use std::path::Path;
+use straal_formats::{Limits, files};
 use straal_scene::{Diagnostic, Diagnostics, Span};
 
 /// Prints a result; that it could not be printed is a failure of the system.
@@ -21,21 +24,53 @@ fn print(text: &str) -> Result<(), Failure> {
     crate::out::result(text).map_err(|e| Failure::system(format!("can't write to standard output: {e}")))
 }
 
-/// The bytes of a picture.
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    // A device or a pipe could go on for ever.
-    let fail = |problem: String| Failure::input(format!("can't read {}: {problem}", path.display()));
-    let about = fs::metadata(path).map_err(|e| fail(e.to_string()))?;
-    if !about.is_file() {
-        return Err(fail("it is not a file".into()));
+/// Files that are written one after the other: one that fails doesn't keep the others from being tried.
+#[derive(Default)]
+struct Writing {
+    written: Vec<String>,
+    failed: Vec<String>,
+}
+
+impl Writing {
+    /// Takes note of what became of a file.
+    fn note<E: std::fmt::Display>(&mut self, path: &Path, done: Result<(), E>) {
+        match done {
+            Ok(()) => self.written.push(path.display().to_string()),
+            Err(e) => self.failed.push(e.to_string()),
+        }
     }
-    fs::read(path).map_err(|e| fail(e.to_string()))
+
+    /// All failures as one, with what was written all the same.
+    fn end(self) -> Result<(), Failure> {
+        if self.failed.is_empty() {
+            return Ok(());
+        }
+        let failure = Failure::system(self.failed.join("; "));
+        if self.written.is_empty() {
+            return Err(failure);
+        }
+        Err(failure.help(format!("written all the same: {}", self.written.join(", "))))
+    }
+}
+
+/// The bytes of a picture or a spectrum.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    files::read(path, Limits::default().max_bytes).map_err(|refusal| {
+        let failure = Failure::input(format!("can't read {}: {}", path.display(), refusal.problem));
+        match refusal.help {
+            Some(help) => failure.help(help),
+            None => failure,
+        }
+    })
 }
 
 /// Adds what a job's author should know to the complaints of its scene.
 fn warn(complaints: &mut Diagnostics, job: &straal::Job) {
     for note in &job.world.notes {
         complaints.push(Diagnostic::warning(Span::NONE, note));
+    }
+    for dropped in &job.world.dropped {
+        complaints.push(Diagnostic::warning(dropped.span, &dropped.message));
     }
 }
 
