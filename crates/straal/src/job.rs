@@ -10,7 +10,7 @@ use straal_color::{Dither, RgbSpace, Space};
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::{self, CompileError, Custom, Detail, Request};
-use straal_render::driver::{Render, RenderError};
+use straal_render::driver::{Pause, Render, RenderError};
 use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording, hash_of};
 use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
@@ -123,34 +123,28 @@ pub struct Control<'a> {
     pub resume: Option<Kept>,
     /// Called between passes and at the end with what there is; not in replicates.
     pub keep: Option<&'a mut dyn FnMut(&Snapshot<'_>)>,
-    /// How many nanoseconds a pass may take, where a clock is lent: with more samples than one it takes fewer of them.
-    pub longest_pass: Option<u64>,
+    /// Asked by all threads, time and again, whether `keep` should be shown what there is in the middle of a pass.
+    pub pause: Option<Pause>,
     keep_on: bool,
 }
 
-impl Control<'static> {
+impl<'a> Control<'a> {
     /// Renders all samples, says nothing.
     pub fn to_the_end() -> Self {
-        Self::plain()
-    }
-}
-
-impl<'a> Control<'a> {
-    fn plain() -> Self {
         Self {
             progress: None,
             clock: None,
             open_ended: false,
             resume: None,
             keep: None,
-            longest_pass: None,
+            pause: None,
             keep_on: true,
         }
     }
 
     /// Renders until all samples are taken or `progress` ends it.
     pub fn new(progress: &'a mut dyn FnMut(&Progress) -> Verdict) -> Self {
-        Self { progress: Some(progress), ..Self::plain() }
+        Self { progress: Some(progress), ..Self::to_the_end() }
     }
 }
 
@@ -459,20 +453,20 @@ impl Job {
         let (before, times) = (progress.samples, progress.times);
         let adapts = self.settings.noise.is_some();
         let all_blocks = self.noisy_blocks(render.film());
-        let now = |control: &Control<'_>| control.clock.as_ref().map_or(0, |clock| clock());
+        if let (Some(pause), true) = (&control.pause, control.keep.is_some()) {
+            render.pause_when(pause.clone());
+        }
         let next_pass = |render: &Render<'_, I>, most: u32| {
             if render.is_settled() { 0 } else { most.min(end - render.samples_done()) }
         };
-        let mut pass = PASS;
         let mut next = next_pass(&render, if render.samples_done() == self.first { 1 } else { PASS });
         while next > 0 && control.keep_on {
-            let start = now(control);
             render.advance(next);
-            let each = (now(control) - start) / u64::from(next);
-            if let Some(longest) = control.longest_pass {
-                pass = u32::try_from(longest / each.max(1)).unwrap_or(PASS).clamp(1, PASS);
+            while render.is_midway() {
+                self.show(&render, control, [false, false]);
+                render.advance(0);
             }
-            next = next_pass(&render, pass);
+            next = next_pass(&render, PASS);
             progress.samples = before + u64::from(render.samples_done() - self.first);
             progress.next = u64::from(next);
             progress.times = times;
@@ -484,7 +478,9 @@ impl Job {
                 self.show(&render, control, [false, false]);
             }
         }
-        self.show(&render, control, [true, next == 0 || control.open_ended]);
+        // Time is the end of what has no other; of what noise should end, it is too early.
+        let ends_by_time = control.open_ended && !adapts;
+        self.show(&render, control, [true, next == 0 || ends_by_time]);
         let samples = render.samples_done() - self.first;
         Ok(Run {
             samples,
@@ -573,8 +569,8 @@ impl Job {
         [is_last, is_complete]: [bool; 2],
     ) {
         if let Some(keep) = &mut control.keep {
-            let end = render.samples_done();
-            keep(&Snapshot { job: self, film: render.film(), end, is_last, is_complete });
+            let (end, is_midway) = (render.samples_done(), render.is_midway());
+            keep(&Snapshot { job: self, film: render.film(), end, is_midway, is_last, is_complete });
         }
     }
 
@@ -624,7 +620,7 @@ fn run_of_samples(
 }
 
 /// How a film wants its picture developed.
-fn look(film: &desc::Film) -> Look {
+pub(crate) fn look(film: &desc::Film) -> Look {
     Look {
         exposure: film.exposure,
         tone: film.tone.curve(),

@@ -9,9 +9,9 @@ use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
 use straal::look::Look;
 use straal_color::{Adaptation, Exposure, Matrix3, RgbSpace, Tone};
+use straal_formats::ReadError;
 use straal_formats::image::exr::{self, Window};
 use straal_formats::image::{Format, Photo, framed};
-use straal_formats::ReadError;
 use straal_scene::Image;
 
 /// Degrees of freedom of a variance that doesn't tell its own: that of 16 replicates, the usual number.

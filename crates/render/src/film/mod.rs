@@ -366,7 +366,10 @@ impl Film {
         let mut tiles = Vec::new();
         for ty in region.min[1] / TILE..region.max[1].div_ceil(TILE) {
             for tx in region.min[0] / TILE..region.max[0].div_ceil(TILE) {
-                let tile = Region { min: [tx * TILE, ty * TILE], max: [(tx + 1) * TILE, (ty + 1) * TILE] };
+                let tile = Region {
+                    min: [tx * TILE, ty * TILE],
+                    max: [tx + 1, ty + 1].map(|v| v.saturating_mul(TILE)),
+                };
                 let part = tile.intersection(region);
                 if part.area() > 0 {
                     tiles.push(FilmTile::new(part, keep));
