@@ -4,7 +4,9 @@ use std::str::FromStr;
 use std::time::Duration;
 use straal::Recording;
 use straal::points::Map;
+use straal::studio::Background;
 use straal_scene::desc::SpectralChannels;
+use straal_scene::value::Color;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +15,28 @@ pub struct Size(pub [u32; 2]);
 /// Left, top, right and bottom in pixels, the last two exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop(pub [u32; 4]);
+
+/// An angle between two faces in degrees.
+pub fn crease(typed: &str) -> Result<f64, String> {
+    let degrees = typed.trim().trim_end_matches('°').parse::<f64>().ok();
+    degrees.filter(|d| (0.0..=180.0).contains(d)).ok_or_else(|| "write degrees from 0 to 180".to_owned())
+}
+
+/// `studio`, `none`, a colour in hexadecimal or one of the names that need no table.
+pub fn background(typed: &str) -> Result<Background, String> {
+    let paper = |grey: f64| Ok(Background::Paper(Color::grey(grey)));
+    match typed.trim().to_ascii_lowercase().as_str() {
+        "studio" => Ok(Background::Sweep),
+        "none" | "transparent" => Ok(Background::Nothing),
+        // The whitest and blackest papers there are.
+        "white" => paper(0.95),
+        "grey" | "gray" => paper(0.25),
+        "black" => paper(0.02),
+        other => Color::from_hex(other).map(Background::Paper).ok_or_else(|| {
+            "write studio, none, white, grey, black or a colour in hexadecimal in quotes, such as '#4060a0'".to_owned()
+        }),
+    }
+}
 
 /// The longest time that can be asked for: a year, far inside of what clocks can count.
 const LONGEST: f64 = 365.0 * 86400.0;

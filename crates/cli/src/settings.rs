@@ -1,7 +1,7 @@
 //! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
 //! ray is traced found out.
 
-use crate::args::{LookArgs, RenderArgs};
+use crate::args::{LookArgs, RenderArgs, StudioArgs};
 use crate::exit::Failure;
 use crate::keeping::Wish;
 use crate::machine;
@@ -32,6 +32,10 @@ pub struct RenderSettings {
     pub keep: Wish,
     /// Where the picture of the searches' costs goes, and which cost it shows.
     pub cost_picture: Option<(PathBuf, CostMeasure)>,
+    /// Where the scene goes as a file.
+    pub write_scene: Option<PathBuf>,
+    /// How a bare mesh is shown.
+    pub studio: StudioArgs,
     /// Steps of the look in place of the scene's.
     pub look: LookArgs,
     /// Bytes of memory that may be used, where that is known.
@@ -89,7 +93,20 @@ impl RenderSettings {
         if let Some(path) = &args.save_sums {
             check_output(path)?;
         }
-        let all = || outputs.iter().chain(&args.cost_picture).chain(&args.save_sums).map(PathBuf::as_path);
+        if let Some(path) = &args.write_scene {
+            check_scene_output(path)?;
+        }
+        if let Some(option) = args.studio.first() {
+            check_bare(option, args.scene.as_deref())?;
+        }
+        let all = || {
+            outputs
+                .iter()
+                .chain(&args.cost_picture)
+                .chain(&args.save_sums)
+                .chain(&args.write_scene)
+                .map(PathBuf::as_path)
+        };
         refuse_twins(all())?;
         refuse_inputs(all(), args.scene.as_slice())?;
         let is_exr = |o: &&PathBuf| matches!(Format::of(o), Ok(Format::Exr));
@@ -137,6 +154,8 @@ impl RenderSettings {
             replicates: args.replicates,
             keep,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
+            write_scene: args.write_scene,
+            studio: args.studio,
             look: args.look,
             memory,
             note,
@@ -150,7 +169,7 @@ impl RenderSettings {
     /// Every file that is written.
     pub fn written(&self) -> impl Iterator<Item = &Path> {
         let cost = self.cost_picture.as_ref().map(|(path, _)| path);
-        self.outputs.iter().chain(cost).chain(&self.keep.sums).map(PathBuf::as_path)
+        self.outputs.iter().chain(cost).chain(&self.keep.sums).chain(&self.write_scene).map(PathBuf::as_path)
     }
 
     /// How a scene's look is shown.
@@ -187,6 +206,27 @@ pub fn threads(typed: Option<usize>) -> (usize, Option<String>) {
             (most, Some(note))
         }
     }
+}
+
+/// Whether a scene can be written there.
+fn check_scene_output(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if !matches!(extension.as_deref(), Some("yaml" | "yml")) {
+        let message = format!("a scene is written as YAML: the name {} must end in .yaml", path.display());
+        return Err(Failure::input(message));
+    }
+    check_output(path)
+}
+
+/// Whether what is rendered is a mesh without a scene, for which alone an option is.
+fn check_bare(option: &str, scene: Option<&Path>) -> Result<(), Failure> {
+    let what = match scene {
+        Some(path) if straal::is_mesh(path) => return Ok(()),
+        Some(path) => format!("{} is a scene, which", path.display()),
+        None => "the scene that straal brings along".to_owned(),
+    };
+    let message = format!("{option} is for bare meshes (.ply, .obj): {what} says that itself");
+    Err(Failure::input(message).help("change it in the scene; --write-scene gives one to begin with"))
 }
 
 /// The scene's name with .png, in the current folder.

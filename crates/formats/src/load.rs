@@ -14,10 +14,11 @@ use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Sc
 
 use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, MeshFile};
-use crate::{Limits, ReadError, foreign, image, spd, studio, yaml};
+use crate::studio::{self, Studio};
+use crate::{Limits, ReadError, foreign, image, spd, yaml};
 
 /// How a scene is loaded.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Whether unknown keys are only warned of.
     pub lenient: bool,
@@ -27,6 +28,8 @@ pub struct Options {
     pub files: Limits,
     /// Bytes of memory that reading all this may take; no limit when absent.
     pub memory: Option<u64>,
+    /// How a bare mesh is shown.
+    pub studio: Studio,
     /// The folder that all files must be in which a scene names, and which those name; anywhere when absent. Symbolic links
     /// are followed before this is asked. The scene itself may lie elsewhere, but one in the folder must not be a link out
     /// of it.
@@ -56,12 +59,17 @@ pub struct Loaded {
 /// The largest scene text, in bytes.
 const MOST_TEXT: u64 = 1 << 28;
 
+/// Whether a file is taken for a bare mesh, by its name.
+pub fn is_mesh(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply") || e.eq_ignore_ascii_case("obj"))
+}
+
 /// Loads a scene (YAML or JSON), or a bare `.ply` or `.obj` mesh, which gets a studio around it.
 ///
 /// The files that a scene names are looked for in its folder. On failure all complaints are given at once.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if matches!(extension.as_str(), "ply" | "obj") {
+    if is_mesh(path) {
         return load_mesh(path, options);
     }
     if let Some(what) = foreign::kind(&extension) {
@@ -444,8 +452,10 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
     ledger.pass(length + mesh_bytes(&read.asset.mesh));
     let name = path.display().to_string();
-    let scene = studio::around(&name, &read.asset).map_err(|problem| fail(Refusal::new(problem)))?;
+    let (scene, told) =
+        studio::around(&name, &read.asset, &options.studio).map_err(|problem| fail(Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
+    told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }

@@ -229,11 +229,12 @@ impl Walk<'_> {
     fn mesh(&self, m: &TriangleMesh) -> Found {
         let smooth = |has: bool| match m.shading {
             Shading::Flat => false,
-            Shading::Smooth => true,
+            Shading::Smooth(_) => true,
             Shading::Auto => has,
         };
         let smoothed = |has: bool, vertices: u64| {
-            if matches!(m.shading, Shading::Smooth) && !has { vertices } else { 0 }
+            let computed = matches!(&m.shading, Shading::Smooth(s) if !has || s.recompute);
+            if computed { vertices } else { 0 }
         };
         let file = match m.source() {
             MeshSource::Inline => {

@@ -620,7 +620,7 @@ fn run_of_samples(
 }
 
 /// How a film wants its picture developed.
-fn look(film: &desc::Film) -> Look {
+pub(crate) fn look(film: &desc::Film) -> Look {
     Look {
         exposure: film.exposure,
         tone: film.tone.curve(),

@@ -7,9 +7,9 @@ use serde_json::{Map, Value as Json, json};
 use straal::picture::film_hash;
 use straal::sums;
 use straal_color::{RgbSpace, Space};
+use straal_formats::ReadError;
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{Format, Photo};
-use straal_formats::{Limits, ReadError};
 
 /// What a picture tells of itself.
 #[derive(Default)]
@@ -131,7 +131,7 @@ fn tell_sums(args: &InfoArgs) -> Result<Exit, Failure> {
 }
 
 fn read(bytes: &[u8]) -> Result<Story, ReadError> {
-    let limits = Limits::default();
+    let limits = super::picture_limits();
     if Format::of(bytes)? != Format::Exr {
         let mut photo = Photo::read(bytes, &limits)?;
         photo.notes.extend(faults(&photo));

@@ -53,6 +53,13 @@ impl Writing {
     }
 }
 
+/// Bounds on a picture that is read: it may take what memory is free.
+fn picture_limits() -> Limits {
+    let usual = Limits::default();
+    let free = crate::machine::memory().unwrap_or(usual.max_decoded);
+    Limits { max_decoded: usual.max_decoded.min(free), ..usual }
+}
+
 /// The bytes of a picture or a spectrum.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     files::read(path, Limits::default().max_bytes).map_err(|refusal| {

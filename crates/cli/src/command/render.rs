@@ -12,18 +12,22 @@ use crate::progress::{Pace, Teller};
 use crate::quantity::{count, tell_percent};
 use crate::report::Report;
 use crate::settings::RenderSettings;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use straal::job::Verdict;
 use straal::sums::{Kept, Snapshot};
+use straal::written;
 use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
+use straal_formats::atomic;
 
 /// Renders a scene; `start` is when the command began.
 pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
     let loaded = load(&settings)?;
     refuse_inputs(settings.written(), &loaded.files)?;
+    let scene = settings.write_scene.is_some().then(|| scene_text(&loaded, &settings)).transpose()?;
     let mut warnings = loaded.warnings.clone();
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
@@ -38,6 +42,14 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
     }
     if let Some(reason) = job.needs_count().filter(|_| settings.time.is_some()) {
         return Err(Failure::input(reason).help("leave out --time, or choose another --sampler"));
+    }
+
+    if let (Some(path), Some(text)) = (&settings.write_scene, scene) {
+        atomic::write(path, |out| out.write_all(text.as_bytes()))
+            .map_err(|e| Failure::system(e.to_string()))?;
+        if !settings.quiet {
+            out::say(&format!("wrote {0}: `straal render {0}` gives this picture\n", path.display()));
+        }
     }
 
     let (mut keeping, kept) = Keeping::new(&settings.keep, &settings.outputs, interrupt, settings.quiet)?;
@@ -91,6 +103,7 @@ fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
         lenient: settings.lenient,
         root: settings.root.clone(),
         memory: settings.memory,
+        studio: settings.studio.studio(settings.overrides.size),
         ..LoadOptions::default()
     };
     match &settings.scene {
@@ -98,6 +111,23 @@ fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),
     }
     .map_err(Failure::scene)
+}
+
+/// The scene as a file of its own, with all that was said on the command line.
+fn scene_text(loaded: &Loaded, settings: &RenderSettings) -> Result<String, Failure> {
+    let look = settings.look(written::look(loaded));
+    let scene =
+        written::scene(loaded, &settings.overrides, &look).map_err(|e| refused(e, &loaded.warnings))?;
+    if settings.scene.is_none() && scene == loaded.scene {
+        // With its comments.
+        return Ok(EMBEDDED_SCENE.to_owned());
+    }
+    // What a scene names is beside it; a bare mesh is named from the current folder.
+    let beside = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
+    let base =
+        settings.scene.as_deref().filter(|path| !straal::is_mesh(path)).map(beside).unwrap_or_default();
+    let folder = settings.write_scene.as_deref().map(beside).unwrap_or_default();
+    Ok(written::text(&scene, &base, &folder))
 }
 
 /// Renders until all samples are taken, the time is up or Ctrl-C is pressed.

@@ -14,3 +14,4 @@ mod pictures;
 mod places;
 mod render;
 mod sampler;
+mod studio;
