@@ -169,8 +169,8 @@ impl Plate {
         let format = Format::of(path)?;
         let mut story = with_look(&self.picture.metadata, look);
         if format == Format::Exr {
-            atomic::write(path, |mut file| {
-                exr::write(&mut file, &exr::Picture { metadata: story, ..self.picture.clone() })
+            atomic::write(path, |file| {
+                exr::write(file, &exr::Picture { metadata: story, ..self.picture.clone() })
             })?;
             return Ok(());
         }
