@@ -39,7 +39,12 @@ fn chromaticities() -> String {
         d.dot(of(nm), INK);
         let [x, y] = of(nm);
         let left = nm <= 500;
-        d.words([if left { x - 8.0 } else { x + 8.0 }, y + if nm == 520 { -6.0 } else { 4.0 }], &format!("{nm}"), if left { "end" } else { "start" }, INK);
+        d.words(
+            [if left { x - 8.0 } else { x + 8.0 }, y + if nm == 520 { -6.0 } else { 4.0 }],
+            &format!("{nm}"),
+            if left { "end" } else { "start" },
+            INK,
+        );
     }
     let colours = [INK, HOT, GREEN, RAY, "#8a5a00"];
     for (i, (space, colour)) in Space::ALL.into_iter().zip(colours).enumerate() {
@@ -70,7 +75,8 @@ fn ggx(cos: f32, alpha: f32) -> f32 {
 /// Where light from one direction goes: diffuse, glossy, mirror.
 fn lobes() -> String {
     let mut d = Drawing::new(700, 240);
-    for (i, (name, alpha)) in [("diffuse", 1.0), ("glossy", 0.3), ("mirror", 0.0_f32)].into_iter().enumerate() {
+    for (i, (name, alpha)) in [("diffuse", 1.0), ("glossy", 0.3), ("mirror", 0.0_f32)].into_iter().enumerate()
+    {
         let at = [120.0 + 230.0 * i as f32, 190.0];
         let incoming = 130.0;
         d.boxed([at[0] - 105.0, at[1]], [at[0] + 105.0, at[1] + 14.0], STUFF, "none");
@@ -80,16 +86,20 @@ fn lobes() -> String {
             _ => {
                 // The half vector's angle from the normal.
                 let half = 0.5 * (degrees + incoming) - 90.0;
-                130.0 * ggx(ops::cos(half.to_radians()), alpha) / ggx(1.0, alpha) * ops::sin(degrees.to_radians()) / ops::sin(50.0_f32.to_radians())
+                130.0 * ggx(ops::cos(half.to_radians()), alpha) / ggx(1.0, alpha)
+                    * ops::sin(degrees.to_radians())
+                    / ops::sin(50.0_f32.to_radians())
             }
         };
         if i == 2 {
             d.arrow(at, on_circle(at, 140.0, 50.0), HOT);
         } else {
-            let outline: Vec<At> = (0..=90_u8).map(|k| {
-                let degrees = 2.0 * f32::from(k);
-                on_circle(at, radius(degrees), degrees)
-            }).collect();
+            let outline: Vec<At> = (0..=90_u8)
+                .map(|k| {
+                    let degrees = 2.0 * f32::from(k);
+                    on_circle(at, radius(degrees), degrees)
+                })
+                .collect();
             d.area(&outline, BLUSH, HOT);
             for k in 1..12_u8 {
                 let degrees = 15.0 * f32::from(k);
@@ -111,7 +121,9 @@ fn lobes() -> String {
 /// A lamp in a polished and in a rough surface: which facets send its light to the eye.
 fn highlight() -> String {
     let mut d = Drawing::new(700, 270);
-    for (left, name, rough) in [(10.0, "polished: the lamp's mirror image", false), (360.0, "rough: a soft patch", true)] {
+    for (left, name, rough) in
+        [(10.0, "polished: the lamp's mirror image", false), (360.0, "rough: a soft patch", true)]
+    {
         let ground = 200.0;
         let (lamp, eye) = ([left + 70.0, 50.0], [left + 290.0, 60.0]);
         d.boxed([left + 10.0, ground], [left + 320.0, ground + 14.0], STUFF, "none");
@@ -127,11 +139,13 @@ fn highlight() -> String {
                 d.path(&[lamp, [x, ground], eye], "#f0b4a8", 1.0);
             }
             // How much comes from each place.
-            let outline: Vec<At> = (0..=60_u8).map(|k| {
-                let x = from - 80.0 + f32::from(k) / 60.0 * (to - from + 160.0);
-                let away = (x - 0.5 * (from + to)) / 42.0;
-                [x, ground + 14.0 + 26.0 * ops::exp(-away * away)]
-            }).collect();
+            let outline: Vec<At> = (0..=60_u8)
+                .map(|k| {
+                    let x = from - 80.0 + f32::from(k) / 60.0 * (to - from + 160.0);
+                    let away = (x - 0.5 * (from + to)) / 42.0;
+                    [x, ground + 14.0 + 26.0 * ops::exp(-away * away)]
+                })
+                .collect();
             d.area(&outline, BLUSH, HOT);
         } else {
             for x in [lamp[0] - 16.0, lamp[0] + 16.0] {
@@ -194,10 +208,12 @@ fn penumbra() -> String {
 fn leaving() -> String {
     let mut d = Drawing::new(700, 230);
     let surface = |left: f32| -> Vec<At> {
-        (0..=30_u8).map(|k| {
-            let x = f32::from(k) * 10.0;
-            [left + x, 150.0 - 22.0 * ops::sin(x / 300.0 * std::f32::consts::PI)]
-        }).collect()
+        (0..=30_u8)
+            .map(|k| {
+                let x = f32::from(k) * 10.0;
+                [left + x, 150.0 - 22.0 * ops::sin(x / 300.0 * std::f32::consts::PI)]
+            })
+            .collect()
     };
     for (left, bound) in [(20.0, false), (370.0, true)] {
         let line = surface(left);
@@ -292,8 +308,15 @@ fn mirrored() -> String {
     d.label([170.0, 156.0], "θ");
     d.label([150.0, 252.0], "the same angle on both sides");
     let panel = Panel { area: [370.0, 36.0, 600.0, 246.0], world: [0.0, 0.0, 90.0, 1.0] };
-    panel.axes(&mut d, &[0.0, 30.0, 60.0, 90.0], &[0.0, 0.5, 1.0], ["angle θ, in degrees", "share that is reflected, at 450 nm"]);
-    for (i, (name, colour)) in [("silver", FAINT), ("aluminium", RAY), ("copper", HOT), ("gold", "#c78a00")].into_iter().enumerate() {
+    panel.axes(
+        &mut d,
+        &[0.0, 30.0, 60.0, 90.0],
+        &[0.0, 0.5, 1.0],
+        ["angle θ, in degrees", "share that is reflected, at 450 nm"],
+    );
+    for (i, (name, colour)) in
+        [("silver", FAINT), ("aluminium", RAY), ("copper", HOT), ("gold", "#c78a00")].into_iter().enumerate()
+    {
         let Some([n, k]) = metal(name) else { continue };
         let (n, k) = (n.at(450.0, Quantity::Index) as f32, k.at(450.0, Quantity::Index) as f32);
         d.path(&panel.curve(|x: f32| conductor(ops::cos(x.to_radians()), n, k)), colour, 2.0);
@@ -308,7 +331,8 @@ fn mirrored() -> String {
 fn microfacets() -> String {
     let mut d = Drawing::new(720, 300);
     let heights = [150.0, 172.0, 166.0, 140.0, 134.0, 165.0, 150.0, 144.0, 178.0, 146.0, 140.0_f32];
-    let points: Vec<At> = heights.iter().enumerate().map(|(i, &y)| [20.0 + 30.0 * i as f32, y + 30.0]).collect();
+    let points: Vec<At> =
+        heights.iter().enumerate().map(|(i, &y)| [20.0 + 30.0 * i as f32, y + 30.0]).collect();
     let mut ground = points.clone();
     ground.extend([[320.0, 230.0], [20.0, 230.0]]);
     d.area(&ground, STUFF, "none");
@@ -333,7 +357,12 @@ fn microfacets() -> String {
     d.label([170.0, 254.0], "only facets with normal m, halfway,");
     d.label([170.0, 273.0], "send light from one to the other");
     let panel = Panel { area: [400.0, 36.0, 600.0, 240.0], world: [0.0, 0.0, 60.0, 1.0] };
-    panel.axes(&mut d, &[0.0, 20.0, 40.0, 60.0], &[0.0, 1.0], ["angle of a facet, in degrees", "D(m), as a part of its peak"]);
+    panel.axes(
+        &mut d,
+        &[0.0, 20.0, 40.0, 60.0],
+        &[0.0, 1.0],
+        ["angle of a facet, in degrees", "D(m), as a part of its peak"],
+    );
     for (k, (alpha, colour)) in [(0.1, RAY), (0.25, GREEN), (0.5, HOT)].into_iter().enumerate() {
         d.path(&panel.curve(|x: f32| ggx(ops::cos(x.to_radians()), alpha) / ggx(1.0, alpha)), colour, 2.0);
         let y = 60.0 + 24.0 * k as f32;
@@ -407,8 +436,15 @@ fn refraction() -> String {
     d.text([238.0, 236.0], "95 %");
     d.label([160.0, 286.0], "bent towards the normal");
     let panel = Panel { area: [385.0, 36.0, 590.0, 250.0], world: [0.0, 0.0, 90.0, 1.0] };
-    panel.axes(&mut d, &[0.0, 30.0, 60.0, 90.0], &[0.0, 0.5, 1.0], ["angle from the normal, in degrees", "share that is reflected"]);
-    for (i, (name, eta, colour)) in [("from air", 1.5, RAY), ("from glass", 1.0 / 1.5, HOT)].into_iter().enumerate() {
+    panel.axes(
+        &mut d,
+        &[0.0, 30.0, 60.0, 90.0],
+        &[0.0, 0.5, 1.0],
+        ["angle from the normal, in degrees", "share that is reflected"],
+    );
+    for (i, (name, eta, colour)) in
+        [("from air", 1.5, RAY), ("from glass", 1.0 / 1.5, HOT)].into_iter().enumerate()
+    {
         d.path(&panel.curve(|x: f32| fresnel(ops::cos(x.to_radians()), eta)), colour, 2.0);
         let y = 60.0 + 24.0 * i as f32;
         d.path(&[[604.0, y], [626.0, y]], colour, 2.5);
@@ -423,19 +459,31 @@ fn spectra() -> String {
     let wavelengths = [400.0, 500.0, 600.0, 700.0];
     let lamps = Panel { area: [45.0, 36.0, 335.0, 220.0], world: [380.0, 0.0, 730.0, 2.5] };
     lamps.axes(&mut d, &wavelengths, &[0.0, 1.0, 2.0], ["wavelength, in nm", "light, with luminance 1"]);
-    for (i, (name, words, colour)) in [("D65", "D65, daylight", RAY), ("A", "A, tungsten", "#c78a00"), ("FL11", "FL11, a tube", GREEN)].into_iter().enumerate() {
+    for (i, (name, words, colour)) in
+        [("D65", "D65, daylight", RAY), ("A", "A, tungsten", "#c78a00"), ("FL11", "FL11, a tube", GREEN)]
+            .into_iter()
+            .enumerate()
+    {
         let Some(light) = illuminant::by_name(name) else { continue };
         let light = illuminant::of_unit_luminance(&light);
-        d.path(&lamps.curve(|nm| ops::min(light.at(f64::from(nm), Quantity::Emission) as f32, 2.5)), colour, 1.8);
+        d.path(
+            &lamps.curve(|nm| ops::min(light.at(f64::from(nm), Quantity::Emission) as f32, 2.5)),
+            colour,
+            1.8,
+        );
         let x = 30.0 + 115.0 * i as f32;
         d.path(&[[x, 280.0], [x + 16.0, 280.0]], colour, 2.5);
         d.words([x + 20.0, 285.0], words, "start", INK);
     }
     let paints = Panel { area: [415.0, 36.0, 705.0, 220.0], world: [380.0, 0.0, 730.0, 1.0] };
     paints.axes(&mut d, &wavelengths, &[0.0, 0.5, 1.0], ["wavelength, in nm", "share that is reflected"]);
-    let paint = uplift::Uplift::new().fit([0xb0, 0xa0, 0x90].map(|c: u8| f64::from(srgb::decode(f32::from(c) / 255.0)))).bins();
+    let paint = uplift::Uplift::new()
+        .fit([0xb0, 0xa0, 0x90].map(|c: u8| f64::from(srgb::decode(f32::from(c) / 255.0))))
+        .bins();
     let twin = metamer::of(&paint, &illuminant::d65(), Observer::Cie1931);
-    for (i, (words, bins, colour)) in [("a paint", Some(paint), INK), ("its twin under D65", twin, HOT)].into_iter().enumerate() {
+    for (i, (words, bins, colour)) in
+        [("a paint", Some(paint), INK), ("its twin under D65", twin, HOT)].into_iter().enumerate()
+    {
         let Some(bins) = bins else { continue };
         d.path(&paints.curve(|nm| bins[nm as usize - FIRST] as f32), colour, 1.8);
         let x = 430.0 + 110.0 * i as f32;
@@ -458,7 +506,9 @@ fn environment_draws() -> String {
     const N: usize = 64;
     let cell = |i: usize| (i as f32 + 0.5) / N as f32;
     let rows: Vec<f32> = (0..N)
-        .map(|j| ops::sin(std::f32::consts::PI * cell(j)) * (0..N).map(|i| bright(cell(i), cell(j))).sum::<f32>())
+        .map(|j| {
+            ops::sin(std::f32::consts::PI * cell(j)) * (0..N).map(|i| bright(cell(i), cell(j))).sum::<f32>()
+        })
         .collect();
     let pick = |weights: &[f32], u: f32| {
         let mut left = u * weights.iter().sum::<f32>();
@@ -471,7 +521,9 @@ fn environment_draws() -> String {
         1.0
     };
     let request = Request { kind: PatternKind::Sobol, count: 256, seed: 1, dimensions: [0, 1] };
-    for (left, name, table) in [(20.0, "drawn evenly over the sphere", false), (365.0, "drawn by brightness", true)] {
+    for (left, name, table) in
+        [(20.0, "drawn evenly over the sphere", false), (365.0, "drawn by brightness", true)]
+    {
         let panel = Panel { area: [left, 20.0, left + 315.0, 177.5], world: [0.0, 0.0, 1.0, 1.0] };
         d.boxed([left, 20.0], [left + 315.0, 177.5], "#e9f2fa", FAINT);
         let sun = panel.at([0.68, 0.62]);

@@ -3,8 +3,8 @@
 use super::Diagram;
 use crate::draw::*;
 use straal_accel::{
-    BspChoice, BspParams, Bvh2Params, Geometry, GeometryKind, GridParams, Group, Input, KdParams, OctreeParams, Options, Scene,
-    Section, Split, Structure,
+    BspChoice, BspParams, Bvh2Params, Geometry, GeometryKind, GridParams, Group, Input, KdParams,
+    OctreeParams, Options, Scene, Section, Split, Structure,
 };
 use straal_math::{Ray, Vec3, ops};
 
@@ -42,7 +42,12 @@ fn town() -> Vec<Wall> {
 
 /// Huge surroundings of a tiny tower.
 fn stadium() -> Vec<Wall> {
-    let mut walls = vec![[[0.2, 0.2], [11.8, 0.4]], [[11.8, 0.6], [11.6, 7.8]], [[11.4, 7.8], [0.3, 7.7]], [[0.2, 7.4], [0.3, 0.4]]];
+    let mut walls = vec![
+        [[0.2, 0.2], [11.8, 0.4]],
+        [[11.8, 0.6], [11.6, 7.8]],
+        [[11.4, 7.8], [0.3, 7.7]],
+        [[0.2, 7.4], [0.3, 0.4]],
+    ];
     walls.extend(tower([7.2, 3.3], 0.3, 14));
     walls
 }
@@ -156,7 +161,7 @@ fn tree_of_boxes() -> String {
         d.text([616.0, y + 5.0], &format!("{i}"));
     }
     d.text([590.0, 40.0], "level");
-    d.text([20.0, 412.0], "yellow: leaves that the ray opens, before it hits the tower");
+    d.text([20.0, 412.0], "the ray opens the boxes that it crosses, and passes by all others");
     d.finish()
 }
 
@@ -169,7 +174,8 @@ fn volumes() -> String {
         let at = [120.0 + 230.0 * i as f32, 118.0];
         let place = |a: f32, b: f32| [at[0] + a * cos - b * sin, at[1] - a * sin - b * cos];
         let rod = |grow: f32| {
-            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(a, b)| place(a * (half + grow), b * (thick + grow)))
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+                .map(|(a, b)| place(a * (half + grow), b * (thick + grow)))
         };
         let (w, h) = (half * cos + thick * sin, half * sin + thick * cos);
         match i {
@@ -196,8 +202,11 @@ fn grid() -> String {
         let panel = plan(left, 16.0, 330.0);
         let all = sections(&walls, Structure::Grid(GridParams { factor: 1.0, ..GridParams::DEFAULT }));
         let t = hit(&walls, from, to);
-        let mut walked: Vec<(f64, &Section)> =
-            all.iter().filter_map(|s| Some((crossing(s, from, to)?[0], s))).filter(|(enter, _)| *enter < f64::from(t)).collect();
+        let mut walked: Vec<(f64, &Section)> = all
+            .iter()
+            .filter_map(|s| Some((crossing(s, from, to)?[0], s)))
+            .filter(|(enter, _)| *enter < f64::from(t))
+            .collect();
         walked.sort_by(|a, b| a.0.total_cmp(&b.0));
         for s in &all {
             d.area(&outline(&panel, s), if s.primitives > Some(0) { "#f1f3f5" } else { "none" }, FAINT);
@@ -220,7 +229,12 @@ fn grid() -> String {
 fn splits() -> String {
     let mut d = Drawing::new(720, 560);
     let walls = town();
-    let all = [("median", Split::Median), ("middle", Split::Middle), ("sah", Split::Sah), ("agglomerative", Split::Agglomerative)];
+    let all = [
+        ("median", Split::Median),
+        ("middle", Split::Middle),
+        ("sah", Split::Sah),
+        ("agglomerative", Split::Agglomerative),
+    ];
     for (i, (name, split)) in all.into_iter().enumerate() {
         let (left, top) = (16.0 + 358.0 * (i % 2) as f32, 30.0 + 270.0 * (i / 2) as f32);
         let panel = plan(left, top, 330.0);
@@ -240,9 +254,15 @@ fn cells() -> String {
     let walls = town();
     let all = [
         ("kd", Structure::Kd(KdParams { leaf_size: 2, ..KdParams::DEFAULT })),
-        ("octree, with leaf_size: 4", Structure::Octree(OctreeParams { leaf_size: 4, max_depth: 6, ..OctreeParams::DEFAULT })),
+        (
+            "octree, with leaf_size: 4",
+            Structure::Octree(OctreeParams { leaf_size: 4, max_depth: 6, ..OctreeParams::DEFAULT }),
+        ),
         ("bsp", Structure::Bsp(BspParams { leaf_size: 2, ..BspParams::DEFAULT })),
-        ("bsp, with choice: sah", Structure::Bsp(BspParams { leaf_size: 2, choice: BspChoice::Sah, ..BspParams::DEFAULT })),
+        (
+            "bsp, with choice: sah",
+            Structure::Bsp(BspParams { leaf_size: 2, choice: BspChoice::Sah, ..BspParams::DEFAULT }),
+        ),
     ];
     for (i, (name, structure)) in all.into_iter().enumerate() {
         let (left, top) = (16.0 + 358.0 * (i % 2) as f32, 30.0 + 270.0 * (i / 2) as f32);
@@ -253,7 +273,9 @@ fn cells() -> String {
         for s in sections(&walls, structure).iter() {
             let points: Vec<At> = outline(&panel, s)
                 .into_iter()
-                .map(|[x, y]| [ops::clamp(x, panel.area[0], panel.area[2]), ops::clamp(y, panel.area[1], panel.area[3])])
+                .map(|[x, y]| {
+                    [ops::clamp(x, panel.area[0], panel.area[2]), ops::clamp(y, panel.area[1], panel.area[3])]
+                })
                 .collect();
             let empty = s.primitives == Some(0);
             d.area(&points, if empty || !held(s) { "none" } else { "#e9f2fa" }, "#7fa8cc");
