@@ -133,6 +133,11 @@ impl Picture {
                 "it was developed (exposure {exposure}, tone {tone}): it is compared as it is shown"
             ));
         }
+        if self.photo.encoding.as_ref().is_some_and(|encoding| encoding.bits < 16) {
+            notes.push(
+                "it has 8 bits a channel: its light is rounded, by up to half a 255th of the signal".into(),
+            );
+        }
         notes
     }
 

@@ -330,6 +330,8 @@ mod tests {
         let want = "\
 picture           2 x 1 pixels
 colours           linear RGB; the file doesn't say of which primaries
+note              a number of the pixel 1, 0 is no number (NaN)
+note              a number of the pixel 1, 0 is infinite
 B                 2.0000e-5 .. 2.0000e-5, mean 2.0000e-5, 1 infinite
 G                 1 .. 1, mean 1, 1 NaN
 R                 0.25 .. 0.75, mean 0.5
