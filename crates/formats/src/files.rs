@@ -37,6 +37,11 @@ impl Refusal {
         self.problem == MISSING
     }
 
+    /// Whether another name would help.
+    pub(crate) fn is_of_the_name(&self) -> bool {
+        self.is_missing() || self.problem == FOLDER
+    }
+
     /// With a file of nearly that name as help, where the one that was named isn't there.
     #[must_use]
     pub(crate) fn or_similar(self, path: &Path) -> Self {
@@ -47,6 +52,7 @@ impl Refusal {
 
 /// What is said where nothing is.
 const MISSING: &str = "there is no such file";
+const FOLDER: &str = "it is a folder";
 
 /// So many bytes at a file's beginning are looked at before the rest is read.
 const HEAD: u64 = 4096;
@@ -92,7 +98,7 @@ pub(crate) fn size(path: &Path, most: u64) -> Result<u64, Refusal> {
 
 fn size_of(about: &std::fs::Metadata, most: u64) -> Result<u64, Refusal> {
     if about.is_dir() {
-        return Err(Refusal::new("it is a folder"));
+        return Err(Refusal::new(FOLDER));
     }
     if !about.is_file() {
         return Err(Refusal::new("it is not a plain file"));
@@ -278,10 +284,17 @@ impl Finder {
         if real.starts_with(&root.real) {
             return Ok(real);
         }
-        let (path, root) = (path.display(), root.real.display());
+        let (path, root) = (shown(path), shown(&root.real));
         Err(Refusal::new(format!("`{path}` lies outside of `{root}`, and only files in there may be read"))
             .help("`--root` says which folder a scene may read from"))
     }
+}
+
+/// A path as it can be shown: a scene may put anything into the names of its files.
+fn shown(path: &Path) -> String {
+    const MOST: usize = 300;
+    let text = path.to_string_lossy();
+    text.chars().take(MOST).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 /// A path without symbolic links, `.` and `..`. What isn't there is taken as it is written, so that the answer doesn't tell

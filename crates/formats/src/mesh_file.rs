@@ -89,6 +89,9 @@ fn check(extension: &str, head: &[u8]) -> Result<(), Refusal> {
     }
 }
 
+/// The largest material library, in bytes.
+const MOST_LIBRARY: u64 = 1 << 28;
+
 /// Where the material libraries of a mesh are.
 struct Shelf<'a> {
     folder: &'a Path,
@@ -126,10 +129,11 @@ impl Shelf<'_> {
             return Some(Vec::new());
         }
         let shown = crate::read_error::quoted(name.as_bytes());
-        match files::read(&found.path, self.limits.max_bytes) {
+        match files::read(&found.path, self.limits.max_bytes.min(MOST_LIBRARY)) {
             Ok(bytes) => {
                 if let Some(instead) = found.instead {
-                    self.tell(format!("there is no material library {shown}: '{instead}' is read"));
+                    let instead = crate::read_error::quoted(instead.as_bytes());
+                    self.tell(format!("there is no material library {shown}: {instead} is read"));
                 }
                 self.read.insert(real);
                 Some(bytes)

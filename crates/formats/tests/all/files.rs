@@ -82,6 +82,21 @@ fn material_libraries_are_found_by_names_from_elsewhere() {
 }
 
 #[test]
+fn scenes_too_may_come_from_elsewhere() {
+    let text = format!(
+        "\u{feff}# by hand\n{CAMERA}world:\n  - mesh: {{ file: a.ply, emission: 1 }}\n  - shpere: {{}}\n"
+    );
+    for end in ["\r", "\r\n", "\n"] {
+        let folder = folder(&[("a.ply", PLY), ("scene.yaml", &text.replace('\n', end))]);
+        let told = told(&folder, "scene.yaml");
+        assert!(
+            told.contains("scene.yaml:5:5: error: unknown") && told.contains("5 |   - shpere: {}\n"),
+            "{end:?}: {told}"
+        );
+    }
+}
+
+#[test]
 fn of_two_files_that_differ_by_case_none_is_taken() {
     let folder = folder(&[("Red.ply", PLY), ("rEd.ply", PLY), ("one/Blue.ply", PLY)]);
     let is_case_blind = folder.path().join("RED.PLY").exists();
