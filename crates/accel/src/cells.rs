@@ -11,6 +11,7 @@ use crate::{
     mailbox::Mailboxes,
     partition::{self, Census, chance},
     query::Query,
+    section::{Section, Slice},
     structure::{Packed, Place, Prim, Search, Stats},
 };
 use straal_math::{Bounds, ops};
@@ -24,7 +25,7 @@ pub(crate) trait Cells {
     /// The part of a ray inside a cell.
     type Part: Part;
     /// The shape of a cell.
-    type Space;
+    type Space: Slice;
 
     fn open(&self, node: u32) -> Opened<'_, Self::Cut>;
 
@@ -203,6 +204,26 @@ impl<T: Cells> Search for T {
                 Opened::Inner(cut) => {
                     out.nodes += 1;
                     out.sah_cost += chance * self.options().step_cost;
+                    let parts = T::divide(&cut, &space);
+                    stack.extend(parts.into_iter().map(|(node, space)| (node, space, depth + 1)));
+                }
+            }
+        }
+        out
+    }
+
+    fn section(&self, z: f64) -> Vec<Section> {
+        let mut out = Vec::new();
+        let mut stack = vec![(0, self.root_space(), 0)];
+        while let Some((node, space, depth)) = stack.pop() {
+            match self.open(node) {
+                Opened::Leaf(prims) => {
+                    let outline = space.slice(z);
+                    if outline.len() >= 3 {
+                        out.push(Section { outline, depth, primitives: Some(prims.len()) });
+                    }
+                }
+                Opened::Inner(cut) => {
                     let parts = T::divide(&cut, &space);
                     stack.extend(parts.into_iter().map(|(node, space)| (node, space, depth + 1)));
                 }

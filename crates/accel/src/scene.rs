@@ -210,6 +210,12 @@ impl Scene {
         self.groups.iter().map(reached).collect()
     }
 
+    /// The cells (grid, kd-tree, octree, BSP tree) or boxes (binary tree) of the world where the plane at a height z cuts them, for
+    /// drawings. Other structures have none.
+    pub fn section(&self, z: f64) -> Vec<crate::Section> {
+        each!(&self.groups[0].searcher, s => s.section(z))
+    }
+
     /// What was left out because it can never be hit: primitives with a coordinate that isn't finite, triangles without
     /// area, shapes with an empty box. Groups that the world doesn't reach aren't counted; a geometry that stands in several
     /// is there several times.

@@ -13,6 +13,7 @@ use crate::{
     octree::{Octree, OctreeParams},
     query::Query,
     scene::GroupData,
+    section::Section,
     volumes::{Volumes, VolumesParams},
 };
 use std::{fmt, str::FromStr};
@@ -206,6 +207,11 @@ pub(crate) trait Search: Sized {
 
     /// What a report says of the structure; it walks the whole of it.
     fn stats(&self) -> Stats;
+
+    /// What a drawing of the structure shows at a height: cells, or the boxes of a binary tree. Other structures show nothing.
+    fn section(&self, _z: f64) -> Vec<Section> {
+        Vec::new()
+    }
 }
 
 /// What a structure is made of.
