@@ -93,7 +93,14 @@ fn reserve(bytes: &mut Vec<u8>, more: u64) -> Result<(), Refusal> {
 
 /// The size of a file that may be read.
 pub(crate) fn size(path: &Path, most: u64) -> Result<u64, Refusal> {
-    size_of(&std::fs::metadata(path).map_err(|e| Refusal::new(reason(&e)))?, most)
+    let size = size_of(&std::fs::metadata(path).map_err(|e| Refusal::new(reason(&e)))?, most);
+    // Files of the kernel tell a size of 0, and some of them never end.
+    let is_kernels = || resolved(path).starts_with("/proc") || resolved(path).starts_with("/sys");
+    if size.is_err() && is_kernels() {
+        Err(Refusal::new("it is a file of the kernel, not a plain one"))
+    } else {
+        size
+    }
 }
 
 fn size_of(about: &std::fs::Metadata, most: u64) -> Result<u64, Refusal> {
@@ -104,7 +111,6 @@ fn size_of(about: &std::fs::Metadata, most: u64) -> Result<u64, Refusal> {
         return Err(Refusal::new("it is not a plain file"));
     }
     match about.len() {
-        // Files of the kernel tell this size as well, and some of them never end.
         0 => Err(Refusal::new("the file is empty")),
         size if size > most => Err(Refusal::new(format!("it has {size} bytes, more than {most}"))),
         size => Ok(size),
