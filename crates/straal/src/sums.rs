@@ -147,6 +147,10 @@ impl Kept {
         if !about.is_file() {
             return Err(wrong("it is not a plain file".into()));
         }
+        // Files of the kernel tell no length either, and some of them wait for ever.
+        if about.len() == 0 {
+            return Err(wrong("the file is empty".into()));
+        }
         let file = File::open(path).map_err(failed)?;
         let cut = |e: io::Error| match e.kind() {
             io::ErrorKind::UnexpectedEof => {

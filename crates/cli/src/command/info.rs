@@ -1,6 +1,6 @@
 //! `straal info`
 
-use super::{print, read_bytes};
+use super::{print, read_picture};
 use crate::args::InfoArgs;
 use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
@@ -97,7 +97,7 @@ pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
     if sums::is_named(&args.picture) {
         return tell_sums(args);
     }
-    let bytes = read_bytes(&args.picture)?;
+    let bytes = read_picture(&args.picture)?;
     let story =
         read(&bytes).map_err(|e| Failure::input(format!("can't read {}: {e}", args.picture.display())))?;
     if args.json {
