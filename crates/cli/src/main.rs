@@ -7,7 +7,10 @@ mod command;
 mod complaint;
 mod exit;
 mod interrupt;
+mod keeping;
+mod machine;
 mod out;
+mod places;
 mod process;
 mod progress;
 mod quantity;
@@ -16,31 +19,45 @@ mod settings;
 
 use args::{Command, CommandLine};
 use clap::Parser;
+use clap::error::ErrorKind;
 use exit::{Exit, Failure};
+use interrupt::Interrupt;
+use std::ffi::OsString;
 use std::panic;
 use std::process::ExitCode;
 use std::time::Instant;
 
 fn main() -> ExitCode {
     let start = Instant::now();
-    panic::set_hook(Box::new(|info| out::say(&bug(&info.to_string()))));
+    panic::set_hook(Box::new(|info| {
+        let told = bug(&info.to_string());
+        out::say(&told);
+        out::last_words(|| {
+            complaint::failure_as_json(&Failure { exit: Exit::Bug, ..Failure::input(told.trim_end()) })
+        });
+    }));
     // Unwinding before the end removes the temporary file of a picture that was being written.
     let exit = panic::catch_unwind(|| run(start)).unwrap_or(Exit::Bug);
     ExitCode::from(exit.code())
 }
 
 fn run(start: Instant) -> Exit {
-    let line = match CommandLine::try_parse() {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let json = words.iter().take_while(|w| *w != "--").any(|w| w == "--json");
+    out::answers_in_json(json);
+    let line = match CommandLine::try_parse_from(&words) {
         Ok(line) => line,
-        Err(e) => {
-            // Help and version are "errors" too, with code 0; nobody is left to tell of a broken pipe.
+        // Help and version are "errors" too; nobody is left to tell of a broken pipe.
+        Err(e) if e.exit_code() == 0 || e.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             let _ = e.print();
             return if e.exit_code() == 0 { Exit::Fine } else { Exit::Input };
         }
+        Err(e) => return tell(&args::failure(&e, &words)),
     };
-    let json = wants_json(&line.command);
+    let interrupt = Interrupt::listen();
     let done = match line.command {
-        Command::Render(args) => command::render::run(*args, start),
+        Command::Render(args) => command::render::run(*args, start, &interrupt),
+        Command::Merge(args) => command::merge::run(&args, &interrupt),
         Command::Check(args) => command::check::run(&args),
         Command::Accel(args) => command::accel::run(&args, start),
         Command::Sampler(args) => command::sampler::run(&args),
@@ -50,28 +67,15 @@ fn run(start: Instant) -> Exit {
         Command::Develop(args) => command::develop::run(&args),
         Command::GammaChart(args) => command::gamma_chart::run(&args),
         Command::Metamer(args) => command::metamer::run(&args),
+        Command::Completions(args) => command::completions::run(&args),
+        Command::Man(args) => command::man::run(&args),
     };
-    done.unwrap_or_else(|failure| tell(&failure, json))
+    done.unwrap_or_else(|failure| tell(&failure))
 }
 
-fn wants_json(command: &Command) -> bool {
-    match command {
-        Command::Render(a) => a.json,
-        Command::Check(a) => a.json,
-        Command::Accel(a) => a.json,
-        Command::Sampler(a) => a.json,
-        Command::Diff(a) => a.json,
-        Command::Info(a) => a.json,
-        Command::Metamer(a) => a.json,
-        Command::Schema | Command::Develop(_) | Command::GammaChart(_) => false,
-    }
-}
-
-fn tell(failure: &Failure, json: bool) -> Exit {
+fn tell(failure: &Failure) -> Exit {
     out::say(&complaint::show_failure(failure, out::has_colours()));
-    if json && let Err(e) = out::result(&format!("{:#}\n", complaint::failure_as_json(failure))) {
-        out::say(&format!("error: can't write to standard output: {e}\n"));
-    }
+    out::last_words(|| complaint::failure_as_json(failure));
     failure.exit
 }
 

@@ -1,10 +1,30 @@
 //! The only place that writes to standard output and standard error.
 
+use serde_json::Value as Json;
 use std::ffi::OsStr;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether a script waits for one JSON object that it hasn't got: what ends the command early, on whichever thread, owes it one.
+static OWES_JSON: AtomicBool = AtomicBool::new(false);
+
+/// Says whether the command was asked for JSON.
+pub fn answers_in_json(asked: bool) {
+    OWES_JSON.store(asked, Ordering::SeqCst);
+}
+
+/// What a script is told when the command ends without a result; nothing when it wasn't asked for, or was told already.
+pub fn last_words(object: impl FnOnce() -> Json) {
+    if OWES_JSON.load(Ordering::SeqCst)
+        && let Err(e) = result(&format!("{:#}\n", object()))
+    {
+        say(&format!("error: can't write to standard output: {e}\n"));
+    }
+}
 
 /// Writes a result to standard output. That nobody listens any more, as when `head` has seen enough, is no error.
 pub fn result(text: &str) -> io::Result<()> {
+    OWES_JSON.store(false, Ordering::SeqCst);
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),

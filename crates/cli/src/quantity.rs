@@ -1,9 +1,12 @@
 //! Quantities as they are typed on the command line, and as people read them.
 
+use std::str::FromStr;
 use std::time::Duration;
 use straal::Recording;
 use straal::points::Map;
+use straal::studio::Background;
 use straal_scene::desc::SpectralChannels;
+use straal_scene::value::Color;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +15,28 @@ pub struct Size(pub [u32; 2]);
 /// Left, top, right and bottom in pixels, the last two exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop(pub [u32; 4]);
+
+/// An angle between two faces in degrees.
+pub fn crease(typed: &str) -> Result<f64, String> {
+    let degrees = typed.trim().trim_end_matches('°').parse::<f64>().ok();
+    degrees.filter(|d| (0.0..=180.0).contains(d)).ok_or_else(|| "write degrees from 0 to 180".to_owned())
+}
+
+/// `studio`, `none`, a colour in hexadecimal or one of the names that need no table.
+pub fn background(typed: &str) -> Result<Background, String> {
+    let paper = |grey: f64| Ok(Background::Paper(Color::grey(grey)));
+    match typed.trim().to_ascii_lowercase().as_str() {
+        "studio" => Ok(Background::Sweep),
+        "none" | "transparent" => Ok(Background::Nothing),
+        // The whitest and blackest papers there are.
+        "white" => paper(0.95),
+        "grey" | "gray" => paper(0.25),
+        "black" => paper(0.02),
+        other => Color::from_hex(other).map(Background::Paper).ok_or_else(|| {
+            "write studio, none, white, grey, black or a colour in hexadecimal in quotes, such as '#4060a0'".to_owned()
+        }),
+    }
+}
 
 /// The longest time that can be asked for: a year, far inside of what clocks can count.
 const LONGEST: f64 = 365.0 * 86400.0;
@@ -152,10 +177,57 @@ pub fn crop(typed: &str) -> Result<Crop, String> {
     }
 }
 
+/// Samples of each pixel: the first, and one past the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Samples(pub [u32; 2]);
+
+/// Samples such as `64..128`.
+pub fn samples(typed: &str) -> Result<Samples, String> {
+    let numbers =
+        typed.split_once("..").and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    match numbers {
+        Some([first, end]) if first < end => Ok(Samples([first, end])),
+        Some(_) => Err("none: the first must be less than the end, which isn't one of them".into()),
+        None => Err("write the first, from 0, and one past the last, such as 64..128".into()),
+    }
+}
+
+/// How often something is done, if at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Every(pub Option<Duration>);
+
+/// A time such as `60s`, or `off`.
+pub fn checkpoint(typed: &str) -> Result<Every, String> {
+    if typed.eq_ignore_ascii_case("off") {
+        return Ok(Every(None));
+    }
+    duration(typed).map(|time| Every(Some(time))).map_err(|e| format!("{e}; or off"))
+}
+
 /// Degrees from edge to edge.
 pub fn field_of_view(typed: &str) -> Result<f64, String> {
     let degrees = typed.parse().ok().filter(|v: &f64| *v > 0.0 && *v < 180.0);
     degrees.ok_or_else(|| "expected degrees between 0 and 180".to_owned())
+}
+
+/// Samples per pixel.
+pub fn spp(typed: &str) -> Result<u32, String> {
+    within(typed, 1, straal::MAX_SAMPLES)
+}
+
+/// A number of independent sets of samples.
+pub fn replicates(typed: &str) -> Result<u32, String> {
+    within(typed, 2, 10_000)
+}
+
+/// A number of edges of a path.
+pub fn depth(typed: &str) -> Result<u32, String> {
+    at_least_one(typed)
+}
+
+/// The seed of random numbers.
+pub fn seed(typed: &str) -> Result<u64, String> {
+    typed.parse().map_err(|_| "write a whole number, 0 or greater, of at most 19 digits".to_owned())
 }
 
 /// A number of threads.
@@ -168,16 +240,54 @@ pub fn batch(typed: &str) -> Result<usize, String> {
     within(typed, 1, 1 << 20)
 }
 
+/// Samples per pixel of a picture whose rays are recorded.
+pub fn recorded_spp(typed: &str) -> Result<u32, String> {
+    within(typed, 1, 1024)
+}
+
 /// A number of rays of each kind.
 pub fn rays(typed: &str) -> Result<usize, String> {
     within(typed, 1, 1 << 21)
 }
 
-fn within(typed: &str, least: usize, most: usize) -> Result<usize, String> {
+/// A number of rounds of timing.
+pub fn rounds(typed: &str) -> Result<u32, String> {
+    within(typed, 1, 1000)
+}
+
+/// A number of points of a pattern.
+pub fn points(typed: &str) -> Result<u32, String> {
+    within(typed, 1, straal::points::MOST)
+}
+
+fn within<T>(typed: &str, least: T, most: T) -> Result<T, String>
+where
+    T: FromStr + PartialOrd + TryInto<u64> + Copy,
+{
+    let told = |n: T| n.try_into().map_or(String::new(), grouped);
     match typed.parse() {
         Ok(n) if (least..=most).contains(&n) => Ok(n),
-        _ => Err(format!("write a whole number from {least} to {most}")),
+        _ => Err(format!("write a whole number from {} to {}", told(least), told(most))),
     }
+}
+
+/// A number whose only upper limit is that of the machine, which nobody means.
+fn at_least_one(typed: &str) -> Result<u32, String> {
+    let n = typed.parse().ok().filter(|n| *n > 0);
+    n.ok_or_else(|| "write a whole number, 1 or greater".to_owned())
+}
+
+/// A whole number as people write it: 16,384.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut told = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            told.push(',');
+        }
+        told.push(digit);
+    }
+    told
 }
 
 /// A time as people read it: `4.2 s`, `3 min 20 s`, `1 h 02 min`.
@@ -198,20 +308,36 @@ pub fn tell_percent(part: f64) -> String {
     if text == "0" { format!("{:.0e} %", 100.0 * part) } else { format!("{text} %") }
 }
 
-/// An amount of memory as people read it, in powers of 1000.
-pub fn tell_bytes(bytes: u64) -> String {
-    let amount = bytes as f64;
-    match bytes {
-        0..1_000 => format!("{bytes} B"),
-        1_000..1_000_000 => format!("{:.1} kB", amount / 1e3),
-        1_000_000..1_000_000_000 => format!("{:.1} MB", amount / 1e6),
-        _ => format!("{:.2} GB", amount / 1e9),
-    }
+pub use straal_scene::memory::tell_bytes;
+
+/// An amount of memory such as `8G`, `512M`, `1.5GB` or `800MiB`: letters stand for powers of 1000, with an i for powers of 1024.
+pub fn memory(typed: &str) -> Result<u64, String> {
+    const HINT: &str = "write a number with a unit: 512M, 8G, 1.5GB or 16GiB";
+    let typed = typed.trim();
+    let digits = typed.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(typed.len());
+    let (number, unit) = typed.split_at(digits);
+    let number: f64 = number.parse().map_err(|_| HINT.to_owned())?;
+    let unit = unit.trim().to_ascii_lowercase();
+    let (letter, base) = match unit.strip_suffix("ib") {
+        Some(letter) => (letter, 1024.0_f64),
+        None => (unit.strip_suffix('b').unwrap_or(&unit), 1000.0),
+    };
+    let factor = match letter {
+        "" if unit == "b" => 1.0,
+        "" => return Err(format!("{typed} of what? {HINT}")),
+        "k" => base,
+        "m" => base * base,
+        "g" => base * base * base,
+        "t" => base * base * base * base,
+        _ => return Err(format!("unknown unit `{unit}`; {HINT}")),
+    };
+    let bytes = number * factor;
+    if bytes >= 1e6 && bytes < 1e18 { Ok(bytes as u64) } else { Err("it must be from 1M to 1000000T".into()) }
 }
 
 /// A number with its noun: `1 sample`, `3 samples`.
 pub fn count(n: u64, noun: &str) -> String {
-    format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+    format!("{} {noun}{}", grouped(n), if n == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]
@@ -241,6 +367,17 @@ mod tests {
     }
 
     #[test]
+    fn samples_and_intervals_are_read() {
+        assert_eq!(samples("64..128"), Ok(Samples([64, 128])));
+        for typed in ["", "64", "64..", "..64", "64..64", "9..3", "-1..3", "1..2..3", "0..99999999999"] {
+            assert!(samples(typed).is_err(), "{typed}");
+        }
+        assert_eq!(checkpoint("Off"), Ok(Every(None)));
+        assert_eq!(checkpoint("2m"), Ok(Every(Some(Duration::from_secs(120)))));
+        assert!(checkpoint("often").is_err_and(|e| e.ends_with("; or off")));
+    }
+
+    #[test]
     fn sizes_and_crops_are_read() {
         assert_eq!(size("640x360"), Ok(Size([640, 360])));
         for typed in ["", "640", "640x", "0x3", "640x360x2", "-1x2", "1.5x2"] {
@@ -253,11 +390,28 @@ mod tests {
     }
 
     #[test]
+    fn memory_has_units() {
+        for (typed, bytes) in
+            [("8G", 8e9), ("512M", 512e6), ("1.5 GB", 1.5e9), ("16GiB", 17_179_869_184.0), ("2t", 2e12)]
+        {
+            assert_eq!(memory(typed), Ok(bytes as u64), "{typed}");
+        }
+        for typed in ["8", "", "G", "8X", "-8G", "1k", "nan", "9999999999T"] {
+            assert!(memory(typed).is_err(), "{typed}");
+        }
+    }
+
+    #[test]
     fn numbers_have_bounds() {
         assert_eq!(field_of_view("39.5"), Ok(39.5));
         assert!(["nan", "0", "180", "-3", "wide"].iter().all(|typed| field_of_view(typed).is_err()));
         assert_eq!((threads("1"), batch("1024")), (Ok(1), Ok(1024)));
         assert!(threads("0").is_err() && threads("5000").is_err() && batch("0").is_err());
+        assert_eq!(spp("300000"), Err("write a whole number from 1 to 262,144".into()));
+        assert_eq!(
+            (depth("0"), seed("-1").is_err()),
+            (Err("write a whole number, 1 or greater".into()), true)
+        );
     }
 
     #[test]
@@ -270,5 +424,7 @@ mod tests {
         );
         assert_eq!([0.07, 0.005, 1e-15].map(tell_percent), ["7 %", "0.5 %", "1e-13 %"]);
         assert_eq!((count(1, "sample"), count(0, "sample")), ("1 sample".into(), "0 samples".into()));
+        assert_eq!(count(16_384, "sample"), "16,384 samples");
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
     }
 }

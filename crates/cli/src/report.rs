@@ -1,6 +1,7 @@
 //! What a finished render has to tell.
 
 use crate::complaint;
+use crate::keeping::Told;
 use crate::process;
 use crate::quantity::{count, tell_bytes, tell_duration, tell_percent};
 use serde_json::{Map, Value as Json, json};
@@ -18,8 +19,10 @@ pub struct Report<'a> {
     pub outcome: &'a Outcome,
     /// Complaints about the scene.
     pub warnings: &'a Diagnostics,
-    /// Whether Ctrl-C ended it.
-    pub interrupted: bool,
+    /// The signal that ended it, if one did.
+    pub interrupted: Option<&'static str>,
+    /// What was kept besides pictures.
+    pub kept: &'a Told,
     /// Since the command began.
     pub seconds: f64,
     /// While rays flew.
@@ -40,8 +43,8 @@ impl<'a> Report<'a> {
     pub fn tell(&self) -> String {
         let o = self.outcome;
         let mut text = String::new();
-        if self.interrupted {
-            text += &format!("ended by Ctrl-C with {} per pixel\n", count(o.samples.into(), "sample"));
+        if let Some(signal) = self.interrupted {
+            text += &format!("ended by {signal} with {} per pixel\n", count(o.samples.into(), "sample"));
         }
         if let Some((pixel, sample)) = o.dropped.first {
             text += &format!(
@@ -63,16 +66,17 @@ impl<'a> Report<'a> {
                 if o.noisy_blocks == 1 { "is" } else { "are" },
                 tell_percent(noise),
                 if o.samples >= straal::MAX_SAMPLES {
-                    format!("no pixel can have more than {} samples", straal::MAX_SAMPLES)
+                    format!("no pixel can have more than {}", count(straal::MAX_SAMPLES.into(), "sample"))
                 } else {
                     format!("no pixel was given more than {}", count(o.samples.into(), "sample"))
                 }
             );
         }
-        let names: Vec<String> = self.pictures.iter().map(|p| p.display().to_string()).collect();
+        let names: Vec<String> =
+            self.pictures.iter().chain(&self.kept.sums).map(|p| p.display().to_string()).collect();
         let mut facts = vec![count(o.samples.into(), "sample"), tell_duration(self.seconds)];
         if self.job.settings.noise.is_some() {
-            facts[0] += &format!(" at most, {:.1} on average", self.mean_samples());
+            facts[0] += &format!(" at most, {:.1} on average", self.outcome.mean_samples);
         }
         facts.push(format!("{:.2} Mrays/s", self.mrays_per_second()));
         facts.extend(self.peak_memory_bytes.map(tell_bytes));
@@ -89,7 +93,7 @@ impl<'a> Report<'a> {
         let names: Vec<String> = self.pictures.iter().map(|p| p.to_string_lossy().into_owned()).collect();
         let crop = self.job.settings.crop;
         let corners = [crop.min, crop.max].concat();
-        let million_samples = self.mean_samples() * crop.area() as f64 / 1e6;
+        let million_samples = self.outcome.mean_samples * crop.area() as f64 / 1e6;
         let throughput = self.cpu_seconds.filter(|s| *s > 0.0).map(|s| million_samples / s);
         let first_dropped =
             o.dropped.first.map(|(pixel, sample)| json!({ "pixel": pixel, "sample": sample }));
@@ -100,10 +104,15 @@ impl<'a> Report<'a> {
             "size": self.job.settings.size,
             "crop": corners,
             "samples": o.samples,
-            "mean_samples": self.mean_samples(),
+            "mean_samples": self.outcome.mean_samples,
             "passes": o.passes,
             "complete": o.complete,
-            "interrupted": self.interrupted,
+            "interrupted": self.interrupted.is_some(),
+            "signal": self.interrupted,
+            "resumed_samples": self.kept.resumed,
+            "checkpoint": self.kept.checkpoint.as_deref().map(|p| p.to_string_lossy().into_owned()),
+            "checkpoints_written": self.kept.written,
+            "sums": self.kept.sums.as_deref().map(|p| p.to_string_lossy().into_owned()),
             "seconds": self.seconds,
             "render_seconds": self.render_seconds,
             "cpu_seconds": self.cpu_seconds,
@@ -115,18 +124,13 @@ impl<'a> Report<'a> {
             "threads": o.threads,
             "share_of_time": shares(&o.times),
             "noisy_blocks": o.noisy_blocks,
+            "dropped_primitives": self.job.world.dropped.iter().map(|d| d.count).sum::<usize>(),
             "dropped": { "count": o.dropped.count, "first": first_dropped },
             "isa": self.job.isa().name(),
             "structure": self.job.structure().name(),
             "version": straal::VERSION,
             "diagnostics": complaint::as_json(self.warnings),
         })
-    }
-
-    /// Samples per pixel of the picture.
-    fn mean_samples(&self) -> f64 {
-        let all = &self.outcome.picture.layers.samples;
-        all.iter().map(|&n| f64::from(n)).sum::<f64>() / all.len().max(1) as f64
     }
 
     fn mrays_per_second(&self) -> f64 {

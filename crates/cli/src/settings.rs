@@ -1,20 +1,26 @@
 //! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
 //! ray is traced found out.
 
-use crate::args::{LookArgs, RenderArgs};
+use crate::args::{LookArgs, RenderArgs, StudioArgs};
 use crate::exit::Failure;
+use crate::keeping::Wish;
+use crate::machine;
+use crate::places::{check_output, refuse_inputs, refuse_twins};
+use crate::quantity::{Every, count};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use straal::picture::{Format, SaveError};
 use straal::{CostMeasure, Look, Overrides};
-use straal_formats::atomic;
+
+/// What is lost at most when a render that writes an EXR is killed.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
 
 /// What is to be rendered, how, and where to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// The file; `None` for the embedded scene.
     pub scene: Option<PathBuf>,
-    /// Where the picture goes; at least one place.
+    /// Where the picture goes; nowhere if only sums are wanted.
     pub outputs: Vec<PathBuf>,
     /// What wins over the scene.
     pub overrides: Overrides,
@@ -22,16 +28,28 @@ pub struct RenderSettings {
     pub time: Option<Duration>,
     /// Independent sets of samples.
     pub replicates: Option<u32>,
+    /// What is kept of it besides pictures.
+    pub keep: Wish,
     /// Where the picture of the searches' costs goes, and which cost it shows.
     pub cost_picture: Option<(PathBuf, CostMeasure)>,
+    /// Where the scene goes as a file.
+    pub write_scene: Option<PathBuf>,
+    /// How a bare mesh is shown.
+    pub studio: StudioArgs,
     /// Steps of the look in place of the scene's.
     pub look: LookArgs,
+    /// Bytes of memory that may be used, where that is known.
+    pub memory: Option<u64>,
+    /// What is told before the render begins.
+    pub note: Option<String>,
     /// Whether only errors are told.
     pub quiet: bool,
     /// Whether the result is told to a script.
     pub json: bool,
     /// Whether unknown keys are warnings.
     pub lenient: bool,
+    /// The folder that files are read from, where that is confined.
+    pub root: Option<PathBuf>,
 }
 
 impl RenderSettings {
@@ -41,35 +59,77 @@ impl RenderSettings {
             let help = format!("without --isa the best there is is taken: {}", straal_accel::Isa::detect());
             return Err(Failure::input(format!("this processor has no {isa}")).help(help));
         }
+        let of_one_render = [
+            (args.samples.is_some(), "--samples"),
+            (args.save_sums.is_some(), "--save-sums"),
+            (args.resume, "--resume"),
+            (args.checkpoint.is_some_and(|Every(time)| time.is_some()), "--checkpoint"),
+        ]
+        .into_iter()
+        .find_map(|(is_said, option)| is_said.then_some(option));
         let outputs = match args.output {
-            none if none.is_empty() => vec![default_output(args.scene.as_deref())],
+            none if none.is_empty() && args.save_sums.is_none() => {
+                vec![default_output(args.scene.as_deref())]
+            }
             given => given,
         };
+        if let (Some(_), Some(option)) = (args.replicates, of_one_render) {
+            let message = format!("{option} can't be used with --replicates");
+            return Err(Failure::input(message).help(
+                "replicates are renders of their own, of which the means are kept: where it is to be cut off, or shared \
+                 out, render each with a --seed of its own",
+            ));
+        }
         if let Some(path) = &args.cost_picture {
             if !matches!(Format::of(path), Ok(Format::Png)) {
                 return Err(Failure::input(SaveError::NotPng(path.display().to_string()).to_string()));
             }
             check_output(path)?;
-            if outputs.contains(path) {
-                return Err(Failure::input(format!("{} is named twice", path.display())));
-            }
         }
-        for (i, path) in outputs.iter().enumerate() {
+        for path in &outputs {
             Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
             check_output(path)?;
-            if outputs[..i].contains(path) {
-                return Err(Failure::input(format!("{} is named twice", path.display())));
-            }
         }
-        if args.scene.as_deref().is_some_and(|scene| outputs.iter().any(|o| is_same_file(o, scene))) {
-            return Err(Failure::input("the picture would replace the scene"));
+        if let Some(path) = &args.save_sums {
+            check_output(path)?;
         }
-        let has_exr = outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Exr)));
+        if let Some(path) = &args.write_scene {
+            check_scene_output(path)?;
+        }
+        if let Some(option) = args.studio.first() {
+            check_bare(option, args.scene.as_deref())?;
+        }
+        let all = || {
+            outputs
+                .iter()
+                .chain(&args.cost_picture)
+                .chain(&args.save_sums)
+                .chain(&args.write_scene)
+                .map(PathBuf::as_path)
+        };
+        refuse_twins(all())?;
+        refuse_inputs(all(), args.scene.as_slice())?;
+        let is_exr = |o: &&PathBuf| matches!(Format::of(o), Ok(Format::Exr));
+        let has_exr = outputs.iter().any(|o| is_exr(&o));
+        let has_plain_exr = outputs.iter().filter(is_exr).any(|o| !o.exists() || o.is_file());
+        let is_long = has_plain_exr || args.save_sums.is_some() || args.resume;
+        let by_default = (is_long && args.replicates.is_none()).then_some(BETWEEN_CHECKPOINTS);
+        let keep = Wish {
+            every: args.checkpoint.map_or(by_default, |Every(time)| time),
+            is_said: args.checkpoint.is_some() || args.resume,
+            resume: args.resume,
+            sums: args.save_sums,
+        };
+        // What is put together later may become an EXR.
+        let has_exr = has_exr || keep.sums.is_some();
+        let (threads, note) = threads(args.threads);
+        let memory = args.memory.or_else(machine::memory);
         Ok(Self {
             scene: args.scene,
             outputs,
             overrides: Overrides {
                 spp: args.spp,
+                samples: args.samples.map(|s| s.0),
                 size: args.size.map(|s| s.0),
                 crop: args.crop.map(|c| c.0),
                 seed: args.seed,
@@ -79,23 +139,37 @@ impl RenderSettings {
                 spectral: args.spectral.then_some(true),
                 recording: args.channels,
                 error: Some(has_exr),
+                layers: Some(has_exr),
                 splat: args.splat.then_some(true),
-                threads: args.threads,
+                threads: Some(threads),
                 accel: args.accel,
                 build: args.build,
                 isa: args.isa,
                 batch: args.batch,
                 shuffle_tiles: None,
+                memory,
                 cost: (args.cost || args.cost_picture.is_some()).then_some(true),
             },
             time: args.time,
             replicates: args.replicates,
+            keep,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
+            write_scene: args.write_scene,
+            studio: args.studio,
             look: args.look,
+            memory,
+            note,
             quiet: args.quiet,
             json: args.json,
             lenient: args.lenient,
+            root: args.root,
         })
+    }
+
+    /// Every file that is written.
+    pub fn written(&self) -> impl Iterator<Item = &Path> {
+        let cost = self.cost_picture.as_ref().map(|(path, _)| path);
+        self.outputs.iter().chain(cost).chain(&self.keep.sums).chain(&self.write_scene).map(PathBuf::as_path)
     }
 
     /// How a scene's look is shown.
@@ -110,34 +184,57 @@ impl RenderSettings {
     }
 }
 
+/// Whether one of the pictures is an EXR, which holds more than colours.
+pub fn has_exr(outputs: &[PathBuf]) -> Result<bool, Failure> {
+    let formats: Result<Vec<_>, _> = outputs.iter().map(|path| Format::of(path)).collect();
+    let formats = formats.map_err(|e| Failure::input(e.to_string()))?;
+    Ok(formats.contains(&Format::Exr))
+}
+
+/// Threads that are started, and what there is to say of that: as many as there are processors, or as were asked for. Far more than
+/// there are processors only wait for one another.
+pub fn threads(typed: Option<usize>) -> (usize, Option<String>) {
+    let processors = machine::processors();
+    let most = (4 * processors).max(64);
+    match typed {
+        None => (processors, None),
+        Some(n) if n <= most => (n, None),
+        Some(n) => {
+            let cores = count(processors as u64, "processor");
+            let note =
+                format!("note: {n} threads would only wait for one another on {cores}: {most} are started");
+            (most, Some(note))
+        }
+    }
+}
+
+/// Whether a scene can be written there.
+fn check_scene_output(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if !matches!(extension.as_deref(), Some("yaml" | "yml")) {
+        let message = format!("a scene is written as YAML: the name {} must end in .yaml", path.display());
+        return Err(Failure::input(message));
+    }
+    check_output(path)
+}
+
+/// Whether what is rendered is a mesh without a scene, for which alone an option is.
+fn check_bare(option: &str, scene: Option<&Path>) -> Result<(), Failure> {
+    let what = match scene {
+        Some(path) if straal::is_mesh(path) => return Ok(()),
+        Some(path) => format!("{} is a scene, which", path.display()),
+        None => "the scene that straal brings along".to_owned(),
+    };
+    let message = format!("{option} is for bare meshes (.ply, .obj): {what} says that itself");
+    Err(Failure::input(message).help("change it in the scene; --write-scene gives one to begin with"))
+}
+
 /// The scene's name with .png, in the current folder.
 fn default_output(scene: Option<&Path>) -> PathBuf {
     let stem = scene.and_then(Path::file_stem).unwrap_or("straal".as_ref());
     let mut name = stem.to_owned();
     name.push(".png");
     name.into()
-}
-
-/// Whether a file can go there.
-pub fn check_output(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() {
-        return Err(Failure::input(format!("{} is a folder", path.display())));
-    }
-    match path.parent() {
-        Some(folder) if folder.exists() && !folder.is_dir() => {
-            Err(Failure::input(format!("{} is not a folder", folder.display())))
-        }
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
-            let message = format!("there is no folder {} for {}", folder.display(), path.display());
-            Err(Failure::input(message).help(format!("make it first: mkdir -p {}", folder.display())))
-        }
-        _ => atomic::check(path).map_err(|e| Failure::system(e.to_string())),
-    }
-}
-
-/// Whether both names lead to one file.
-pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 #[cfg(test)]
@@ -160,6 +257,14 @@ mod tests {
         assert_eq!(settings("").unwrap().outputs, [PathBuf::from("straal.png")]);
         assert_eq!(settings("some/where/bunny.v2.ply").unwrap().outputs, [PathBuf::from("bunny.v2.png")]);
         assert_eq!(settings("a.yaml -o b.EXR").unwrap().outputs, [PathBuf::from("b.EXR")]);
+    }
+
+    #[test]
+    fn threads_have_a_bound() {
+        assert_eq!(threads(None), (machine::processors(), None));
+        assert_eq!(threads(Some(3)), (3, None));
+        let (started, note) = threads(Some(1 << 20));
+        assert!(started < 1 << 20 && note.is_some_and(|n| n.contains(&format!("{started} are started"))));
     }
 
     #[test]

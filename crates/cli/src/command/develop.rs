@@ -1,39 +1,52 @@
 //! `straal develop`
 
-use super::read_bytes;
+use super::{Writing, read_bytes};
 use crate::args::{DevelopArgs, LookArgs};
 use crate::exit::{Exit, Failure};
 use crate::out;
-use crate::settings::{check_output, is_same_file};
+use crate::places::{check_output, refuse_inputs, refuse_twins};
+use std::path::PathBuf;
 use straal::develop::Plate;
 use straal::focus::Blur;
 use straal::picture::Format;
-use straal_formats::Limits;
+
+/// What was guessed when the picture was read, and what of it is no light.
+fn warn(args: &DevelopArgs, plate: &Plate) {
+    let name = args.picture.display();
+    let faults = plate.faults();
+    let nan = faults.nan.told("no number (NaN)", "black in a PNG and an HDR, NaN in an EXR and a PFM");
+    let infinite = "white in a PNG, the largest number of an HDR, infinite in an EXR and a PFM";
+    let infinite = faults.infinite.told("infinite", infinite);
+    for note in plate.notes().iter().chain(&nan).chain(&infinite) {
+        out::say(&format!("warning: {name}: {note}\n"));
+    }
+}
 
 /// Develops a picture again.
 pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
     let mut has_png = false;
-    for (i, path) in args.output.iter().enumerate() {
+    for path in &args.output {
         let format = Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
         has_png |= matches!(format, Format::Png | Format::Exr);
         check_output(path)?;
-        if args.output[..i].contains(path) {
-            return Err(Failure::input(format!("{} is named twice", path.display())));
-        }
-        if is_same_file(path, &args.picture) {
-            return Err(Failure::input(format!(
-                "{} would replace the picture it is made from",
-                path.display()
-            )));
-        }
     }
+    let outputs = || args.output.iter().map(PathBuf::as_path);
+    refuse_twins(outputs())?;
+    refuse_inputs(outputs(), std::slice::from_ref(&args.picture))?;
     if args.look != LookArgs::default() && !has_png && !args.quiet {
         out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
     }
     let name = args.picture.display();
     let bytes = read_bytes(&args.picture)?;
-    let mut plate = Plate::read(&bytes, &Limits::default())
-        .map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
+    let limits = super::picture_limits();
+    let plate = match &args.layer {
+        Some(layer) => Plate::read_layer(&bytes, &limits, layer),
+        None => Plate::read(&bytes, &limits),
+    };
+    let mut plate = plate.map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
+    if !args.quiet {
+        warn(args, &plate);
+    }
     if let Some(lens) = args.depth_of_field {
         let spanned = args.fov.map(|degrees| Blur::focal_pixels(plate.size()[0], degrees));
         let Some(focal_pixels) = spanned.or(plate.focal_pixels()) else {
@@ -45,9 +58,11 @@ pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
             .map_err(|e| Failure::input(format!("can't blur {name}: {e}")))?;
     }
     let look = args.look.over(plate.look());
+    let mut writing = Writing::default();
     for path in &args.output {
-        plate.save(path, &look).map_err(|e| Failure::system(e.to_string()))?;
+        writing.note(path, plate.save(path, &look));
     }
+    writing.end()?;
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
         out::say(&format!("wrote {}\n", names.join(", ")));

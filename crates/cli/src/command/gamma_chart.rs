@@ -3,7 +3,7 @@
 use crate::args::GammaChartArgs;
 use crate::exit::{Exit, Failure};
 use crate::out;
-use crate::settings::check_output;
+use crate::places::check_output;
 use straal::gamma_chart;
 use straal::picture::{Format, SaveError};
 

@@ -1,31 +1,40 @@
 //! `straal render`
 
-use super::{print, refused, warn};
+use super::{Writing, print, refused, warn};
 use crate::args::RenderArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Cause, Interrupt};
+use crate::keeping::{ANEW, Keeping};
 use crate::out;
+use crate::places::refuse_inputs;
 use crate::progress::{Pace, Teller};
 use crate::quantity::{count, tell_percent};
 use crate::report::Report;
 use crate::settings::RenderSettings;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use straal::job::Verdict;
-use straal::picture::SaveError;
+use straal::sums::{Kept, Snapshot};
+use straal::written;
 use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
+use straal_formats::atomic;
 
 /// Renders a scene; `start` is when the command began.
-pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
+pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
-    let interrupt = Interrupt::listen();
     let loaded = load(&settings)?;
+    refuse_inputs(settings.written(), &loaded.files)?;
+    let scene = settings.write_scene.is_some().then(|| scene_text(&loaded, &settings)).transpose()?;
     let mut warnings = loaded.warnings.clone();
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
     if !settings.quiet {
+        if let Some(note) = &settings.note {
+            out::say(&format!("{note}\n"));
+        }
         out::say(&complaint::show(&warnings, out::has_colours()));
         if settings.look_is_lost() {
             out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
@@ -35,23 +44,45 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
         return Err(Failure::input(reason).help("leave out --time, or choose another --sampler"));
     }
 
+    if let (Some(path), Some(text)) = (&settings.write_scene, scene) {
+        atomic::write(path, |out| out.write_all(text.as_bytes()))
+            .map_err(|e| Failure::system(e.to_string()))?;
+        if !settings.quiet {
+            out::say(&format!("wrote {0}: `straal render {0}` gives this picture\n", path.display()));
+        }
+    }
+
+    let (mut keeping, kept) = Keeping::new(&settings.keep, &settings.outputs, interrupt, settings.quiet)?;
     let rendering = Instant::now();
-    let outcome = render(&job, &settings, &interrupt, start).map_err(|e| refused(e, &warnings))?;
+    let outcome = render(&job, &settings, interrupt, (start, kept, &mut keeping)).map_err(|e| {
+        let failure = refused(e, &warnings);
+        if settings.keep.resume && failure.help.is_none() { failure.help(ANEW) } else { failure }
+    })?;
     let render_seconds = rendering.elapsed().as_secs_f64();
+    let interrupted = interrupt.asked().map(Cause::name);
+    interrupt.render_ends();
 
     let look = settings.look(job.look());
+    let mut writing = Writing::default();
+    if let Some((path, done)) = keeping.sums() {
+        writing.note(path, done);
+    }
     for path in &settings.outputs {
-        interrupt.whole(|| outcome.picture.save(path, &look)).map_err(|e| not_saved(&e))?;
+        writing.note(path, interrupt.whole(|| outcome.picture.save(path, &look)));
     }
     if let Some((path, of)) = &settings.cost_picture {
-        interrupt.whole(|| outcome.picture.save_cost(path, *of)).map_err(|e| not_saved(&e))?;
+        writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
     }
+    let written = writing.end();
+    let kept = keeping.end(&job, written.is_ok());
+    written?;
     let report = Report {
         pictures: &settings.outputs,
         job: &job,
         outcome: &outcome,
         warnings: &warnings,
-        interrupted: interrupt.is_asked(),
+        interrupted,
+        kept: &kept,
         seconds: start.elapsed().as_secs_f64(),
         render_seconds,
         cpu_seconds: None,
@@ -64,11 +95,17 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
     if settings.json {
         print(&format!("{:#}\n", report.as_json()))?;
     }
-    Ok(if report.interrupted { Exit::Interrupted } else { Exit::Fine })
+    Ok(if interrupted.is_some() { Exit::Interrupted } else { Exit::Fine })
 }
 
 fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options = LoadOptions { lenient: settings.lenient, ..LoadOptions::default() };
+    let options = LoadOptions {
+        lenient: settings.lenient,
+        root: settings.root.clone(),
+        memory: settings.memory,
+        studio: settings.studio.studio(settings.overrides.size),
+        ..LoadOptions::default()
+    };
     match &settings.scene {
         Some(path) => straal::load(path, &options),
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),
@@ -76,17 +113,38 @@ fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
     .map_err(Failure::scene)
 }
 
+/// The scene as a file of its own, with all that was said on the command line.
+fn scene_text(loaded: &Loaded, settings: &RenderSettings) -> Result<String, Failure> {
+    let look = settings.look(written::look(loaded));
+    let scene =
+        written::scene(loaded, &settings.overrides, &look).map_err(|e| refused(e, &loaded.warnings))?;
+    if settings.scene.is_none() && scene == loaded.scene {
+        // With its comments.
+        return Ok(EMBEDDED_SCENE.to_owned());
+    }
+    // What a scene names is beside it; a bare mesh is named from the current folder.
+    let beside = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
+    let base =
+        settings.scene.as_deref().filter(|path| !straal::is_mesh(path)).map(beside).unwrap_or_default();
+    let folder = settings.write_scene.as_deref().map(beside).unwrap_or_default();
+    Ok(written::text(&scene, &base, &folder))
+}
+
 /// Renders until all samples are taken, the time is up or Ctrl-C is pressed.
 fn render(
     job: &Job,
     settings: &RenderSettings,
     interrupt: &Interrupt,
-    start: Instant,
+    (start, kept, keeping): (Instant, Option<Kept>, &mut Keeping<'_>),
 ) -> Result<Outcome, straal::Error> {
     let rendering = Instant::now();
     let until_done = settings.time.is_some() || settings.overrides.noise.is_some();
-    let open_ended = until_done && settings.overrides.spp.is_none() && settings.replicates.is_none();
-    let of = u64::from(job.spp) * u64::from(settings.replicates.unwrap_or(1));
+    let is_counted = settings.overrides.spp.is_some() || settings.overrides.samples.is_some();
+    let open_ended = until_done && !is_counted && settings.replicates.is_none();
+    // What was there before took no time of this render.
+    let resumed = u64::from(keeping.resumed());
+    let spp = u64::from(job.spp - job.first).saturating_sub(resumed);
+    let of = spp * u64::from(settings.replicates.unwrap_or(1));
     let pace = Pace {
         of: (!open_ended).then_some(of),
         limit: settings.time.map(|t| t.saturating_sub(rendering - start).as_secs_f64()),
@@ -100,12 +158,24 @@ fn render(
         teller.announcer().say(&ends_by_noise(noise, most));
     }
     let mut after_pass = |progress: &Progress| {
+        let progress = &Progress { samples: progress.samples.saturating_sub(resumed), ..*progress };
         let pace = teller.pass(progress);
-        if interrupt.is_asked() || !pace.has_time_for(progress.next) { Verdict::Stop } else { Verdict::GoOn }
+        if interrupt.asked().is_some() || !pace.has_time_for(progress.next) {
+            Verdict::Stop
+        } else {
+            Verdict::GoOn
+        }
     };
     let mut control = Control::new(&mut after_pass);
     control.clock = Some(Arc::new(move || u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)));
     control.open_ended = open_ended;
+    control.resume = kept;
+    control.pause = keeping.pause();
+    let is_wanted = keeping.is_wanted();
+    let mut keep = |snapshot: &Snapshot<'_>| keeping.look(snapshot);
+    if is_wanted {
+        control.keep = Some(&mut keep);
+    }
     let outcome = match settings.replicates {
         Some(replicates) => job.render_replicates(replicates, &mut control),
         None => job.render(&mut control),
@@ -137,10 +207,6 @@ fn ends_by_noise(noise: f64, most: u32) -> String {
     )
 }
 
-fn not_saved(error: &SaveError) -> Failure {
-    Failure::system(error.to_string())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,7 +215,7 @@ mod tests {
     fn the_limit_of_samples_is_told() {
         assert_eq!(
             ends_by_noise(0.07, 262_144),
-            "until the noise of each block of 8 x 8 pixels is at most 7 %; no pixel gets more than 262144 samples"
+            "until the noise of each block of 8 x 8 pixels is at most 7 %; no pixel gets more than 262,144 samples"
         );
         let warning = ends_by_noise(0.005, 31);
         assert!(warning.starts_with("warning: ") && warning.ends_with("no pixel gets more than 31 samples"));

@@ -134,12 +134,12 @@ fn wrong_wishes_are_refused_before_anything_is_written() {
         ("render scene.yaml -o no/a.png", "there is no folder no"),
         ("render scene.yaml --crop 0,0,25,16", "is not a part of a picture of 24 x 16 pixels"),
         ("render scene.yaml --spp 0", "invalid value '0' for '--spp <N>'"),
-        ("render scene.yaml --spq 3", "a similar argument exists: '--spp'"),
+        ("render scene.yaml --spq 3", "did you mean `--spp`?"),
         ("render scene.yml", "did you mean `scene.yaml`?"),
         ("render scene.yaml -o a.png -o a.png", "a.png is named twice"),
         ("render scene.yaml --cost-picture a.exr", "the name must end in .png"),
         ("render scene.yaml --cost-of time", "--cost-picture"),
-        ("rendr scene.yaml", "a similar subcommand exists: 'render'"),
+        ("rendr scene.yaml", "did you mean `render`?"),
     ] {
         let run = folder.straal(words);
         assert_eq!(run.code, Some(2), "{words}: {run:?}");
@@ -233,7 +233,7 @@ fn noise_and_its_limit_are_told() {
     let folder = Folder::with_scene(BALL);
     let open = folder.straal("render scene.yaml --noise 30%");
     assert_eq!(open.code, Some(0), "{open:?}");
-    assert!(open.err.contains("at most 30 %; no pixel gets more than 262144 samples\n"), "{open:?}");
+    assert!(open.err.contains("at most 30 %; no pixel gets more than 262,144 samples\n"), "{open:?}");
     let few = folder.straal("render scene.yaml --noise 0.1% --spp 40");
     assert!(few.err.contains("at most 0.1 %; no pixel gets more than 40 samples\n"), "{few:?}");
     assert!(

@@ -5,7 +5,9 @@
 //! glows, so that every light stands in world space.
 
 mod camera;
+pub mod cost;
 mod doubts;
+mod dropped;
 mod focus;
 mod lights;
 mod look;
@@ -70,6 +72,18 @@ pub struct Request<'a> {
     pub spectral: bool,
     /// In which numbers the film takes light.
     pub recording: Recording,
+    /// How finely curved surfaces are made.
+    pub detail: Detail,
+}
+
+/// How finely curved surfaces are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// As the scene says.
+    #[default]
+    Whole,
+    /// Coarsely, but for what the camera is focused on: enough to find what is wrong with a scene.
+    Draft,
 }
 
 /// Makes the world of a description.
@@ -91,14 +105,16 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
 
 /// The same with a place of the description at the origin.
 fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileError> {
-    let Request { scene, assets, custom, size, search, spectral, recording } = *request;
-    let mut build = place::Build::new(scene, assets, custom, spectral)?.about(centre);
+    let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
+    let mut build = place::Build::new(scene, assets, custom, (spectral, detail))?.about(centre);
     build.world()?;
     build.custom_shapes(custom)?;
     let place::Built {
         input,
         geometry,
         looks,
+        nodes,
+        objects,
         instance_materials,
         top_level,
         named,
@@ -111,6 +127,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
     let camera = camera::camera(scene, size, &seen, centre)?;
     let accel =
         accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
+    let dropped = dropped::tell(accel.dropped(), &nodes, &objects);
     let lights = lights::gather(
         scene,
         &mut paint,
@@ -133,6 +150,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         environments: lights.environments,
         centre,
         notes: paint.notes,
+        dropped,
     })
 }
 

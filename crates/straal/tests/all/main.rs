@@ -16,6 +16,7 @@ mod hashes;
 mod lab;
 mod leaning_normals;
 mod power;
+mod resume;
 mod same_bits;
 mod spectral;
 mod wide_gamut;
