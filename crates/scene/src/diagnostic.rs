@@ -100,6 +100,8 @@ pub struct Diagnostics {
     pub dropped: usize,
     /// The texts.
     pub sources: Sources,
+    /// Whether there was too little memory: then the scene may be in order.
+    pub lacks_memory: bool,
     errors: usize,
 }
 

@@ -17,6 +17,7 @@ pub mod compare;
 pub mod develop;
 pub mod false_colour;
 pub mod focus;
+pub mod forecast;
 pub mod gamma_chart;
 pub mod job;
 pub mod lab;
@@ -28,6 +29,7 @@ pub mod search;
 pub mod sums;
 pub mod written;
 
+pub use forecast::{Forecast, forecast};
 pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};
 pub use look::{Bits, Gamma, Look};
 pub use picture::{CostMeasure, Picture};
@@ -37,6 +39,7 @@ pub use straal_formats::load::{Loaded, Options as LoadOptions, is_mesh, load, lo
 pub use straal_formats::studio::{self, Studio};
 pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};
+pub use straal_render::driver::Pause;
 pub use straal_render::film::{FIRST_LOOK, MAX_SAMPLES, Recording};
 pub use straal_render::settings::Region;
 pub use straal_render::stopwatch::{Clock, Phase, Times};

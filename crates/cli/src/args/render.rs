@@ -129,7 +129,7 @@ pub struct RenderArgs {
 
     /// Write what there is beside the picture whenever so much time has passed, for --resume; or off
     ///
-    /// It goes to PICTURE.checkpoint: every 60s where an EXR is written, else off. The file goes when the picture is there.
+    /// It goes to PICTURE.checkpoint: every 60s where an EXR or sums are written, else off. The file goes when the picture is there.
     #[arg(long, value_name = "TIME", value_parser = quantity::checkpoint, help_heading = KEEPING)]
     pub checkpoint: Option<Every>,
 
@@ -194,6 +194,12 @@ pub struct RenderArgs {
     /// Worker threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]
     pub threads: Option<usize>,
+
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
+    ///
+    /// When absent, what the machine or its control group has free, less a tenth.
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory, help_heading = MACHINE)]
+    pub memory: Option<u64>,
 
     /// Read files from this folder only: what a scene names, and what those files name
     ///

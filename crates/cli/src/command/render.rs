@@ -32,6 +32,9 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
     if !settings.quiet {
+        if let Some(note) = &settings.note {
+            out::say(&format!("{note}\n"));
+        }
         out::say(&complaint::show(&warnings, out::has_colours()));
         if settings.look_is_lost() {
             out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
@@ -71,7 +74,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
     }
     let written = writing.end();
-    let kept = keeping.end(written.is_ok() && interrupted.is_none() && outcome.complete);
+    let kept = keeping.end(&job, written.is_ok());
     written?;
     let report = Report {
         pictures: &settings.outputs,
@@ -99,6 +102,7 @@ fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
     let options = LoadOptions {
         lenient: settings.lenient,
         root: settings.root.clone(),
+        memory: settings.memory,
         studio: settings.studio.studio(settings.overrides.size),
         ..LoadOptions::default()
     };
@@ -166,8 +170,7 @@ fn render(
     control.clock = Some(Arc::new(move || u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)));
     control.open_ended = open_ended;
     control.resume = kept;
-    control.longest_pass =
-        keeping.longest_pass().map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+    control.pause = keeping.pause();
     let is_wanted = keeping.is_wanted();
     let mut keep = |snapshot: &Snapshot<'_>| keeping.look(snapshot);
     if is_wanted {

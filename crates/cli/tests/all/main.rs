@@ -9,6 +9,7 @@ mod diff;
 mod files;
 mod interrupt;
 mod keeping;
+mod memory;
 mod pictures;
 mod places;
 mod render;

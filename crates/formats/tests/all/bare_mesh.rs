@@ -7,7 +7,7 @@ use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::decode::Describe;
 use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, TriangleMesh};
-use straal_scene::forecast;
+use straal_scene::forecast::count;
 use straal_scene::value::Color;
 
 /// The mesh node and what material it is given, and that everything its camera should see is in view.
@@ -203,10 +203,29 @@ world:
   - mesh: { file: triangle.ply, emission: 1 }
 ";
     let loaded = load_str("scene.yaml", text, Path::new("tests/data"), &Options::default()).unwrap();
-    let f = forecast(&loaded.scene, &loaded.assets);
+    let f = count(&loaded.scene, &loaded.assets);
     // 32 patches of 4 x 4 squares of two triangles; each patch has 5 x 5 vertices.
-    assert_eq!((f.triangles, f.vertices), (32 * 32 + 1, 32 * 25 + 3));
+    assert_eq!((f.kept.triangles, f.kept.vertices), (32 * 32 + 1, 32 * 25 + 3));
+    assert_eq!((f.kept.instances, f.kept.lights, f.kept.lit_triangles), (4, 1, 1));
     assert_eq!(f.visible, 2 * (2 * 1024 + 1) + 1);
-    assert_eq!(f.film_bytes, 100 * 50 * 232);
-    assert!(f.total_bytes() > f.mesh_bytes + f.search_bytes);
+    // The world with two rows and a mesh, a pot, and a row of two pots and a ball.
+    assert_eq!(f.spaces, [[1, 2], [1024, 0], [0, 3]]);
+}
+
+#[test]
+fn instances_of_what_glows_are_counted_each_time() {
+    let text = "
+camera: { perspective: { eye: [0, 0, 5], look_at: [0, 0, 0] } }
+objects:
+  lamp: { bezier: { builtin: teapot, resolution: 4, emission: 1 } }
+  pair: { group: { children: [instance: { of: lamp }, instance: { of: lamp }, instance: { of: ball }] } }
+  ball: { sphere: {} }
+world:
+  - instance: { of: pair }
+  - instance: { of: pair }
+";
+    let loaded = load_str("scene.yaml", text, Path::new(""), &Options::default()).unwrap();
+    let f = count(&loaded.scene, &loaded.assets);
+    assert_eq!((f.kept.triangles, f.kept.lights, f.kept.instances), (4 * 1024, 4, 2));
+    assert_eq!(f.spaces, [[4 * 1024, 2], [0, 1]]);
 }

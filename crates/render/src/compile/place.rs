@@ -2,7 +2,7 @@
 
 use super::look::Materials;
 use super::paint::Paint;
-use super::{CompileError, Custom};
+use super::{CompileError, Custom, Detail};
 use crate::lanes::Colour;
 use crate::material;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
@@ -13,7 +13,11 @@ use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
 use straal_scene::desc::{self, Node, Shading};
+use straal_scene::forecast::{self, Tally};
 use straal_scene::{Assets, Mesh, Part, PartMaterial, Scene};
+
+/// Quads along a patch's edge in a draft.
+const DRAFT: u32 = 4;
 
 /// Dissolving instances of what glows stops here, before it eats the machine.
 const MAX_DISSOLVED: usize = 1_000_000;
@@ -59,6 +63,24 @@ pub(super) struct Build<'a> {
     /// What the camera is to be focused on, if that has a name.
     focus: Option<&'a str>,
     named: Vec<TopLevel>,
+    detail: Detail,
+    /// Within what the camera is focused on.
+    in_focus: bool,
+}
+
+/// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
+/// of an object that glows.
+fn room(t: &Tally) -> (Geometry, accel::Input, Vec<Look>, Vec<Glowing>) {
+    let of = |count: u64| count.min(4 * MAX_DISSOLVED as u64) as usize;
+    let geometry = Geometry {
+        shapes: Vec::with_capacity(of(t.shapes)),
+        meshes: Vec::with_capacity(of(t.meshes)),
+        ..Geometry::default()
+    };
+    let geometries = of(t.shapes.saturating_add(t.meshes));
+    let input =
+        accel::Input { groups: vec![accel::Group::default()], geometries: Vec::with_capacity(geometries) };
+    (geometry, input, Vec::with_capacity(geometries), Vec::with_capacity(of(t.lights)))
 }
 
 /// What the walk leaves.
@@ -84,20 +106,23 @@ impl<'a> Build<'a> {
         scene: &'a Scene,
         assets: &'a Assets,
         custom: &Custom,
-        spectral: bool,
+        (spectral, detail): (bool, Detail),
     ) -> Result<Self, CompileError> {
+        let (geometry, input, looks, glowing) = room(&forecast::count(scene, assets).kept);
         Ok(Self {
+            detail,
+            in_focus: false,
             scene,
             assets,
             materials: Materials::new(scene, custom, Paint::new(scene, assets, spectral))?,
-            geometry: Geometry::default(),
-            input: accel::Input { groups: vec![accel::Group::default()], geometries: Vec::new() },
-            looks: Vec::new(),
+            geometry,
+            input,
+            looks,
             nodes: Vec::new(),
             node: None,
             group_materials: vec![Vec::new()],
             objects: BTreeMap::new(),
-            glowing: Vec::new(),
+            glowing,
             dissolved: 0,
             top_level: Vec::new(),
             focus: scene.camera.focus_on().map(|name| name.value.as_str()),
@@ -173,7 +198,9 @@ impl<'a> Build<'a> {
             return self.kind_of_node(node, place);
         }
         let before = self.in_world();
+        let outside = std::mem::replace(&mut self.in_focus, true);
         self.kind_of_node(node, place)?;
+        self.in_focus = outside;
         self.named.push(self.since(before));
         Ok(())
     }
@@ -230,7 +257,12 @@ impl<'a> Build<'a> {
                 self.whole_mesh(TriangleMesh::from(&mesh), &s.surface, place)
             }
             Node::Mesh(m) => self.mesh_node(m, place),
-            Node::Bezier(b) => self.whole_mesh(shaded(bezier_mesh(b)?, &b.shading), &b.surface, place),
+            Node::Bezier(b) => {
+                let is_draft = self.detail == Detail::Draft && !self.in_focus;
+                let resolution = if is_draft { b.resolution.min(DRAFT) } else { b.resolution };
+                let mesh = shaded(bezier_mesh(b, resolution)?, &b.shading);
+                self.whole_mesh(mesh, &b.surface, place)
+            }
         }
     }
 
@@ -571,7 +603,7 @@ fn sphere(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
     Ok(Shape::Ellipsoid(Box::new(Ellipsoid::new(unit_to_local.then(m)).ok_or_else(singular)?)))
 }
 
-fn bezier_mesh(b: &desc::Bezier) -> Result<TriangleMesh, CompileError> {
+fn bezier_mesh(b: &desc::Bezier, resolution: u32) -> Result<TriangleMesh, CompileError> {
     let patches = match b.source() {
         desc::BezierPatches::Builtin("teapot") => bezier::teapot(),
         desc::BezierPatches::Builtin(name) => {
@@ -592,5 +624,5 @@ fn bezier_mesh(b: &desc::Bezier) -> Result<TriangleMesh, CompileError> {
                 .ok_or_else(|| CompileError::new("a patch names a control point that isn't there"))?
         }
     };
-    Ok(bezier::tessellate(&patches, b.resolution))
+    Ok(bezier::tessellate(&patches, resolution))
 }
