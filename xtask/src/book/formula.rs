@@ -28,6 +28,8 @@ mod tests {
     fn formulas_become_mathml_and_wrong_ones_errors() {
         let fraction = mathml(r"\frac{a}{b}", true).unwrap();
         assert!(fraction.contains("<mfrac>") && fraction.contains("display=\"block\""), "{fraction}");
+        let power = mathml(r"2\cos^e\theta\ x", false).unwrap();
+        assert!(power.contains("<msup><mi>cos</mi><mi>e</mi></msup>") && !power.contains("amp"), "{power}");
         assert!(mathml(r"\frac{a}", false).is_err());
         assert!(mathml(r"\nonsense", false).is_err());
     }

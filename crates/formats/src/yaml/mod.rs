@@ -4,8 +4,10 @@
 //! a tag, a merge key) is complained of and passed over.
 
 mod scalar;
+mod write;
 
 pub use scalar::resolve;
+pub use write::write;
 
 use std::collections::HashMap;
 
