@@ -30,8 +30,8 @@ const LARGE_SHAPE: usize = 160;
 /// leave behind: measured on 100,000 and 279,936 lights.
 const GLOWING: usize = 140;
 
-/// A place, a sum of normals and its share of a search tree.
-const SMOOTHED: usize = 40;
+/// Per vertex, of which there is one for two faces: edges, corners, their sets and their means.
+const SMOOTHED: usize = 160;
 
 /// What a tally takes.
 pub fn cost(t: &Tally) -> Cost {
