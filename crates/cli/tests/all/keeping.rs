@@ -293,7 +293,7 @@ fn a_checkpoint_of_what_is_there_by_now_goes() {
 fn a_checkpoint_stays_until_the_picture_is_there() {
     let folder = Folder::with_scene(BALL);
     fs::create_dir(folder.path("out")).unwrap();
-    let words = "render scene.yaml -o out/a.exr --spp 4000 --checkpoint 1ms --resume";
+    let words = "render scene.yaml -o out/a.exr --spp 300 --checkpoint 1ms --resume";
     let mut child = folder.command(words).spawn().unwrap();
     while samples_in(&folder, "out/a.exr.checkpoint").is_none() {
         assert!(child.try_wait().unwrap().is_none(), "it ended without a checkpoint");
@@ -305,7 +305,7 @@ fn a_checkpoint_stays_until_the_picture_is_there() {
     assert!(samples_in(&folder, "out/a.exr.checkpoint").is_some());
     fs::remove_dir(folder.path("out/a.exr")).unwrap();
     let rest = folder.json(words);
-    let whole = folder.json("render scene.yaml -o whole.exr --spp 4000");
+    let whole = folder.json("render scene.yaml -o whole.exr --spp 300");
     assert_eq!(rest["film_hash"], whole["film_hash"]);
     assert!(rest["resumed_samples"].as_u64() > Some(0));
 }

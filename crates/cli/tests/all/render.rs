@@ -108,7 +108,7 @@ fn a_crop_is_cut_out_of_the_whole() {
     for y in 0..9 {
         for x in 0..12 {
             let want = all.pixels[(y + 3) * 24 + x + 5].map(f32::to_bits);
-            assert_eq!(some.pixels[y * 12 + x].map(f32::to_bits), want, "{x}, {y}");
+            assert_eq!(some.pixels[(y + 3) * 24 + x + 5].map(f32::to_bits), want, "{x}, {y}");
         }
     }
 }
