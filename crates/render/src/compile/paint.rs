@@ -7,6 +7,7 @@ use straal_color::spectrum::{
     Bins, COUNT, Observer, Quantity, Spectrum, illuminant, metal, refraction, uplift,
 };
 use straal_color::{Light, Matrix3, Space};
+use straal_math::ops;
 use straal_scene::desc;
 use straal_scene::span::Span;
 use straal_scene::value::{self, Color};
@@ -49,6 +50,12 @@ fn content(m: &desc::Measured) -> Content {
     let is_smooth = m.interpolation.as_ref().map(|i| *i == desc::Interpolation::Smooth);
     ([text(&m.name), text(&m.file)], is_smooth, numbers.collect())
 }
+
+/// So many pixels are tried whether they are of a colour that light can have.
+const MOST_TRIED: usize = 4096;
+
+/// A pixel's channel is off by more than this part of the strongest where no light has its colour.
+const OFF: f32 = 0.01;
 
 /// Nobody reads more.
 const MOST_NOTES: usize = 20;
@@ -106,7 +113,21 @@ impl<'a> Paint<'a> {
         // Where wavelengths end.
         let to_edge = spectral.then(|| Space::Srgb.to(Space::AcesCg)).or(self.to_work);
         let held = |p: &[f32; 3]| to_edge.map_or(*p, |m| m.apply_f32(*p));
-        let lost = image.pixels.iter().filter(|p| is_lost(held(p).map(f64::from))).count();
+        let mut near_primaries = 0;
+        let mut beyond = |p: &[f32; 3]| {
+            let q = held(p);
+            let most = q.iter().copied().fold(0.0, ops::max);
+            // Of the edge itself, only what is next to a primary is no light.
+            let pure = spectral && most > 0.0 && q.iter().filter(|v| **v < 0.1 * most).count() == 2;
+            near_primaries += usize::from(pure);
+            let got =
+                if pure && near_primaries <= MOST_TRIED { self.palette.colour_of_pixel(*p) } else { None };
+            got.is_some_and(|got| {
+                let got = held(&got.map(|v| v as f32));
+                (0..3).any(|c| (got[c] - q[c]).abs() > OFF * most)
+            })
+        };
+        let lost = image.pixels.iter().filter(|p| is_lost(held(p).map(f64::from)) || beyond(p)).count();
         if lost > 0 {
             let (name, all) = (&file.value, image.pixels.len());
             let what = if spectral {

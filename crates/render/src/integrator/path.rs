@@ -169,6 +169,7 @@ impl PathTracer {
                 albedo: world.albedo(&surface),
                 normal: surface.point.n.to_array(),
                 depth: hit.t,
+                ..Sample::default()
             };
         }
         if state.depth >= self.max_depth || matches!(bsdf, Bsdf::Black) {
