@@ -3,6 +3,7 @@
 
 use crate::args::{LookArgs, RenderArgs};
 use crate::exit::Failure;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use straal::picture::{Format, SaveError};
@@ -16,6 +17,8 @@ pub struct RenderSettings {
     pub scene: Option<PathBuf>,
     /// Where the picture goes; at least one place.
     pub outputs: Vec<PathBuf>,
+    /// What goes to standard output, where one of the places is `-`.
+    pub format: Format,
     /// What wins over the scene.
     pub overrides: Overrides,
     /// The time that all of it may take.
@@ -54,18 +57,17 @@ impl RenderSettings {
                 return Err(Failure::input(format!("{} is named twice", path.display())));
             }
         }
-        for (i, path) in outputs.iter().enumerate() {
-            Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
-            check_output(path)?;
-            if outputs[..i].contains(path) {
-                return Err(Failure::input(format!("{} is named twice", path.display())));
-            }
+        let format = check_outputs(&outputs, args.format)?;
+        if args.json && outputs.iter().any(|o| is_stream(o)) {
+            let help = "write the picture to a file, or leave out --json";
+            return Err(Failure::input("`-o -` and --json can't share standard output").help(help));
         }
         if args.scene.as_deref().is_some_and(|scene| outputs.iter().any(|o| is_same_file(o, scene))) {
             return Err(Failure::input("the picture would replace the scene"));
         }
-        let has_exr = outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Exr)));
+        let has_exr = outputs.iter().any(|o| format_of(o, format) == Some(Format::Exr));
         Ok(Self {
+            format,
             scene: args.scene,
             outputs,
             overrides: Overrides {
@@ -105,14 +107,51 @@ impl RenderSettings {
 
     /// Whether a look was asked for that none of the pictures has, nor an EXR remembers.
     pub fn look_is_lost(&self) -> bool {
-        let has_png = self.outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Png | Format::Exr)));
+        let shows = |o: &PathBuf| matches!(format_of(o, self.format), Some(Format::Png | Format::Exr));
+        let has_png = self.outputs.iter().any(shows);
         self.look != LookArgs::default() && !has_png
     }
 }
 
+/// Whether a name stands for standard input or output.
+pub fn is_stream(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// The format of what goes to a place, `stream` being that of standard output.
+pub fn format_of(path: &Path, stream: Format) -> Option<Format> {
+    if is_stream(path) { Some(stream) } else { Format::of(path).ok() }
+}
+
+/// Whether pictures can go to all these places; the format of what goes to standard output.
+pub fn check_outputs(outputs: &[PathBuf], said: Option<Format>) -> Result<Format, Failure> {
+    for (i, path) in outputs.iter().enumerate() {
+        if outputs[..i].contains(path) {
+            return Err(Failure::input(format!("{} is named twice", path.display())));
+        }
+        if is_stream(path) {
+            if std::io::stdout().is_terminal() {
+                let help = "send it on, as in `straal render scene.yaml -o - > picture.png`";
+                return Err(Failure::input(
+                    "`-o -` writes a picture to standard output, and that is a terminal",
+                )
+                .help(help));
+            }
+            continue;
+        }
+        Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
+        check_output(path)?;
+    }
+    if said.is_some() && !outputs.iter().any(|o| is_stream(o)) {
+        let help = "the name of a file says its format, such as `-o picture.exr`";
+        return Err(Failure::input("--format is for `-o -`, standard output").help(help));
+    }
+    Ok(said.unwrap_or(Format::Png))
+}
+
 /// The scene's name with .png, in the current folder.
 fn default_output(scene: Option<&Path>) -> PathBuf {
-    let stem = scene.and_then(Path::file_stem).unwrap_or("straal".as_ref());
+    let stem = scene.filter(|path| !is_stream(path)).and_then(Path::file_stem).unwrap_or("straal".as_ref());
     let mut name = stem.to_owned();
     name.push(".png");
     name.into()

@@ -92,6 +92,15 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash }) }
 }
 
+/// Loads what comes without a name, as through a pipe: a scene (YAML or JSON) or a bare mesh, told by how it begins. Files that it
+/// names are looked for in `base`.
+pub fn load_stream(name: &str, bytes: &[u8], base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    match mesh_file::kind_of(bytes) {
+        Some(extension) => mesh_scene(name, &base.join(name).with_extension(extension), bytes, options),
+        None => load_bytes(name, bytes, base, options),
+    }
+}
+
 fn only(complaint: Diagnostic) -> Diagnostics {
     let mut d = Diagnostics::default();
     d.push(complaint);
@@ -341,8 +350,17 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     };
     check_file(path, options.files.max_bytes).map_err(|p| fail(p, similar(path)))?;
     let bytes = std::fs::read(path).map_err(|e| fail(reason(&e), None))?;
-    let read = mesh_file::read(path, &bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
-    let name = path.display().to_string();
+    mesh_scene(&path.display().to_string(), path, &bytes, options)
+}
+
+/// A studio around a mesh that is called `name`; what it names beside itself is looked for beside `path`.
+fn mesh_scene(name: &str, path: &Path, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
+    let fail = |problem: String, help: Option<String>| {
+        let message = format!("cannot read `{name}`: {problem}");
+        only(Diagnostic::error(Span::NONE, message).maybe_help(help))
+    };
+    let read = mesh_file::read(path, bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
+    let name = name.to_owned();
     let scene = studio::around(&name, &read.asset).map_err(|problem| fail(problem, None))?;
     let mut warnings = Diagnostics::default();
     for complaint in read.warnings {

@@ -57,6 +57,19 @@ pub fn read(path: &Path, bytes: &[u8], limits: &Limits) -> Result<MeshFile, Read
     Ok(MeshFile { asset, warnings, hash: hasher.finalize().into() })
 }
 
+/// The extension of a mesh file that has lost its name, by how it begins; `None` when it is no mesh.
+pub fn kind_of(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        return Some("ply");
+    }
+    const WORDS: [&str; 11] = ["v", "vn", "vt", "f", "o", "g", "s", "l", "mtllib", "usemtl", "vp"];
+    const MOST: usize = 4096;
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(MOST)]);
+    let said = start.lines().map(str::trim).find(|l| !l.is_empty() && !l.starts_with('#'))?;
+    let (word, rest) = said.split_once([' ', '\t'])?;
+    (WORDS.contains(&word) && !rest.trim_start().starts_with(':')).then_some("obj")
+}
+
 /// The material that comes nearest to what an MTL file means, and what is lost by it.
 ///
 /// The illumination models are those of the MTL specification (Wavefront, 1995): 4, 6, 7 and 9 are transparent, 3 and

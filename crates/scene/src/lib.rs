@@ -4,7 +4,9 @@
 //! from a tree of spanned values and checked by one piece of code that collects every complaint and goes on.
 #![forbid(unsafe_code)]
 
+mod alias;
 pub mod assets;
+mod css;
 pub mod decode;
 mod decode_values;
 pub mod desc;
@@ -14,6 +16,7 @@ pub mod forecast;
 pub mod image;
 pub mod limit;
 pub mod mesh;
+mod remedy;
 pub mod schema;
 pub mod span;
 pub mod suggest;

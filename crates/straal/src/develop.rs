@@ -3,6 +3,7 @@
 use crate::focus::{self, Blur, NoBlur};
 use crate::look::{Look, Negative, to_screen};
 use crate::picture::{ERROR, Format, LOOK, Picture, SaveError, with_look, write_png};
+use std::io;
 use std::path::Path;
 use straal_color::{RgbSpace, Space};
 use straal_formats::image::exr::{self, Beauty, Layer, Window};
@@ -104,28 +105,29 @@ impl Plate {
     /// keeps all layers, HDR and PFM have linear sRGB.
     pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
         let format = Format::of(path)?;
+        atomic::write(path, |file| self.write(file, format, look))?;
+        Ok(())
+    }
+
+    /// Writes the picture in that format to what takes bytes, such as a pipe.
+    pub fn write(&self, out: &mut dyn io::Write, format: Format, look: &Look) -> io::Result<()> {
         let mut story = with_look(&self.picture.metadata, look);
         let Window { x, y, width, height } = self.picture.data_window;
-        atomic::write(path, |mut file| match format {
-            Format::Exr => exr::write(&mut file, &exr::Picture { metadata: story, ..self.picture.clone() }),
+        match format {
+            Format::Exr => exr::write(out, &exr::Picture { metadata: story, ..self.picture.clone() }),
             Format::Png => {
                 story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
                 let at = [x as u32, y as u32];
                 let negative = Negative { pixels: &self.pixels, width, at, space: self.space() };
-                write_png(&mut file, &negative, look, &story)
+                write_png(out, &negative, look, &story)
             }
             Format::Hdr | Format::Pfm => {
                 let matrix = to_screen(&self.space());
                 let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));
                 let image = Image { width, height, pixels: self.pixels.iter().map(srgb).collect() };
-                if format == Format::Hdr {
-                    hdr::write(&mut file, &image)
-                } else {
-                    pfm::write(&mut file, &image)
-                }
+                if format == Format::Hdr { hdr::write(out, &image) } else { pfm::write(out, &image) }
             }
-        })?;
-        Ok(())
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `straal accel`
 
-use super::{print, refused};
+use super::{load, print, refused};
 use crate::args::AccelArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -18,7 +18,7 @@ use straal_scene::Diagnostics;
 pub fn run(args: &AccelArgs, start: Instant) -> Result<Exit, Failure> {
     let request = request(args)?;
     let options = LoadOptions { lenient: args.lenient, ..LoadOptions::default() };
-    let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
+    let loaded = load(&args.scene, &options)?;
     if !args.quiet {
         out::say(&complaint::show(&loaded.warnings, out::has_colours()));
     }

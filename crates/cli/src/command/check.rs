@@ -1,6 +1,6 @@
 //! `straal check`
 
-use super::{print, refused, warn};
+use super::{load, print, refused, warn};
 use crate::args::CheckArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -14,7 +14,7 @@ use straal_scene::forecast::{Forecast, forecast};
 /// Reads a scene and all its files, tells all that is wrong and forecasts memory.
 pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let options = LoadOptions { lenient: args.lenient, ..LoadOptions::default() };
-    let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
+    let loaded = load(&args.scene, &options)?;
     let mut warnings = loaded.warnings.clone();
     let needs = forecast(&loaded.scene, &loaded.assets);
     let structure = straal::search::structure_of(&loaded.scene.accel.structure);

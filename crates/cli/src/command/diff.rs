@@ -3,6 +3,7 @@
 use super::{print, read_bytes};
 use crate::args::DiffArgs;
 use crate::exit::{Exit, Failure};
+use crate::quantity::grouped;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
@@ -29,14 +30,17 @@ pub fn run(args: &DiffArgs) -> Result<Exit, Failure> {
         return Err(Failure::input(format!("{message} {} and {}", place(at_a), place(at_b))));
     }
     b.bring_to(a.space);
+    let identical = a.is_same(&b);
     let tails = if args.heavy_tails { Tails::Heavy } else { Tails::Light };
     let found = compare(a.estimate(), b.estimate(), tails).map_err(|e| Failure::input(e.to_string()))?;
     if args.json {
-        print(&format!("{:#}\n", as_json(&found)))?;
+        print(&format!("{:#}\n", as_json(&found, identical)))?;
+    } else if identical {
+        print(&tell_identical(&found))?;
     } else {
         print(&tell(&found))?;
     }
-    Ok(if found.differs { Exit::Differ } else { Exit::Fine })
+    Ok(if found.differs && !identical { Exit::Differ } else { Exit::Fine })
 }
 
 /// A picture as it is compared.
@@ -97,6 +101,13 @@ impl Picture {
         self.noise.unwrap_or(Noise { variance: self.image, dof: USUAL_DOF })
     }
 
+    /// Whether the pixels are the same to the last bit, those that are no numbers as well.
+    fn is_same(&self, o: &Self) -> bool {
+        let bits = |p: &[f32; 3]| p.map(f32::to_bits);
+        let size = |p: &Self| (p.image.width, p.image.height);
+        size(self) == size(o) && self.image.pixels.iter().map(bits).eq(o.image.pixels.iter().map(bits))
+    }
+
     fn estimate(&self) -> Estimate<'_> {
         let variance = self.noise.as_ref().map(|n| &n.variance);
         Estimate {
@@ -153,6 +164,19 @@ fn tell(c: &Comparison) -> String {
     text
 }
 
+/// For people, of pictures that have nothing to compare.
+fn tell_identical(c: &Comparison) -> String {
+    let [width, height] = c.size;
+    let wrong = match c.non_finite {
+        0 => String::new(),
+        n => format!(
+            "; {} infinite or not a number, in both",
+            if n == 1 { "1 pixel is".into() } else { format!("{} pixels are", grouped(n as u64)) }
+        ),
+    };
+    format!("the pictures are identical: all {width} x {height} pixels are the same to the last bit{wrong}\n")
+}
+
 fn tell_tally(t: &Tally) -> String {
     if t.tested == 0 {
         return "none with noise".into();
@@ -166,7 +190,7 @@ fn tell_tally(t: &Tally) -> String {
 }
 
 /// For scripts. Numbers that are infinite or NaN become `null`.
-fn as_json(c: &Comparison) -> Json {
+fn as_json(c: &Comparison, identical: bool) -> Json {
     let tally = |t: &Tally| {
         json!({
             "tested": t.tested, "beyond": t.beyond, "worst_t": t.worst_t, "worst_at": t.worst_at,
@@ -174,8 +198,9 @@ fn as_json(c: &Comparison) -> Json {
         })
     };
     json!({
-        "differ": c.differs,
-        "reasons": c.reasons,
+        "differ": c.differs && !identical,
+        "identical": identical,
+        "reasons": if identical { &[] } else { c.reasons.as_slice() },
         "size": c.size,
         "means": c.means,
         "mean_error": c.mean_error,

@@ -1,6 +1,6 @@
 //! `straal render`
 
-use super::{print, refused, warn};
+use super::{load, print, refused, warn};
 use crate::args::RenderArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -9,7 +9,7 @@ use crate::out;
 use crate::progress::{Pace, Teller};
 use crate::quantity::{count, tell_percent};
 use crate::report::Report;
-use crate::settings::RenderSettings;
+use crate::settings::{RenderSettings, is_stream};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -21,7 +21,7 @@ use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progres
 pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
     let interrupt = Interrupt::listen();
-    let loaded = load(&settings)?;
+    let loaded = scene(&settings)?;
     let mut warnings = loaded.warnings.clone();
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
@@ -41,7 +41,13 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
 
     let look = settings.look(job.look());
     for path in &settings.outputs {
-        interrupt.whole(|| outcome.picture.save(path, &look)).map_err(|e| not_saved(&e))?;
+        if is_stream(path) {
+            let format = settings.format;
+            let written = interrupt.whole(|| out::picture(|to| outcome.picture.write(to, format, &look)));
+            written.map_err(|e| Failure::system(format!("can't write to standard output: {e}")))?;
+        } else {
+            interrupt.whole(|| outcome.picture.save(path, &look)).map_err(|e| not_saved(&e))?;
+        }
     }
     if let Some((path, of)) = &settings.cost_picture {
         interrupt.whole(|| outcome.picture.save_cost(path, *of)).map_err(|e| not_saved(&e))?;
@@ -67,13 +73,13 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
     Ok(if report.interrupted { Exit::Interrupted } else { Exit::Fine })
 }
 
-fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
+fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
     let options = LoadOptions { lenient: settings.lenient, ..LoadOptions::default() };
     match &settings.scene {
-        Some(path) => straal::load(path, &options),
-        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),
+        Some(path) => load(path, &options),
+        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options)
+            .map_err(Failure::scene),
     }
-    .map_err(Failure::scene)
 }
 
 /// Renders until all samples are taken, the time is up or Ctrl-C is pressed.
@@ -92,7 +98,8 @@ fn render(
         limit: settings.time.map(|t| t.saturating_sub(rendering - start).as_secs_f64()),
         ..Pace::default()
     };
-    let mut teller = Teller::new(rendering, pace, settings.quiet);
+    let teller = Teller::new(rendering, pace, settings.quiet);
+    let mut teller = if settings.replicates.is_some() { teller.of_replicates() } else { teller };
     interrupt.render_begins(teller.announcer());
     teller.announcer().say(&begins(job));
     if let Some(noise) = job.settings.noise {

@@ -10,8 +10,20 @@ fn page() -> String {
 #[test]
 fn the_page_knows_every_option() {
     let (folder, page) = (Folder::new(), page());
-    let commands =
-        ["render", "check", "accel", "schema", "sampler", "diff", "info", "develop", "gamma-chart", "metamer", "completions", "man"];
+    let commands = [
+        "render",
+        "check",
+        "accel",
+        "schema",
+        "sampler",
+        "diff",
+        "info",
+        "develop",
+        "gamma-chart",
+        "metamer",
+        "completions",
+        "man",
+    ];
     for command in commands {
         assert!(page.contains(&format!("`straal {command}")), "{command}");
         let help = folder.straal(&format!("help {command}")).out;
