@@ -1,9 +1,11 @@
-//! Chores of the project, one word each: `cargo xtask gallery`, `cargo xtask references`, `cargo xtask keys`.
+//! Chores of the project, one word each: `cargo xtask book`, `cargo xtask gallery`.
 #![forbid(unsafe_code)]
 // A chore talks to whoever runs it.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod book;
+mod diagrams;
+mod draw;
 mod gallery;
 mod keys;
 mod looks;
@@ -21,7 +23,7 @@ usage: cargo xtask CHORE [NAME...]
 
   gallery      render the scenes of scenes/ (or those named) to book/src/images
   references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
-  keys         write the book's list of all keys of the scene language
+  book         bring the book's generated text and drawings up to date and make its HTML in target/book
   looks        make the book's pictures of tone curves, of blur by depth and of filters
   uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept";
 
@@ -34,7 +36,7 @@ fn main() -> ExitCode {
     let done = match chore.as_str() {
         "gallery" => gallery::run(names),
         "references" => references::run(names),
-        "keys" => keys::run(),
+        "book" | "keys" => book::run(),
         "looks" => looks::run(),
         "uplift-table" => uplift_table::run(names),
         _ => {

@@ -1,7 +1,7 @@
 //! Full-size comparison with the reference pictures, which another renderer made of the same scenes.
 //!
-//! They lie in `tests/references`, else in the folder `shared` beside the project, or where `STRAAL_SHARED` says, under
-//! `reference`: `NAME/mean.exr`, and `NAME/var.exr`, the variance of that mean from 16 seeds.
+//! They lie in the folder `shared` beside the project, or where `STRAAL_SHARED` says, under `reference`: `NAME/mean.exr`, and
+//! `NAME/var.exr`, the variance of that mean from 16 seeds.
 
 use crate::{Failure, root, scenes};
 use std::path::{Path, PathBuf};
@@ -36,9 +36,7 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
         let started = Instant::now();
         let text = std::fs::read_to_string(&path)?;
         let heavy = text.lines().any(|l| l == "# judge: heavy tails");
-        let own = root().join("tests/references").join(&name);
-        let reference = if own.exists() { own } else { folder.join(&name) };
-        let found = judge(&path, &reference, if heavy { Tails::Heavy } else { Tails::Light })?;
+        let found = judge(&path, &folder.join(&name), if heavy { Tails::Heavy } else { Tails::Light })?;
         println!(
             "{name:18} {:>8.2} {:>8.2} {:>8.2} {:>10.2e} {:>10.2e} {:>9} {:>9} {:>7.1}  {}{}",
             found.mean_z[0],

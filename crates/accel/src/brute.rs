@@ -2,7 +2,6 @@
 
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::Kernel,
     query::Query,
     structure::{Place, Prim, PrimKind, Search, Stats},
@@ -20,9 +19,9 @@ impl Brute {
 }
 
 impl Search for Brute {
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -31,11 +30,7 @@ impl Search for Brute {
         }
     }
 
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         self.prims.iter().any(|&prim| q.prim_occluded(at, prim))
     }
 

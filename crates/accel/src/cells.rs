@@ -6,12 +6,12 @@
 use crate::{
     clip::Limits,
     hit::Hit,
-    input::Shapes,
     kernel::{Kernel, stack::Stack},
     local::LocalRay,
     mailbox::Mailboxes,
     partition::{self, Census, chance},
     query::Query,
+    section::{Section, Slice},
     structure::{Packed, Place, Prim, Search, Stats},
 };
 use straal_math::{Bounds, ops};
@@ -25,7 +25,7 @@ pub(crate) trait Cells {
     /// The part of a ray inside a cell.
     type Part: Part;
     /// The shape of a cell.
-    type Space;
+    type Space: Slice;
 
     fn open(&self, node: u32) -> Opened<'_, Self::Cut>;
 
@@ -117,11 +117,11 @@ pub(crate) type Later<P> = Stack<Todo<P>, 169>;
 
 /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
 #[inline(always)]
-fn walk<T: Cells, K: Kernel, S: Shapes, const COUNT: bool>(
+fn walk<T: Cells, K: Kernel, const COUNT: bool>(
     tree: &T,
-    q: &mut Query<'_, K, S, COUNT>,
+    q: &mut Query<'_, K, COUNT>,
     at: &Place<'_>,
-    mut leaf: impl FnMut(&mut Query<'_, K, S, COUNT>, &[Packed]) -> f32,
+    mut leaf: impl FnMut(&mut Query<'_, K, COUNT>, &[Packed]) -> f32,
 ) {
     let Some((enter, exit)) = partition::interval(tree.bounds(), at.ray) else { return };
     if !tree.limits().hold(at.ray, exit) {
@@ -158,9 +158,9 @@ fn walk<T: Cells, K: Kernel, S: Shapes, const COUNT: bool>(
 
 impl<T: Cells> Search for T {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -172,11 +172,7 @@ impl<T: Cells> Search for T {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let mut tested = Mailboxes::new(self.options().mailboxes);
         let mut found = false;
         walk(self, q, at, |q, leaf| {
@@ -208,6 +204,26 @@ impl<T: Cells> Search for T {
                 Opened::Inner(cut) => {
                     out.nodes += 1;
                     out.sah_cost += chance * self.options().step_cost;
+                    let parts = T::divide(&cut, &space);
+                    stack.extend(parts.into_iter().map(|(node, space)| (node, space, depth + 1)));
+                }
+            }
+        }
+        out
+    }
+
+    fn section(&self, z: f64) -> Vec<Section> {
+        let mut out = Vec::new();
+        let mut stack = vec![(0, self.root_space(), 0)];
+        while let Some((node, space, depth)) = stack.pop() {
+            match self.open(node) {
+                Opened::Leaf(prims) => {
+                    let outline = space.slice(z);
+                    if outline.len() >= 3 {
+                        out.push(Section { outline, depth, primitives: Some(prims.len()) });
+                    }
+                }
+                Opened::Inner(cut) => {
                     let parts = T::divide(&cut, &space);
                     stack.extend(parts.into_iter().map(|(node, space)| (node, space, depth + 1)));
                 }

@@ -2,7 +2,6 @@
 
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::Kernel,
     query::Query,
     structure::{Packed, Place},
@@ -37,9 +36,9 @@ impl Mailboxes {
 
     /// Tests the primitives of a cell that weren't tested yet.
     #[inline(always)]
-    pub fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    pub fn closest<K: Kernel, const COUNT: bool>(
         &mut self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         cell: &[Packed],
         best: &mut Hit,
@@ -55,9 +54,9 @@ impl Mailboxes {
 
     /// Whether a primitive of a cell that wasn't tested yet is hit.
     #[inline(always)]
-    pub fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
+    pub fn occluded<K: Kernel, const COUNT: bool>(
         &mut self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         cell: &[Packed],
     ) -> bool {

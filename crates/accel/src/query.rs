@@ -14,11 +14,11 @@ use crate::{
 use straal_math::{Ray, Vec3};
 
 /// One ray's search through a scene.
-pub(crate) struct Query<'a, K, S, const COUNT: bool> {
+pub(crate) struct Query<'a, K, const COUNT: bool> {
     /// That the processor has the kernel's instructions.
     pub kernel: K,
     pub scene: &'a Scene,
-    pub shapes: &'a S,
+    pub shapes: &'a dyn Shapes,
     /// Stays 0 unless `COUNT`.
     pub cost: Cost,
 }
@@ -37,7 +37,7 @@ fn later(entry: f32) -> f32 {
     entry
 }
 
-impl<'a, K: Kernel, S: Shapes, const COUNT: bool> Query<'a, K, S, COUNT> {
+impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
     /// Writes the first hit of a ray in the world where it stays: copying what was just written piece by piece would wait
     /// for the pieces.
     #[inline(always)]

@@ -5,6 +5,7 @@ use crate::{
     bsp::BspTree,
     bvh::Bvh,
     bvh2::Bvh2,
+    dropped::{Dropped, DroppedFrom},
     grid::Grid,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
@@ -59,7 +60,7 @@ pub struct Scene {
     isa: Isa,
     kernel: Chosen,
     many: bool,
-    dropped: usize,
+    dropped: Vec<Dropped>,
 }
 
 /// What a group was given, without what the scene holds anyway.
@@ -138,7 +139,7 @@ impl GroupData {
 impl Scene {
     /// Checks the input and builds the structure of every group that the world needs. Uses the threads of the current
     /// rayon pool; the result doesn't depend on their number.
-    pub fn build<S: Shapes>(input: Input, shapes: &S, options: &Options) -> Result<Self, BuildError> {
+    pub fn build(input: Input, shapes: &dyn Shapes, options: &Options) -> Result<Self, BuildError> {
         if !options.isa.is_available() {
             return Err(BuildError::IsaMissing { isa: options.isa });
         }
@@ -160,12 +161,12 @@ impl Scene {
             isa: options.isa,
             kernel: Chosen::new(options.isa),
             many: options.flight == Flight::Many,
-            dropped: 0,
+            dropped: Vec::new(),
         };
         for g in order {
             let (data, dropped) = scene.build_group(&groups[g], firsts[g], shapes, options)?;
             scene.groups[g] = data;
-            scene.dropped += dropped;
+            scene.dropped.extend(dropped);
         }
         Ok(scene)
     }
@@ -209,10 +210,17 @@ impl Scene {
         self.groups.iter().map(reached).collect()
     }
 
-    /// How many primitives were left out because they can never be hit: with a coordinate that isn't finite, triangles
-    /// without area, shapes with an empty box. Groups that the world doesn't reach aren't counted.
-    pub fn dropped(&self) -> usize {
-        self.dropped
+    /// The cells (grid, kd-tree, octree, BSP tree) or boxes (binary tree) of the world where the plane at a height z cuts them, for
+    /// drawings. Other structures have none.
+    pub fn section(&self, z: f64) -> Vec<crate::Section> {
+        each!(&self.groups[0].searcher, s => s.section(z))
+    }
+
+    /// What was left out because it can never be hit: primitives with a coordinate that isn't finite, triangles without
+    /// area, shapes with an empty box. Groups that the world doesn't reach aren't counted; a geometry that stands in several
+    /// is there several times.
+    pub fn dropped(&self) -> &[Dropped] {
+        &self.dropped
     }
 
     /// The instruction set in use.
@@ -237,22 +245,22 @@ impl Scene {
     }
 
     /// The first hit of each ray. Looks at as many rays as there are hits, and the other way round.
-    pub fn closest<S: Shapes>(&self, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+    pub fn closest(&self, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
         kernel::closest(self, shapes, rays, hits);
     }
 
     /// Whether each ray hits anything. Looks at as many rays as there are answers, and the other way round.
-    pub fn occluded<S: Shapes>(&self, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
+    pub fn occluded(&self, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]) {
         kernel::occluded(self, shapes, rays, blocked);
     }
 
     /// [`Self::closest`] of one ray, with the number of tests it took.
-    pub fn closest_counted<S: Shapes>(&self, shapes: &S, ray: &Ray) -> (Hit, Cost) {
+    pub fn closest_counted(&self, shapes: &dyn Shapes, ray: &Ray) -> (Hit, Cost) {
         kernel::closest_counted(self, shapes, ray)
     }
 
     /// [`Self::occluded`] of one ray, with the number of tests it took.
-    pub fn occluded_counted<S: Shapes>(&self, shapes: &S, ray: &Ray) -> (bool, Cost) {
+    pub fn occluded_counted(&self, shapes: &dyn Shapes, ray: &Ray) -> (bool, Cost) {
         kernel::occluded_counted(self, shapes, ray)
     }
 
@@ -291,21 +299,22 @@ impl Scene {
         }
     }
 
-    fn build_group<S: Shapes>(
+    fn build_group(
         &self,
         group: &Group,
         first_instance: u32,
-        shapes: &S,
+        shapes: &dyn Shapes,
         options: &Options,
-    ) -> Result<(GroupData, usize), BuildError> {
+    ) -> Result<(GroupData, Vec<Dropped>), BuildError> {
         let mut data = GroupData { is_built: true, ..GroupData::empty() };
         let mut prims = Vec::new();
-        let mut dropped = 0;
+        let mut dropped = Vec::new();
         let mut ids = group.geometries.clone();
         ids.sort_unstable();
         ids.dedup();
         let mut triangles = 0_u64;
         for geometry in ids {
+            let mut lost = Dropped::none(DroppedFrom::Geometry(geometry));
             match &self.geometries[geometry as usize].kind {
                 GeometryKind::Triangles { positions, indices } => {
                     let first = triangles as u32;
@@ -322,7 +331,7 @@ impl Scene {
                             let kind = PrimKind::Triangle(first + i as u32);
                             prims.push(Prim { bounds: slab::triangle_bounds(&v), kind });
                         } else {
-                            dropped += 1;
+                            lost.add(v.iter().all(|p| p.is_finite()));
                         }
                     }
                 }
@@ -330,8 +339,8 @@ impl Scene {
                     for primitive in 0..*count {
                         let shape = first + primitive;
                         let bounds = shapes.bounds(shape);
-                        if bounds.is_some_and(|b| b.is_empty() || !b.is_finite()) {
-                            dropped += 1;
+                        if let Some(b) = bounds.filter(|b| b.is_empty() || !b.is_finite()) {
+                            lost.add(is_without_extent(b));
                             continue;
                         }
                         let kind = ObjectKind::Shape { shape, geometry, primitive };
@@ -340,13 +349,20 @@ impl Scene {
                     }
                 }
             }
+            if lost.count() > 0 {
+                dropped.push(lost);
+            }
         }
         for (i, instance) in group.instances.iter().enumerate() {
             let inner = &self.groups[instance.group as usize];
             let bounds = if inner.unbounded.is_empty() {
                 let b = instance_bounds(inner.bounds, &instance.transform);
                 if b.is_empty() || !b.is_finite() {
-                    dropped += usize::from(!inner.bounds.is_empty());
+                    if !inner.bounds.is_empty() {
+                        let mut lost = Dropped::none(DroppedFrom::Instance { group: instance.group });
+                        lost.add(is_without_extent(b));
+                        dropped.push(lost);
+                    }
                     continue;
                 }
                 Some(b)
@@ -452,6 +468,11 @@ fn instance_bounds(inner: Bounds, transform: &Transform) -> Bounds {
         out = out.union(Bounds { min: p - error, max: p + error });
     }
     slab::padded(out)
+}
+
+/// Whether a box that holds nothing is only that, and has no corner that is no number.
+fn is_without_extent(b: Bounds) -> bool {
+    b.is_empty() && !b.min.to_array().iter().chain(&b.max.to_array()).any(|v| v.is_nan())
 }
 
 /// Checks every index.

@@ -7,13 +7,13 @@ use crate::{
     bvh2::{Bvh2, Bvh2Params},
     grid::{Grid, GridParams},
     hit::{Chain, Hit},
-    input::Shapes,
     kd::{KdParams, KdTree},
     kernel::Kernel,
     local::LocalRay,
     octree::{Octree, OctreeParams},
     query::Query,
     scene::GroupData,
+    section::Section,
     volumes::{Volumes, VolumesParams},
 };
 use std::{fmt, str::FromStr};
@@ -165,25 +165,21 @@ impl Packed {
 /// `closest` offers to `best` every primitive that could come before it, by the tests of `Query`, which are the same
 /// for all; it may leave out only what lies strictly beyond `best.t` or outside the ray's interval.
 pub(crate) trait Search: Sized {
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     );
 
     /// Whether there is any hit in the ray's interval.
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool;
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool;
 
     /// The hit of each ray of the world; `hits` is as long as `rays`.
     #[inline(always)]
-    fn closest_many<K: Kernel, S: Shapes>(
+    fn closest_many<K: Kernel>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         hits: &mut [Hit],
@@ -195,9 +191,9 @@ pub(crate) trait Search: Sized {
 
     /// Whether each ray of the world hits anything; `blocked` is as long as `rays`.
     #[inline(always)]
-    fn occluded_many<K: Kernel, S: Shapes>(
+    fn occluded_many<K: Kernel>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         blocked: &mut [bool],
@@ -211,6 +207,11 @@ pub(crate) trait Search: Sized {
 
     /// What a report says of the structure; it walks the whole of it.
     fn stats(&self) -> Stats;
+
+    /// What a drawing of the structure shows at a height: cells, or the boxes of a binary tree. Other structures show nothing.
+    fn section(&self, _z: f64) -> Vec<Section> {
+        Vec::new()
+    }
 }
 
 /// What a structure is made of.

@@ -15,7 +15,7 @@ pub enum Exit {
     System = 3,
     /// straal is wrong.
     Bug = 70,
-    /// Ctrl-C, as shells count it: 128 + SIGINT.
+    /// Ctrl-C, as shells count it: 128 + SIGINT. Other signals that ask for an end are answered alike.
     Interrupted = 130,
 }
 
@@ -34,7 +34,7 @@ Exit codes:
   2    the command line, the scene or a file that it names is wrong; nothing was written
   3    a picture couldn't be written, or the system refused something
   70   straal itself is wrong: please report it
-  130  ended by Ctrl-C: with the picture so far after the first, without a picture after the second";
+  130  ended by Ctrl-C or a signal: with the picture so far after the first, without a picture after the second";
 
 /// Why a command couldn't do its work.
 #[derive(Debug)]

@@ -7,7 +7,9 @@ mod command;
 mod complaint;
 mod exit;
 mod interrupt;
+mod keeping;
 mod out;
+mod places;
 mod process;
 mod progress;
 mod quantity;
@@ -18,6 +20,7 @@ use args::{Command, CommandLine};
 use clap::Parser;
 use clap::error::ErrorKind;
 use exit::{Exit, Failure};
+use interrupt::Interrupt;
 use std::ffi::OsString;
 use std::panic;
 use std::process::ExitCode;
@@ -50,8 +53,10 @@ fn run(start: Instant) -> Exit {
         }
         Err(e) => return tell(&args::failure(&e, &words)),
     };
+    let interrupt = Interrupt::listen();
     let done = match line.command {
-        Command::Render(args) => command::render::run(*args, start),
+        Command::Render(args) => command::render::run(*args, start, &interrupt),
+        Command::Merge(args) => command::merge::run(&args, &interrupt),
         Command::Check(args) => command::check::run(&args),
         Command::Accel(args) => command::accel::run(&args, start),
         Command::Sampler(args) => command::sampler::run(&args),

@@ -1,4 +1,5 @@
-//! What the whole process has cost so far, from Linux's `/proc`; elsewhere it isn't known.
+//! What is known of the whole process from Linux's `/proc`: what it has cost so far, which signals it was started to ignore;
+//! elsewhere it isn't known.
 
 use std::fs;
 
@@ -14,6 +15,18 @@ pub fn cpu_seconds() -> Option<f64> {
 /// The most memory that was in use at any time.
 pub fn peak_memory_bytes() -> Option<u64> {
     peak_of(&fs::read_to_string("/proc/self/status").ok()?)
+}
+
+/// Whether whoever started this process has it ignore a signal, as `nohup` does.
+pub fn ignores(signal: i32) -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    ignored(&status).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+/// `SigIgn`, a bit for each signal.
+fn ignored(status: &str) -> Option<u64> {
+    let line = status.lines().find_map(|l| l.strip_prefix("SigIgn:"))?;
+    u64::from_str_radix(line.trim(), 16).ok()
 }
 
 /// Fields 14 and 15 of `/proc/PID/stat` (proc(5)). Field 2 is the name in parentheses and may hold anything.
@@ -44,6 +57,12 @@ mod tests {
         assert_eq!(cpu_of("42 (x) R 1"), None);
         assert_eq!(peak_of("Name:\tx\nVmPeak:\t  9 kB\nVmHWM:\t   2048 kB\n"), Some(2 << 20));
         assert_eq!(peak_of("Name:\tx\n"), None);
+    }
+
+    #[test]
+    fn ignored_signals_are_bits() {
+        assert_eq!(ignored("SigBlk:\t00\nSigIgn:\t0000000000001001\n"), Some(0x1001));
+        assert_eq!(ignored(""), None);
     }
 
     #[cfg(target_os = "linux")]

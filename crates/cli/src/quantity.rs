@@ -153,6 +153,37 @@ pub fn crop(typed: &str) -> Result<Crop, String> {
     }
 }
 
+/// Samples of each pixel: the first, and one past the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Samples(pub [u32; 2]);
+
+/// Samples such as `64..128`.
+pub fn samples(typed: &str) -> Result<Samples, String> {
+    let numbers =
+        typed.split_once("..").and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    match numbers {
+        Some([first, end]) if first < end => Ok(Samples([first, end])),
+        Some(_) => Err("none: the first must be less than the end, which isn't one of them".into()),
+        // What other renderers call the number of samples.
+        None if typed.trim().parse::<u64>().is_ok() => {
+            Err(format!("samples per pixel are `--spp {}`; this is for a part of them, such as 64..128", typed.trim()))
+        }
+        None => Err("write the first, from 0, and one past the last, such as 64..128".into()),
+    }
+}
+
+/// How often something is done, if at all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Every(pub Option<Duration>);
+
+/// A time such as `60s`, or `off`.
+pub fn checkpoint(typed: &str) -> Result<Every, String> {
+    if typed.eq_ignore_ascii_case("off") {
+        return Ok(Every(None));
+    }
+    duration(typed).map(|time| Every(Some(time))).map_err(|e| format!("{e}; or off"))
+}
+
 /// Degrees from edge to edge.
 pub fn field_of_view(typed: &str) -> Result<f64, String> {
     let degrees = typed.parse().ok().filter(|v: &f64| *v > 0.0 && *v < 180.0);
@@ -297,6 +328,17 @@ mod tests {
         {
             assert!(duration(typed).is_err(), "{typed}");
         }
+    }
+
+    #[test]
+    fn samples_and_intervals_are_read() {
+        assert_eq!(samples("64..128"), Ok(Samples([64, 128])));
+        for typed in ["", "64", "64..", "..64", "64..64", "9..3", "-1..3", "1..2..3", "0..99999999999"] {
+            assert!(samples(typed).is_err(), "{typed}");
+        }
+        assert_eq!(checkpoint("Off"), Ok(Every(None)));
+        assert_eq!(checkpoint("2m"), Ok(Every(Some(Duration::from_secs(120)))));
+        assert!(checkpoint("often").is_err_and(|e| e.ends_with("; or off")));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What a finished render has to tell.
 
 use crate::complaint;
+use crate::keeping::Told;
 use crate::process;
 use crate::quantity::{count, tell_bytes, tell_duration, tell_percent};
 use serde_json::{Map, Value as Json, json};
@@ -18,8 +19,10 @@ pub struct Report<'a> {
     pub outcome: &'a Outcome,
     /// Complaints about the scene.
     pub warnings: &'a Diagnostics,
-    /// Whether Ctrl-C ended it.
-    pub interrupted: bool,
+    /// The signal that ended it, if one did.
+    pub interrupted: Option<&'static str>,
+    /// What was kept besides pictures.
+    pub kept: &'a Told,
     /// Since the command began.
     pub seconds: f64,
     /// While rays flew.
@@ -40,8 +43,8 @@ impl<'a> Report<'a> {
     pub fn tell(&self) -> String {
         let o = self.outcome;
         let mut text = String::new();
-        if self.interrupted {
-            text += &format!("ended by Ctrl-C with {} per pixel\n", count(o.samples.into(), "sample"));
+        if let Some(signal) = self.interrupted {
+            text += &format!("ended by {signal} with {} per pixel\n", count(o.samples.into(), "sample"));
         }
         if let Some((pixel, sample)) = o.dropped.first {
             text += &format!(
@@ -69,7 +72,8 @@ impl<'a> Report<'a> {
                 }
             );
         }
-        let names: Vec<String> = self.pictures.iter().map(|p| p.display().to_string()).collect();
+        let names: Vec<String> =
+            self.pictures.iter().chain(&self.kept.sums).map(|p| p.display().to_string()).collect();
         let mut facts = vec![count(o.samples.into(), "sample"), tell_duration(self.seconds)];
         if self.job.settings.noise.is_some() {
             facts[0] += &format!(" at most, {:.1} on average", self.mean_samples());
@@ -103,7 +107,12 @@ impl<'a> Report<'a> {
             "mean_samples": self.mean_samples(),
             "passes": o.passes,
             "complete": o.complete,
-            "interrupted": self.interrupted,
+            "interrupted": self.interrupted.is_some(),
+            "signal": self.interrupted,
+            "resumed_samples": self.kept.resumed,
+            "checkpoint": self.kept.checkpoint.as_deref().map(|p| p.to_string_lossy().into_owned()),
+            "checkpoints_written": self.kept.written,
+            "sums": self.kept.sums.as_deref().map(|p| p.to_string_lossy().into_owned()),
             "seconds": self.seconds,
             "render_seconds": self.render_seconds,
             "cpu_seconds": self.cpu_seconds,
@@ -115,6 +124,7 @@ impl<'a> Report<'a> {
             "threads": o.threads,
             "share_of_time": shares(&o.times),
             "noisy_blocks": o.noisy_blocks,
+            "dropped_primitives": self.job.world.dropped.iter().map(|d| d.count).sum::<usize>(),
             "dropped": { "count": o.dropped.count, "first": first_dropped },
             "isa": self.job.isa().name(),
             "structure": self.job.structure().name(),

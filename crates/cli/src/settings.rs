@@ -3,21 +3,25 @@
 
 use crate::args::{LookArgs, RenderArgs};
 use crate::exit::Failure;
-use std::io::IsTerminal;
+use crate::keeping::Wish;
+use crate::places::{check_output, check_pictures, format_of, is_stream, refuse_inputs, refuse_twins};
+use crate::quantity::Every;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use straal::picture::{Format, SaveError};
 use straal::{CostMeasure, Look, Overrides};
-use straal_formats::atomic;
+
+/// What is lost at most when a render that writes an EXR is killed.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
 
 /// What is to be rendered, how, and where to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
     /// The file; `None` for the embedded scene.
     pub scene: Option<PathBuf>,
-    /// Where the picture goes; at least one place.
+    /// Where the picture goes; nowhere if only sums are wanted.
     pub outputs: Vec<PathBuf>,
-    /// What goes to standard output, where one of the places is `-`.
+    /// The format of what goes to standard output, where one of the places is `-`.
     pub format: Format,
     /// What wins over the scene.
     pub overrides: Overrides,
@@ -25,6 +29,8 @@ pub struct RenderSettings {
     pub time: Option<Duration>,
     /// Independent sets of samples.
     pub replicates: Option<u32>,
+    /// What is kept of it besides pictures.
+    pub keep: Wish,
     /// Where the picture of the searches' costs goes, and which cost it shows.
     pub cost_picture: Option<(PathBuf, CostMeasure)>,
     /// Steps of the look in place of the scene's.
@@ -35,6 +41,8 @@ pub struct RenderSettings {
     pub json: bool,
     /// Whether unknown keys are warnings.
     pub lenient: bool,
+    /// The folder that files are read from, where that is confined.
+    pub root: Option<PathBuf>,
 }
 
 impl RenderSettings {
@@ -44,34 +52,61 @@ impl RenderSettings {
             let help = format!("without --isa the best there is is taken: {}", straal_accel::Isa::detect());
             return Err(Failure::input(format!("this processor has no {isa}")).help(help));
         }
+        let of_one_render = [
+            (args.samples.is_some(), "--samples"),
+            (args.save_sums.is_some(), "--save-sums"),
+            (args.resume, "--resume"),
+            (args.checkpoint.is_some_and(|Every(time)| time.is_some()), "--checkpoint"),
+        ]
+        .into_iter()
+        .find_map(|(is_said, option)| is_said.then_some(option));
         let outputs = match args.output {
-            none if none.is_empty() => vec![default_output(args.scene.as_deref())],
+            none if none.is_empty() && args.save_sums.is_none() => {
+                vec![default_output(args.scene.as_deref())]
+            }
             given => given,
         };
+        if let (Some(_), Some(option)) = (args.replicates, of_one_render) {
+            let message = format!("{option} can't be used with --replicates");
+            return Err(Failure::input(message).help(
+                "replicates are renders of their own, of which the means are kept: where it is to be cut off, or shared \
+                 out, render each with a --seed of its own",
+            ));
+        }
         if let Some(path) = &args.cost_picture {
             if !matches!(Format::of(path), Ok(Format::Png)) {
                 return Err(Failure::input(SaveError::NotPng(path.display().to_string()).to_string()));
             }
             check_output(path)?;
-            if outputs.contains(path) {
-                return Err(Failure::input(format!("{} is named twice", path.display())));
-            }
         }
-        let format = check_outputs(&outputs, args.format)?;
-        if args.json && outputs.iter().any(|o| is_stream(o)) {
-            let help = "write the picture to a file, or leave out --json";
-            return Err(Failure::input("`-o -` and --json can't share standard output").help(help));
+        let format = check_pictures(&outputs, args.format, args.json)?;
+        if let Some(path) = &args.save_sums {
+            check_output(path)?;
         }
-        if args.scene.as_deref().is_some_and(|scene| outputs.iter().any(|o| is_same_file(o, scene))) {
-            return Err(Failure::input("the picture would replace the scene"));
-        }
-        let has_exr = outputs.iter().any(|o| format_of(o, format) == Some(Format::Exr));
+        let all = || outputs.iter().chain(&args.cost_picture).chain(&args.save_sums).map(PathBuf::as_path);
+        refuse_twins(all())?;
+        refuse_inputs(all(), args.scene.as_slice())?;
+        let is_exr = |o: &&PathBuf| format_of(o, format) == Some(Format::Exr);
+        let has_exr = outputs.iter().any(|o| is_exr(&o));
+        let has_plain_exr =
+            outputs.iter().filter(is_exr).any(|o| !is_stream(o) && (!o.exists() || o.is_file()));
+        let by_default =
+            ((has_plain_exr || args.resume) && args.replicates.is_none()).then_some(BETWEEN_CHECKPOINTS);
+        let keep = Wish {
+            every: args.checkpoint.map_or(by_default, |Every(time)| time),
+            is_said: args.checkpoint.is_some() || args.resume,
+            resume: args.resume,
+            sums: args.save_sums,
+        };
+        // What is put together later may become an EXR.
+        let has_exr = has_exr || keep.sums.is_some();
         Ok(Self {
             format,
             scene: args.scene,
             outputs,
             overrides: Overrides {
                 spp: args.spp,
+                samples: args.samples.map(|s| s.0),
                 size: args.size.map(|s| s.0),
                 crop: args.crop.map(|c| c.0),
                 seed: args.seed,
@@ -92,12 +127,20 @@ impl RenderSettings {
             },
             time: args.time,
             replicates: args.replicates,
+            keep,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
             look: args.look,
             quiet: args.quiet,
             json: args.json,
             lenient: args.lenient,
+            root: args.root,
         })
+    }
+
+    /// Every file that is written.
+    pub fn written(&self) -> impl Iterator<Item = &Path> {
+        let cost = self.cost_picture.as_ref().map(|(path, _)| path);
+        self.outputs.iter().chain(cost).chain(&self.keep.sums).map(PathBuf::as_path)
     }
 
     /// How a scene's look is shown.
@@ -113,70 +156,12 @@ impl RenderSettings {
     }
 }
 
-/// Whether a name stands for standard input or output.
-pub fn is_stream(path: &Path) -> bool {
-    path == Path::new("-")
-}
-
-/// The format of what goes to a place, `stream` being that of standard output.
-pub fn format_of(path: &Path, stream: Format) -> Option<Format> {
-    if is_stream(path) { Some(stream) } else { Format::of(path).ok() }
-}
-
-/// Whether pictures can go to all these places; the format of what goes to standard output.
-pub fn check_outputs(outputs: &[PathBuf], said: Option<Format>) -> Result<Format, Failure> {
-    for (i, path) in outputs.iter().enumerate() {
-        if outputs[..i].contains(path) {
-            return Err(Failure::input(format!("{} is named twice", path.display())));
-        }
-        if is_stream(path) {
-            if std::io::stdout().is_terminal() {
-                let help = "send it on, as in `straal render scene.yaml -o - > picture.png`";
-                return Err(Failure::input(
-                    "`-o -` writes a picture to standard output, and that is a terminal",
-                )
-                .help(help));
-            }
-            continue;
-        }
-        Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
-        check_output(path)?;
-    }
-    if said.is_some() && !outputs.iter().any(|o| is_stream(o)) {
-        let help = "the name of a file says its format, such as `-o picture.exr`";
-        return Err(Failure::input("--format is for `-o -`, standard output").help(help));
-    }
-    Ok(said.unwrap_or(Format::Png))
-}
-
 /// The scene's name with .png, in the current folder.
 fn default_output(scene: Option<&Path>) -> PathBuf {
     let stem = scene.filter(|path| !is_stream(path)).and_then(Path::file_stem).unwrap_or("straal".as_ref());
     let mut name = stem.to_owned();
     name.push(".png");
     name.into()
-}
-
-/// Whether a file can go there.
-pub fn check_output(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() {
-        return Err(Failure::input(format!("{} is a folder", path.display())));
-    }
-    match path.parent() {
-        Some(folder) if folder.exists() && !folder.is_dir() => {
-            Err(Failure::input(format!("{} is not a folder", folder.display())))
-        }
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.exists() => {
-            let message = format!("there is no folder {} for {}", folder.display(), path.display());
-            Err(Failure::input(message).help(format!("make it first: mkdir -p {}", folder.display())))
-        }
-        _ => atomic::check(path).map_err(|e| Failure::system(e.to_string())),
-    }
-}
-
-/// Whether both names lead to one file.
-pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 #[cfg(test)]

@@ -4,6 +4,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use crate::temporary::Temporary;
+pub use crate::temporary::abandon;
+
 /// A file that couldn't be written. What was there before under that name is still there, untouched.
 #[derive(Debug, thiserror::Error)]
 #[error("can't write {}: {source}", path.display())]
@@ -33,7 +36,7 @@ fn check_io(path: &Path) -> io::Result<()> {
     match Target::of(path)? {
         // To open a pipe and close it again would tell its reader that nothing comes.
         Target::Device(_) => Ok(()),
-        Target::File(path) => temporary_beside(&path).map(drop),
+        Target::File(path) => Temporary::beside(&path).map(drop),
     }
 }
 
@@ -56,35 +59,19 @@ impl Target {
     }
 }
 
-fn temporary_beside(path: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".straal-").suffix(".part");
-    // A temporary file is private by default; a picture has the permissions of any file that the user makes.
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
-}
-
 fn write_io(path: &Path, fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>) -> io::Result<()> {
     let path = match Target::of(path)? {
         Target::Device(path) => return fill_device(&path, fill),
         Target::File(path) => path,
     };
-    let temporary = temporary_beside(&path)?;
-    let mut writer = BufWriter::with_capacity(1 << 16, temporary.as_file());
-    fill(&mut writer)?;
-    writer.flush()?;
-    drop(writer);
-    temporary.as_file().sync_all()?;
-    temporary.persist(&path).map_err(|failed| failed.error)?;
-    Ok(())
+    let temporary = Temporary::beside(&path)?;
+    let mut writer = BufWriter::with_capacity(1 << 16, temporary.file());
+    let filled = fill(&mut writer).and_then(|()| writer.flush());
+    // What couldn't be written isn't tried again.
+    let _ = writer.into_parts();
+    filled?;
+    temporary.file().sync_all()?;
+    temporary.name(&path)
 }
 
 /// Writes straight into a pipe or a device.

@@ -6,14 +6,18 @@
 #![forbid(unsafe_code)]
 
 pub mod atomic;
+pub mod files;
+mod foreign;
 pub mod image;
 pub mod limits;
 pub mod load;
 pub mod mesh;
 pub mod mesh_file;
+mod number;
 pub mod read_error;
 pub mod spd;
 mod studio;
+mod temporary;
 pub mod yaml;
 
 pub use limits::Limits;

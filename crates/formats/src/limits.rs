@@ -17,6 +17,8 @@ pub struct Limits {
     pub max_pixels: u64,
     /// The most numbers of a picture: pixels times channels, of all layers together.
     pub max_samples: u64,
+    /// The most bytes that decoding one picture may take at a time.
+    pub max_decoded: u64,
 }
 
 impl Default for Limits {
@@ -27,6 +29,7 @@ impl Default for Limits {
             max_triangles: 400_000_000,
             max_pixels: 1 << 28,
             max_samples: 1 << 32,
+            max_decoded: 1 << 35,
         }
     }
 }
@@ -35,6 +38,19 @@ impl Limits {
     /// Refuses a file that is too large.
     pub(crate) fn check_bytes(&self, bytes: &[u8]) -> Result<(), ReadError> {
         check("bytes", bytes.len() as u64, self.max_bytes)
+    }
+
+    /// Refuses a picture that takes too much memory.
+    pub(crate) fn check_decoded(&self, bytes: u64) -> Result<(), ReadError> {
+        if bytes > self.max_decoded {
+            let gigabytes = |bytes: u64| bytes as f64 / 1e9;
+            return Err(ReadError::file(format!(
+                "the picture is too large: it would take {:.2} GB, the limit is {:.2} GB",
+                gigabytes(bytes),
+                gigabytes(self.max_decoded)
+            )));
+        }
+        Ok(())
     }
 
     /// Refuses a picture that has no pixel or too many, and gives the number of its pixels.

@@ -1,7 +1,6 @@
 //! From a path to a scene with everything it names.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,11 +10,12 @@ use straal_scene::diagnostic::start_of;
 use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
 
+use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, MeshFile};
-use crate::{Limits, ReadError, image, spd, studio, yaml};
+use crate::{Limits, ReadError, foreign, image, spd, studio, yaml};
 
 /// How a scene is loaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Whether unknown keys are only warned of.
     pub lenient: bool,
@@ -23,6 +23,10 @@ pub struct Options {
     pub text: yaml::Limits,
     /// How much the files it names may ask for.
     pub files: Limits,
+    /// The folder that all files must be in which a scene names, and which those name; anywhere when absent. Symbolic links
+    /// are followed before this is asked. The scene itself may lie elsewhere, but one in the folder must not be a link out
+    /// of it.
+    pub root: Option<PathBuf>,
 }
 
 /// A scene without errors, and everything it names.
@@ -37,6 +41,8 @@ pub struct Loaded {
     /// BLAKE3 of what the scene says and of the bytes of its files: the same for the same scene, however it is
     /// commented, spaced or ordered within a mapping of settings.
     pub hash: [u8; 32],
+    /// The files that were read, but for the one that the scene is told in; a mesh by itself is one of them.
+    pub files: Vec<PathBuf>,
 }
 
 /// The largest scene text, in bytes.
@@ -47,23 +53,28 @@ const MOST_TEXT: u64 = 1 << 28;
 /// The files that a scene names are looked for in its folder. On failure all complaints are given at once.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    match extension.as_str() {
-        "ply" | "obj" => return load_mesh(path, options),
-        "pbrt" | "xml" | "gltf" | "glb" | "usd" | "usda" | "usdc" | "usdz" | "blend" | "fbx" => {
-            let help = "straal reads its own scenes (.yaml, .json) and meshes (.ply, .obj)";
-            let message = format!("`{}`: .{extension} files are not supported", path.display());
-            return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
-        }
-        _ => {}
+    if matches!(extension.as_str(), "ply" | "obj") {
+        return load_mesh(path, options);
     }
-    let fail = |problem: String| {
-        let message = format!("cannot read `{}`: {problem}", path.display());
-        only(Diagnostic::error(Span::NONE, message).maybe_help(similar(path)))
-    };
-    check_file(path, MOST_TEXT).map_err(fail)?;
-    let bytes = std::fs::read(path).map_err(|e| fail(reason(&e)))?;
+    if let Some(what) = foreign::kind(&extension) {
+        let help = "straal reads its own scenes (.yaml, .json) and meshes (.ply, .obj)";
+        let message = format!("`{}` is {what}: .{extension} files are not supported", path.display());
+        return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
+    }
+    let fail = |refusal: Refusal| cannot_read(path, refusal);
+    let place = finder(options)?.named(path).map_err(fail)?;
+    let bytes = files::read(&place, MOST_TEXT).map_err(|r| fail(r.or_similar(&place)))?;
     let base = path.parent().unwrap_or(Path::new(""));
-    load_bytes(&path.display().to_string(), &bytes, base, options)
+    let name = path.display().to_string();
+    let loaded = load_bytes(&name, &bytes, base, options);
+    if loaded.is_err() && !foreign::looks_like_a_scene(&bytes) {
+        // What another file holds may not be for everyone's eyes, and a complaint would quote it.
+        let message =
+            format!("`{name}` is no scene: none of a scene's keys, such as `camera:` and `world:`, is in it");
+        let help = "straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj)";
+        return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
+    }
+    loaded
 }
 
 /// Loads a scene from its text. `name` is how messages call it, `base` the folder of the files that it names.
@@ -75,36 +86,53 @@ pub fn load_str(name: &str, text: &str, base: &Path, options: &Options) -> Resul
 pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let mut d = Diagnostics::default();
     let Some((scene, file)) = describe(name, bytes, options, &mut d) else { return Err(d) };
-    let paths = locate(&scene, base, &options.files, &mut d);
+    let mut finder = finder(options)?;
+    let paths = locate(&scene, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
         d.sort();
         return Err(d);
     }
-    let mut reader = Reader { limits: &options.files, hashes: BTreeMap::new(), d: &mut d };
+    let files = paths.values().cloned().collect();
+    let mut reader = Reader { limits: &options.files, finder, hashes: BTreeMap::new(), files, d: &mut d };
     let assets = reader.assets(&scene, &paths);
     let hash = hash(&scene, &reader.hashes);
+    let files = reader.files;
     let needs_light = matches!(scene.integrator, Integrator::Path(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }
     d.sort();
-    if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash }) }
+    if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash, files }) }
 }
 
 /// Loads what comes without a name, as through a pipe: a scene (YAML or JSON) or a bare mesh, told by how it begins. Files that it
-/// names are looked for in `base`.
-pub fn load_stream(name: &str, bytes: &[u8], base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
-    match mesh_file::kind_of(bytes) {
-        Some(extension) => mesh_scene(name, &base.join(name).with_extension(extension), bytes, options),
-        None => load_bytes(name, bytes, base, options),
-    }
+/// names are looked for in the present folder.
+pub fn load_stream(name: &str, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
+    let Some(extension) = mesh_file::kind_of(bytes) else {
+        return load_bytes(name, bytes, Path::new(""), options);
+    };
+    let path = Path::new(name).with_extension(extension);
+    let read = mesh_file::read(bytes, &path, &options.files, &mut finder(options)?);
+    in_studio(&path, read.map_err(|refusal| cannot_read(&path, refusal))?)
 }
 
 fn only(complaint: Diagnostic) -> Diagnostics {
     let mut d = Diagnostics::default();
     d.push(complaint);
     d
+}
+
+/// Why a file that the caller names isn't read.
+fn cannot_read(path: &Path, refusal: Refusal) -> Diagnostics {
+    let message = format!("cannot read `{}`: {}", path.display(), refusal.problem);
+    only(Diagnostic::error(Span::NONE, message).maybe_help(refusal.help))
+}
+
+/// What finds files within the root, if there is one.
+fn finder(options: &Options) -> Result<Finder, Diagnostics> {
+    Finder::new(options.root.as_deref())
+        .map_err(|r| only(Diagnostic::error(Span::NONE, r.problem).maybe_help(r.help)))
 }
 
 /// What a text says, as far as it can be read.
@@ -138,70 +166,54 @@ fn describe(name: &str, bytes: &[u8], options: &Options, d: &mut Diagnostics) ->
 }
 
 /// Where each file that the scene names is; complains of all that aren't there.
-fn locate(scene: &Scene, base: &Path, limits: &Limits, d: &mut Diagnostics) -> BTreeMap<String, PathBuf> {
+fn locate(
+    scene: &Scene,
+    base: &Path,
+    limits: &Limits,
+    finder: &mut Finder,
+    d: &mut Diagnostics,
+) -> BTreeMap<String, PathBuf> {
     let mut paths = BTreeMap::new();
     for file in scene.mesh_files().into_iter().chain(scene.image_files()).chain(scene.spectrum_files()) {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
         }
-        let path = base.join(&file.value);
-        if let Err(problem) = check_file(&path, limits.max_bytes) {
-            let message = format!("cannot read `{}`: {problem}", suggest::brief(file));
-            let help = if d.is_full() { None } else { similar(&path) };
-            let place = base.display().to_string();
-            let place = if place.is_empty() { "." } else { &place };
-            let looked = format!("files are looked for in the scene's folder, `{place}`");
-            d.push(Diagnostic::error(file.span, message).help(help.unwrap_or(looked)));
-        }
+        let found = finder.find(base, file).and_then(|found| {
+            files::size(&found.path, limits.max_bytes)?;
+            Ok(found)
+        });
+        let path = match found {
+            Ok(Found { path, instead }) => {
+                if let Some(instead) = instead {
+                    let (name, instead) = (suggest::brief(file), suggest::brief(&instead));
+                    let message = format!("there is no file `{name}`: `{instead}` is read");
+                    d.push(Diagnostic::warning(file.span, message));
+                }
+                path
+            }
+            Err(refusal) => {
+                let message = format!("cannot read `{}`: {}", suggest::brief(file), refusal.problem);
+                let place = base.display().to_string();
+                let place = if place.is_empty() { "." } else { &place };
+                let looked = format!("files are looked for in the scene's folder, `{place}`");
+                d.push(Diagnostic::error(file.span, message).help(refusal.help.unwrap_or(looked)));
+                base.join(&file.value)
+            }
+        };
         paths.insert(file.value.clone(), path);
     }
     paths
 }
 
-/// Only plain files are read: a device could go on for ever.
-pub(crate) fn check_file(path: &Path, most: u64) -> Result<(), String> {
-    let data = std::fs::metadata(path).map_err(|e| reason(&e))?;
-    if data.is_dir() {
-        return Err("it is a folder".to_owned());
-    }
-    if !data.is_file() {
-        return Err("it is not a plain file".to_owned());
-    }
-    if data.len() > most {
-        return Err(format!("it has {} bytes, more than {most}", data.len()));
-    }
-    Ok(())
-}
-
-fn reason(e: &io::Error) -> String {
-    match e.kind() {
-        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => "there is no such file".to_owned(),
-        io::ErrorKind::PermissionDenied => "no permission".to_owned(),
-        _ => e.to_string(),
-    }
-}
-
-/// A file of nearly that name in the same folder.
-fn similar(path: &Path) -> Option<String> {
-    const MOST: usize = 1000;
-    let wanted = path.file_name()?.to_string_lossy().into_owned();
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .ok()?
-        .take(MOST)
-        .filter_map(|e| Some(e.ok()?.file_name().to_string_lossy().into_owned()))
-        .filter(|name| *name != wanted)
-        .collect();
-    names.sort();
-    suggest::did_you_mean(&wanted, names.iter().map(String::as_str))
-}
-
 /// Reads the files of a scene, each once.
 struct Reader<'a> {
     limits: &'a Limits,
+    finder: Finder,
     /// BLAKE3 of each file, by the name that the scene gives it.
     hashes: BTreeMap<String, [u8; 32]>,
+    /// What is read.
+    files: Vec<PathBuf>,
     d: &'a mut Diagnostics,
 }
 
@@ -271,21 +283,17 @@ impl Reader<'_> {
 
     /// A mesh; an empty one after a complaint.
     fn mesh(&mut self, file: &FileRef, path: &Path) -> (MeshAsset, [u8; 32]) {
-        let Some(bytes) = self.bytes(file, path) else { return Default::default() };
-        match mesh_file::read(path, &bytes, self.limits) {
-            Ok(MeshFile { asset, warnings, hash }) => {
+        match mesh_file::load(path, self.limits, &mut self.finder) {
+            Ok(MeshFile { asset, warnings, hash, libraries }) => {
+                self.files.extend(libraries);
                 for warning in warnings {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
                 }
-                if asset.mesh.triangles.is_empty() {
-                    let message = format!("the mesh `{}` is empty: it has no triangles", file.value);
-                    self.d.push(Diagnostic::error(file.span, message));
-                }
                 (asset, hash)
             }
-            Err(e) => {
-                self.fail(file, &e);
+            Err(refusal) => {
+                self.refuse(file, refusal);
                 Default::default()
             }
         }
@@ -294,8 +302,14 @@ impl Reader<'_> {
     /// A picture; an empty one after a complaint.
     fn image(&mut self, file: &FileRef, path: &Path) -> (Arc<Image>, [u8; 32]) {
         let Some(bytes) = self.bytes(file, path) else { return Default::default() };
-        match image::read(&bytes, self.limits) {
-            Ok(image) => (Arc::new(image), blake3::hash(&bytes).into()),
+        match image::surroundings(&bytes, self.limits) {
+            Ok((image, notes)) => {
+                for note in notes {
+                    let message = format!("in `{}`: {note}", suggest::brief(file));
+                    self.d.push(Diagnostic::warning(file.span, message));
+                }
+                (Arc::new(image), blake3::hash(&bytes).into())
+            }
             Err(e) => {
                 self.fail(file, &e);
                 Default::default()
@@ -304,18 +318,16 @@ impl Reader<'_> {
     }
 
     fn bytes(&mut self, file: &FileRef, path: &Path) -> Option<Vec<u8>> {
-        match std::fs::read(path) {
-            Ok(bytes) => Some(bytes),
-            Err(e) => {
-                let message = format!("cannot read `{}`: {}", suggest::brief(file), reason(&e));
-                self.d.push(Diagnostic::error(file.span, message));
-                None
-            }
-        }
+        files::read(path, self.limits.max_bytes).map_err(|refusal| self.refuse(file, refusal)).ok()
+    }
+
+    fn refuse(&mut self, file: &FileRef, refusal: Refusal) {
+        let message = format!("cannot read `{}`: {}", suggest::brief(file), refusal.problem);
+        self.d.push(Diagnostic::error(file.span, message).maybe_help(refusal.help));
     }
 
     fn fail(&mut self, file: &FileRef, e: &ReadError) {
-        self.d.push(Diagnostic::error(file.span, format!("cannot read `{}`: {e}", suggest::brief(file))));
+        self.refuse(file, Refusal::new(e.to_string()));
     }
 }
 
@@ -344,24 +356,21 @@ fn gives_light(scene: &Scene, assets: &Assets) -> bool {
 
 /// A mesh by itself, with a studio around it.
 fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
-    let fail = |problem: String, help: Option<String>| {
-        let message = format!("cannot read `{}`: {problem}", path.display());
-        only(Diagnostic::error(Span::NONE, message).maybe_help(help))
-    };
-    check_file(path, options.files.max_bytes).map_err(|p| fail(p, similar(path)))?;
-    let bytes = std::fs::read(path).map_err(|e| fail(reason(&e), None))?;
-    mesh_scene(&path.display().to_string(), path, &bytes, options)
+    let fail = |refusal: Refusal| cannot_read(path, refusal);
+    let mut finder = finder(options)?;
+    let place = finder.named(path).map_err(fail)?;
+    let read =
+        mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
+    let libraries = read.libraries.clone();
+    let loaded = in_studio(path, read)?;
+    Ok(Loaded { files: std::iter::once(path.to_path_buf()).chain(libraries).collect(), ..loaded })
 }
 
-/// A studio around a mesh that is called `name`; what it names beside itself is looked for beside `path`.
-fn mesh_scene(name: &str, path: &Path, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
-    let fail = |problem: String, help: Option<String>| {
-        let message = format!("cannot read `{name}`: {problem}");
-        only(Diagnostic::error(Span::NONE, message).maybe_help(help))
-    };
-    let read = mesh_file::read(path, bytes, &options.files).map_err(|e| fail(e.to_string(), None))?;
-    let name = name.to_owned();
-    let scene = studio::around(&name, &read.asset).map_err(|problem| fail(problem, None))?;
+/// A mesh with a studio around it.
+fn in_studio(path: &Path, read: MeshFile) -> Result<Loaded, Diagnostics> {
+    let name = path.display().to_string();
+    let scene =
+        studio::around(&name, &read.asset).map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
     for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
@@ -370,5 +379,5 @@ fn mesh_scene(name: &str, path: &Path, bytes: &[u8], options: &Options) -> Resul
     assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    Ok(Loaded { scene, assets, warnings, hash })
+    Ok(Loaded { scene, assets, warnings, hash, files: read.libraries })
 }

@@ -5,7 +5,7 @@
 
 use straal_color::spectrum::Spectrum;
 
-use crate::ReadError;
+use crate::{ReadError, number};
 
 /// The most lines of a file: a table finer than 0.001 nm is no measurement.
 const MOST: usize = 1_000_000;
@@ -17,21 +17,28 @@ pub fn read(bytes: &[u8]) -> Result<Spectrum, ReadError> {
         std::str::from_utf8(bytes).map_err(|_| ReadError::file("this is not a text: it must be UTF-8"))?;
     let (mut wavelengths, mut values) = (Vec::new(), Vec::new());
     let mut may_be_heading = true;
-    for (i, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or(line);
+    // A line ends in a line feed, a carriage return or both.
+    let mut number_of_line = 0;
+    let mut rest = text;
+    while !rest.is_empty() {
+        let (line, more) = rest.split_once(['\n', '\r']).unwrap_or((rest, ""));
+        let is_pair = rest.as_bytes().get(line.len()) == Some(&b'\r');
+        rest = more.strip_prefix('\n').filter(|_| is_pair).unwrap_or(more);
+        number_of_line += 1;
+        let line = &line[..number::comment(line.as_bytes())];
         let words = line.split(|c: char| c.is_whitespace() || ",:;".contains(c)).filter(|w| !w.is_empty());
         let words: Vec<&str> = words.take(3).collect();
         if words.is_empty() {
             continue;
         }
-        let number = |i: usize| words.get(i).and_then(|w| w.parse::<f64>().ok());
+        let number = |i: usize| words.get(i).and_then(|w| number::double(w));
         let is_heading = std::mem::take(&mut may_be_heading) && number(0).is_none();
         let (nm, value) = match (words.len(), number(0), number(1)) {
             (2, Some(nm), Some(value)) => (nm, value),
             _ if is_heading => continue,
             (n, ..) => {
                 let more = if n > 2 { ": it has more than two columns" } else { "" };
-                let message = format!("line {} is not a wavelength and a value{more}", i + 1);
+                let message = format!("line {number_of_line} is not a wavelength and a value{more}");
                 return Err(ReadError::file(message));
             }
         };
@@ -55,6 +62,8 @@ mod tests {
             "400 0.25\n500 1\n",
             "# a\n400,0.25 # b\r\n\r\n500,1",
             "400: .25\n500: 1e0",
+            "400 .25\r500 1\r",
+            "# a\r400 .25# b\r\n\r500 1",
             "\u{feff}400;0.25\n500;1",
             "# of a lamp\n\nwavelength (nm),power\n400,0.25\n500,1",
         ] {
@@ -72,7 +81,10 @@ mod tests {
         assert!(fault(b"wavelength value").contains("at least one"));
         assert!(fault(b"500 1\n400 1").contains("must rise"));
         assert!(fault(b"400 -1").contains("negative"));
-        assert!(fault(b"400 nan").contains("not finite"));
+        for no_number in ["nan", "-nan(ind)", "1.#QNAN0", "1.#INF", "-1.#IND # x", "Infinity"] {
+            assert!(fault(format!("400 {no_number}").as_bytes()).contains("not finite"), "{no_number}");
+        }
+        assert!(fault(b"400 1\r500 1\r\n500").contains("line 3"));
         assert!(fault(b"").contains("at least one"));
         assert!(fault(b"\xff").contains("UTF-8"));
     }

@@ -76,6 +76,25 @@ impl<'w, I: Integrator> Render<'w, I> {
         Ok(Self { world, integrator, settings, film, done: 0, times: Times::default(), clock, pool })
     }
 
+    /// Leaves out the samples before `first`, of a render that has taken none yet.
+    pub fn begin_at(&mut self, first: u32) {
+        self.film.begin_at(first);
+        self.done = first;
+    }
+
+    /// Takes up the sums that [`Film::write_sums`] wrote of a render of the same kind, up to the sample `done`; `dropped` is
+    /// where it dropped the first. After an error the film is of no use.
+    pub fn take_up(
+        &mut self,
+        done: u32,
+        dropped: Option<([u32; 2], u32)>,
+        sums: &mut dyn std::io::Read,
+    ) -> std::io::Result<()> {
+        self.film.read_sums(sums, dropped)?;
+        self.done = done;
+        Ok(())
+    }
+
     /// Adds `samples` samples to every pixel (fewer where the film can't hold more: [`MAX_SAMPLES`] in all).
     pub fn advance(&mut self, samples: u32) {
         if self.settings.cost {

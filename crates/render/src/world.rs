@@ -12,6 +12,7 @@ use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::{Frame, Ray, Vec3};
+use straal_scene::Span;
 
 /// No material of its own: the innermost instance that has one gives it.
 pub(crate) const INHERIT: u32 = u32::MAX;
@@ -75,6 +76,19 @@ pub struct World {
     pub(crate) environments: Vec<u32>,
     /// What its author should know of how the description was understood.
     pub notes: Vec<String>,
+    /// What can never be hit and was left out.
+    pub dropped: Vec<Dropped>,
+}
+
+/// Something of the description that can never be hit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Dropped {
+    /// How many triangles, shapes or instances.
+    pub count: usize,
+    /// What and why, as a sentence without a full stop.
+    pub message: String,
+    /// Where the description says it, as far as that is known.
+    pub span: Span,
 }
 
 impl World {

@@ -1,13 +1,13 @@
 //! A picture file developed again, without rendering: as a render with the same look would have written it.
 
 use crate::focus::{self, Blur, NoBlur};
-use crate::look::{Look, Negative, to_screen};
+use crate::look::{Bits, Gamma, Look, Negative, to_screen};
 use crate::picture::{ERROR, Format, LOOK, Picture, SaveError, with_look, write_png};
 use std::io;
 use std::path::Path;
-use straal_color::{RgbSpace, Space};
-use straal_formats::image::exr::{self, Beauty, Layer, Window};
-use straal_formats::image::{self, hdr, pfm};
+use straal_color::{RgbSpace, Tone};
+use straal_formats::image::exr::{self, Layer, Window};
+use straal_formats::image::{self, Faults, Photo, hdr, pfm, png};
 use straal_formats::{Limits, ReadError, atomic};
 use straal_scene::Image;
 
@@ -16,41 +16,103 @@ use straal_scene::Image;
 pub struct Plate {
     /// All that an EXR of it has; of another file its pixels.
     picture: exr::Picture,
-    /// The pixels of the layer without a name, or of the first that has colours.
-    pixels: Vec<[f32; 3]>,
-    /// What they are, where the file says it.
-    space: Option<RgbSpace>,
-    /// Which layer they come from.
-    beauty: String,
+    /// Its colours.
+    photo: Photo,
 }
+
+/// The key of the story under which a picture that was developed before tells how.
+const DEVELOPED: &str = "straal.developed";
+
+/// The key of the story that is of the very pixels of a film.
+const FILM_HASH: &str = "straal.film_hash";
 
 impl From<&Picture> for Plate {
     /// The plate that the picture's EXR holds, but for the look, which a picture doesn't know.
     fn from(picture: &Picture) -> Self {
-        let pixels = picture.layers.rgb.clone();
-        Self { picture: picture.to_exr(), pixels, space: Some(picture.space), beauty: String::new() }
+        let exr = picture.to_exr();
+        let photo = Photo {
+            format: image::Format::Exr,
+            size: picture.size.map(|v| v as usize),
+            part: exr.data_window,
+            pixels: picture.layers.rgb.clone(),
+            space: Some(picture.space),
+            layer: String::new(),
+            encoding: None,
+            story: exr.metadata.clone(),
+            notes: Vec::new(),
+        };
+        Self { picture: exr, photo }
     }
 }
 
 impl Plate {
     /// Reads an EXR, HDR, PFM or PNG.
     pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
-        if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
+        if image::Format::of(bytes)? == image::Format::Exr {
             let picture = exr::read(bytes, limits)?;
-            let Beauty { pixels, space, layer } = picture.beauty()?;
-            return Ok(Self { picture, pixels, space, beauty: layer });
+            let photo = Photo::of_exr(&picture, None)?;
+            return Ok(Self { picture, photo });
         }
-        let Image { width, height, pixels } = image::read(bytes, limits)?;
-        let mut picture = exr::Picture::of_size(width, height);
-        picture.space = Some(Space::Srgb.rgb());
-        picture.layers.push(Layer::from_rgb("", &pixels));
-        let space = picture.space;
-        Ok(Self { picture, pixels, space, beauty: String::new() })
+        Ok(Self::of_photo(Photo::read(bytes, limits)?))
     }
 
-    /// The look that its story tells; the usual one where it tells none that can be understood.
+    /// Reads a layer of an EXR as if it were the picture, and nothing else of it.
+    pub fn read_layer(bytes: &[u8], limits: &Limits, layer: &str) -> Result<Self, ReadError> {
+        Ok(Self::of_photo(Photo::read_layer(bytes, limits, Some(layer))?))
+    }
+
+    /// A picture of colours alone.
+    fn of_photo(mut photo: Photo) -> Self {
+        let mut picture = exr::Picture::of_size(photo.size[0], photo.size[1]);
+        picture.data_window = photo.part;
+        picture.space = Some(photo.space_or_srgb());
+        picture.layers.push(Layer::from_rgb("", &photo.pixels));
+        // The fingerprint is of the film, from which a screen's picture or another layer was made.
+        photo.story.retain(|(key, _)| key != FILM_HASH);
+        if photo.format == image::Format::Png {
+            // What was done to the light before stays told, but is not to be done again.
+            photo.story.retain(|(key, _)| key != DEVELOPED);
+            photo
+                .story
+                .iter_mut()
+                .filter(|(key, _)| key == LOOK)
+                .for_each(|(key, _)| *key = DEVELOPED.into());
+        }
+        picture.metadata = photo.story.clone();
+        photo.layer.clear();
+        Self { picture, photo }
+    }
+
+    /// The look that its story tells; the usual one where it tells none that can be understood. A PNG has been developed: it keeps
+    /// its curve and depth, and all else is left as it is.
     pub fn look(&self) -> Look {
-        self.told(LOOK).and_then(|text| text.parse().ok()).unwrap_or_default()
+        let Some(encoding) = &self.photo.encoding else {
+            return self.told(LOOK).and_then(|text| text.parse().ok()).unwrap_or_default();
+        };
+        let [least, most] = Gamma::RANGE;
+        let told: Option<Look> = self.told(DEVELOPED).and_then(|text| text.parse().ok());
+        let gamma = match encoding.curve {
+            Some(png::Curve::Gamma(power)) if power >= least && power <= most => {
+                // The file has it to five digits only.
+                let near = |own: &f32| (own / power - 1.0).abs() < 1e-3;
+                let own =
+                    told.and_then(|look| if let Gamma::Power(own) = look.gamma { Some(own) } else { None });
+                Gamma::Power(own.filter(near).unwrap_or(power))
+            }
+            _ => Gamma::Srgb,
+        };
+        let bits = Bits::of(encoding.bits).unwrap_or_default();
+        Look { gamma, bits, tone: Tone::Clamp, ..Look::default() }
+    }
+
+    /// What a person should know of how it was read, each a sentence without a full stop.
+    pub fn notes(&self) -> &[String] {
+        &self.photo.notes
+    }
+
+    /// Where its numbers are no light.
+    pub fn faults(&self) -> Faults {
+        self.photo.faults()
     }
 
     /// Pixels to which a distance on a plane at distance 1 in front of the camera is magnified, where the story tells it.
@@ -70,7 +132,7 @@ impl Plate {
 
     /// The space of its colours; sRGB where the file doesn't say.
     pub fn space(&self) -> RgbSpace {
-        self.space.unwrap_or(Space::Srgb.rgb())
+        self.photo.space_or_srgb()
     }
 
     /// Blurs the colours by the layer `depth`.
@@ -80,23 +142,24 @@ impl Plate {
         // The middle of the whole picture, in pixels of this crop.
         let middle = |at: i32, start: i32, size: usize| f64::from(start) + 0.5 * size as f64 - f64::from(at);
         let center = [middle(data.x, display.x, display.width), middle(data.y, display.y, display.height)];
-        let plane = focus::Plane { pixels: &self.pixels, depth, width: data.width, center };
-        self.pixels = plane.blurred(blur);
+        let plane = focus::Plane { pixels: &self.photo.pixels, depth, width: data.width, center };
+        self.photo.pixels = plane.blurred(blur);
         // What is by wavelengths is not blurred and no longer the same picture; its sum becomes the picture.
-        let is_summed = self.picture.layer(&self.beauty).is_some_and(exr::is_spectral_layer);
+        let beauty = &mut self.photo.layer;
+        let is_summed = self.picture.layer(beauty).is_some_and(exr::is_spectral_layer);
         if self.picture.layers.iter().any(exr::is_spectral_layer) {
             self.picture.layers.retain(|l| !exr::is_spectral_layer(l));
             self.picture.metadata.retain(|(key, _)| !exr::is_spectral_attribute(key));
         }
         if is_summed {
-            self.beauty.clear();
-            self.picture.space = self.space;
+            beauty.clear();
+            self.picture.space = self.photo.space;
         }
-        self.picture.layers.retain(|l| l.name != self.beauty);
-        self.picture.layers.insert(0, Layer::from_rgb(&self.beauty, &self.pixels));
+        self.picture.layers.retain(|l| l.name != *beauty);
+        self.picture.layers.insert(0, Layer::from_rgb(beauty, &self.photo.pixels));
         // The fingerprint was of other pixels, and so were the variance and the error.
         self.picture.layers.retain(|l| !["variance", "error"].contains(&l.name.as_str()));
-        self.picture.metadata.retain(|(key, _)| key != "straal.film_hash" && key != ERROR);
+        self.picture.metadata.retain(|(key, _)| key != FILM_HASH && key != ERROR);
         self.picture.metadata.push(("straal.depth_of_field".into(), blur.to_string()));
         Ok(())
     }
@@ -112,22 +175,31 @@ impl Plate {
     /// Writes the picture in that format to what takes bytes, such as a pipe.
     pub fn write(&self, out: &mut dyn io::Write, format: Format, look: &Look) -> io::Result<()> {
         let mut story = with_look(&self.picture.metadata, look);
-        let Window { x, y, width, height } = self.picture.data_window;
-        match format {
-            Format::Exr => exr::write(out, &exr::Picture { metadata: story, ..self.picture.clone() }),
-            Format::Png => {
-                story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
-                let at = [x as u32, y as u32];
-                let negative = Negative { pixels: &self.pixels, width, at, space: self.space() };
-                write_png(out, &negative, look, &story)
-            }
-            Format::Hdr | Format::Pfm => {
-                let matrix = to_screen(&self.space());
-                let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));
-                let image = Image { width, height, pixels: self.pixels.iter().map(srgb).collect() };
-                if format == Format::Hdr { hdr::write(out, &image) } else { pfm::write(out, &image) }
-            }
+        if format == Format::Exr {
+            return exr::write(out, &exr::Picture { metadata: story, ..self.picture.clone() });
         }
+        let (image, at) = self.shown();
+        let Image { width, height, pixels } = &image;
+        if format == Format::Png {
+            story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
+            let negative = Negative { pixels, width: *width, at, space: self.space() };
+            return write_png(out, &negative, look, &story);
+        }
+        let matrix = to_screen(&self.space());
+        let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));
+        let image = Image { width: *width, height: *height, pixels: pixels.iter().map(srgb).collect() };
+        if format == Format::Hdr { hdr::write(out, &image) } else { pfm::write(out, &image) }
+    }
+
+    /// What a format without windows shows, and where its first pixel lies in the whole: a crop of straal by itself, as a render writes
+    /// it, and any other picture as its frame.
+    fn shown(&self) -> (Image, [u32; 2]) {
+        let Photo { part: Window { x, y, width, height }, ref pixels, size, .. } = self.photo;
+        if self.photo.is_crop() {
+            let image = Image { width, height, pixels: pixels.clone() };
+            return (image, [x as u32, y as u32]);
+        }
+        (image::framed(pixels, self.photo.part, size), [0, 0])
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::look::{Bits, Gamma, Look};
 use crate::picture::Picture;
 use crate::search;
+use crate::sums::{Kept, Snapshot};
 use straal_accel::{Build, BvhParams, Isa, Structure};
 use straal_color::{Dither, RgbSpace, Space};
 use straal_formats::load::Loaded;
@@ -22,6 +23,8 @@ use straal_scene::value::Depth;
 pub struct Overrides {
     /// Samples per pixel.
     pub spp: Option<u32>,
+    /// Those of them that are taken: the index of the first, and one past that of the last.
+    pub samples: Option<[u32; 2]>,
     /// Width and height of the whole picture.
     pub size: Option<[u32; 2]>,
     /// The part to render: x0, y0, x1, y1 in pixels, ends exclusive.
@@ -79,8 +82,12 @@ pub struct Job {
     pub world: World,
     /// How it is sampled.
     pub settings: Settings,
-    /// Samples per pixel to take.
+    /// One past the index of the last sample of a pixel: how many there are, where the first is 0.
     pub spp: u32,
+    /// Index of the first sample of a pixel.
+    pub first: u32,
+    /// How many samples a pixel gets in all, where that was said or has to be known.
+    pub whole: Option<u32>,
     /// How light is gathered.
     pub integrator: PathTracer,
     /// The test function that is shown in place of light, if any.
@@ -100,20 +107,38 @@ pub struct Control<'a> {
     pub clock: Option<Clock>,
     /// Whether to go on for as long as `progress` says, past the samples that the scene asks for.
     pub open_ended: bool,
+    /// Sums of the same render up to some sample, to go on from; not in replicates.
+    pub resume: Option<Kept>,
+    /// Called between passes and at the end with what there is; not in replicates.
+    pub keep: Option<&'a mut dyn FnMut(&Snapshot<'_>)>,
+    /// How many nanoseconds a pass may take, where a clock is lent: with more samples than one it takes fewer of them.
+    pub longest_pass: Option<u64>,
     keep_on: bool,
 }
 
 impl Control<'static> {
     /// Renders all samples, says nothing.
     pub fn to_the_end() -> Self {
-        Self { progress: None, clock: None, open_ended: false, keep_on: true }
+        Self::plain()
     }
 }
 
 impl<'a> Control<'a> {
+    fn plain() -> Self {
+        Self {
+            progress: None,
+            clock: None,
+            open_ended: false,
+            resume: None,
+            keep: None,
+            longest_pass: None,
+            keep_on: true,
+        }
+    }
+
     /// Renders until all samples are taken or `progress` ends it.
     pub fn new(progress: &'a mut dyn FnMut(&Progress) -> Verdict) -> Self {
-        Self { progress: Some(progress), clock: None, open_ended: false, keep_on: true }
+        Self { progress: Some(progress), ..Self::plain() }
     }
 }
 
@@ -174,11 +199,17 @@ pub struct Outcome {
 }
 
 /// Largest picture or crop in pixels: its film takes 15 GB if it tells its error by batches.
-const MAX_PIXELS: usize = 1 << 26;
+pub(crate) const MAX_PIXELS: usize = 1 << 26;
 
 /// Samples a pixel in each pass. It only decides how often a render can be stopped: samples have names, and the
 /// film's sums don't depend on their order.
 const PASS: u32 = 4;
+
+/// The passes in which so many samples are usually taken: a short first one gives a picture, and a forecast, at once. What
+/// pictures tell, so that those of a render that was taken up again, or of parts, tell the same.
+pub(crate) const fn passes(samples: u32) -> u32 {
+    if samples == 0 { 0 } else { 1 + (samples - 1).div_ceil(PASS) }
+}
 
 impl Job {
     /// Compiles a loaded scene with what the caller wants otherwise.
@@ -210,6 +241,8 @@ impl Job {
         }
         let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
         let noise = wish.noise.or(scene.sampler.noise);
+        let whole = wish.spp.or(kind.needs_count().then_some(spp));
+        let (first, end) = run_of_samples(wish.samples, whole, kind, noise)?.unwrap_or((0, spp));
         if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
             return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
         }
@@ -276,7 +309,9 @@ impl Job {
         Ok(Self {
             world,
             settings,
-            spp,
+            spp: end,
+            first,
+            whole,
             integrator,
             chart,
             scene_hash: scene_hash(loaded, custom),
@@ -330,7 +365,7 @@ impl Job {
             return Err(Error::Request(reason));
         }
         let of = if control.open_ended { MAX_SAMPLES } else { self.spp };
-        let mut progress = Progress { of: u64::from(of), ..self.progress() };
+        let mut progress = Progress { of: u64::from(of - self.first), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
         let layers = run.film.layers();
         let mut picture = Picture::new(&run.film, layers, self.film_space());
@@ -349,8 +384,15 @@ impl Job {
         })
     }
 
-    /// What all pictures of this job tell about themselves.
+    /// What all pictures of this job tell about themselves, with so many samples.
     pub(crate) fn story(&self, samples: u32) -> Vec<(String, String)> {
+        let mut story = self.facts();
+        story.push(("straal.samples".into(), samples.to_string()));
+        story
+    }
+
+    /// The same but for what comes of it.
+    pub(crate) fn facts(&self) -> Vec<(String, String)> {
         let s = &self.settings;
         let depth = match self.integrator.max_depth {
             u32::MAX => "unlimited".to_string(),
@@ -365,7 +407,6 @@ impl Job {
             ("version", crate::VERSION.to_string()),
             ("scene_hash", self.scene_hash.clone()),
             ("seed", s.seed.to_string()),
-            ("samples", samples.to_string()),
             ("sampler", s.pattern.kind().to_string()),
             ("space", self.space.name().to_string()),
             ("light", if self.world.palette.is_spectral() { "wavelengths" } else { "rgb" }.to_string()),
@@ -381,6 +422,7 @@ impl Job {
         .chain(magnified)
         .chain(channels)
         .chain(s.splat.then(|| ("splat", "true".to_string())))
+        .chain((self.first > 0).then(|| ("first_sample", self.first.to_string())))
         .map(|(k, v)| (format!("straal.{k}"), v))
         .collect()
     }
@@ -413,36 +455,111 @@ impl Job {
         &self,
         integrator: I,
         settings: Settings,
-        (spp, control): (u32, &mut Control<'_>),
+        (end, control): (u32, &mut Control<'_>),
         progress: &mut Progress,
     ) -> Result<Run, Error> {
         let mut render = Render::new(&self.world, integrator, settings, control.clock.clone())?;
+        render.begin_at(self.first);
+        if let Some(kept) = control.resume.take() {
+            self.take_up(&mut render, kept, end)?;
+        }
         let (before, times) = (progress.samples, progress.times);
         let adapts = self.settings.noise.is_some();
         let all_blocks = self.noisy_blocks(render.film());
-        let mut passes = 0;
-        // A short first pass gives a picture, and a forecast, at once.
-        let mut next = 1.min(spp);
+        let now = |control: &Control<'_>| control.clock.as_ref().map_or(0, |clock| clock());
+        let next_pass = |render: &Render<'_, I>, most: u32| {
+            if render.is_settled() { 0 } else { most.min(end - render.samples_done()) }
+        };
+        let mut pass = PASS;
+        let mut next = next_pass(&render, if render.samples_done() == self.first { 1 } else { PASS });
         while next > 0 && control.keep_on {
+            let start = now(control);
             render.advance(next);
-            passes += 1;
-            next = if render.is_settled() { 0 } else { PASS.min(spp - render.samples_done()) };
-            progress.samples = before + u64::from(render.samples_done());
+            let each = (now(control) - start) / u64::from(next);
+            if let Some(longest) = control.longest_pass {
+                pass = u32::try_from(longest / each.max(1)).unwrap_or(PASS).clamp(1, PASS);
+            }
+            next = next_pass(&render, pass);
+            progress.samples = before + u64::from(render.samples_done() - self.first);
             progress.next = u64::from(next);
             progress.times = times;
             progress.times += render.times();
             progress.blocks =
                 adapts.then(|| Blocks { left: self.noisy_blocks(render.film()), of: all_blocks });
             control.keep_on = control.progress.as_mut().is_none_or(|say| say(progress) == Verdict::GoOn);
+            if next > 0 && control.keep_on {
+                self.show(&render, control, [false, false]);
+            }
         }
+        self.show(&render, control, [true, next == 0 || control.open_ended]);
+        let samples = render.samples_done() - self.first;
         Ok(Run {
-            samples: render.samples_done(),
+            samples,
             complete: next == 0,
-            passes,
+            passes: passes(samples),
             times: render.times(),
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+impl Job {
+    /// Shows what there is to who keeps it.
+    fn show<I: Integrator>(
+        &self,
+        render: &Render<'_, I>,
+        control: &mut Control<'_>,
+        [is_last, is_complete]: [bool; 2],
+    ) {
+        if let Some(keep) = &mut control.keep {
+            let end = render.samples_done();
+            keep(&Snapshot { job: self, film: render.film(), end, is_last, is_complete });
+        }
+    }
+
+    /// Goes on from sums that were kept.
+    fn take_up<I: Integrator>(
+        &self,
+        render: &mut Render<'_, I>,
+        mut kept: Kept,
+        end: u32,
+    ) -> Result<(), Error> {
+        if let Some(refusal) = self.refuses(&kept, render.film(), end) {
+            return Err(refusal);
+        }
+        let taken_up = kept.sums(|stamp, input| render.take_up(stamp.span.end, stamp.dropped, input));
+        taken_up.map_err(|e| Error::Request(e.to_string()))
+    }
+}
+
+/// The samples that are asked for, if not all of them.
+fn run_of_samples(
+    wish: Option<[u32; 2]>,
+    whole: Option<u32>,
+    kind: PatternKind,
+    noise: Option<f64>,
+) -> Result<Option<(u32, u32)>, Error> {
+    let Some([first, end]) = wish else { return Ok(None) };
+    let refused = |reason: String| {
+        Err(Error::Request(format!("samples {first}..{end} can't be taken alone: {reason}")))
+    };
+    if first >= end || end > MAX_SAMPLES {
+        return refused(format!(
+            "write the first and one past the last, of at most {MAX_SAMPLES}, such as 64..128"
+        ));
+    }
+    if noise.is_some() {
+        return refused(
+            "which samples a block needs is decided by those before (`noise`); parts of such a picture are crops".into(),
+        );
+    }
+    match whole {
+        Some(whole) if end > whole && kind.needs_count() => refused(format!(
+            "the sampler {kind} must know how many there are in all, and that is {whole}: say --spp N for all parts"
+        )),
+        Some(whole) if end > whole => refused(format!("there are {whole} of them")),
+        _ => Ok(Some((first, end))),
     }
 }
 

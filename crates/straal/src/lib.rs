@@ -25,6 +25,7 @@ pub mod picture;
 pub mod points;
 pub mod replicates;
 pub mod search;
+pub mod sums;
 
 pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};
 pub use look::{Bits, Gamma, Look};

@@ -228,6 +228,7 @@ impl Picture {
             space: Some(self.space),
             layers,
             metadata,
+            notes: Vec::new(),
         }
     }
 }

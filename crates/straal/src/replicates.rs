@@ -16,6 +16,13 @@ impl Job {
     /// The first replicate is the picture that [`Job::render`] gives. A render that is stopped keeps its whole
     /// replicates only; with fewer than two there is no variance, and it is 0.
     pub fn render_replicates(&self, replicates: u32, control: &mut Control<'_>) -> Result<Outcome, Error> {
+        if self.first > 0 || control.resume.is_some() || control.keep.is_some() {
+            return Err(Error::Request(
+                "replicates are sets of samples from the first on, whose means are put together: their sums can't be kept or \
+                 taken up again"
+                    .into(),
+            ));
+        }
         let mut progress = self.progress();
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;

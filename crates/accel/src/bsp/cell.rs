@@ -1,6 +1,7 @@
 //! A convex part of space with flat faces: what cuts by planes leave of a box. Only its surface is asked for.
 
 use super::plane::Plane;
+use crate::section::{self, Slice};
 use straal_math::{Bounds, DVec3};
 
 /// A convex polyhedron.
@@ -102,6 +103,12 @@ impl Cell {
             }
             Self { faces }
         })
+    }
+}
+
+impl Slice for Cell {
+    fn slice(&self, z: f64) -> Vec<[f64; 2]> {
+        section::ring(self.faces.iter().flat_map(|face| &face.edges), z)
     }
 }
 

@@ -13,7 +13,6 @@
 use super::{Bvh, Child, class, near::Near};
 use crate::{
     hit::{Chain, Hit},
-    input::Shapes,
     kernel::{
         Kernel, LaneHit,
         descent::{Descent, Spilled},
@@ -79,9 +78,9 @@ struct Waiting<'a> {
 impl Bvh {
     /// Calls `done` with each ray's place and hit; when `ANY`, with any hit of the ray.
     #[inline(always)]
-    pub(super) fn many<K: Kernel, S: Shapes, const ANY: bool, const N: usize, const PREFETCH: u8>(
+    pub(super) fn many<K: Kernel, const ANY: bool, const N: usize, const PREFETCH: u8>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         mut done: impl FnMut(usize, Hit),
@@ -116,7 +115,7 @@ impl Bvh {
                     let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
                     done(f.index as usize, f.near.hit(&at, &elsewhere[i]));
                 }
-                match self.launch::<K, S, ANY>(q, group, &mut waiting, (f, &mut elsewhere[i]), &mut done) {
+                match self.launch::<K, ANY>(q, group, &mut waiting, (f, &mut elsewhere[i]), &mut done) {
                     Some(root) => {
                         stack.reset();
                         spilled[i].clear();
@@ -220,9 +219,9 @@ impl Bvh {
 
     /// Takes the next ray that isn't settled at once, and tells what it visits first; `None` when there is none left.
     #[inline(always)]
-    fn launch<K: Kernel, S: Shapes, const ANY: bool>(
+    fn launch<K: Kernel, const ANY: bool>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         waiting: &mut Waiting<'_>,
         (f, elsewhere): (&mut Flight, &mut Hit),

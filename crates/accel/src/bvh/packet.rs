@@ -16,7 +16,6 @@ use super::{
 };
 use crate::{
     hit::{Chain, Hit},
-    input::Shapes,
     kernel::{Kernel, LaneHit, prefetch::TO_FIRST},
     local::LocalRay,
     query::Query,
@@ -73,9 +72,9 @@ impl Bvh {
     /// Searches with a packet and calls `done` with each ray's place and hit (when `ANY`, with any hit of the ray). False,
     /// with nothing done, when the rays make none or it was given up.
     #[inline(always)]
-    pub(super) fn packet<K: Kernel, S: Shapes, const ANY: bool>(
+    pub(super) fn packet<K: Kernel, const ANY: bool>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         mut done: impl FnMut(usize, Hit),
@@ -105,13 +104,13 @@ impl Bvh {
         if (last - first).max_element() > SPREAD {
             return false;
         }
-        self.search_packet::<K, S, ANY>(q, group, rays, root, &mut done)
+        self.search_packet::<K, ANY>(q, group, rays, root, &mut done)
     }
 
     #[inline(always)]
-    fn search_packet<K: Kernel, S: Shapes, const ANY: bool>(
+    fn search_packet<K: Kernel, const ANY: bool>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         root: Child,
@@ -168,7 +167,7 @@ impl Bvh {
                 if leaves >= TRIAL && crossed < leaves * const { fewest(ANY) } {
                     return false;
                 }
-                self.leaf::<K, S, ANY>(q, group, item.child, &mut p, entering);
+                self.leaf::<K, ANY>(q, group, item.child, &mut p, entering);
                 if entering != 0 {
                     limit = p.bundle.limit();
                     if limit < 0.0 {
@@ -199,9 +198,9 @@ impl Bvh {
 
     /// Tests some rays of a packet against a leaf.
     #[inline(always)]
-    fn leaf<K: Kernel, S: Shapes, const ANY: bool>(
+    fn leaf<K: Kernel, const ANY: bool>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         child: Child,
         p: &mut Packet,

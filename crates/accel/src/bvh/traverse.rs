@@ -8,7 +8,6 @@ use super::{
 };
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::{
         Kernel, LaneHit,
         descent::{ALL, Descent},
@@ -25,8 +24,8 @@ use straal_math::Ray;
 impl Bvh {
     /// Offers what a block has to the nearest hit; tells whether that moved.
     #[inline(always)]
-    pub(super) fn block_closest<K: Kernel, S: Shapes, const COUNT: bool>(
-        q: &mut Query<'_, K, S, COUNT>,
+    pub(super) fn block_closest<K: Kernel, const COUNT: bool>(
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         block: &Block,
         near: &mut Near,
@@ -58,8 +57,8 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn offer<K: Kernel, S: Shapes, const COUNT: bool>(
-        q: &Query<'_, K, S, COUNT>,
+    pub(super) fn offer<K: Kernel, const COUNT: bool>(
+        q: &Query<'_, K, COUNT>,
         at: &Place<'_>,
         (block, found): (&Block, &LaneHit),
         near: &mut Near,
@@ -75,8 +74,8 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn block_occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        q: &mut Query<'_, K, S, COUNT>,
+    pub(super) fn block_occluded<K: Kernel, const COUNT: bool>(
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         block: &Block,
     ) -> bool {
@@ -104,9 +103,9 @@ impl Bvh {
 
     /// Searches a slice, in packets where its rays make some.
     #[inline(always)]
-    fn slice<K: Kernel, S: Shapes, const ANY: bool>(
+    fn slice<K: Kernel, const ANY: bool>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         mut done: impl FnMut(usize, Hit),
@@ -119,9 +118,9 @@ impl Bvh {
             let end = if rays.len() - start < PACKET { rays.len() } else { start + PACKET };
             let window = &rays[start..end];
             let is_done = failures * PATIENCE <= packets
-                && self.packet::<K, S, ANY>(q, group, window, |i, hit| done(start + i, hit));
+                && self.packet::<K, ANY>(q, group, window, |i, hit| done(start + i, hit));
             if is_done {
-                self.one_by_one::<K, S, ANY>(q, group, &rays[rest..start], |i, hit| done(rest + i, hit));
+                self.one_by_one::<K, ANY>(q, group, &rays[rest..start], |i, hit| done(rest + i, hit));
                 rest = end;
                 packets += 1;
             } else {
@@ -129,13 +128,13 @@ impl Bvh {
             }
             start = end;
         }
-        self.one_by_one::<K, S, ANY>(q, group, &rays[rest..], |i, hit| done(rest + i, hit));
+        self.one_by_one::<K, ANY>(q, group, &rays[rest..], |i, hit| done(rest + i, hit));
     }
 
     #[inline(always)]
-    fn one_by_one<K: Kernel, S: Shapes, const ANY: bool>(
+    fn one_by_one<K: Kernel, const ANY: bool>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         done: impl FnMut(usize, Hit),
@@ -144,9 +143,9 @@ impl Bvh {
             return;
         }
         match self.distance() {
-            Distance::Near => self.many::<K, S, ANY, FLIGHT, NOT>(q, group, rays, done),
-            Distance::Far => self.many::<K, S, ANY, FLIGHT, TO_FIRST>(q, group, rays, done),
-            Distance::Remote => self.many::<K, S, ANY, REMOTE_FLIGHT, TO_SECOND>(q, group, rays, done),
+            Distance::Near => self.many::<K, ANY, FLIGHT, NOT>(q, group, rays, done),
+            Distance::Far => self.many::<K, ANY, FLIGHT, TO_FIRST>(q, group, rays, done),
+            Distance::Remote => self.many::<K, ANY, REMOTE_FLIGHT, TO_SECOND>(q, group, rays, done),
         }
     }
 }
@@ -164,9 +163,9 @@ pub(super) fn take(mask: &mut u32) -> usize {
 
 impl Search for Bvh {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -203,11 +202,7 @@ impl Search for Bvh {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let Some(mut child) = self.root else { return false };
         let limit = loosened(at.ray.ray.t_max);
         let mut room = None;
@@ -239,25 +234,25 @@ impl Search for Bvh {
     }
 
     #[inline(always)]
-    fn closest_many<K: Kernel, S: Shapes>(
+    fn closest_many<K: Kernel>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         hits: &mut [Hit],
     ) {
-        self.slice::<K, S, false>(q, group, rays, |i, hit| hits[i] = hit);
+        self.slice::<K, false>(q, group, rays, |i, hit| hits[i] = hit);
     }
 
     #[inline(always)]
-    fn occluded_many<K: Kernel, S: Shapes>(
+    fn occluded_many<K: Kernel>(
         &self,
-        q: &mut Query<'_, K, S, false>,
+        q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
         blocked: &mut [bool],
     ) {
-        self.slice::<K, S, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
+        self.slice::<K, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
     }
 
     fn memory_bytes(&self) -> usize {

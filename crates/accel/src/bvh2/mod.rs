@@ -16,10 +16,10 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::{Kernel, stack::Stack},
     partition::{chance, half_area},
     query::Query,
+    section::{Section, Slice},
     slab,
     structure::{Packed, Place, Prim, Search, Stats},
 };
@@ -128,9 +128,9 @@ struct Todo {
 
 impl Search for Bvh2 {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -176,11 +176,7 @@ impl Search for Bvh2 {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         if self.nodes.is_empty() {
             return false;
         }
@@ -229,6 +225,23 @@ impl Search for Bvh2 {
                 out.nodes += 1;
                 out.sah_cost += chance * step;
                 stack.extend([(node.first, depth + 1), (node.first + 1, depth + 1)]);
+            }
+        }
+        out
+    }
+
+    fn section(&self, z: f64) -> Vec<Section> {
+        let mut out = Vec::new();
+        let mut stack: Vec<(u32, u32)> = self.nodes.first().map(|_| (0, 0)).into_iter().collect();
+        while let Some((i, depth)) = stack.pop() {
+            let node = &self.nodes[i as usize];
+            let outline = node.bounds.slice(z);
+            let primitives = (node.count > 0).then_some(node.count as usize);
+            if primitives.is_none() {
+                stack.extend([(node.first, depth + 1), (node.first + 1, depth + 1)]);
+            }
+            if outline.len() >= 3 {
+                out.push(Section { outline, depth, primitives });
             }
         }
         out

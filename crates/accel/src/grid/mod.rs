@@ -20,11 +20,11 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::Kernel,
     mailbox::Mailboxes,
     partition::{chance, finite},
     query::Query,
+    section::Section,
     structure::{Packed, Place, Search, Stats},
 };
 use straal_math::Bounds;
@@ -102,9 +102,9 @@ impl Grid {
 
 impl Search for Grid {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -118,11 +118,7 @@ impl Search for Grid {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let mut tested = Mailboxes::new(self.params.mailboxes);
         let mut found = false;
         q.count_node(1);
@@ -132,6 +128,20 @@ impl Search for Grid {
             (!found).then_some(at.ray.ray.t_max)
         });
         found
+    }
+
+    fn section(&self, z: f64) -> Vec<Section> {
+        let [nx, ny, nz] = self.size();
+        let between = |axis: usize, i: usize| [self.planes[axis][i], self.planes[axis][i + 1]].map(f64::from);
+        let Some(layer) = (0..nz).find(|&k| between(2, k)[0] <= z && z <= between(2, k)[1]) else {
+            return Vec::new();
+        };
+        let cell = |i: usize| {
+            let ([x0, x1], [y0, y1]) = (between(0, i % nx), between(1, i / nx));
+            let outline = vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+            Section { outline, depth: 0, primitives: Some(self.list(layer * nx * ny + i).len()) }
+        };
+        (0..nx * ny).map(cell).collect()
     }
 
     fn memory_bytes(&self) -> usize {

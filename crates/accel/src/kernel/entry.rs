@@ -4,16 +4,16 @@
 macro_rules! entry_points {
     ($($feature:literal)?) => {
         #[inline]
-        fn closest_in<S: $crate::Shapes, const COUNT: bool>(
+        fn closest_in<const COUNT: bool>(
             self,
-            q: &mut $crate::query::Query<'_, Self, S, COUNT>,
+            q: &mut $crate::query::Query<'_, Self, COUNT>,
             at: &$crate::structure::Place<'_>,
             best: &mut $crate::Hit,
         ) {
             $(#[target_feature(enable = $feature)])?
             #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes, const COUNT: bool>(
-                q: &mut $crate::query::Query<'_, K, S, COUNT>,
+            fn compiled<K: $crate::kernel::Kernel, const COUNT: bool>(
+                q: &mut $crate::query::Query<'_, K, COUNT>,
                 at: &$crate::structure::Place<'_>,
                 best: &mut $crate::Hit,
             ) {
@@ -27,15 +27,15 @@ macro_rules! entry_points {
         }
 
         #[inline]
-        fn occluded_in<S: $crate::Shapes, const COUNT: bool>(
+        fn occluded_in<const COUNT: bool>(
             self,
-            q: &mut $crate::query::Query<'_, Self, S, COUNT>,
+            q: &mut $crate::query::Query<'_, Self, COUNT>,
             at: &$crate::structure::Place<'_>,
         ) -> bool {
             $(#[target_feature(enable = $feature)])?
             #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes, const COUNT: bool>(
-                q: &mut $crate::query::Query<'_, K, S, COUNT>,
+            fn compiled<K: $crate::kernel::Kernel, const COUNT: bool>(
+                q: &mut $crate::query::Query<'_, K, COUNT>,
                 at: &$crate::structure::Place<'_>,
             ) -> bool {
                 q.occluded_in(at)
@@ -48,19 +48,19 @@ macro_rules! entry_points {
         }
 
         #[inline]
-        fn closest_each<S: $crate::Shapes>(
+        fn closest_each(
             self,
             scene: &$crate::Scene,
-            shapes: &S,
+            shapes: &dyn $crate::Shapes,
             rays: &[straal_math::Ray],
             hits: &mut [$crate::Hit],
         ) {
             $(#[target_feature(enable = $feature)])?
             #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+            fn compiled<K: $crate::kernel::Kernel>(
                 kernel: K,
                 scene: &$crate::Scene,
-                shapes: &S,
+                shapes: &dyn $crate::Shapes,
                 rays: &[straal_math::Ray],
                 hits: &mut [$crate::Hit],
             ) {
@@ -74,19 +74,19 @@ macro_rules! entry_points {
         }
 
         #[inline]
-        fn occluded_each<S: $crate::Shapes>(
+        fn occluded_each(
             self,
             scene: &$crate::Scene,
-            shapes: &S,
+            shapes: &dyn $crate::Shapes,
             rays: &[straal_math::Ray],
             blocked: &mut [bool],
         ) {
             $(#[target_feature(enable = $feature)])?
             #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+            fn compiled<K: $crate::kernel::Kernel>(
                 kernel: K,
                 scene: &$crate::Scene,
-                shapes: &S,
+                shapes: &dyn $crate::Shapes,
                 rays: &[straal_math::Ray],
                 blocked: &mut [bool],
             ) {
@@ -99,19 +99,19 @@ macro_rules! entry_points {
             }
         }
 
-        fn closest_slice<S: $crate::Shapes>(
+        fn closest_slice(
             self,
             scene: &$crate::Scene,
-            shapes: &S,
+            shapes: &dyn $crate::Shapes,
             rays: &[straal_math::Ray],
             hits: &mut [$crate::Hit],
         ) {
             $(#[target_feature(enable = $feature)])?
             #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+            fn compiled<K: $crate::kernel::Kernel>(
                 kernel: K,
                 scene: &$crate::Scene,
-                shapes: &S,
+                shapes: &dyn $crate::Shapes,
                 rays: &[straal_math::Ray],
                 hits: &mut [$crate::Hit],
             ) {
@@ -124,19 +124,19 @@ macro_rules! entry_points {
             }
         }
 
-        fn occluded_slice<S: $crate::Shapes>(
+        fn occluded_slice(
             self,
             scene: &$crate::Scene,
-            shapes: &S,
+            shapes: &dyn $crate::Shapes,
             rays: &[straal_math::Ray],
             blocked: &mut [bool],
         ) {
             $(#[target_feature(enable = $feature)])?
             #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, S: $crate::Shapes>(
+            fn compiled<K: $crate::kernel::Kernel>(
                 kernel: K,
                 scene: &$crate::Scene,
-                shapes: &S,
+                shapes: &dyn $crate::Shapes,
                 rays: &[straal_math::Ray],
                 blocked: &mut [bool],
             ) {

@@ -273,31 +273,22 @@ pub(crate) trait Kernel: Copy {
     fn prefetch<const HOW: u8>(self, _lines: &Lines, _child: Child) {}
 
     /// `Query::closest_in`, compiled for the instruction set.
-    fn closest_in<S: Shapes, const COUNT: bool>(
-        self,
-        q: &mut Query<'_, Self, S, COUNT>,
-        at: &Place<'_>,
-        best: &mut Hit,
-    );
+    fn closest_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>, best: &mut Hit);
 
     /// `Query::occluded_in`, compiled for the instruction set.
-    fn occluded_in<S: Shapes, const COUNT: bool>(
-        self,
-        q: &mut Query<'_, Self, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool;
+    fn occluded_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>) -> bool;
 
     /// The first hit of each ray, one after the other.
-    fn closest_each<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]);
+    fn closest_each(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]);
 
     /// Whether each ray hits anything, one after the other.
-    fn occluded_each<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]);
+    fn occluded_each(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]);
 
     /// The first hit of each ray.
-    fn closest_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]);
+    fn closest_slice(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]);
 
     /// Whether each ray hits anything.
-    fn occluded_slice<S: Shapes>(self, scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]);
+    fn occluded_slice(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]);
 }
 
 /// Sets of rays by class, from those that have each of its two bits.
@@ -400,7 +391,7 @@ macro_rules! with_kernel {
     };
 }
 
-pub(crate) fn closest<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+pub(crate) fn closest(scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
     let n = if rays.len() < hits.len() { rays.len() } else { hits.len() };
     let (rays, hits) = (&rays[..n], &mut hits[..n]);
     match n < MANY || !scene.many() {
@@ -409,7 +400,7 @@ pub(crate) fn closest<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], hits: 
     }
 }
 
-pub(crate) fn occluded<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], blocked: &mut [bool]) {
+pub(crate) fn occluded(scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]) {
     let n = if rays.len() < blocked.len() { rays.len() } else { blocked.len() };
     let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
     match n < MANY || !scene.many() {
@@ -418,9 +409,9 @@ pub(crate) fn occluded<S: Shapes>(scene: &Scene, shapes: &S, rays: &[Ray], block
     }
 }
 
-pub(crate) fn closest_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (Hit, Cost) {
-    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &LocalRay) -> (Hit, Cost) {
-        let mut q = Query::<K, S, true> { kernel, scene, shapes, cost: Cost::default() };
+pub(crate) fn closest_counted(scene: &Scene, shapes: &dyn Shapes, ray: &Ray) -> (Hit, Cost) {
+    fn counted<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, ray: &LocalRay) -> (Hit, Cost) {
+        let mut q = Query::<K, true> { kernel, scene, shapes, cost: Cost::default() };
         let mut best = Hit::limit(ray.ray.t_max);
         kernel.closest_in(&mut q, &Place { group: &scene.groups[0], ray, chain: &Chain::EMPTY }, &mut best);
         (best.finished(), q.cost)
@@ -431,9 +422,9 @@ pub(crate) fn closest_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -
     }
 }
 
-pub(crate) fn occluded_counted<S: Shapes>(scene: &Scene, shapes: &S, ray: &Ray) -> (bool, Cost) {
-    fn counted<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, ray: &LocalRay) -> (bool, Cost) {
-        let mut q = Query::<K, S, true> { kernel, scene, shapes, cost: Cost::default() };
+pub(crate) fn occluded_counted(scene: &Scene, shapes: &dyn Shapes, ray: &Ray) -> (bool, Cost) {
+    fn counted<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, ray: &LocalRay) -> (bool, Cost) {
+        let mut q = Query::<K, true> { kernel, scene, shapes, cost: Cost::default() };
         let at = Place { group: &scene.groups[0], ray, chain: &Chain::EMPTY };
         (kernel.occluded_in(&mut q, &at), q.cost)
     }
@@ -449,14 +440,14 @@ const MANY: usize = 8;
 
 /// `Kernel::closest_each` without the change of instruction set.
 #[inline(always)]
-fn closest_one_by_one<K: Kernel, S: Shapes>(
+fn closest_one_by_one<K: Kernel>(
     kernel: K,
     scene: &Scene,
-    shapes: &S,
+    shapes: &dyn Shapes,
     rays: &[Ray],
     hits: &mut [Hit],
 ) {
-    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
     for (ray, hit) in rays.iter().zip(hits) {
         q.closest(&scene.groups[0], ray, hit);
     }
@@ -464,14 +455,14 @@ fn closest_one_by_one<K: Kernel, S: Shapes>(
 
 /// `Kernel::occluded_each` without the change of instruction set.
 #[inline(always)]
-fn occluded_one_by_one<K: Kernel, S: Shapes>(
+fn occluded_one_by_one<K: Kernel>(
     kernel: K,
     scene: &Scene,
-    shapes: &S,
+    shapes: &dyn Shapes,
     rays: &[Ray],
     blocked: &mut [bool],
 ) {
-    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
     for (ray, blocked) in rays.iter().zip(blocked) {
         *blocked = q.occluded(&scene.groups[0], ray);
     }
@@ -479,23 +470,23 @@ fn occluded_one_by_one<K: Kernel, S: Shapes>(
 
 /// `Kernel::closest_slice` without the change of instruction set.
 #[inline(always)]
-fn closest_rays<K: Kernel, S: Shapes>(kernel: K, scene: &Scene, shapes: &S, rays: &[Ray], hits: &mut [Hit]) {
+fn closest_rays<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
     let group = &scene.groups[0];
-    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
     each!(&group.searcher, s => s.closest_many(&mut q, group, rays, hits));
 }
 
 /// `Kernel::occluded_slice` without the change of instruction set.
 #[inline(always)]
-fn occluded_rays<K: Kernel, S: Shapes>(
+fn occluded_rays<K: Kernel>(
     kernel: K,
     scene: &Scene,
-    shapes: &S,
+    shapes: &dyn Shapes,
     rays: &[Ray],
     blocked: &mut [bool],
 ) {
     let group = &scene.groups[0];
-    let mut q = Query::<K, S, false> { kernel, scene, shapes, cost: Cost::default() };
+    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
     each!(&group.searcher, s => s.occluded_many(&mut q, group, rays, blocked));
 }
 

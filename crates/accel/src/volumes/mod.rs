@@ -25,7 +25,6 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    input::Shapes,
     kernel::Kernel,
     partition::{self, chance},
     query::Query,
@@ -190,9 +189,9 @@ fn padding(bounds: &Bounds) -> f64 {
 
 impl Search for Volumes {
     #[inline(always)]
-    fn closest<K: Kernel, S: Shapes, const COUNT: bool>(
+    fn closest<K: Kernel, const COUNT: bool>(
         &self,
-        q: &mut Query<'_, K, S, COUNT>,
+        q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         best: &mut Hit,
     ) {
@@ -208,11 +207,7 @@ impl Search for Volumes {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, S: Shapes, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, S, COUNT>,
-        at: &Place<'_>,
-    ) -> bool {
+    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let line = Line::new(at.ray);
         self.objects.iter().any(|object| {
             q.count_node(1);

@@ -213,8 +213,12 @@ fn nothing_to_hit() {
     let rays = [Ray::new(Vec3::ZERO, Vec3::X)];
     assert!(!all_agree(&world(vec![]), &(), &rays)[0].is_hit());
     let empty = Geometry { kind: GeometryKind::Shapes { first: 0, count: 5 }, mask: u32::MAX };
-    let scene = Scene::build(world(vec![empty, mesh(&[[Vec3::X; 3]])]), &(), &Options::default()).unwrap();
-    assert_eq!(scene.dropped(), 6);
+    let nan = Vec3::new(0.0, f32::NAN, 0.0);
+    let flat = mesh(&[[Vec3::X; 3], [Vec3::X, Vec3::Y, nan], [Vec3::ZERO, Vec3::X, Vec3::X * 2.0]]);
+    let scene = Scene::build(world(vec![empty, flat]), &(), &Options::default()).unwrap();
+    let lost =
+        |geometry, not_finite, empty| Dropped { from: DroppedFrom::Geometry(geometry), not_finite, empty };
+    assert_eq!(scene.dropped(), [lost(0, 0, 5), lost(1, 1, 2)]);
     assert!(scene.bounds().is_empty());
 }
 

@@ -75,6 +75,12 @@ pub struct AccelArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Read files from this folder only: what a scene names, and what those files name
+    ///
+    /// Symbolic links are followed first.
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long)]
     pub lenient: bool,

@@ -19,6 +19,12 @@ pub struct CheckArgs {
     #[arg(long)]
     pub json: bool,
 
+    /// Read files from this folder only: what a scene names, and what those files name
+    ///
+    /// Symbolic links are followed first.
+    #[arg(long, value_name = "DIR")]
+    pub root: Option<PathBuf>,
+
     /// Take unknown keys for warnings
     #[arg(long)]
     pub lenient: bool,

@@ -22,6 +22,7 @@ Examples:
   straal develop scene.exr -o scene.png --exposure +1 --tone agx
   straal develop scene.exr -o scene.png --exposure auto --gamut flag
   straal develop scene.exr -o scene.hdr         light in another format
+  straal develop scene.exr -o albedo.png --layer albedo
   straal develop scene.exr -o near.png --depth-of-field focus=3.5,radius=0.05";
 
 /// `straal develop`
@@ -38,6 +39,10 @@ pub struct DevelopArgs {
     /// The format of what goes to standard output; png when absent
     #[arg(long, value_name = "FORMAT", value_parser = picture_format())]
     pub format: Option<Format>,
+
+    /// Develop this layer of an EXR as if it were the picture, and leave out the others: its name, or the last part of it
+    #[arg(long, value_name = "NAME", conflicts_with = "depth_of_field")]
+    pub layer: Option<String>,
 
     /// How a PNG is developed
     #[command(flatten)]

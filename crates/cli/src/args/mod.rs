@@ -12,6 +12,7 @@ mod gamma_chart;
 mod info;
 mod look;
 mod man;
+mod merge;
 mod metamer;
 mod parsers;
 mod render;
@@ -27,6 +28,7 @@ pub use gamma_chart::GammaChartArgs;
 pub use info::InfoArgs;
 pub use look::LookArgs;
 pub use man::ManArgs;
+pub use merge::MergeArgs;
 pub use metamer::MetamerArgs;
 pub use render::RenderArgs;
 pub use sampler::SamplerArgs;
@@ -45,6 +47,8 @@ mod heading {
     pub const LIGHT: &str = "Light";
     /// From light to a picture for the screen.
     pub const LOOK: &str = "Developing a PNG";
+    /// What outlasts a render that is cut off, and parts of a picture.
+    pub const KEEPING: &str = "Going on, and parts of a picture";
     /// How rays are searched: changes the speed only.
     pub const SEARCH: &str = "Search, which changes the speed only";
     /// What rays cost.
@@ -80,6 +84,9 @@ pub enum Command {
     /// Render a scene to a picture
     #[command(long_about = render::RENDER_ABOUT)]
     Render(Box<RenderArgs>),
+    /// Put together parts of a picture that were rendered apart
+    #[command(long_about = merge::MERGE_ABOUT)]
+    Merge(MergeArgs),
     /// Check a scene without rendering it
     #[command(long_about = check::CHECK_ABOUT)]
     Check(CheckArgs),

@@ -1,10 +1,10 @@
 //! What `straal render` takes.
 
 use super::LookArgs;
-use super::heading::{COST, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
+use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
 use super::parsers::{StructureParser, build, isa, measure, pattern, picture_format};
 use crate::exit;
-use crate::quantity::{self, Crop, Size};
+use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -21,7 +21,8 @@ light by itself. What is said here wins over what the scene says.
 
 The same scene and settings give the same bits, whatever the number of threads, the instruction set or the crop. \
 Rendering goes in passes over the whole picture; a render that is ended by --time or by Ctrl-C leaves the very \
-picture that --spp of as many samples gives. A second Ctrl-C ends at once and writes nothing.";
+picture that --spp of as many samples gives. A second Ctrl-C ends at once and writes nothing. What a checkpoint holds is not \
+lost even to a power cut: --resume goes on from it.";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -31,6 +32,7 @@ Examples:
   straal render scene.yaml --time 90s           as good as it gets in a minute and a half
   straal render scene.yaml --noise 2%           as many samples as it takes, where it takes them
   straal render scene.yaml --spp 4 --size 320x180 --crop 100,50,200,120
+  straal render scene.yaml -o a.exr --resume    goes on where it was cut off
   straal render scene.yaml --json --quiet | jq .film_hash
   make-scene | straal render - -o - > a.png     from standard input, to standard output
   straal render scene.yaml -o a.exr --spp 16 --replicates 16
@@ -118,6 +120,28 @@ pub struct RenderArgs {
     #[arg(long, help_heading = LIGHT)]
     pub spectral: bool,
 
+    /// Write what there is beside the picture whenever so much time has passed, for --resume; or off
+    ///
+    /// It goes to PICTURE.checkpoint: every 60s where an EXR is written, else off. The file goes when the picture is there.
+    #[arg(long, value_name = "TIME", value_parser = quantity::checkpoint, help_heading = KEEPING)]
+    pub checkpoint: Option<Every>,
+
+    /// Go on from the checkpoint beside the picture, to the same bits; from the beginning where there is none
+    #[arg(long, help_heading = KEEPING)]
+    pub resume: bool,
+
+    /// Take a part of the samples only, such as 64..128: the first (from 0), and one past the last
+    ///
+    /// For --save-sums on several machines.
+    #[arg(long, value_name = "A..B", value_parser = quantity::samples, hide_short_help = true, help_heading = KEEPING)]
+    pub samples: Option<Samples>,
+
+    /// Write the exact sums of what was rendered to a file, for `straal merge`
+    ///
+    /// Without -o there is no picture then.
+    #[arg(long, value_name = "FILE", hide_short_help = true, help_heading = KEEPING)]
+    pub save_sums: Option<PathBuf>,
+
     /// How a PNG is developed
     #[command(flatten)]
     pub look: LookArgs,
@@ -163,6 +187,12 @@ pub struct RenderArgs {
     /// Worker threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]
     pub threads: Option<usize>,
+
+    /// Read files from this folder only: what a scene names, and what those files name
+    ///
+    /// Symbolic links are followed first.
+    #[arg(long, value_name = "DIR", help_heading = MACHINE)]
+    pub root: Option<PathBuf>,
 
     /// Say nothing but errors
     #[arg(short, long, help_heading = TALK)]

@@ -5,7 +5,7 @@ use crate::args::AccelArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
 use crate::out;
-use crate::settings::{check_output, is_same_file};
+use crate::places::{check_output, refuse_inputs};
 use std::io::Write;
 use std::sync::Arc;
 use std::time::Instant;
@@ -17,8 +17,9 @@ use straal_scene::Diagnostics;
 /// Compares search structures on a scene's rays; the exit says whether their hits differ.
 pub fn run(args: &AccelArgs, start: Instant) -> Result<Exit, Failure> {
     let request = request(args)?;
-    let options = LoadOptions { lenient: args.lenient, ..LoadOptions::default() };
+    let options = LoadOptions { lenient: args.lenient, root: args.root.clone(), ..LoadOptions::default() };
     let loaded = load(&args.scene, &options)?;
+    refuse_inputs(args.html.as_deref(), &loaded.files)?;
     if !args.quiet {
         out::say(&complaint::show(&loaded.warnings, out::has_colours()));
     }
@@ -50,9 +51,7 @@ fn request(args: &AccelArgs) -> Result<Request, Failure> {
     }
     if let Some(path) = &args.html {
         check_output(path)?;
-        if is_same_file(path, &args.scene) {
-            return Err(Failure::input("the page would replace the scene"));
-        }
+        refuse_inputs([path.as_path()], std::slice::from_ref(&args.scene))?;
     }
     let structures = args.structures.as_deref().map(lab::parse_structures).transpose();
     Ok(Request {

@@ -13,7 +13,7 @@ use straal_scene::forecast::{Forecast, forecast};
 
 /// Reads a scene and all its files, tells all that is wrong and forecasts memory.
 pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
-    let options = LoadOptions { lenient: args.lenient, ..LoadOptions::default() };
+    let options = LoadOptions { lenient: args.lenient, root: args.root.clone(), ..LoadOptions::default() };
     let loaded = load(&args.scene, &options)?;
     let mut warnings = loaded.warnings.clone();
     let needs = forecast(&loaded.scene, &loaded.assets);
@@ -42,6 +42,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
             "camera": { "kind": camera.kind, "degrees": camera.degrees, "focus": focus },
             "triangles": needs.triangles,
             "visible_primitives": needs.visible,
+            "dropped_primitives": job.world.dropped.iter().map(|d| d.count).sum::<usize>(),
             "memory_bytes": {
                 "geometry": needs.mesh_bytes,
                 "search": needs.search_bytes,

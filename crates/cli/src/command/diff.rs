@@ -3,13 +3,15 @@
 use super::{print, read_bytes};
 use crate::args::DiffArgs;
 use crate::exit::{Exit, Failure};
+use crate::out;
 use crate::quantity::grouped;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
-use straal_color::{Adaptation, Matrix3, RgbSpace, Space};
-use straal_formats::image::exr::Beauty;
-use straal_formats::image::{self, exr};
+use straal::look::Look;
+use straal_color::{Adaptation, Exposure, Matrix3, RgbSpace, Tone};
+use straal_formats::image::exr::{self, Window};
+use straal_formats::image::{Format, Photo, framed};
 use straal_formats::{Limits, ReadError};
 use straal_scene::Image;
 
@@ -22,41 +24,86 @@ pub fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     if let Some(path) = &args.variance {
         b.noise = Some(Picture::read(path)?.into_noise());
     }
-    if let (Some(at_a), Some(at_b)) = (a.corner, b.corner)
-        && at_a != at_b
-    {
-        let place = |[x, y]: [i32; 2]| format!("{x}, {y}");
-        let message = "the pictures show different parts: their first pixels are";
-        return Err(Failure::input(format!("{message} {} and {}", place(at_a), place(at_b))));
+    for (path, picture) in [(&args.a, &a), (&args.b, &b)] {
+        for note in picture.notes() {
+            out::say(&format!("warning: {}: {note}\n", path.display()));
+        }
     }
-    b.bring_to(a.space);
-    let identical = a.is_same(&b);
+    let region = common(&a.photo, &b.photo)?;
+    b.bring_to(a.photo.space_or_srgb());
     let tails = if args.heavy_tails { Tails::Heavy } else { Tails::Light };
-    let found = compare(a.estimate(), b.estimate(), tails).map_err(|e| Failure::input(e.to_string()))?;
+    let (sheet_a, sheet_b) = (a.cut(region), b.cut(region));
+    let identical = sheet_a.is_same(&sheet_b);
+    let found =
+        compare(sheet_a.estimate(), sheet_b.estimate(), tails).map_err(|e| Failure::input(e.to_string()))?;
     if args.json {
-        print(&format!("{:#}\n", as_json(&found, identical)))?;
+        print(&format!("{:#}\n", as_json(&found, identical, region)))?;
     } else if identical {
-        print(&tell_identical(&found))?;
+        print(&(told_region(region) + &tell_identical(&found)))?;
     } else {
-        print(&tell(&found))?;
+        print(&(told_region(region) + &tell(&found)))?;
     }
     Ok(if found.differs && !identical { Exit::Differ } else { Exit::Fine })
 }
 
 /// A picture as it is compared.
 struct Picture {
-    image: Image,
-    /// Its first pixel in the whole picture, where the file tells.
-    corner: Option<[i32; 2]>,
-    /// The space of its colours; sRGB where the file doesn't say.
-    space: RgbSpace,
+    photo: Photo,
     noise: Option<Noise>,
 }
 
 /// How unsure a picture is.
 struct Noise {
-    variance: Image,
+    /// Of each number of the picture, or of a picture by itself.
+    variance: Photo,
     dof: f64,
+}
+
+/// What of a picture is compared.
+struct Sheet {
+    image: Image,
+    variance: Option<Image>,
+    dof: f64,
+}
+
+/// The part of the whole picture that both have, where that isn't all of both. What a crop of straal doesn't show was not rendered; what is
+/// outside the data window of any other picture is black.
+fn common(a: &Photo, b: &Photo) -> Result<Option<Window>, Failure> {
+    if a.size != b.size || !(a.is_crop() || b.is_crop()) {
+        return Ok(None);
+    }
+    let known = |p: &Photo| if p.is_crop() { p.part } else { Window::of_size(p.size[0], p.size[1]) };
+    let (a, b) = (known(a), known(b));
+    let both = |(x, w): (i32, usize), (x2, w2): (i32, usize)| {
+        let start = x.max(x2);
+        let end = (i64::from(x) + w as i64).min(i64::from(x2) + w2 as i64);
+        usize::try_from(end - i64::from(start))
+            .ok()
+            .filter(|length| *length > 0)
+            .map(|length| (start, length))
+    };
+    let across = both((a.x, a.width), (b.x, b.width));
+    let Some(((x, width), (y, height))) = across.zip(both((a.y, a.height), (b.y, b.height))) else {
+        let message = "the pictures show different parts: their first pixels are";
+        return Err(Failure::input(format!("{message} {}, {} and {}, {}", a.x, a.y, b.x, b.y)));
+    };
+    Ok(Some(Window { x, y, width, height }))
+}
+
+/// A part of the whole picture; without any, all of it, or of a crop what is there.
+fn cut(photo: &Photo, region: Option<Window>) -> Image {
+    let part = photo.part;
+    match region {
+        Some(r) if photo.size != [r.width, r.height] || photo.is_crop() => {
+            let from = |at: i32, start: i32| at.saturating_sub(start);
+            let part = Window { x: from(part.x, r.x), y: from(part.y, r.y), ..part };
+            framed(&photo.pixels, part, [r.width, r.height])
+        }
+        None if photo.is_crop() => {
+            Image { width: part.width, height: part.height, pixels: photo.pixels.clone() }
+        }
+        _ => framed(&photo.pixels, part, photo.size),
+    }
 }
 
 impl Picture {
@@ -67,68 +114,95 @@ impl Picture {
 
     fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
         let limits = Limits::default();
-        if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-            let space = Space::Srgb.rgb();
-            return Ok(Self { image: image::read(bytes, &limits)?, corner: None, space, noise: None });
+        if Format::of(bytes)? != Format::Exr {
+            return Ok(Self { photo: Photo::read(bytes, &limits)?, noise: None });
         }
         let picture = exr::read(bytes, &limits)?;
-        let corner = Some([picture.data_window.x, picture.data_window.y]);
         // In its own space, which that of its variance is as well.
-        let Beauty { pixels, space, .. } = picture.beauty()?;
-        let (width, height) = (picture.data_window.width, picture.data_window.height);
-        let space = space.unwrap_or(Space::Srgb.rgb());
-        Ok(Self { image: Image { width, height, pixels }, corner, space, noise: noise(&picture) })
+        Ok(Self { photo: Photo::of_exr(&picture, None)?, noise: noise(&picture) })
+    }
+
+    /// What a person should know of it.
+    fn notes(&self) -> Vec<String> {
+        let mut notes = self.photo.notes.clone();
+        // Light that was exposed and bent for the screen is not the light of the film.
+        let is_png = self.photo.format == Format::Png;
+        let told = self.photo.story.iter().find(|(key, _)| is_png && key == "straal.look");
+        if let Some((_, text)) = told
+            && let Ok(look) = text.parse::<Look>()
+            && (look.exposure != Exposure::default() || look.tone != Tone::Clamp)
+        {
+            let (exposure, tone) = (look.exposure, look.tone);
+            notes.push(format!(
+                "it was developed (exposure {exposure}, tone {tone}): it is compared as it is shown"
+            ));
+        }
+        notes
     }
 
     /// Brings the colours to another space. Channels of noise may go together, which a variance of each doesn't tell: theirs
     /// become the greatest that is possible, so that noise is not taken for a difference.
     fn bring_to(&mut self, space: RgbSpace) {
-        if self.space == space {
+        let own = self.photo.space_or_srgb();
+        if own == space {
             return;
         }
-        let matrix = self.space.to(&space, Adaptation::Bradford);
-        self.image.pixels.iter_mut().for_each(|p| *p = matrix.apply_f32(*p));
+        let matrix = own.to(&space, Adaptation::Bradford);
+        self.photo.pixels.iter_mut().for_each(|p| *p = matrix.apply_f32(*p));
         if let Some(noise) = &mut self.noise {
             let size = Matrix3(matrix.0.map(|row| row.map(f64::abs)));
             let most = |p: [f32; 3]| size.apply_f32(p.map(f32::sqrt)).map(|error| error * error);
             noise.variance.pixels.iter_mut().for_each(|p| *p = most(*p));
         }
-        self.space = space;
+        self.photo.space = Some(space);
     }
 
     /// A picture of a variance, or the variance that comes with a picture.
     fn into_noise(self) -> Noise {
-        self.noise.unwrap_or(Noise { variance: self.image, dof: USUAL_DOF })
+        self.noise.unwrap_or(Noise { variance: self.photo, dof: USUAL_DOF })
     }
 
+    fn cut(&self, region: Option<Window>) -> Sheet {
+        Sheet {
+            image: cut(&self.photo, region),
+            variance: self.noise.as_ref().map(|n| cut(&n.variance, region)),
+            dof: self.noise.as_ref().map_or(USUAL_DOF, |n| n.dof),
+        }
+    }
+}
+
+impl Sheet {
     /// Whether the pixels are the same to the last bit, those that are no numbers as well.
     fn is_same(&self, o: &Self) -> bool {
         let bits = |p: &[f32; 3]| p.map(f32::to_bits);
-        let size = |p: &Self| (p.image.width, p.image.height);
+        let size = |s: &Self| (s.image.width, s.image.height);
         size(self) == size(o) && self.image.pixels.iter().map(bits).eq(o.image.pixels.iter().map(bits))
     }
 
     fn estimate(&self) -> Estimate<'_> {
-        let variance = self.noise.as_ref().map(|n| &n.variance);
-        Estimate {
-            dof: self.noise.as_ref().map_or(USUAL_DOF, |n| n.dof),
-            ..Estimate::new(&self.image, variance)
-        }
+        Estimate { dof: self.dof, ..Estimate::new(&self.image, self.variance.as_ref()) }
     }
 }
 
 /// The layer `variance`, and its degrees of freedom as the picture's story tells them. A variance without any (from
 /// a single sample) is none.
 fn noise(picture: &exr::Picture) -> Option<Noise> {
-    let pixels = picture.layer("variance")?.rgb()?;
+    let variance = Photo::of_exr(picture, None).ok()?;
+    let variance = Photo { pixels: picture.layer("variance")?.rgb()?, ..variance };
     let told = |key: &str| {
         let value = picture.metadata.iter().find(|(k, _)| k == key);
         value.and_then(|(_, v)| v.parse::<u32>().ok())
     };
     let estimates = told("straal.replicates").or_else(|| told("straal.samples"));
     let dof = estimates.map_or(USUAL_DOF, |n| f64::from(n) - 1.0);
-    let variance = Image { width: picture.data_window.width, height: picture.data_window.height, pixels };
     (dof >= 1.0).then_some(Noise { variance, dof })
+}
+
+/// Which part of the pictures was compared, where that isn't all.
+fn told_region(region: Option<Window>) -> String {
+    region.map_or_else(String::new, |Window { x, y, width, height }| {
+        format!("compared        {width} x {height} pixels from {x}, {y}: what was rendered of both\n")
+    })
 }
 
 /// For people.
@@ -169,10 +243,8 @@ fn tell_identical(c: &Comparison) -> String {
     let [width, height] = c.size;
     let wrong = match c.non_finite {
         0 => String::new(),
-        n => format!(
-            "; {} infinite or not a number, in both",
-            if n == 1 { "1 pixel is".into() } else { format!("{} pixels are", grouped(n as u64)) }
-        ),
+        1 => "; 1 pixel is infinite or not a number, in both".to_owned(),
+        n => format!("; {} pixels are infinite or not a number, in both", grouped(n as u64)),
     };
     format!("the pictures are identical: all {width} x {height} pixels are the same to the last bit{wrong}\n")
 }
@@ -190,7 +262,7 @@ fn tell_tally(t: &Tally) -> String {
 }
 
 /// For scripts. Numbers that are infinite or NaN become `null`.
-fn as_json(c: &Comparison, identical: bool) -> Json {
+fn as_json(c: &Comparison, identical: bool, region: Option<Window>) -> Json {
     let tally = |t: &Tally| {
         json!({
             "tested": t.tested, "beyond": t.beyond, "worst_t": t.worst_t, "worst_at": t.worst_at,
@@ -202,6 +274,7 @@ fn as_json(c: &Comparison, identical: bool) -> Json {
         "identical": identical,
         "reasons": if identical { &[] } else { c.reasons.as_slice() },
         "size": c.size,
+        "part": region.map(|w| json!([w.x, w.y, w.width, w.height])),
         "means": c.means,
         "mean_error": c.mean_error,
         "mean_z": c.mean_z,

@@ -4,7 +4,7 @@ use super::print;
 use crate::args::GammaChartArgs;
 use crate::exit::{Exit, Failure};
 use crate::out;
-use crate::settings::check_output;
+use crate::places::check_output;
 use serde_json::json;
 use straal::gamma_chart;
 use straal::picture::{Format, SaveError};

@@ -6,8 +6,8 @@ use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
 use straal::picture::film_hash;
 use straal_color::{RgbSpace, Space};
-use straal_formats::image::exr::{Channel, Layer, Window};
-use straal_formats::image::{self, exr, png};
+use straal_formats::image::exr::{self, Channel, Layer, Window};
+use straal_formats::image::{Format, Photo};
 use straal_formats::{Limits, ReadError};
 
 /// What a picture tells of itself.
@@ -17,8 +17,14 @@ struct Story {
     size: [usize; 2],
     /// The part that is there, where it isn't all.
     part: Option<Window>,
+    /// What is outside of it.
+    rest: &'static str,
     /// What its colours are.
     colours: String,
+    /// The layer that is the picture, where that isn't the one without a name.
+    picture: Option<String>,
+    /// What was guessed, and what couldn't be honoured or is no light.
+    notes: Vec<String>,
     layers: Vec<(String, Vec<Range>)>,
     facts: Vec<(String, String)>,
     /// Whether the film hash that is told is that of the pixels.
@@ -100,17 +106,15 @@ pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
 
 fn read(bytes: &[u8]) -> Result<Story, ReadError> {
     let limits = Limits::default();
-    if !bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
-        let image = image::read(bytes, &limits)?;
-        let is_png = bytes.starts_with(&[0x89, b'P', b'N', b'G']);
-        let facts = if is_png { png::read_metadata(bytes, &limits)?.texts } else { Vec::new() };
-        let colours =
-            if is_png { "encoded for the screen; numbers are of linear light" } else { "linear light" };
+    if Format::of(bytes)? != Format::Exr {
+        let mut photo = Photo::read(bytes, &limits)?;
+        photo.notes.extend(faults(&photo));
         return Ok(Story {
-            size: [image.width, image.height],
-            colours: colours.to_owned(),
-            layers: layers(&[Layer::from_rgb("", &image.pixels)]),
-            facts,
+            size: photo.size,
+            colours: photo_colours(&photo),
+            layers: layers(&[Layer::from_rgb("", &photo.pixels)]),
+            facts: photo.story,
+            notes: photo.notes,
             ..Story::default()
         });
     }
@@ -118,14 +122,42 @@ fn read(bytes: &[u8]) -> Result<Story, ReadError> {
     let (whole, part) = (picture.display_window, picture.data_window);
     let told = picture.metadata.iter().find(|(key, _)| key == "straal.film_hash");
     let rgb = picture.layer("").and_then(Layer::rgb);
+    // A file without a picture in it is told of as well.
+    let photo = Photo::of_exr(&picture, None).ok();
+    let notes = photo.as_ref().map(|p| p.notes.iter().cloned().chain(faults(p)).collect());
+    let is_crop = photo.as_ref().is_some_and(Photo::is_crop);
     Ok(Story {
         size: [whole.width, whole.height],
         part: (part != whole).then_some(part),
+        rest: if is_crop { "the rest was not rendered" } else { "the rest is black" },
         colours: picture_colours(&picture),
+        picture: photo.map(|p| p.layer).filter(|layer| !layer.is_empty()),
         layers: layers(&picture.layers),
         hash_is_right: told.zip(rgb).map(|((_, hash), rgb)| *hash == film_hash(&rgb)),
+        notes: notes.unwrap_or_else(|| picture.notes.clone()),
         facts: picture.metadata,
     })
+}
+
+/// Where numbers are no light.
+fn faults(photo: &Photo) -> Vec<String> {
+    let faults = photo.faults();
+    [faults.nan.told("no number (NaN)", ""), faults.infinite.told("infinite", "")]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// What the numbers of a picture are that is no EXR.
+fn photo_colours(photo: &Photo) -> String {
+    let own = colours(photo.space.as_ref());
+    match &photo.encoding {
+        None => own,
+        Some(encoding) => {
+            let space = if photo.space.is_some() { own } else { "linear RGB of srgb".into() };
+            format!("{} bits, {}; numbers are of the light: {space}", encoding.bits, encoding.told)
+        }
+    }
 }
 
 fn layers(all: &[Layer]) -> Vec<(String, Vec<Range>)> {
@@ -147,8 +179,11 @@ fn picture_colours(picture: &exr::Picture) -> String {
         let s = if count == 1 { "" } else { "s" };
         (count > 0).then(|| format!("{what} at {count} wavelength{s}"))
     };
+    let layer = beauty.as_ref().ok().and_then(|b| picture.layer(&b.layer));
+    let is_chroma = layer.is_some_and(|l| l.channel("RY").is_some() && l.channel("R").is_none());
     [
         own,
+        is_chroma.then(|| "told as luminance and chroma (Y, RY, BY)".to_owned()),
         at("radiance", contents.radiance),
         at("reflectance", contents.reflectance).map(|told| told + daylight.unwrap_or_default()),
         contents.polarised.then(|| "polarisation, which straal doesn't read".to_owned()),
@@ -176,9 +211,12 @@ impl Story {
     fn tell(&self) -> String {
         let mut rows = vec![("picture".to_owned(), format!("{} x {} pixels", self.size[0], self.size[1]))];
         if let Some(Window { x, y, width, height }) = self.part {
-            rows.push(("part".to_owned(), format!("{width} x {height} pixels from {x}, {y}")));
+            let rest = self.rest;
+            rows.push(("part".to_owned(), format!("{width} x {height} pixels from {x}, {y}; {rest}")));
         }
         rows.push(("colours".to_owned(), self.colours.clone()));
+        rows.extend(self.picture.iter().map(|layer| ("shown".to_owned(), format!("the layer {layer}"))));
+        rows.extend(self.notes.iter().map(|note| ("note".to_owned(), note.clone())));
         for (layer, channels) in &self.layers {
             for channel in channels {
                 let dot = if layer.is_empty() { "" } else { "." };
@@ -203,6 +241,8 @@ impl Story {
             "size": self.size,
             "part": self.part.map(|w| json!([w.x, w.y, w.width, w.height])),
             "colours": self.colours,
+            "picture": self.picture.as_deref().unwrap_or_default(),
+            "notes": self.notes,
             "layers": self.layers.iter().map(layer).collect::<Json>(),
             "metadata": Json::Object(facts.collect::<Map<_, _>>()),
             "film_hash_is_right": self.hash_is_right,

@@ -3,9 +3,10 @@
 use super::{print, read_bytes};
 use crate::args::MetamerArgs;
 use crate::exit::{Exit, Failure};
+use crate::places::refuse_inputs;
 use serde_json::{Map, Value as Json, json};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use straal_color::spectrum::{Bins, FIRST, Quantity, illuminant, metamer, refraction, uplift::Uplift};
 use straal_formats::{atomic, spd};
 use straal_scene::suggest::{did_you_mean, list};
@@ -93,6 +94,9 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
 
 /// A metamer, which is written to a file as well.
 fn make(a: &Bins, args: &MetamerArgs, path: &Path) -> Result<Bins, Failure> {
+    if Path::new(&args.a).is_file() {
+        refuse_inputs([path], &[PathBuf::from(&args.a)])?;
+    }
     let light = illuminant::by_name(&args.under)
         .ok_or_else(|| Failure::input(format!("there is no illuminant {}", args.under)))?
         .bins(Quantity::Emission);

@@ -8,19 +8,19 @@ pub mod diff;
 pub mod gamma_chart;
 pub mod info;
 pub mod man;
+pub mod merge;
 pub mod metamer;
 pub mod render;
 pub mod sampler;
 pub mod schema;
 
 use crate::exit::Failure;
+use crate::places::is_stream;
 use crate::quantity::grouped;
-use crate::settings::is_stream;
-use std::fs;
 use std::io::{self, IsTerminal, Read};
 use std::path::Path;
 use straal::{LoadOptions, Loaded};
-use straal_formats::Limits;
+use straal_formats::{Limits, files};
 use straal_scene::{Diagnostic, Diagnostics, Span};
 
 /// Prints a result; that it could not be printed is a failure of the system.
@@ -28,18 +28,48 @@ fn print(text: &str) -> Result<(), Failure> {
     crate::out::result(text).map_err(|e| Failure::system(format!("can't write to standard output: {e}")))
 }
 
-/// The bytes of a picture; of standard input for `-`.
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
-    if is_stream(path) {
-        return standard_input();
+/// Files that are written one after the other: one that fails doesn't keep the others from being tried.
+#[derive(Default)]
+struct Writing {
+    written: Vec<String>,
+    failed: Vec<String>,
+}
+
+impl Writing {
+    /// Takes note of what became of a file.
+    fn note<E: std::fmt::Display>(&mut self, path: &Path, done: Result<(), E>) {
+        match done {
+            Ok(()) => self.written.push(path.display().to_string()),
+            Err(e) => self.failed.push(e.to_string()),
+        }
     }
-    // A device or a pipe could go on for ever.
-    let fail = |problem: String| Failure::input(format!("can't read {}: {problem}", path.display()));
-    let about = fs::metadata(path).map_err(|e| fail(e.to_string()))?;
-    if !about.is_file() {
-        return Err(fail("it is not a file".into()));
+
+    /// Writes a picture: `stream` to standard output where that is its place, else `file`.
+    fn picture<E: std::fmt::Display>(
+        &mut self,
+        path: &Path,
+        stream: impl FnOnce(&mut dyn io::Write) -> io::Result<()>,
+        file: impl FnOnce(&Path) -> Result<(), E>,
+    ) {
+        if is_stream(path) {
+            let done = crate::out::picture(stream);
+            self.note(path, done.map_err(|e| format!("can't write to standard output: {e}")));
+        } else {
+            self.note(path, file(path));
+        }
     }
-    fs::read(path).map_err(|e| fail(e.to_string()))
+
+    /// All failures as one, with what was written all the same.
+    fn end(self) -> Result<(), Failure> {
+        if self.failed.is_empty() {
+            return Ok(());
+        }
+        let failure = Failure::system(self.failed.join("; "));
+        if self.written.is_empty() {
+            return Err(failure);
+        }
+        Err(failure.help(format!("written all the same: {}", self.written.join(", "))))
+    }
 }
 
 /// A scene or bare mesh with all its files; from standard input for `-`.
@@ -47,16 +77,15 @@ fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, Failure> {
     if !is_stream(path) {
         return straal::load(path, options).map_err(Failure::scene);
     }
-    let bytes = standard_input()?;
-    straal::load_stream("standard input", &bytes, Path::new(""), options).map_err(Failure::scene)
+    straal::load_stream("standard input", &standard_input()?, options).map_err(Failure::scene)
 }
 
 /// All of standard input, unless that is more than a file may have.
 fn standard_input() -> Result<Vec<u8>, Failure> {
     let fail = |problem: String| Failure::input(format!("can't read standard input: {problem}"));
     if io::stdin().is_terminal() {
-        return Err(fail("it is a terminal".into())
-            .help("`-` reads what a pipe brings, as in `make-scene | straal render -`"));
+        let help = "`-` reads what a pipe brings, as in `make-scene | straal render -`";
+        return Err(fail("it is a terminal".into()).help(help));
     }
     let most = Limits::default().max_bytes;
     let mut bytes = Vec::new();
@@ -67,10 +96,27 @@ fn standard_input() -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
+/// The bytes of a picture or a spectrum; of standard input for `-`.
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    if is_stream(path) {
+        return standard_input();
+    }
+    files::read(path, Limits::default().max_bytes).map_err(|refusal| {
+        let failure = Failure::input(format!("can't read {}: {}", path.display(), refusal.problem));
+        match refusal.help {
+            Some(help) => failure.help(help),
+            None => failure,
+        }
+    })
+}
+
 /// Adds what a job's author should know to the complaints of its scene.
 fn warn(complaints: &mut Diagnostics, job: &straal::Job) {
     for note in &job.world.notes {
         complaints.push(Diagnostic::warning(Span::NONE, note));
+    }
+    for dropped in &job.world.dropped {
+        complaints.push(Diagnostic::warning(dropped.span, &dropped.message));
     }
 }
 

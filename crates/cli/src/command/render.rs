@@ -1,27 +1,29 @@
 //! `straal render`
 
-use super::{load, print, refused, warn};
+use super::{Writing, load, print, refused, warn};
 use crate::args::RenderArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
-use crate::interrupt::Interrupt;
+use crate::interrupt::{Cause, Interrupt};
+use crate::keeping::{ANEW, Keeping};
 use crate::out;
+use crate::places::refuse_inputs;
 use crate::progress::{Pace, Teller};
 use crate::quantity::{count, tell_percent};
 use crate::report::Report;
-use crate::settings::{RenderSettings, is_stream};
+use crate::settings::RenderSettings;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use straal::job::Verdict;
-use straal::picture::SaveError;
+use straal::sums::{Kept, Snapshot};
 use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
 
 /// Renders a scene; `start` is when the command began.
-pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
+pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
-    let interrupt = Interrupt::listen();
     let loaded = scene(&settings)?;
+    refuse_inputs(settings.written(), &loaded.files)?;
     let mut warnings = loaded.warnings.clone();
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
@@ -35,29 +37,44 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
         return Err(Failure::input(reason).help("leave out --time, or choose another --sampler"));
     }
 
+    let (mut keeping, kept) = Keeping::new(&settings.keep, &settings.outputs, interrupt, settings.quiet)?;
     let rendering = Instant::now();
-    let outcome = render(&job, &settings, &interrupt, start).map_err(|e| refused(e, &warnings))?;
+    let outcome = render(&job, &settings, interrupt, (start, kept, &mut keeping)).map_err(|e| {
+        let failure = refused(e, &warnings);
+        if settings.keep.resume && failure.help.is_none() { failure.help(ANEW) } else { failure }
+    })?;
     let render_seconds = rendering.elapsed().as_secs_f64();
+    let interrupted = interrupt.asked().map(Cause::name);
+    interrupt.render_ends();
 
     let look = settings.look(job.look());
+    let mut writing = Writing::default();
+    if let Some((path, done)) = keeping.sums() {
+        writing.note(path, done);
+    }
     for path in &settings.outputs {
-        if is_stream(path) {
-            let format = settings.format;
-            let written = interrupt.whole(|| out::picture(|to| outcome.picture.write(to, format, &look)));
-            written.map_err(|e| Failure::system(format!("can't write to standard output: {e}")))?;
-        } else {
-            interrupt.whole(|| outcome.picture.save(path, &look)).map_err(|e| not_saved(&e))?;
-        }
+        let picture = &outcome.picture;
+        interrupt.whole(|| {
+            writing.picture(
+                path,
+                |to| picture.write(to, settings.format, &look),
+                |path| picture.save(path, &look),
+            );
+        });
     }
     if let Some((path, of)) = &settings.cost_picture {
-        interrupt.whole(|| outcome.picture.save_cost(path, *of)).map_err(|e| not_saved(&e))?;
+        writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
     }
+    let written = writing.end();
+    let kept = keeping.end(written.is_ok() && interrupted.is_none() && outcome.complete);
+    written?;
     let report = Report {
         pictures: &settings.outputs,
         job: &job,
         outcome: &outcome,
         warnings: &warnings,
-        interrupted: interrupt.is_asked(),
+        interrupted,
+        kept: &kept,
         seconds: start.elapsed().as_secs_f64(),
         render_seconds,
         cpu_seconds: None,
@@ -70,11 +87,12 @@ pub fn run(args: RenderArgs, start: Instant) -> Result<Exit, Failure> {
     if settings.json {
         print(&format!("{:#}\n", report.as_json()))?;
     }
-    Ok(if report.interrupted { Exit::Interrupted } else { Exit::Fine })
+    Ok(if interrupted.is_some() { Exit::Interrupted } else { Exit::Fine })
 }
 
 fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options = LoadOptions { lenient: settings.lenient, ..LoadOptions::default() };
+    let options =
+        LoadOptions { lenient: settings.lenient, root: settings.root.clone(), ..LoadOptions::default() };
     match &settings.scene {
         Some(path) => load(path, &options),
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options)
@@ -87,12 +105,16 @@ fn render(
     job: &Job,
     settings: &RenderSettings,
     interrupt: &Interrupt,
-    start: Instant,
+    (start, kept, keeping): (Instant, Option<Kept>, &mut Keeping<'_>),
 ) -> Result<Outcome, straal::Error> {
     let rendering = Instant::now();
     let until_done = settings.time.is_some() || settings.overrides.noise.is_some();
-    let open_ended = until_done && settings.overrides.spp.is_none() && settings.replicates.is_none();
-    let of = u64::from(job.spp) * u64::from(settings.replicates.unwrap_or(1));
+    let is_counted = settings.overrides.spp.is_some() || settings.overrides.samples.is_some();
+    let open_ended = until_done && !is_counted && settings.replicates.is_none();
+    // What was there before took no time of this render.
+    let resumed = u64::from(keeping.resumed());
+    let spp = u64::from(job.spp - job.first).saturating_sub(resumed);
+    let of = spp * u64::from(settings.replicates.unwrap_or(1));
     let pace = Pace {
         of: (!open_ended).then_some(of),
         limit: settings.time.map(|t| t.saturating_sub(rendering - start).as_secs_f64()),
@@ -107,12 +129,25 @@ fn render(
         teller.announcer().say(&ends_by_noise(noise, most));
     }
     let mut after_pass = |progress: &Progress| {
+        let progress = &Progress { samples: progress.samples.saturating_sub(resumed), ..*progress };
         let pace = teller.pass(progress);
-        if interrupt.is_asked() || !pace.has_time_for(progress.next) { Verdict::Stop } else { Verdict::GoOn }
+        if interrupt.asked().is_some() || !pace.has_time_for(progress.next) {
+            Verdict::Stop
+        } else {
+            Verdict::GoOn
+        }
     };
     let mut control = Control::new(&mut after_pass);
     control.clock = Some(Arc::new(move || u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)));
     control.open_ended = open_ended;
+    control.resume = kept;
+    control.longest_pass =
+        keeping.longest_pass().map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+    let is_wanted = keeping.is_wanted();
+    let mut keep = |snapshot: &Snapshot<'_>| keeping.look(snapshot);
+    if is_wanted {
+        control.keep = Some(&mut keep);
+    }
     let outcome = match settings.replicates {
         Some(replicates) => job.render_replicates(replicates, &mut control),
         None => job.render(&mut control),
@@ -142,10 +177,6 @@ fn ends_by_noise(noise: f64, most: u32) -> String {
     format!(
         "until the noise of each block of 8 x 8 pixels is at most {percent}; no pixel gets more than {limit}"
     )
-}
-
-fn not_saved(error: &SaveError) -> Failure {
-    Failure::system(error.to_string())
 }
 
 #[cfg(test)]

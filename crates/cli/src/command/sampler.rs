@@ -4,7 +4,7 @@ use super::print;
 use crate::args::SamplerArgs;
 use crate::exit::{Exit, Failure};
 use crate::out;
-use crate::settings::check_output;
+use crate::places::check_output;
 use serde_json::{Value as Json, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};

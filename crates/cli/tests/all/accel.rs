@@ -60,7 +60,7 @@ fn wrong_wishes_are_told() {
         ("--moving 3", "the world has 2 objects, numbered from 1"),
         ("--rays 0", "write a whole number from 1"),
         ("--html no/lab.html", "there is no folder no"),
-        ("--html scene.yaml", "the page would replace the scene"),
+        ("--html scene.yaml", "scene.yaml would replace what it is made from"),
     ] {
         let run = folder.straal(&format!("accel scene.yaml {words}"));
         assert_eq!(run.code, Some(2), "{words}: {run:?}");

@@ -12,6 +12,7 @@ fn the_page_knows_every_option() {
     let (folder, page) = (Folder::new(), page());
     let commands = [
         "render",
+        "merge",
         "check",
         "accel",
         "schema",

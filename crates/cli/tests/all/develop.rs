@@ -101,7 +101,7 @@ fn wrong_words_are_answered() {
     let folder = Folder::with_scene(BALL);
     folder.straal("render scene.yaml -o a.exr -q");
     for (words, complaint) in [
-        ("develop a.exr -o a.exr", "would replace the picture it is made from"),
+        ("develop a.exr -o a.exr", "a.exr would replace what it is made from"),
         ("develop a.exr -o b.jpg", "the name must end in .exr, .png, .hdr or .pfm"),
         ("develop a.exr -o b.png -o b.png", "named twice"),
         ("develop none.exr -o b.png", "can't read none.exr"),

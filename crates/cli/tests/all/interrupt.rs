@@ -1,9 +1,9 @@
-//! Ctrl-C, as the shell sends it.
+//! Ctrl-C and other signals, as shells and schedulers send them.
 #![cfg(unix)]
 
 use crate::common::{BALL, Folder, Run};
 use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, ChildStderr, Command};
+use std::process::{Child, ChildStderr, Command, Stdio};
 
 /// The command, brought to a line of standard error.
 struct Running {
@@ -14,7 +14,11 @@ struct Running {
 
 impl Running {
     fn start(folder: &Folder, words: &str) -> Self {
-        let mut child = folder.command(words).spawn().unwrap();
+        Self::of(folder.command(words))
+    }
+
+    fn of(mut command: Command) -> Self {
+        let mut child = command.spawn().unwrap();
         let err = BufReader::new(child.stderr.take().unwrap());
         Self { child, err, said: String::new() }
     }
@@ -32,8 +36,12 @@ impl Running {
     }
 
     fn press_ctrl_c(self) -> Self {
+        self.send("INT")
+    }
+
+    fn send(self, signal: &str) -> Self {
         let id = self.child.id().to_string();
-        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        assert!(Command::new("kill").args([&format!("-{signal}"), &id]).status().unwrap().success());
         self
     }
 
@@ -60,6 +68,63 @@ fn the_first_ends_with_the_picture_so_far() {
     assert!(samples >= 1 && run.err.contains(&format!("ended by Ctrl-C with {samples} sample")), "{run:?}");
     let whole = folder.json(&format!("render scene.yaml -o b.exr --spp {samples}"));
     assert_eq!(whole["film_hash"], report["film_hash"]);
+}
+
+#[test]
+fn schedulers_get_the_picture_so_far_as_well() {
+    for signal in ["TERM", "HUP", "XFSZ", "XCPU"] {
+        let folder = Folder::with_scene(BALL);
+        let run = Running::start(&folder, "render scene.yaml -o a.png --spp 200000 --json")
+            .until("rendering")
+            .send(signal)
+            .end();
+        assert_eq!(run.code, Some(130), "{run:?}");
+        assert_eq!(folder.names(), ["a.png", "scene.yaml"]);
+        let report = run.json();
+        assert_eq!(report["signal"], format!("SIG{signal}"));
+        assert_eq!(report["interrupted"], true);
+        assert!(run.err.contains(&format!("SIG{signal}: ending after this pass")), "{run:?}");
+    }
+}
+
+/// The command, begun by a shell that does something before.
+fn after(folder: &Folder, first: &str, words: &str) -> Command {
+    let mut sh = Command::new("sh");
+    sh.args(["-c", &format!("{first}; exec \"$0\" {words}")]).arg(folder.command("").get_program());
+    sh.current_dir(folder.path("")).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    sh
+}
+
+#[test]
+fn what_outgrows_the_limit_is_told_and_does_not_lose_the_others() {
+    let folder = Folder::with_scene(BALL);
+    // 64 blocks of 512 bytes: the EXR has more, the PNG less.
+    let words = "render scene.yaml --size 96x96 --spp 3 -o a.exr -o a.png --json";
+    let run: Run = after(&folder, "ulimit -f 64", words).output().unwrap().into();
+    assert_eq!(run.code, Some(3), "{run:?}");
+    assert_eq!(folder.names(), ["a.png", "scene.yaml"]);
+    assert!(
+        run.err.contains("can't write a.exr") && run.err.contains("written all the same: a.png"),
+        "{run:?}"
+    );
+    assert_eq!(run.json()["exit_code"], 3);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn nohup_is_respected() {
+    let folder = Folder::with_scene(BALL);
+    let command = after(&folder, "trap '' HUP", "render scene.yaml -o a.png --spp 200000");
+    let run = Running::of(command).until("rendering").send("HUP").send("TERM").end();
+    assert!(!run.err.contains("SIGHUP") && run.err.contains("ended by SIGTERM"), "{run:?}");
+}
+
+#[test]
+fn what_was_left_half_written_is_swept() {
+    let folder = Folder::with_scene(BALL);
+    folder.write(".straal-abc.part", "half a picture");
+    assert_eq!(folder.straal("render scene.yaml -o a.png --spp 1").code, Some(0));
+    assert_eq!(folder.names(), ["a.png", "scene.yaml"]);
 }
 
 #[test]

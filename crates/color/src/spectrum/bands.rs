@@ -23,6 +23,11 @@ impl Bands {
         self.count as usize
     }
 
+    /// Where the first begins and the last ends, in nm.
+    pub const fn ends(&self) -> [f64; 2] {
+        [self.from, self.to]
+    }
+
     /// Width of each in nm.
     pub fn width(&self) -> f64 {
         (self.to - self.from) / f64::from(self.count)

@@ -5,17 +5,26 @@
 
 use std::io::{self, Write};
 
+use straal_color::{Chromaticity, RgbSpace};
 use straal_scene::Image;
 
+use super::header::PIXEL;
+use super::{Format, Photo};
 use crate::read_error::quoted;
 use crate::{Limits, ReadError};
 
-/// Reads an HDR picture. `EXPOSURE` lines are undone, so that the numbers are radiances again; `xyze` colours are
-/// refused. All eight orientations are turned upright.
+/// Reads an HDR picture as linear light with the primaries of sRGB, as [`read_photo`] does.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
+    Ok(read_photo(bytes, limits)?.to_srgb())
+}
+
+/// Reads an HDR picture. `EXPOSURE` and `COLORCORR` lines are undone, so that the numbers are radiances again; they are of the
+/// primaries that a line `PRIMARIES` says. `xyze` colours are refused. All eight orientations are turned upright.
+pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
     limits.check_bytes(bytes)?;
     let header = Header::parse(bytes)?;
     let pixels = limits.check_size(header.line_length as u64, header.lines as u64)?;
+    limits.check_decoded(header.promise(pixels as u64).decoded_bytes)?;
     // A run of the old encoding holds at most 255 << 24 pixels in four bytes, but no real file is like that; the
     // other one holds 127 numbers in two bytes.
     let body = &bytes[header.length..];
@@ -26,17 +35,26 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
         ));
     }
     let mut image = Image { width: header.width(), height: header.height(), pixels: vec![[0.0; 3]; pixels] };
-    let scale = 1.0 / header.exposure;
+    let scale = header.correction.map(|c| 1.0 / (header.exposure * c));
     let mut line = vec![[0u8; 4]; header.line_length];
     let mut reader = Lines { bytes, at: header.length };
     for i in 0..header.lines {
         reader.read(&mut line)?;
         for (j, rgbe) in line.iter().enumerate() {
             let (x, y) = header.place(i, j);
-            image.pixels[y * image.width + x] = decode(*rgbe).map(|v| (f64::from(v) * scale) as f32);
+            let stored = decode(*rgbe);
+            image.pixels[y * image.width + x] = [0, 1, 2].map(|k| (f64::from(stored[k]) * scale[k]) as f32);
         }
     }
-    Ok(image)
+    let Header { space, notes, .. } = header;
+    Ok(Photo { space, notes, ..Photo::of_image(Format::Hdr, image) })
+}
+
+/// What the header promises.
+pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<super::Header, ReadError> {
+    let header = Header::parse(bytes)?;
+    let pixels = limits.check_size(header.line_length as u64, header.lines as u64)? as u64;
+    Ok(header.promise(pixels))
 }
 
 /// Writes an HDR picture, flat: every pixel in four bytes that share an exponent, with an error of up to a 256th of the
@@ -93,6 +111,12 @@ struct Header {
     y_falls: bool,
     /// The product of all exposures that were applied to the pixels.
     exposure: f64,
+    /// The product of all corrections of red, green and blue that were.
+    correction: [f64; 3],
+    /// What red, green, blue and white are, where the file says it.
+    space: Option<RgbSpace>,
+    /// What couldn't be honoured.
+    notes: Vec<String>,
     /// Bytes up to the first scan line.
     length: usize,
 }
@@ -100,6 +124,9 @@ struct Header {
 impl Header {
     fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
         let mut exposure = 1.0f64;
+        let mut correction = [1.0f64; 3];
+        let mut space = None;
+        let mut notes = Vec::new();
         let mut at = 0;
         let mut number = 0;
         let mut next = || {
@@ -128,17 +155,40 @@ impl Header {
                     ));
                 }
             } else if let Some(value) = line.strip_prefix(b"EXPOSURE=") {
-                let text = std::str::from_utf8(value).unwrap_or_default();
-                let factor = text.trim().parse::<f64>().ok().filter(|f| *f > 0.0 && f.is_finite());
-                let Some(factor) = factor else {
+                let factor = numbers::<1>(value).filter(|[f]| *f > 0.0);
+                let Some([factor]) = factor else {
                     let value = quoted(value);
                     return Err(ReadError::line(number, format!("expected an exposure, found {value}")));
                 };
                 exposure *= factor;
+            } else if let Some(value) = line.strip_prefix(b"COLORCORR=") {
+                let Some(factors) = numbers::<3>(value).filter(|f| f.iter().all(|f| *f > 0.0)) else {
+                    let value = quoted(value);
+                    let wanted = "expected three factors of red, green and blue";
+                    return Err(ReadError::line(number, format!("{wanted}, found {value}")));
+                };
+                correction = [0, 1, 2].map(|k| correction[k] * factors[k]);
+            } else if let Some(value) = line.strip_prefix(b"PRIMARIES=") {
+                let Some(told) = numbers::<8>(value) else {
+                    let value = quoted(value);
+                    let wanted = "expected x and y of red, green, blue and white";
+                    return Err(ReadError::line(number, format!("{wanted}, found {value}")));
+                };
+                let at = |k: usize| Chromaticity { x: told[2 * k], y: told[2 * k + 1] };
+                let all = RgbSpace { primaries: [0, 1, 2].map(at), white: at(3) };
+                space = Some(all.recognised()).filter(RgbSpace::is_sound);
+                if space.is_none() {
+                    notes.push("its PRIMARIES make no sense: those of sRGB are taken".into());
+                }
+            } else if let Some(value) = line.strip_prefix(b"GAMMA=")
+                && numbers::<1>(value) != Some([1.0])
+            {
+                notes.push(format!("its gamma of {} is not undone: the format holds light", quoted(value)));
             }
         }
-        if !(exposure > 0.0 && exposure.is_finite()) {
-            return Err(ReadError::file("the exposures multiply to no number"));
+        let sound = |factor: f64| factor > 0.0 && factor.is_finite();
+        if !sound(exposure) || !correction.iter().all(|c| sound(exposure * c)) {
+            return Err(ReadError::file("the exposures and corrections multiply to no number"));
         }
         let (number, length, line) = next().ok_or_else(unfinished)?;
         let wrong = || {
@@ -166,7 +216,30 @@ impl Header {
         }
         let (x_falls, y_falls) =
             if first_is_x { (first_falls, second_falls) } else { (second_falls, first_falls) };
-        Ok(Self { line_length, lines, lines_along_x: !first_is_x, x_falls, y_falls, exposure, length })
+        let lines_along_x = !first_is_x;
+        Ok(Self {
+            line_length,
+            lines,
+            lines_along_x,
+            x_falls,
+            y_falls,
+            exposure,
+            correction,
+            space,
+            notes,
+            length,
+        })
+    }
+
+    /// What is promised of so many pixels.
+    fn promise(&self, pixels: u64) -> super::Header {
+        super::Header {
+            format: Format::Hdr,
+            width: self.width(),
+            height: self.height(),
+            channels: 3,
+            decoded_bytes: pixels.saturating_mul(PIXEL).saturating_add(4 * self.line_length as u64),
+        }
     }
 
     fn width(&self) -> usize {
@@ -184,6 +257,14 @@ impl Header {
         let y = if self.y_falls { y } else { self.height() - 1 - y };
         (x, y)
     }
+}
+
+/// So many finite numbers in a row, and nothing else.
+fn numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
+    let text = std::str::from_utf8(text).ok()?;
+    let all: Option<Vec<f64>> =
+        text.split_ascii_whitespace().map(|word| word.parse().ok().filter(|v: &f64| v.is_finite())).collect();
+    all?.try_into().ok()
 }
 
 /// The scan lines, one after another.

@@ -2,27 +2,22 @@
 
 pub mod exr;
 pub mod hdr;
+mod header;
 pub mod pfm;
+mod photo;
 pub mod png;
+
+pub use header::{Format, Header, header};
+pub use photo::{Fault, Faults, Photo, framed, surroundings};
 
 use straal_scene::Image;
 
 use crate::{Limits, ReadError};
 
-/// Reads a picture as linear RGB. The format is told by the file's first bytes, whatever its name.
+/// Reads a picture as linear RGB with the primaries of sRGB: the whole of it, black where it has no pixels. The format is told
+/// by the file's first bytes, whatever its name. Grey becomes three equal numbers, and transparency is left out.
 ///
-/// EXR, HDR and PFM hold linear light; PNG is decoded from sRGB. Grey becomes three equal numbers, transparency is
-/// left out, and of an EXR with several layers the one without a name is taken, else the first with a picture.
+/// What was guessed or couldn't be honoured is in the notes of a [`Photo`]; this is its picture alone.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
-    match bytes {
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr::read(bytes, limits)?.to_image(),
-        [0x89, b'P', b'N', b'G', ..] => png::read(bytes, limits),
-        [b'#', b'?', ..] => hdr::read(bytes, limits),
-        [b'P', b'F' | b'f', ..] => pfm::read(bytes, limits),
-        [] => Err(ReadError::file("the file is empty")),
-        [0xff, 0xd8, 0xff, ..] => {
-            Err(ReadError::file("JPEG pictures are not supported; EXR, HDR, PFM and PNG are"))
-        }
-        _ => Err(ReadError::file("not a picture that straal knows: EXR, HDR, PFM and PNG are")),
-    }
+    Ok(Photo::read(bytes, limits)?.to_srgb())
 }

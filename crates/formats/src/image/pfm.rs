@@ -4,6 +4,8 @@ use std::io::{self, Write};
 
 use straal_scene::Image;
 
+use super::header::PIXEL;
+use super::{Format, Header};
 use crate::read_error::quoted;
 use crate::{Limits, ReadError};
 
@@ -11,20 +13,9 @@ use crate::{Limits, ReadError};
 /// order, has units that nobody agrees on: it is not applied.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
     limits.check_bytes(bytes)?;
-    let mut at = 0;
-    let channels = match word(bytes, &mut at) {
-        b"PF" => 3,
-        b"Pf" => 1,
-        _ => return Err(ReadError::file("not a PFM picture: it doesn't begin with 'PF' or 'Pf'")),
-    };
-    let width: u32 = number(bytes, &mut at, "the width")?;
-    let height: u32 = number(bytes, &mut at, "the height")?;
-    let scale: f32 = number(bytes, &mut at, "the scale")?;
-    if scale == 0.0 || !scale.is_finite() {
-        return Err(ReadError::byte(at, format!("the scale is {scale}")));
-    }
-    at += 1; // exactly one white space before the pixels
+    let Start { channels, width, height, scale, length: at } = Start::parse(bytes)?;
     let pixels = limits.check_size(width.into(), height.into())?;
+    limits.check_decoded((pixels as u64).saturating_mul(PIXEL))?;
     let (width, height) = (width as usize, height as usize);
     let body = bytes.get(at..).unwrap_or_default();
     let samples = pixels.checked_mul(channels).filter(|&n| body.len() / 4 >= n);
@@ -41,6 +32,44 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
         rows.flatten().map(|&grey| [decode(grey); 3]).collect()
     };
     Ok(Image { width, height, pixels })
+}
+
+/// What the header promises.
+pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
+    let Start { channels, width, height, .. } = Start::parse(bytes)?;
+    let pixels = limits.check_size(width.into(), height.into())? as u64;
+    let (width, height) = (width as usize, height as usize);
+    Ok(Header { format: Format::Pfm, width, height, channels, decoded_bytes: pixels.saturating_mul(PIXEL) })
+}
+
+/// What stands before the pixels.
+struct Start {
+    channels: usize,
+    width: u32,
+    height: u32,
+    /// Negative where the pixels' bytes begin with the lowest.
+    scale: f32,
+    /// Bytes up to the pixels.
+    length: usize,
+}
+
+impl Start {
+    fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
+        let mut at = 0;
+        let channels = match word(bytes, &mut at) {
+            b"PF" => 3,
+            b"Pf" => 1,
+            _ => return Err(ReadError::file("not a PFM picture: it doesn't begin with 'PF' or 'Pf'")),
+        };
+        let width: u32 = number(bytes, &mut at, "the width")?;
+        let height: u32 = number(bytes, &mut at, "the height")?;
+        let scale: f32 = number(bytes, &mut at, "the scale")?;
+        if scale == 0.0 || !scale.is_finite() {
+            return Err(ReadError::byte(at, format!("the scale is {scale}")));
+        }
+        // Exactly one white space stands before the pixels.
+        Ok(Self { channels, width, height, scale, length: at + 1 })
+    }
 }
 
 /// Writes a PFM in colour, little-endian.

@@ -2,10 +2,15 @@
 
 use std::io::{self, Cursor, Write};
 
-use straal_color::srgb;
 use straal_scene::Image;
 
+use self::light::Light;
+use super::header::PIXEL;
+use super::{Format, Header, Photo};
 use crate::{Limits, ReadError};
+
+mod icc;
+mod light;
 
 /// An encoded picture and the text that goes with it.
 #[derive(Clone, Copy, Debug)]
@@ -41,18 +46,33 @@ pub enum Curve {
     Gamma(f32),
 }
 
-/// Reads a PNG of any depth and kind as linear light. Its numbers are taken as sRGB: `gAMA`, `cHRM` and `iCCP` are
-/// not looked at, as files that carry them are wrong more often than right. Transparency is left out.
+/// How a PNG that was read encodes light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Encoding {
+    /// Bits a channel: 8, which fewer count as, or 16.
+    pub bits: u32,
+    /// As [`write()`] can write it again; `None` where it can't.
+    pub curve: Option<Curve>,
+    /// The curve in words.
+    pub told: String,
+}
+
+/// Reads a PNG of any depth and kind as linear light with the primaries of sRGB, as [`read_photo`] does.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
+    Ok(read_photo(bytes, limits)?.to_srgb())
+}
+
+/// Reads a PNG of any depth and kind as linear light of its own primaries. How its numbers become light is told by its chunks, as the
+/// standard has it: the first of `cICP`, `iCCP`, `sRGB` that is there and understood, else `gAMA` and `cHRM`, else they are sRGB.
+/// Transparency is left out.
+pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
     limits.check_bytes(bytes)?;
-    let told = |error: png::DecodingError| ReadError::file(format!("the PNG file is damaged: {error}"));
+    limits.check_decoded(header(bytes, limits)?.decoded_bytes)?;
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
-    decoder.set_ignore_text_chunk(true);
-    decoder.set_ignore_iccp_chunk(true);
     let mut reader = decoder.read_info().map_err(told)?;
     let (width, height) = reader.info().size();
-    let pixels = limits.check_size(width.into(), height.into())?;
+    let count = limits.check_size(width.into(), height.into())?;
     // Deflate can't do better than 1:1032; a header that promises more has nothing to back it.
     if reader.info().raw_bytes() as u64 / 2048 > bytes.len() as u64 {
         return Err(ReadError::file(format!(
@@ -60,36 +80,120 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
             bytes.len()
         )));
     }
-    let size = reader.output_buffer_size().ok_or_else(|| ReadError::file("the picture is too large"))?;
-    let mut raw = vec![0; size];
-    let frame = reader.next_frame(&mut raw).map_err(told)?;
-    reader.finish().map_err(told)?;
-    let channels = frame.color_type.samples();
-    let (codes, depth) = if frame.bit_depth == png::BitDepth::Sixteen { (1 << 16, 2) } else { (1 << 8, 1) };
-    let table: Vec<f32> = (0..codes).map(|code| srgb::decode(code as f32 / (codes - 1) as f32)).collect();
-    let code = |sample: &[u8]| match *sample {
+    let mut light = light_of(bytes, reader.info());
+    let story = texts(reader.info());
+    let (kind, depth) = reader.output_color_type();
+    let channels = kind.samples();
+    let (codes, depth) = if depth == png::BitDepth::Sixteen { (1 << 16, 2) } else { (1 << 8, 1) };
+    let tables = light.tables(codes);
+    let code = |pixel: &[u8], channel: usize| match pixel[channel * depth..][..depth] {
         [high, low] => usize::from(u16::from_be_bytes([high, low])),
         [code] => usize::from(code),
         _ => 0,
     };
     let (green, blue) = if channels >= 3 { (1, 2) } else { (0, 0) };
-    let pixels: Vec<[f32; 3]> = raw
-        .chunks_exact(channels * depth)
-        .take(pixels)
-        .map(|pixel| [0, green, blue].map(|k| table[code(&pixel[k * depth..][..depth])]))
-        .collect();
-    Ok(Image { width: width as usize, height: height as usize, pixels })
+    let has_alpha = channels % 2 == 0;
+    let mut is_transparent = false;
+    let mut decode = |pixel: &[u8]| {
+        is_transparent |= has_alpha && code(pixel, channels - 1) < codes - 1;
+        [tables[0][code(pixel, 0)], tables[1][code(pixel, green)], tables[2][code(pixel, blue)]]
+    };
+    let mut pixels = Vec::with_capacity(count);
+    if reader.info().interlaced {
+        let size = reader.output_buffer_size().ok_or_else(|| ReadError::file("the picture is too large"))?;
+        let mut raw = vec![0; size];
+        reader.next_frame(&mut raw).map_err(told)?;
+        pixels.extend(raw.chunks_exact(channels * depth).take(count).map(&mut decode));
+    } else {
+        // Row by row, so that what is decoded needn't be kept.
+        while pixels.len() < count {
+            let Some(row) = reader.next_row().map_err(told)? else { break };
+            let rest = count - pixels.len();
+            pixels.extend(row.data().chunks_exact(channels * depth).take(rest).map(&mut decode));
+        }
+    }
+    reader.finish().map_err(told)?;
+    if pixels.len() < count {
+        return Err(ReadError::file("the PNG file is damaged: pixels are missing"));
+    }
+    if is_transparent {
+        light.notes.push("its transparency is left out".into());
+    }
+    let image = Image { width: width as usize, height: height as usize, pixels };
+    Ok(Photo {
+        space: light.space,
+        encoding: Some(light.encoding),
+        story,
+        notes: light.notes,
+        ..Photo::of_image(Format::Png, image)
+    })
+}
+
+fn told(error: png::DecodingError) -> ReadError {
+    // What it says of sums is not for people.
+    if error.to_string().starts_with("CRC error") {
+        return ReadError::file("the PNG file is damaged: a checksum is wrong");
+    }
+    ReadError::file(format!("the PNG file is damaged: {error}"))
+}
+
+fn texts(info: &png::Info<'_>) -> Vec<(String, String)> {
+    let texts = info.utf8_text.iter();
+    texts.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?))).collect()
+}
+
+/// How the codes of a PNG become light.
+fn light_of(bytes: &[u8], info: &png::Info<'_>) -> Light {
+    // A profile that the decoder couldn't unpack leaves no trace in its information.
+    let mut rest = bytes.get(8..).unwrap_or_default();
+    let mut has_profile = false;
+    while let Some((start, after)) = rest.split_first_chunk::<8>() {
+        let length = u32::from_be_bytes([start[0], start[1], start[2], start[3]]);
+        has_profile |= start[4..] == *b"iCCP";
+        if start[4..] == *b"IDAT" {
+            break;
+        }
+        rest = after.get((length as usize).saturating_add(4)..).unwrap_or_default();
+    }
+    Light::of(info, has_profile)
+}
+
+/// What the first chunk promises. It is read by hand, as the decoder wants all that stands before the pixels.
+pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
+    let damaged = || ReadError::file("the PNG file is damaged: it doesn't begin with its size");
+    let start = bytes.first_chunk::<29>().filter(|b| b[12..16] == *b"IHDR").ok_or_else(damaged)?;
+    let number = |at: usize| u32::from_be_bytes([start[at], start[at + 1], start[at + 2], start[at + 3]]);
+    let (width, height) = (number(16), number(20));
+    let (channels, expanded): (usize, u64) = match start[25] {
+        0 => (1, 1),
+        2 => (3, 3),
+        // A palette becomes colours, and grey or colours may become transparent.
+        3 => (1, 4),
+        4 => (2, 2),
+        6 => (4, 4),
+        other => {
+            return Err(ReadError::file(format!("the PNG file is damaged: there is no colour type {other}")));
+        }
+    };
+    let depth = if start[24] == 16 { 2 } else { 1 };
+    let pixels = limits.check_size(width.into(), height.into())? as u64;
+    // An interlaced picture is decoded as a whole before it becomes light.
+    let whole = if start[28] == 0 { 0 } else { pixels.saturating_mul((expanded + 1) * depth) };
+    Ok(Header {
+        format: Format::Png,
+        width: width as usize,
+        height: height as usize,
+        channels,
+        decoded_bytes: pixels.saturating_mul(PIXEL).saturating_add(whole),
+    })
 }
 
 /// Width, height and the texts (`iTXt`, by keyword in the order of the file) of a PNG, without its pixels. Only what
 /// stands before the pixels is found, which is where [`write()`] puts it.
 pub fn read_metadata(bytes: &[u8], limits: &Limits) -> Result<Metadata, ReadError> {
     limits.check_bytes(bytes)?;
-    let told = |error: png::DecodingError| ReadError::file(format!("the PNG file is damaged: {error}"));
     let reader = png::Decoder::new(Cursor::new(bytes)).read_info().map_err(told)?;
-    let texts = reader.info().utf8_text.iter();
-    let texts = texts.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
-    Ok(Metadata { size: reader.info().size(), texts: texts.collect() })
+    Ok(Metadata { size: reader.info().size(), texts: texts(reader.info()) })
 }
 
 /// What a PNG tells about itself.

@@ -1,6 +1,7 @@
 //! MTL, the material libraries of OBJ.
 
 use super::lines::{Lines, Statement, Warnings};
+use crate::read_error::quoted;
 use crate::{Limits, ReadError};
 
 /// A material as the file has it: what isn't given is `None`. What it means as a BSDF is for the scene to say.
@@ -18,8 +19,10 @@ pub struct MtlMaterial {
     pub shininess: Option<f32>,
     /// `Ni`: the index of refraction.
     pub ior: Option<f32>,
-    /// `d`, or 1 less `Tr`: 1 is opaque. Where a file has both, the later one counts.
-    pub opacity: Option<f32>,
+    /// `d`, the dissolve: 1 is opaque, and of light on a surface of 0.3 as much as 0.7 passes straight on.
+    pub dissolve: Option<f32>,
+    /// `Tr`: by the letter 1 less `d`, but many programs write 1 where they mean opaque.
+    pub transparency: Option<f32>,
     /// `illum`: the number of an illumination model, 0 to 10.
     pub illumination: Option<u32>,
     /// `Pr`: the roughness of the physically based extension.
@@ -31,30 +34,41 @@ pub struct MtlMaterial {
 /// The materials of a library in the order of the file, with their names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlFile {
-    /// Names and materials.
+    /// Names as the file has them, quotes and comments included, and materials.
     pub materials: Vec<(String, MtlMaterial)>,
     /// What was passed over.
     pub warnings: Vec<String>,
 }
 
-/// Reads a material library.
+/// Reads a material library. What comes before its first `newmtl` belongs to no material; a file that has none may be any
+/// file, and nothing of it is told but that.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<MtlFile, ReadError> {
     limits.check_bytes(bytes)?;
     let mut warnings = Warnings::default();
     let mut materials: Vec<(String, MtlMaterial)> = Vec::new();
-    for statement in Lines::new(bytes) {
+    let mut stray = None;
+    let mut lines = Lines::new(bytes);
+    while let Some(statement) = lines.next() {
         if statement.keyword() == "newmtl" {
+            lines.is_trusted = true;
             materials.push((statement.name().to_string(), MtlMaterial::default()));
             continue;
         }
-        let Some((name, material)) = materials.last_mut() else {
-            let keyword = statement.keyword();
-            return Err(ReadError::line(
-                statement.line,
-                format!("'{keyword}' comes before the first 'newmtl'"),
-            ));
-        };
-        set(material, name, &statement, &mut warnings)?;
+        match materials.last_mut() {
+            Some((name, material)) => set(material, name, &statement, &mut warnings)?,
+            None => stray = stray.or(Some(statement.line)),
+        }
+    }
+    match stray {
+        _ if materials.is_empty() => {
+            warnings.once("newmtl", || "it holds no material: no line begins with 'newmtl'".to_owned());
+        }
+        Some(line) => warnings.once("newmtl", || {
+            format!(
+                "line {line}: what comes before the first 'newmtl' belongs to no material and has no effect"
+            )
+        }),
+        None => {}
     }
     Ok(MtlFile { materials, warnings: warnings.finish() })
 }
@@ -65,40 +79,55 @@ fn set(
     statement: &Statement,
     warnings: &mut Warnings,
 ) -> Result<(), ReadError> {
-    let number = || statement.numbers::<1>().map(|[number]| Some(number));
     let line = statement.line;
     let keyword = statement.keyword();
     match keyword {
-        "Kd" => material.diffuse = colour(statement, warnings)?,
-        "Ks" => material.specular = colour(statement, warnings)?,
-        "Ke" => material.emission = colour(statement, warnings)?,
-        "Tf" => material.transmission = colour(statement, warnings)?,
-        "Ns" => material.shininess = number()?,
-        "Ni" => material.ior = number()?,
-        "Pr" => material.roughness = number()?,
-        "Pm" => material.metallic = number()?,
+        "Kd" => keep(&mut material.diffuse, colour(statement, warnings)?),
+        "Ks" => keep(&mut material.specular, colour(statement, warnings)?),
+        "Ke" => keep(&mut material.emission, colour(statement, warnings)?),
+        "Tf" => keep(&mut material.transmission, colour(statement, warnings)?),
+        "Ns" => keep(&mut material.shininess, number(statement, warnings)?),
+        "Ni" => keep(&mut material.ior, number(statement, warnings)?),
+        "Pr" => keep(&mut material.roughness, number(statement, warnings)?),
+        "Pm" => keep(&mut material.metallic, number(statement, warnings)?),
         // `d -halo f` fades towards the silhouette: its number is taken as it is.
         "d" => {
             let word = statement.words().find(|word| *word != "-halo");
             let word = word.ok_or_else(|| ReadError::line(line, "'d' needs a number"))?;
-            material.opacity = Some(statement.number(word)?);
+            let [dissolve] =
+                finite(statement, [statement.number(word)?], warnings).map_or([None], |v| v.map(Some));
+            keep(&mut material.dissolve, dissolve);
         }
-        "Tr" => material.opacity = number()?.map(|transparency| 1.0 - transparency),
-        "illum" => material.illumination = number()?.map(|model| model as u32),
+        "Tr" => keep(&mut material.transparency, number(statement, warnings)?),
+        "illum" => keep(&mut material.illumination, number(statement, warnings)?.map(|model| model as u32)),
         // Ambient light is no part of light transport; Kt is an old name that nobody defines.
         "Ka" | "Kt" | "sharpness" => {}
         "bump" | "norm" | "disp" | "decal" | "refl" => map_warning(keyword, name, line, warnings),
         map if map.starts_with("map_") => map_warning(keyword, name, line, warnings),
-        unknown => warnings
-            .once(unknown, || format!("line {line}: '{unknown}' is not known and has no effect ('{name}')")),
+        unknown => warnings.once(unknown, || {
+            let (unknown, name) = (quoted(unknown.as_bytes()), quoted(name.as_bytes()));
+            format!("line {line}: {unknown} is not known and has no effect ({name})")
+        }),
     }
     Ok(())
 }
 
+/// Where a material says something twice, the later one counts; what was no number says nothing.
+fn keep<T>(value: &mut Option<T>, said: Option<T>) {
+    if said.is_some() {
+        *value = said;
+    }
+}
+
 fn map_warning(map: &str, name: &str, line: usize, warnings: &mut Warnings) {
     warnings.once(map, || {
-        format!("line {line}: texture maps are not supported yet: '{map}' has no effect ('{name}')")
+        let (map, name) = (quoted(map.as_bytes()), quoted(name.as_bytes()));
+        format!("line {line}: texture maps are not supported yet: {map} has no effect ({name})")
     });
+}
+
+fn number(statement: &Statement, warnings: &mut Warnings) -> Result<Option<f32>, ReadError> {
+    Ok(finite(statement, statement.numbers::<1>()?, warnings).map(|[number]| number))
 }
 
 /// Three numbers, or one for grey. Spectral curves and XYZ are passed over with a warning.
@@ -111,7 +140,25 @@ fn colour(statement: &Statement, warnings: &mut Warnings) -> Result<Option<[f32;
             });
             Ok(None)
         }
-        _ if statement.words().count() == 1 => Ok(Some([statement.numbers::<1>()?[0]; 3])),
-        _ => statement.numbers().map(Some),
+        _ if statement.words().count() == 1 => {
+            Ok(finite(statement, statement.numbers::<1>()?, warnings).map(|[grey]| [grey; 3]))
+        }
+        _ => Ok(finite(statement, statement.numbers::<3>()?, warnings)),
     }
+}
+
+/// Numbers that are all finite; what is infinite or NaN is told and left out.
+fn finite<const N: usize>(
+    statement: &Statement,
+    numbers: [f32; N],
+    warnings: &mut Warnings,
+) -> Option<[f32; N]> {
+    if numbers.iter().all(|v| v.is_finite()) {
+        return Some(numbers);
+    }
+    let (line, keyword) = (statement.line, statement.keyword());
+    warnings.once(&format!("{keyword} finite"), || {
+        format!("line {line}: '{keyword}' is not a finite number and has no effect")
+    });
+    None
 }

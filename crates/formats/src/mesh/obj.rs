@@ -4,13 +4,16 @@
 //! what describes curves and surfaces are not read. A reader of our own rather than the `tobj` crate, because that
 //! tells neither the line of a mistake nor what it passed over.
 
+mod libraries;
+
 use std::collections::HashMap;
 
 use straal_scene::{Mesh, Part};
 
-use super::lines::{Lines, Statement, Warnings};
-use super::mtl::{self, MtlMaterial};
-use super::polygon;
+use self::libraries::{Libraries, Request};
+use super::lines::{Lines, Statement, Warnings, count};
+use super::mtl::MtlMaterial;
+use super::{colours_left_out, flat_normal, polygon};
 use crate::limits::check;
 use crate::read_error::quoted;
 use crate::{Limits, ReadError};
@@ -38,19 +41,28 @@ pub fn read(
     let mut soup = Soup::default();
     let mut libraries = Libraries::default();
     let mut warnings = Warnings::default();
-    for statement in Lines::new(bytes) {
+    let mut lines = Lines::new(bytes);
+    while let Some(statement) = lines.next() {
         let line = statement.line;
         match statement.keyword() {
             "v" => {
-                soup.positions.push(statement.numbers()?);
+                let (position, more) = statement.numbers_and_more()?;
+                soup.positions.push(position);
+                // Three numbers more are a colour; a single one is a weight.
+                soup.has_colours |= more == 3;
+                lines.is_trusted = true;
                 check("vertices", soup.positions.len() as u64, limits.max_vertices.min(u64::from(NONE)))?;
             }
             "vn" => soup.normals.push(statement.numbers()?),
             "vt" => soup.uvs.push(texture_coordinate(&statement)?),
             "f" | "fo" => soup.add_face(&statement, &mut warnings)?,
             "g" | "o" => soup.name = statement.name().to_string(),
-            "usemtl" => soup.material = Some(statement.name().to_string()),
-            "mtllib" => libraries.load(&statement, limits, library, &mut warnings)?,
+            "usemtl" => {
+                soup.material = Some(statement.name()).filter(|name| !name.is_empty()).map(str::to_owned)
+            }
+            "mtllib" => {
+                libraries.load(&statement, &mut Request { limits, library, warnings: &mut warnings })?;
+            }
             "s" | "mg" | "vw" | "lod" | "shadow_obj" | "trace_obj" | "bevel" | "c_interp" | "d_interp" => {}
             keyword @ ("l" | "p") => warnings.once(keyword, || {
                 let what = if keyword == "l" { "lines" } else { "points" };
@@ -62,16 +74,17 @@ pub fn read(
             }),
         }
     }
-    for run in &soup.runs {
-        if let Some(name) = run.material.as_ref().filter(|name| !libraries.has(name)) {
-            warnings.once(&format!("usemtl {name}"), || {
-                format!("no material library has the material {}", quoted(name.as_bytes()))
-            });
-        }
+    soup.has_colours |= lines.has_painted;
+    let mut names = HashMap::new();
+    for run in &mut soup.runs {
+        let Some(name) = &mut run.material else { continue };
+        let known =
+            names.entry(std::mem::take(name)).or_insert_with_key(|name| libraries.meant(name, &mut warnings));
+        run.material = known.clone();
     }
     soup.drop_dangling(&mut warnings);
-    let mesh = soup.into_mesh(limits)?;
-    Ok(ObjFile { mesh, materials: libraries.materials, warnings: warnings.finish() })
+    let mesh = soup.into_mesh(limits, &mut warnings)?;
+    Ok(ObjFile { mesh, materials: libraries.finish(), warnings: warnings.finish() })
 }
 
 fn texture_coordinate(statement: &Statement) -> Result<[f32; 2], ReadError> {
@@ -81,77 +94,11 @@ fn texture_coordinate(statement: &Statement) -> Result<[f32; 2], ReadError> {
     statement.numbers()
 }
 
-/// The libraries that were loaded.
-#[derive(Default)]
-struct Libraries {
-    names: Vec<String>,
-    materials: Vec<(String, MtlMaterial)>,
-}
-
-impl Libraries {
-    /// Loads what a `mtllib` line names: one file whose name may have spaces in it, or else several.
-    fn load(
-        &mut self,
-        statement: &Statement,
-        limits: &Limits,
-        library: &mut dyn FnMut(&str) -> Option<Vec<u8>>,
-        warnings: &mut Warnings,
-    ) -> Result<(), ReadError> {
-        let whole = statement.name();
-        if self.names.iter().any(|name| name == whole) {
-            return Ok(());
-        }
-        self.names.push(whole.to_string());
-        if let Some(bytes) = library(whole) {
-            return self.add(whole, &bytes, statement.line, limits, warnings);
-        }
-        let names: Vec<&str> = statement.words().collect();
-        for &name in &names {
-            let found = if names.len() > 1 { library(name) } else { None };
-            match found {
-                Some(bytes) => self.add(name, &bytes, statement.line, limits, warnings)?,
-                None => warnings.once(&format!("mtllib {name}"), || {
-                    let name = quoted(name.as_bytes());
-                    format!("line {}: the material library {name} was not found", statement.line)
-                }),
-            }
-        }
-        Ok(())
-    }
-
-    fn add(
-        &mut self,
-        name: &str,
-        bytes: &[u8],
-        line: usize,
-        limits: &Limits,
-        warnings: &mut Warnings,
-    ) -> Result<(), ReadError> {
-        let file = mtl::read(bytes, limits).map_err(|error| {
-            ReadError::line(line, format!("in the material library {}, {error}", quoted(name.as_bytes())))
-        })?;
-        for warning in file.warnings {
-            warnings.once(&format!("{name} {warning}"), || format!("{name}, {warning}"));
-        }
-        for (material, value) in file.materials {
-            if self.has(&material) {
-                warnings.once(&format!("newmtl {material}"), || {
-                    format!("{name}: the material {} is there already", quoted(material.as_bytes()))
-                });
-            } else {
-                self.materials.push((material, value));
-            }
-        }
-        Ok(())
-    }
-
-    fn has(&self, material: &str) -> bool {
-        self.materials.iter().any(|(name, _)| name == material)
-    }
-}
-
 /// An index that a corner doesn't have.
 const NONE: u32 = u32::MAX;
+
+/// What a corner names.
+const NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// A corner of a face: indices of its position, texture coordinate and normal.
 type Corner = [u32; 3];
@@ -168,6 +115,8 @@ struct Soup {
     /// The group and material of the faces to come.
     name: String,
     material: Option<String>,
+    /// Whether vertices have colours.
+    has_colours: bool,
 }
 
 /// A face: where its corners end, and its line.
@@ -188,7 +137,7 @@ impl Soup {
         let line = statement.line;
         let start = self.corners.len();
         for word in statement.words() {
-            let corner = self.corner(word, line)?;
+            let corner = self.corner(word, statement, warnings)?;
             self.corners.push(corner);
         }
         if self.corners.len() - start < 3 {
@@ -206,7 +155,13 @@ impl Soup {
     }
 
     /// A corner such as 1, 1/2, 1//3, 1/2/3 or -1/-1/-1. Whether there are so many vertices is known at the end.
-    fn corner(&self, word: &str, line: usize) -> Result<Corner, ReadError> {
+    fn corner(
+        &self,
+        word: &str,
+        statement: &Statement,
+        warnings: &mut Warnings,
+    ) -> Result<Corner, ReadError> {
+        let line = statement.line;
         let counts = [self.positions.len(), self.uvs.len(), self.normals.len()];
         let mut corner = [NONE; 3];
         let mut parts = word.split('/');
@@ -215,14 +170,20 @@ impl Soup {
                 continue;
             }
             let wrong = || {
-                let word = quoted(word.as_bytes());
-                ReadError::line(
-                    line,
-                    format!("expected a corner such as 1, 1/2, 1//3 or 1/2/3, found {word}"),
-                )
+                let found = statement.found(word);
+                ReadError::line(line, format!("expected a corner such as 1, 1/2, 1//3 or 1/2/3{found}"))
             };
             let index: i64 = part.parse().map_err(|_| wrong())?;
             let absolute = match index {
+                // Cinema 4D and others number what a corner doesn't have as 0.
+                0 if k > 0 => {
+                    let what = NAMES[k];
+                    warnings.surely_once(&format!("0 {what}"), || {
+                        let then = if k == 1 { "it is at 0, 0" } else { "the face is flat" };
+                        format!("line {line}: a corner has the {what} 0, where OBJ counts from 1: it has none, {then}")
+                    });
+                    continue;
+                }
                 0 => return Err(ReadError::line(line, format!("index 0 in '{word}': OBJ counts from 1"))),
                 1.. => index - 1,
                 _ => count as i64 + index,
@@ -231,7 +192,10 @@ impl Soup {
             corner[k] = known.ok_or_else(|| out_of_range(k, index, count, line))?;
         }
         if parts.next().is_some() {
-            return Err(ReadError::line(line, format!("too many indices in {}", quoted(word.as_bytes()))));
+            return Err(ReadError::line(
+                line,
+                format!("too many indices for a corner{}", statement.found(word)),
+            ));
         }
         Ok(corner)
     }
@@ -248,7 +212,13 @@ impl Soup {
         }
     }
 
-    fn into_mesh(mut self, limits: &Limits) -> Result<Mesh, ReadError> {
+    fn into_mesh(mut self, limits: &Limits, warnings: &mut Warnings) -> Result<Mesh, ReadError> {
+        let finite = |list: &[[f32; 3]]| list.iter().flatten().all(|v| v.is_finite());
+        let (sound_positions, sound_normals) = (finite(&self.positions), finite(&self.normals));
+        let (mut odd_positions, mut odd_normals) = (Odd::default(), Odd::default());
+        if self.has_colours {
+            warnings.surely_once("colours", || colours_left_out("vertices"));
+        }
         let has_uvs = self.corners.iter().any(|corner| corner[1] != NONE);
         let has_normals = self.corners.iter().any(|corner| corner[2] != NONE);
         let mut mesh = Mesh::default();
@@ -267,12 +237,22 @@ impl Soup {
             check_range(corners, [self.positions.len(), self.uvs.len(), self.normals.len()], face.line)?;
             points.clear();
             points.extend(corners.iter().map(|corner| self.positions[corner[0] as usize]));
-            if has_normals && corners.iter().any(|corner| corner[2] == NONE) {
+            if !sound_positions && !finite(&points) {
+                odd_positions.add(face.line);
+                continue;
+            }
+            let is_odd = |n: Option<&[f32; 3]>| n.is_some_and(|n| n.iter().any(|v| !v.is_finite()));
+            let has_odd =
+                !sound_normals && corners.iter().any(|corner| is_odd(self.normals.get(corner[2] as usize)));
+            if has_odd {
+                odd_normals.add(face.line);
+            }
+            if has_normals && (has_odd || corners.iter().any(|corner| corner[2] == NONE)) {
                 // In a mesh with normals a face without them is flat.
                 check("normals", self.normals.len() as u64, u64::from(NONE - 1))?;
                 let normal = self.normals.len() as u32;
                 self.normals.push(flat_normal(&points));
-                corners.iter_mut().filter(|corner| corner[2] == NONE).for_each(|corner| corner[2] = normal);
+                corners.iter_mut().for_each(|corner| corner[2] = normal);
             }
             indices.clear();
             for corner in corners.iter() {
@@ -297,8 +277,24 @@ impl Soup {
             })?;
             check("triangles", mesh.triangles.len() as u64, limits.max_triangles)?;
         }
+        if odd_positions.count > 0 {
+            warnings.surely_once("odd positions", || {
+                odd_positions.tell(
+                    "has a vertex that is not finite and is left out",
+                    "have vertices that are not finite and are left out",
+                )
+            });
+        }
+        if odd_normals.count > 0 {
+            warnings.surely_once("odd normals", || {
+                odd_normals.tell(
+                    "has a normal that is not finite and is flat",
+                    "have normals that are not finite and are flat",
+                )
+            });
+        }
         if mesh.triangles.is_empty() {
-            return Err(ReadError::file("the mesh is empty: it has no face with three corners"));
+            return Err(ReadError::file(super::empty(odd_positions.count)));
         }
         if self.runs.iter().any(|run| run.material.is_some()) {
             let ends = starts.iter().skip(1).copied().chain([mesh.triangles.len()]);
@@ -315,6 +311,33 @@ impl Soup {
     }
 }
 
+/// Faces in which something isn't a finite number.
+#[derive(Default)]
+struct Odd {
+    count: u64,
+    first_line: usize,
+}
+
+impl Odd {
+    fn add(&mut self, line: usize) {
+        if self.count == 0 {
+            self.first_line = line;
+        }
+        self.count += 1;
+    }
+
+    /// In words for one face and for several.
+    fn tell(&self, one: &str, several: &str) -> String {
+        let (faces, line) = (count(self.count, "face"), self.first_line);
+        let what = if self.count == 1 { one } else { several };
+        if self.count == 1 {
+            format!("line {line}: {faces} {what}")
+        } else {
+            format!("{faces} {what}, the first in line {line}")
+        }
+    }
+}
+
 fn check_range(corners: &[Corner], counts: [usize; 3], line: usize) -> Result<(), ReadError> {
     for corner in corners {
         for (k, (&index, count)) in corner.iter().zip(counts).enumerate() {
@@ -327,22 +350,8 @@ fn check_range(corners: &[Corner], counts: [usize; 3], line: usize) -> Result<()
 }
 
 fn out_of_range(k: usize, index: i64, count: usize, line: usize) -> ReadError {
-    let what = ["vertex", "texture coordinate", "normal"][k];
+    let what = NAMES[k];
     ReadError::line(line, format!("a face names {what} {index}, but there are {count}"))
-}
-
-/// The vector area of a polygon (Newell's method), as a normal of unit length.
-fn flat_normal(points: &[[f32; 3]]) -> [f32; 3] {
-    let mut normal = [0.0f64; 3];
-    for (a, b) in points.iter().zip(points.iter().cycle().skip(1)) {
-        let [a, b] = [a, b].map(|p| p.map(f64::from));
-        for (k, component) in normal.iter_mut().enumerate() {
-            let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-            *component += (a[u] - b[u]) * (a[v] + b[v]);
-        }
-    }
-    let length = normal.iter().map(|v| v * v).sum::<f64>().sqrt();
-    if length > 0.0 { normal.map(|v| (v / length) as f32) } else { [0.0, 0.0, 1.0] }
 }
 
 /// The vertices that exist already, by corner. Only looked up, never listed, so that their order is that of use.

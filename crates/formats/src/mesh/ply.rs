@@ -3,17 +3,37 @@
 //! Read are the elements `vertex` (properties x y z; nx ny nz; and one of u v, s t, texture_u texture_v), `face` and
 //! `tristrips` (a list named vertex_indices or vertex_index; -1 ends a strip). Everything else that the header
 //! declares is skipped. Faces of one or two corners have no area and are left out. Numbers of the ASCII form are
-//! separated by any white space, so that a record may run over several lines.
+//! separated by any white space, so that a record may run over several lines. Lines of the header end in a line feed, a
+//! carriage return or both.
+
+mod header;
 
 use straal_scene::Mesh;
 
-use super::polygon;
+use self::header::{Element, Encoding, Header, Kind, Property, Scalar};
+use super::{colours_left_out, count, polygon};
 use crate::limits::check;
+use crate::number;
 use crate::read_error::quoted;
 use crate::{Limits, Place, ReadError};
 
+/// What a PLY file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlyFile {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What was passed over.
+    pub warnings: Vec<String>,
+}
+
+/// Whether a file begins as a PLY file does: with a line `ply`, perhaps after a byte order mark and blank lines.
+pub fn is_ply(bytes: &[u8]) -> bool {
+    let rest = bytes[header::start(bytes)..].strip_prefix(b"ply");
+    rest.is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
+}
+
 /// Reads a mesh. One without a triangle is an error.
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Mesh, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<PlyFile, ReadError> {
     limits.check_bytes(bytes)?;
     let header = Header::parse(bytes)?;
     match header.encoding {
@@ -27,23 +47,38 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Mesh, ReadError> {
 
 /// Reads the elements in the order of the header. Faces need the vertices, so that faces that come first are passed
 /// over and read at the end.
-fn read_body<B: Body>(header: &Header, mut body: B, limits: &Limits) -> Result<Mesh, ReadError> {
-    let mut mesh = Mesh::default();
+fn read_body<B: Body>(header: &Header, mut body: B, limits: &Limits) -> Result<PlyFile, ReadError> {
+    let mut reader = Reader { mesh: Mesh::default(), limits, is_finite: true, odd_faces: 0 };
     let mut later = Vec::new();
     let mut have_vertices = false;
-    for element in &header.elements {
+    let is_wanted = |element: &Element| element.name == "vertex" || element.holds_faces();
+    let wanted = header.elements.iter().rposition(is_wanted).map_or(0, |last| last + 1);
+    for (i, element) in header.elements.iter().enumerate() {
+        if !B::KNOWS_WIDTHS
+            && let Some((line, name)) = &element.unknown
+        {
+            if i >= wanted {
+                // Nothing behind it is needed.
+                break;
+            }
+            let name = quoted(name.as_bytes());
+            return Err(ReadError::line(
+                *line,
+                format!("unknown property type {name}: how many bytes it takes isn't known"),
+            ));
+        }
         check_promise(element, &body)?;
         if element.name == "vertex" {
             if have_vertices {
                 return Err(ReadError::line(element.line, "a second 'vertex' element"));
             }
             check("vertices", element.count, limits.max_vertices.min(u64::from(u32::MAX)))?;
-            read_vertices(element, &mut body, &mut mesh)?;
+            reader.vertices(element, &mut body)?;
             have_vertices = true;
         } else if !element.holds_faces() {
             skip(element, &mut body)?;
         } else if have_vertices {
-            read_faces(element, &mut body, &mut mesh, limits)?;
+            reader.faces(element, &mut body)?;
         } else {
             later.push((element, body.clone()));
             skip(element, &mut body)?;
@@ -53,12 +88,26 @@ fn read_body<B: Body>(header: &Header, mut body: B, limits: &Limits) -> Result<M
         return Err(ReadError::file("there is no 'vertex' element"));
     }
     for (element, mut body) in later {
-        read_faces(element, &mut body, &mut mesh, limits)?;
+        reader.faces(element, &mut body)?;
     }
-    if mesh.triangles.is_empty() {
-        return Err(ReadError::file("the mesh is empty: it has no face with three corners"));
+    let mut warnings = Vec::new();
+    let coloured = |name: &str| header.elements.iter().any(|e| e.name == name && e.has_colours());
+    warnings.extend(coloured("vertex").then(|| colours_left_out("vertices")));
+    warnings.extend(coloured("face").then(|| colours_left_out("faces")));
+    if reader.odd_faces > 0 {
+        let faces = count(reader.odd_faces, "face");
+        let what = if reader.odd_faces == 1 {
+            "has a vertex that is not finite and is left out"
+        } else {
+            "have vertices that are not finite and are left out"
+        };
+        warnings.push(format!("{faces} {what}"));
     }
-    Ok(mesh)
+    if reader.mesh.triangles.is_empty() {
+        return Err(ReadError::file(super::empty(reader.odd_faces)));
+    }
+    warnings.extend(reader.flatten_odd_normals()?);
+    Ok(PlyFile { mesh: reader.mesh, warnings })
 }
 
 /// Refuses an element whose records can't all be in what is left of the file, before anything is done for it.
@@ -100,117 +149,175 @@ const VERTEX_NAMES: [&[&str]; 8] = [
     &["v", "t", "texture_v", "texture_t"],
 ];
 
-fn read_vertices<B: Body>(element: &Element, body: &mut B, mesh: &mut Mesh) -> Result<(), ReadError> {
-    let mut found = [false; 8];
-    let mut plan = Vec::with_capacity(element.properties.len());
-    for property in &element.properties {
-        let slot = VERTEX_NAMES.iter().position(|names| names.contains(&property.name.as_str()));
-        let slot = slot.filter(|&slot| matches!(property.kind, Kind::Scalar(_)) && !found[slot]);
-        if let Some(slot) = slot {
-            found[slot] = true;
-        }
-        plan.push((property.kind, slot));
-    }
-    if let Some(missing) = (0..3).find(|&k| !found[k]) {
-        let name = VERTEX_NAMES[missing][0];
-        return Err(ReadError::line(element.line, format!("the vertices have no property '{name}'")));
-    }
-    let has_normals = found[3] && found[4] && found[5];
-    let has_uvs = found[6] && found[7];
-    let count = element.count as usize; // proven by the file's size
-    mesh.positions.reserve_exact(count);
-    mesh.normals.reserve_exact(if has_normals { count } else { 0 });
-    mesh.uvs.reserve_exact(if has_uvs { count } else { 0 });
-    for _ in 0..count {
-        let mut record = [0.0f32; 8];
-        for &(kind, slot) in &plan {
-            match (kind, slot) {
-                (Kind::Scalar(scalar), Some(slot)) => record[slot] = body.number(scalar)?,
-                _ => body.skip(kind)?,
-            }
-        }
-        let [x, y, z, nx, ny, nz, u, v] = record;
-        mesh.positions.push([x, y, z]);
-        if has_normals {
-            mesh.normals.push([nx, ny, nz]);
-        }
-        if has_uvs {
-            mesh.uvs.push([u, v]);
-        }
-    }
-    Ok(())
+/// A mesh that is being read.
+struct Reader<'a> {
+    mesh: Mesh,
+    limits: &'a Limits,
+    /// Whether all vertices so far are finite.
+    is_finite: bool,
+    /// Faces that were left out because a vertex isn't.
+    odd_faces: u64,
 }
 
-fn read_faces<B: Body>(
-    element: &Element,
-    body: &mut B,
-    mesh: &mut Mesh,
-    limits: &Limits,
-) -> Result<(), ReadError> {
-    let is_list = |p: &Property| matches!(p.kind, Kind::List { .. }) && is_index_list(&p.name);
-    let Some(list) = element.properties.iter().position(is_list) else {
-        let problem = format!("'{}' has no list named 'vertex_indices' or 'vertex_index'", element.name);
-        return Err(ReadError::line(element.line, problem));
-    };
-    let is_strips = element.name == "tristrips";
-    if !is_strips {
-        mesh.triangles.reserve(element.count as usize); // proven by the file's size
-    }
-    let mut corners: Vec<u32> = Vec::new();
-    let mut points: Vec<[f32; 3]> = Vec::new();
-    for face in 0..element.count {
-        for (i, property) in element.properties.iter().enumerate() {
-            match property.kind {
-                Kind::List { count, item } if i == list => {
-                    let place = body.place();
-                    let told = |problem: String| ReadError::at(place, format!("face {face} {problem}"));
-                    let count = body.list_length(count, item)?;
-                    corners.clear();
-                    for _ in 0..count {
-                        let index = body.integer(item)?;
-                        if is_strips && index == -1 {
-                            push_strip(&corners, mesh);
-                            corners.clear();
-                            continue;
-                        }
-                        let known = mesh.positions.len();
-                        match u32::try_from(index) {
-                            Ok(index) if (index as usize) < known => corners.push(index),
-                            _ => return Err(told(format!("names vertex {index}, but there are {known}"))),
-                        }
-                    }
-                    if is_strips {
-                        push_strip(&corners, mesh);
-                    } else if let &[a, b, c] = corners.as_slice() {
-                        mesh.triangles.push([a, b, c]);
-                    } else {
-                        points.clear();
-                        points.extend(corners.iter().map(|&i| mesh.positions[i as usize]));
-                        let triangles = &mut mesh.triangles;
-                        polygon::triangulate(&points, |t| triangles.push(t.map(|i| corners[i]))).map_err(
-                            |_| {
-                                let most = polygon::MAX_CONCAVE_CORNERS;
-                                told(format!("is concave with {count} corners, the limit is {most}"))
-                            },
-                        )?;
-                    }
-                    check("triangles", mesh.triangles.len() as u64, limits.max_triangles)?;
+impl Reader<'_> {
+    fn vertices<B: Body>(&mut self, element: &Element, body: &mut B) -> Result<(), ReadError> {
+        let mut found = [false; 8];
+        let mut plan = Vec::with_capacity(element.properties.len());
+        for property in &element.properties {
+            let slot = VERTEX_NAMES.iter().position(|names| names.contains(&property.name.as_str()));
+            let slot = slot.filter(|&slot| matches!(property.kind, Kind::Scalar(_)) && !found[slot]);
+            if let Some(slot) = slot {
+                found[slot] = true;
+            }
+            plan.push((property.kind, slot));
+        }
+        if let Some(missing) = (0..3).find(|&k| !found[k]) {
+            let name = VERTEX_NAMES[missing][0];
+            return Err(ReadError::line(element.line, format!("the vertices have no property '{name}'")));
+        }
+        let has_normals = found[3] && found[4] && found[5];
+        let has_uvs = found[6] && found[7];
+        let mesh = &mut self.mesh;
+        let count = element.count as usize; // proven by the file's size
+        mesh.positions.reserve_exact(count);
+        mesh.normals.reserve_exact(if has_normals { count } else { 0 });
+        mesh.uvs.reserve_exact(if has_uvs { count } else { 0 });
+        for _ in 0..count {
+            let mut record = [0.0f32; 8];
+            for &(kind, slot) in &plan {
+                match (kind, slot) {
+                    (Kind::Scalar(scalar), Some(slot)) => record[slot] = body.number(scalar)?,
+                    _ => body.skip(kind)?,
                 }
-                kind => body.skip(kind)?,
+            }
+            let [x, y, z, nx, ny, nz, u, v] = record;
+            self.is_finite &= x.is_finite() && y.is_finite() && z.is_finite();
+            mesh.positions.push([x, y, z]);
+            if has_normals {
+                mesh.normals.push([nx, ny, nz]);
+            }
+            if has_uvs {
+                mesh.uvs.push([u, v]);
             }
         }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Adds the triangles of a strip, every second one turned so that all wind the same way. Degenerate ones, which
-/// only stitch strips together, are left out.
-fn push_strip(strip: &[u32], mesh: &mut Mesh) {
-    for (i, corner) in strip.windows(3).enumerate() {
-        let [a, b, c] = [corner[0], corner[1], corner[2]];
-        if a != b && b != c && a != c {
-            mesh.triangles.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+    fn faces<B: Body>(&mut self, element: &Element, body: &mut B) -> Result<(), ReadError> {
+        let is_list = |p: &Property| matches!(p.kind, Kind::List { .. }) && is_index_list(&p.name);
+        let Some(list) = element.properties.iter().position(is_list) else {
+            let problem = format!("'{}' has no list named 'vertex_indices' or 'vertex_index'", element.name);
+            return Err(ReadError::line(element.line, problem));
+        };
+        let is_strips = element.name == "tristrips";
+        if !is_strips {
+            self.mesh.triangles.reserve(element.count as usize); // proven by the file's size
         }
+        let mut corners: Vec<u32> = Vec::new();
+        let mut points: Vec<[f32; 3]> = Vec::new();
+        for face in 0..element.count {
+            for (i, property) in element.properties.iter().enumerate() {
+                match property.kind {
+                    Kind::List { count, item } if i == list => {
+                        let place = body.place();
+                        let told = |problem: String| ReadError::at(place, format!("face {face} {problem}"));
+                        let count = body.list_length(count, item)?;
+                        corners.clear();
+                        for _ in 0..count {
+                            let index = body.integer(item)?;
+                            if is_strips && index == -1 {
+                                self.strip(&corners);
+                                corners.clear();
+                                continue;
+                            }
+                            let known = self.mesh.positions.len();
+                            match u32::try_from(index) {
+                                Ok(index) if (index as usize) < known => corners.push(index),
+                                _ => {
+                                    return Err(told(format!("names vertex {index}, but there are {known}")));
+                                }
+                            }
+                        }
+                        if is_strips {
+                            self.strip(&corners);
+                        } else if !self.is_finite && corners.len() > 2 && !self.are_finite(&corners) {
+                            self.odd_faces += 1;
+                        } else if let &[a, b, c] = corners.as_slice() {
+                            self.mesh.triangles.push([a, b, c]);
+                        } else {
+                            points.clear();
+                            points.extend(corners.iter().map(|&i| self.mesh.positions[i as usize]));
+                            let triangles = &mut self.mesh.triangles;
+                            polygon::triangulate(&points, |t| triangles.push(t.map(|i| corners[i])))
+                                .map_err(|_| {
+                                    let most = polygon::MAX_CONCAVE_CORNERS;
+                                    told(format!("is concave with {count} corners, the limit is {most}"))
+                                })?;
+                        }
+                        check("triangles", self.mesh.triangles.len() as u64, self.limits.max_triangles)?;
+                    }
+                    kind => body.skip(kind)?,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the triangles of a strip, every second one turned so that all wind the same way. Degenerate ones, which
+    /// only stitch strips together, are left out.
+    fn strip(&mut self, strip: &[u32]) {
+        for (i, corner) in strip.windows(3).enumerate() {
+            let [a, b, c] = [corner[0], corner[1], corner[2]];
+            if a == b || b == c || a == c {
+                continue;
+            }
+            if !self.is_finite && !self.are_finite(corner) {
+                self.odd_faces += 1;
+                continue;
+            }
+            self.mesh.triangles.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+        }
+    }
+
+    fn are_finite(&self, corners: &[u32]) -> bool {
+        corners.iter().all(|&i| self.mesh.positions[i as usize].iter().all(|v| v.is_finite()))
+    }
+
+    /// Gives triangles with a normal that isn't finite vertices of their own, with the normal of the triangle.
+    fn flatten_odd_normals(&mut self) -> Result<Option<String>, ReadError> {
+        let Mesh { positions, normals, uvs, triangles, .. } = &mut self.mesh;
+        let is_odd = |n: &[f32; 3]| n.iter().any(|v| !v.is_finite());
+        if !normals.iter().any(is_odd) {
+            return Ok(None);
+        }
+        if normals.iter().all(is_odd) {
+            normals.clear();
+            return Ok(Some("its normals are not finite and are left out".to_owned()));
+        }
+        let mut flat = 0;
+        for triangle in triangles {
+            if !triangle.iter().any(|&i| is_odd(&normals[i as usize])) {
+                continue;
+            }
+            flat += 1;
+            let first = positions.len() as u64;
+            check("vertices", first + 3, self.limits.max_vertices.min(u64::from(u32::MAX)))?;
+            let corners = triangle.map(|i| positions[i as usize]);
+            for (k, i) in triangle.iter_mut().enumerate() {
+                positions.push(corners[k]);
+                normals.push(super::flat_normal(&corners));
+                if let Some(&uv) = uvs.get(*i as usize) {
+                    uvs.push(uv);
+                }
+                *i = first as u32 + k as u32;
+            }
+        }
+        let what = if flat == 1 {
+            "has a normal that is not finite and is flat"
+        } else {
+            "have normals that are not finite and are flat"
+        };
+        Ok((flat > 0).then(|| format!("{} {what}", count(flat, "triangle"))))
     }
 }
 
@@ -218,169 +325,11 @@ fn is_index_list(name: &str) -> bool {
     name == "vertex_indices" || name == "vertex_index"
 }
 
-/// What the header declares.
-struct Header {
-    encoding: Encoding,
-    elements: Vec<Element>,
-    /// Bytes and lines up to and with `end_header`.
-    length: usize,
-    lines: usize,
-}
-
-#[derive(Clone, Copy)]
-enum Encoding {
-    Ascii,
-    Little,
-    Big,
-}
-
-struct Element {
-    name: String,
-    count: u64,
-    properties: Vec<Property>,
-    /// The header's line that declares it.
-    line: usize,
-}
-
-struct Property {
-    name: String,
-    kind: Kind,
-}
-
-#[derive(Clone, Copy)]
-enum Kind {
-    Scalar(Scalar),
-    List { count: Scalar, item: Scalar },
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Element {
-    fn holds_faces(&self) -> bool {
-        self.name == "face" || self.name == "tristrips"
-    }
-}
-
-impl Header {
-    fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
-        if !bytes.starts_with(b"ply") {
-            return Err(ReadError::file("not a PLY file: it doesn't begin with 'ply'"));
-        }
-        let mut encoding = None;
-        let mut elements: Vec<Element> = Vec::new();
-        let mut at = 0;
-        let mut line = 0;
-        loop {
-            let Some(length) = bytes[at..].iter().position(|&b| b == b'\n') else {
-                return Err(ReadError::line(line + 1, "the header has no 'end_header'"));
-            };
-            line += 1;
-            let text = bytes[at..at + length].trim_ascii();
-            at += length + 1;
-            let text = std::str::from_utf8(text).unwrap_or("?");
-            let words: Vec<&str> = text.split_ascii_whitespace().take(6).collect();
-            match words.as_slice() {
-                ["ply"] if line == 1 => {}
-                [] | ["comment" | "obj_info", ..] => {}
-                ["format", name, ..] => {
-                    encoding = Some(match *name {
-                        "ascii" => Encoding::Ascii,
-                        "binary_little_endian" => Encoding::Little,
-                        "binary_big_endian" => Encoding::Big,
-                        _ => {
-                            let name = quoted(name.as_bytes());
-                            return Err(ReadError::line(line, format!("unknown format {name}")));
-                        }
-                    });
-                }
-                ["element", name, count] => {
-                    let count = count.parse().map_err(|_| {
-                        let count = quoted(count.as_bytes());
-                        ReadError::line(line, format!("expected a number of elements, found {count}"))
-                    })?;
-                    elements.push(Element { name: (*name).to_string(), count, properties: Vec::new(), line });
-                }
-                ["property", rest @ ..] => {
-                    let Some(element) = elements.last_mut() else {
-                        return Err(ReadError::line(line, "a property before the first element"));
-                    };
-                    element.properties.push(Property::parse(rest, line)?);
-                }
-                ["end_header"] => break,
-                _ => {
-                    let text = quoted(text.as_bytes());
-                    return Err(ReadError::line(line, format!("unknown header line {text}")));
-                }
-            }
-        }
-        let Some(encoding) = encoding else {
-            return Err(ReadError::file("the header has no 'format' line"));
-        };
-        Ok(Self { encoding, elements, length: at, lines: line })
-    }
-}
-
-impl Property {
-    fn parse(words: &[&str], line: usize) -> Result<Self, ReadError> {
-        let scalar = |word: &str| {
-            Scalar::named(word).ok_or_else(|| {
-                ReadError::line(line, format!("unknown property type {}", quoted(word.as_bytes())))
-            })
-        };
-        match words {
-            ["list", count, item, name] => {
-                let (count, item) = (scalar(count)?, scalar(item)?);
-                if matches!(count, Scalar::F32 | Scalar::F64) {
-                    return Err(ReadError::line(line, "a list's length must be of an integer type"));
-                }
-                Ok(Self { name: (*name).to_string(), kind: Kind::List { count, item } })
-            }
-            [kind, name] => Ok(Self { name: (*name).to_string(), kind: Kind::Scalar(scalar(kind)?) }),
-            _ => Err(ReadError::line(
-                line,
-                "expected 'property TYPE NAME' or 'property list COUNT_TYPE ITEM_TYPE NAME'",
-            )),
-        }
-    }
-}
-
-impl Scalar {
-    fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-}
-
 /// The part of the file after the header, read number by number.
 trait Body: Clone {
+    /// Whether numbers of a type that isn't known can be passed over.
+    const KNOWS_WIDTHS: bool;
+
     /// Where the next number is.
     fn place(&self) -> Place;
     /// How many bytes are left.
@@ -438,6 +387,8 @@ impl Binary<'_> {
 }
 
 impl Body for Binary<'_> {
+    const KNOWS_WIDTHS: bool = false;
+
     fn place(&self) -> Place {
         Place::Byte(self.at)
     }
@@ -456,6 +407,7 @@ impl Body for Binary<'_> {
         Ok(match scalar {
             Scalar::F32 => f32::from_le_bytes(self.take()?),
             Scalar::F64 => f64::from_le_bytes(self.take()?) as f32,
+            Scalar::U64 => u64::from_le_bytes(self.take()?) as f32,
             _ => self.integer(scalar)? as f32,
         })
     }
@@ -468,6 +420,16 @@ impl Body for Binary<'_> {
             Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
             Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
             Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
+            Scalar::I64 => i64::from_le_bytes(self.take()?),
+            Scalar::U64 => {
+                let place = self.place();
+                let number = u64::from_le_bytes(self.take()?);
+                i64::try_from(number)
+                    .map_err(|_| ReadError::at(place, format!("the number {number} is too large")))?
+            }
+            Scalar::Other(_) => {
+                return Err(ReadError::at(self.place(), "a number of a type that can only be passed over"));
+            }
             Scalar::F32 => whole(f32::from_le_bytes(self.take()?).into(), self.place())?,
             Scalar::F64 => whole(f64::from_le_bytes(self.take()?), self.place())?,
         })
@@ -493,7 +455,8 @@ struct Ascii<'a> {
 impl<'a> Ascii<'a> {
     fn word(&mut self) -> Result<&'a str, ReadError> {
         while let Some(byte) = self.bytes.get(self.at).filter(|b| b.is_ascii_whitespace()) {
-            self.line += usize::from(*byte == b'\n');
+            let is_alone = || self.bytes.get(self.at + 1) != Some(&b'\n');
+            self.line += usize::from(*byte == b'\n' || *byte == b'\r' && is_alone());
             self.at += 1;
         }
         let rest = &self.bytes[self.at..];
@@ -511,9 +474,13 @@ impl<'a> Ascii<'a> {
 }
 
 impl Body for Ascii<'_> {
+    /// White space tells where a number ends, whatever it is.
+    const KNOWS_WIDTHS: bool = true;
+
     fn place(&self) -> Place {
-        let blank = self.bytes[self.at..].iter().take_while(|b| b.is_ascii_whitespace());
-        Place::Line(self.line + blank.filter(|&&b| b == b'\n').count())
+        let rest = &self.bytes[self.at..];
+        let blank = rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
+        Place::Line(self.line + header::line_ends(&rest[..blank]))
     }
 
     fn left(&self) -> u64 {
@@ -527,7 +494,7 @@ impl Body for Ascii<'_> {
 
     fn number(&mut self, _: Scalar) -> Result<f32, ReadError> {
         let word = self.word()?;
-        word.parse().map_err(|_| self.not_a_number(word.as_bytes()))
+        number::single(word).ok_or_else(|| self.not_a_number(word.as_bytes()))
     }
 
     fn integer(&mut self, _: Scalar) -> Result<i64, ReadError> {
@@ -535,7 +502,8 @@ impl Body for Ascii<'_> {
         match word.parse() {
             Ok(integer) => Ok(integer),
             Err(_) => {
-                whole(word.parse().map_err(|_| self.not_a_number(word.as_bytes()))?, Place::Line(self.line))
+                let number = number::double(word).ok_or_else(|| self.not_a_number(word.as_bytes()))?;
+                whole(number, Place::Line(self.line))
             }
         }
     }

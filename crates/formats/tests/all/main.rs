@@ -1,10 +1,13 @@
 //! The integration tests of this crate, in one program: linking is what costs when there are many.
 
 mod bare_mesh;
+mod colours;
 mod common;
 mod complaints;
+mod files;
 mod images;
 mod obj;
 mod ply;
 mod scenes;
 mod schema;
+mod windows;

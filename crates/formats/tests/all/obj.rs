@@ -17,7 +17,7 @@ fn told(text: &str) -> String {
     read(text).unwrap_err().to_string()
 }
 
-const SQUARE: &str = "v 0 0 0\nv 1 0 0 1.0\nv 1 1 0 .5 .5 .5\nv 0 1 0\n";
+const SQUARE: &str = "v 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
 fn all_forms_of_corners() {
@@ -117,12 +117,13 @@ fn materials_keep_what_the_file_says() {
         transmission: Some([0.7, 0.8, 0.9]),
         shininess: Some(96.5),
         ior: Some(1.45),
-        opacity: Some(0.25),
+        dissolve: Some(0.25),
+        transparency: None,
         illumination: Some(7),
         roughness: Some(0.3),
         metallic: Some(1.0),
     };
-    let late = MtlMaterial { opacity: Some(0.5), ..MtlMaterial::default() };
+    let late = MtlMaterial { dissolve: Some(0.75), transparency: Some(0.5), ..MtlMaterial::default() };
     assert_eq!(file.materials, [("all".to_string(), all), ("late".to_string(), late)]);
     assert_eq!(
         file.warnings,
@@ -137,7 +138,7 @@ fn materials_keep_what_the_file_says() {
 fn messages_say_what_and_where() {
     assert_eq!(told(""), "the mesh is empty: it has no face with three corners");
     assert_eq!(told("v 0 0\n"), "line 1: 'v' needs 3 numbers");
-    assert_eq!(told("\n# points\nv 0 zero 0\n"), "line 3: expected a number, found 'zero'");
+    assert_eq!(told("\n# points\nv 0 0 0\nv 0 zero 0\n"), "line 4: expected a number, found 'zero'");
     assert_eq!(told(&format!("{SQUARE}f 1 2 5\n")), "line 5: a face names vertex 5, but there are 4");
     assert_eq!(told(&format!("{SQUARE}f 1 2 -5\n")), "line 5: a face names vertex -5, but there are 4");
     assert_eq!(
@@ -149,12 +150,186 @@ fn messages_say_what_and_where() {
         told(&format!("{SQUARE}f 1 2 x\n")),
         "line 5: expected a corner such as 1, 1/2, 1//3 or 1/2/3, found 'x'"
     );
-    assert_eq!(told(&format!("{SQUARE}f 1/1/1/1 2 3\n")), "line 5: too many indices in '1/1/1/1'");
-    let library = obj::read(b"\nmtllib a.mtl\n", &Limits::default(), &mut |_| Some(b"Kd 1 1 1".to_vec()));
+    assert_eq!(
+        told(&format!("{SQUARE}f 1/1/1/1 2 3\n")),
+        "line 5: too many indices for a corner, found '1/1/1/1'"
+    );
+    let library =
+        obj::read(b"\nmtllib a.mtl\n", &Limits::default(), &mut |_| Some(b"newmtl a\nKd x".to_vec()));
     assert_eq!(
         library.unwrap_err().to_string(),
-        "line 2: in the material library 'a.mtl', line 1: 'Kd' comes before the first 'newmtl'"
+        "line 2: in the material library 'a.mtl', line 2: expected a number, found 'x'"
     );
+}
+
+#[test]
+fn lines_end_in_any_of_three_ways() {
+    let text = format!("# two\n{SQUARE}vn 0 0 1\nusemtl red\nf 1 2 \\\n3 4\nf 1 2 x\n");
+    let whole = text.replace("f 1 2 x\n", "");
+    let want = read(&whole).unwrap();
+    for end in ["\r", "\r\n"] {
+        assert_eq!(read(&whole.replace('\n', end)).unwrap().mesh, want.mesh, "{end:?}");
+    }
+    for end in ["\n", "\r", "\r\n"] {
+        let told = told(&text.replace('\n', end));
+        assert!(told.starts_with("line 10: expected a corner"), "{end:?}: {told}");
+    }
+    let paints =
+        mtl::read(b"\xef\xbb\xbfnewmtl red\rKd 1 0 0\r\rnewmtl blue\r\nKd 0 0 1", &Limits::default())
+            .unwrap();
+    let names: Vec<&str> = paints.materials.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!((names, paints.warnings), (vec!["red", "blue"], vec![]));
+    assert_eq!(paints.materials[1].1.diffuse, Some([0., 0., 1.]));
+}
+
+#[test]
+fn numbers_that_are_none_are_read_and_told() {
+    for nan in ["nan", "-nan(ind)", "1.#IND00", "-1.#INF00", "1.#INF", "Infinity"] {
+        let file = read(&format!("{SQUARE}v 0 {nan} 0 # gone\nf 1 2 3\nf 1 3 5\nf 1 2 5 3\n")).unwrap();
+        assert_eq!(file.mesh.triangles, [[0, 1, 2]], "{nan}");
+        assert_eq!(
+            file.warnings,
+            ["2 faces have vertices that are not finite and are left out, the first in line 7"]
+        );
+        let file =
+            read(&format!("{SQUARE}vn 0 1 0\nvn {nan} 0 0\nf 1//1 2//1 3//1\nf 1//1 3//2 4//1\n")).unwrap();
+        assert_eq!(file.mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(
+            file.mesh.normals,
+            [[0., 1., 0.], [0., 1., 0.], [0., 1., 0.], [0., 0., 1.], [0., 0., 1.], [0., 0., 1.]]
+        );
+        assert_eq!(file.warnings, ["line 8: 1 face has a normal that is not finite and is flat"]);
+    }
+    assert_eq!(
+        told("v 0 0 0\nv 1 0 0\nv nan 0 0\nf 1 2 3\n"),
+        "the mesh is empty: 1 face left out, for a vertex is not finite"
+    );
+    let paints =
+        mtl::read(b"newmtl a\nKd 1 0 0\nKd -nan(ind) 0 0\nNi 1.#QNAN0 # x\nd 1.#INF\n", &Limits::default())
+            .unwrap();
+    let want = MtlMaterial { diffuse: Some([1., 0., 0.]), ..MtlMaterial::default() };
+    assert_eq!(paints.materials, [("a".to_owned(), want)]);
+    assert_eq!(paints.warnings[0], "line 3: 'Kd' is not a finite number and has no effect");
+    assert_eq!(paints.warnings.len(), 3);
+}
+
+#[test]
+fn indices_of_zero_name_nothing() {
+    let file =
+        read(&format!("{SQUARE}vt 1 1\nvn 0 1 0\nf 1/1/0 2/1/1 3/1/1\nf 1/0/1 3/1/1 4/1/1\n")).unwrap();
+    assert_eq!(file.mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(file.mesh.normals[..3], [[0., 0., 1.]; 3]);
+    assert_eq!(file.mesh.normals[3..], [[0., 1., 0.]; 3]);
+    assert_eq!(file.mesh.uvs, [[1., 1.], [1., 1.], [1., 1.], [0., 0.], [1., 1.], [1., 1.]]);
+    assert_eq!(
+        file.warnings,
+        [
+            "line 7: a corner has the normal 0, where OBJ counts from 1: it has none, the face is flat",
+            "line 8: a corner has the texture coordinate 0, where OBJ counts from 1: it has none, it is at 0, 0"
+        ]
+    );
+}
+
+#[test]
+fn colours_are_told() {
+    for vertices in [
+        "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0\n",
+        "v 0 0 0 1 1 0 0\nv 1 0 0\nv 1 1 0\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\n#MRGB ff00ff00\n",
+    ] {
+        let [told] = read(&format!("{vertices}f 1 2 3\n")).unwrap().warnings.try_into().unwrap();
+        assert!(told.starts_with("the colours of its vertices are left out"), "{told}");
+    }
+}
+
+#[test]
+fn names_are_found_with_comments_quotes_and_other_slashes() {
+    let material = |usemtl: &str, newmtl: &str| {
+        let text = format!("mtllib a.mtl\n{SQUARE}usemtl {usemtl}\nf 1 2 3\n");
+        let library = format!("newmtl {newmtl}\nKd 1 0 0\n");
+        let file = obj::read(text.as_bytes(), &Limits::default(), &mut |name| {
+            (name == "a.mtl").then(|| library.clone().into_bytes())
+        })
+        .unwrap();
+        let named = file.mesh.parts[0].material.clone().unwrap();
+        let is_there = file.materials.iter().any(|(name, _)| *name == named);
+        (named, is_there, file.warnings)
+    };
+    for (usemtl, newmtl, want) in [
+        ("red # paint", "red", "red"),
+        ("red", "red # paint", "red"),
+        ("\"red\"", "red", "red"),
+        ("'my red'", "\"my red\" # x", "my red"),
+        ("Material #25", "Material #25", "Material"),
+        ("a#1", "a#1", "a#1"),
+    ] {
+        assert_eq!(material(usemtl, newmtl), (want.to_owned(), true, vec![]), "{usemtl} {newmtl}");
+    }
+    // Names that only their hashes tell apart keep them.
+    let text = format!("mtllib a.mtl\n{SQUARE}usemtl Material #2\nf 1 2 3\n");
+    let file = obj::read(text.as_bytes(), &Limits::default(), &mut |_| {
+        Some(b"newmtl Material #1\nKd 1 0 0\nnewmtl Material #2\nKd 0 1 0\n".to_vec())
+    })
+    .unwrap();
+    assert_eq!(file.mesh.parts[0].material.as_deref(), Some("Material #2"));
+    assert_eq!(file.materials[1].0, "Material #2");
+    for (usemtl, newmtl) in [("mats\\red", "mats/red"), ("RED", "Red")] {
+        let (name, is_there, warnings) = material(usemtl, newmtl);
+        assert!(is_there && name == newmtl, "{name}");
+        assert_eq!(
+            warnings,
+            [format!(
+                "no material library has the material '{}': '{newmtl}' is taken",
+                usemtl.escape_debug()
+            )]
+        );
+    }
+}
+
+#[test]
+fn libraries_are_asked_for_by_every_reading_of_a_line() {
+    let asked = |line: &str| {
+        let mut asked = Vec::new();
+        let text = format!("{line}\n{SQUARE}f 1 2 3\n{line}\n");
+        obj::read(text.as_bytes(), &Limits::default(), &mut |name| {
+            asked.push(name.to_owned());
+            None
+        })
+        .unwrap();
+        asked.join("|")
+    };
+    assert_eq!(asked("mtllib a.mtl # by hand"), "a.mtl # by hand|a.mtl");
+    assert_eq!(asked("mtllib \"a b.mtl\""), "\"a b.mtl\"|a b.mtl|a|b.mtl");
+    assert_eq!(asked("mtllib my a.mtl b.mtl"), "my a.mtl b.mtl|my a.mtl|my|a.mtl|b.mtl");
+    // Whatever a file asks for, it is bounded.
+    let mut count = 0;
+    let many: String = (0..100_000).map(|i| format!("mtllib {i}.mtl\nusemtl {i}\n")).collect();
+    let file = obj::read(format!("{many}{SQUARE}f 1 2 3\n").as_bytes(), &Limits::default(), &mut |_| {
+        count += 1;
+        None
+    })
+    .unwrap();
+    assert_eq!(count, 10_000);
+    assert!(file.warnings.iter().any(|w| w.contains("no more are looked for")), "{:?}", file.warnings);
+}
+
+#[test]
+fn what_is_no_such_file_is_not_quoted() {
+    for text in [
+        "v secret 0 0\n",
+        "f secret 1 2\n",
+        "secret:x\nvn 0 secret\n",
+        "vt secret\n",
+        "v 1 2 3# secret\nv secret",
+    ] {
+        let is_obj = text.contains("1 2 3");
+        assert_eq!(told(text).contains("secret"), is_obj, "{text}");
+    }
+    let told = mtl::read(b"root:secret:1\nKd secret\n", &Limits::default()).unwrap();
+    assert_eq!(told.warnings, ["it holds no material: no line begins with 'newmtl'"]);
+    let told = mtl::read(b"Kd secret\nnewmtl a\n", &Limits::default()).unwrap();
+    assert_eq!(told.warnings.len(), 1);
+    assert!(told.warnings[0].starts_with("line 1: what comes before the first 'newmtl'"));
 }
 
 #[test]

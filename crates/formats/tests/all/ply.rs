@@ -7,7 +7,12 @@ use straal_formats::{Limits, ReadError};
 use straal_scene::Mesh;
 
 fn read(bytes: impl AsRef<[u8]>) -> Result<Mesh, ReadError> {
-    ply::read(bytes.as_ref(), &Limits::default())
+    ply::read(bytes.as_ref(), &Limits::default()).map(|file| file.mesh)
+}
+
+/// What is told of a file that is read.
+fn warned(bytes: impl AsRef<[u8]>) -> Vec<String> {
+    ply::read(bytes.as_ref(), &Limits::default()).unwrap().warnings
 }
 
 /// The message for a file that must not be read.
@@ -103,7 +108,10 @@ fn messages_say_what_and_where() {
         "line 3: expected a number of elements, found 'many'"
     );
     assert_eq!(told("ply\nproperty int x\n"), "line 2: a property before the first element");
-    assert_eq!(told("ply\nelement face 1\nproperty quad x\n"), "line 3: unknown property type 'quad'");
+    assert_eq!(
+        told("ply\nformat binary_little_endian 1.0\nelement face 1\nproperty quad x\nend_header\n"),
+        "line 4: unknown property type 'quad': how many bytes it takes isn't known"
+    );
     assert_eq!(told("ply\nformat ascii 1.0\nend_header\n"), "there is no 'vertex' element");
     let vertices = |count: u64| {
         format!(
@@ -135,6 +143,159 @@ fn messages_say_what_and_where() {
     let limits = Limits { max_vertices: 3, ..Limits::default() };
     let many = ply::read(&binary("binary_big_endian", true), &limits).unwrap_err();
     assert_eq!(many.to_string(), "too many vertices: 4, the limit is 3");
+}
+
+/// A square of which lines of the header end in any way.
+fn square(end: &str) -> String {
+    let lines = [
+        "ply",
+        "format ascii 1.0",
+        "comment a square",
+        "element vertex 4",
+        "property float x",
+        "property float y",
+        "property float z",
+        "element face 1",
+        "property list uchar int vertex_indices",
+        "end_header",
+        "0 0 0",
+        "1 0 0",
+        "1 1 0",
+        "0 1 0",
+        "4 0 1 2 3",
+    ];
+    lines.map(|line| format!("{line}{end}")).concat()
+}
+
+#[test]
+fn lines_end_in_any_of_three_ways() {
+    let want = read(square("\n")).unwrap();
+    assert_eq!(want.positions, SQUARE);
+    for end in ["\r", "\r\n", "\n\n", " \r\n"] {
+        assert_eq!(read(square(end)).unwrap(), want, "{end:?}");
+    }
+    let mixed = square("\r").replacen('\r', "\n", 2).replacen('\r', "\r\n", 2);
+    assert_eq!(read(mixed).unwrap(), want);
+    // Lines are counted all the same.
+    assert_eq!(told(square("\r").replace("1 1 0", "1 x 0")), "line 13: expected a number, found 'x'");
+    assert_eq!(told(square("\r\n").replace("1 1 0", "1 x 0")), "line 13: expected a number, found 'x'");
+    assert_eq!(
+        told(square("\r").replace("1 2 3", "1 2 9")),
+        "line 15: face 0 names vertex 9, but there are 4"
+    );
+}
+
+#[test]
+fn binary_numbers_may_begin_with_the_byte_of_a_line_feed() {
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty int x\nproperty char y\n\
+        property char z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+    let body = [10, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 3, 0, 1, 2];
+    let file = |header: &str| [header.as_bytes(), &body].concat();
+    let want = read(file(header)).unwrap();
+    assert_eq!(want.positions, [[10., 0., 0.], [1., 0., 0.], [1., 1., 0.]]);
+    assert_eq!(read(file(&header.replace('\n', "\r"))).unwrap(), want);
+    assert_eq!(read(file(&header.replace('\n', "\r\n"))).unwrap(), want);
+}
+
+#[test]
+fn what_stands_before_the_header_is_passed_over() {
+    let want = read(square("\n")).unwrap();
+    for before in ["\u{feff}", "\n", "\r\n \r\n", "\u{feff}\n\t"] {
+        let file = format!("{before}{}", square("\n"));
+        assert!(ply::is_ply(file.as_bytes()));
+        assert_eq!(read(&file).unwrap(), want, "{before:?}");
+    }
+    assert_eq!(told("\nply\nformat ascii 1.0\n"), "line 4: the header has no 'end_header'");
+    for no in ["plywood", "\nplate", "", "pl"] {
+        assert!(!ply::is_ply(no.as_bytes()), "{no}");
+    }
+    // A comment in another encoding.
+    let latin = [b"ply\ncomment caf\xe9\n".as_slice(), &square("\n").as_bytes()[4..]].concat();
+    assert_eq!(read(latin).unwrap(), want);
+}
+
+#[test]
+fn properties_of_any_type_are_passed_over() {
+    let want = read(square("\n")).unwrap();
+    for kind in ["int64", "uint64", "long", "half", "quad"] {
+        let more = format!("property float z\nproperty {kind} id\nproperty list {kind} {kind} ids\n");
+        let text = square("\n").replace("property float z\n", &more);
+        let text = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"].iter().fold(text, |text, v| {
+            text.replace(&format!("{v}\n"), &format!("{v} -7 2 18446744073709551615 1\n"))
+        });
+        assert_eq!(read(text).unwrap(), want, "{kind}");
+    }
+    let header = |kind: &str, tail: &str| {
+        format!(
+            "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty char x\nproperty {kind} id\nproperty char y\n\
+             property char z\nelement face 1\nproperty list uint64 int64 vertex_index\n{tail}end_header\n"
+        )
+    };
+    let body = |width: usize| {
+        let id = vec![9; width];
+        let mut body: Vec<u8> = [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
+            .iter()
+            .flat_map(|&[x, y, z]| [vec![x], id.clone(), vec![y, z]].concat())
+            .collect();
+        body.extend([3u64, 0, 1, 2].iter().flat_map(|v| v.to_be_bytes()));
+        body
+    };
+    let file = |kind: &str, width: usize, tail: &str| [header(kind, tail).into_bytes(), body(width)].concat();
+    let want = read(file("uchar", 1, "")).unwrap();
+    assert_eq!(want.triangles, [[0, 1, 2]]);
+    for (kind, width) in [("int64", 8), ("uint64", 8), ("half", 2), ("float128", 16), ("bool", 1)] {
+        assert_eq!(read(file(kind, width, "")).unwrap(), want, "{kind}");
+    }
+    assert!(told(file("long", 8, "")).starts_with("line 5: unknown property type 'long'"));
+    // Behind all that is needed nothing has to be known.
+    assert_eq!(read(file("uchar", 1, "element more 7\nproperty long a\n")).unwrap(), want);
+}
+
+#[test]
+fn numbers_that_are_none_are_read_and_told() {
+    let square = square("\n");
+    for nan in ["nan", "-nan(ind)", "1.#QNAN0", "-1.#IND", "inf", "-1.#INF00"] {
+        let file = square
+            .replace("\n0 1 0\n4 0 1 2 3", &format!("\n0 {nan} 0\n3 0 1 2"))
+            .replace("face 1", "face 2")
+            + "3 0 2 3\n";
+        assert_eq!(read(&file).unwrap().triangles, [[0, 1, 2]], "{nan}");
+        assert_eq!(warned(&file), ["1 face has a vertex that is not finite and is left out"]);
+    }
+    assert_eq!(
+        told(square.replace("1 1 0", "1 1 nan")),
+        "the mesh is empty: 1 face left out, for a vertex is not finite"
+    );
+    let with_normals = square
+        .replace(
+            "property float z",
+            "property float z\nproperty float nx\nproperty float ny\nproperty float nz",
+        )
+        .replace("0 0 0\n1 0 0\n1 1 0\n0 1 0", "0 0 0 0 1 0\n1 0 0 0 1 0\n1 1 0 0 1 0\n0 1 0 0 -1.#IND 0");
+    let mesh = read(&with_normals).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [4, 5, 6]]);
+    assert_eq!(mesh.normals[4..], [[0., 0., 1.]; 3]);
+    assert_eq!(mesh.positions[4..], [SQUARE[0], SQUARE[2], SQUARE[3]]);
+    assert_eq!(warned(&with_normals), ["1 triangle has a normal that is not finite and is flat"]);
+}
+
+#[test]
+fn colours_are_told() {
+    let file = square("\n");
+    assert!(warned(&file).is_empty());
+    for (names, of) in [(["red", "green", "blue"], "vertices"), (["r", "g", "b"], "vertices")] {
+        let more = names.map(|name| format!("property uchar {name}\n")).concat();
+        let file = file.replace("property float z\n", &format!("property float z\n{more}"));
+        let file = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"]
+            .iter()
+            .fold(file, |file, v| file.replace(&format!("{v}\n"), &format!("{v} 255 0 9\n")));
+        let [told] = warned(file).try_into().unwrap();
+        assert!(told.starts_with(&format!("the colours of its {of} are left out")), "{told}");
+    }
+    let faces = file
+        .replace("vertex_indices\n", "vertex_indices\nproperty uchar red\n")
+        .replace("4 0 1 2 3", "4 0 1 2 3 255");
+    assert!(warned(faces)[0].starts_with("the colours of its faces are left out"));
 }
 
 #[test]

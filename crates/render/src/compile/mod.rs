@@ -5,6 +5,7 @@
 //! glows, so that every light stands in world space.
 
 mod camera;
+mod dropped;
 mod focus;
 mod lights;
 mod look;
@@ -80,6 +81,8 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
         input,
         geometry,
         looks,
+        nodes,
+        objects,
         instance_materials,
         top_level,
         named,
@@ -92,6 +95,7 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
     let camera = camera::camera(scene, size, &seen)?;
     let accel =
         accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
+    let dropped = dropped::tell(accel.dropped(), &nodes, &objects);
     let lights = lights::gather(scene, &mut paint, &geometry, glowing, &accel)?;
     paint.palette.record(recording, scene.color.space.space());
     Ok(World {
@@ -108,6 +112,7 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
         top_level,
         environments: lights.environments,
         notes: paint.notes,
+        dropped,
     })
 }
 

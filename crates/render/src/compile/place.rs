@@ -45,6 +45,10 @@ pub(super) struct Build<'a> {
     geometry: Geometry,
     input: accel::Input,
     looks: Vec<Look>,
+    /// The node that each geometry comes from; none of a program's own.
+    nodes: Vec<Option<&'a Node>>,
+    /// The node that the walk is at.
+    node: Option<&'a Node>,
     /// Materials of each group's instances, by group.
     group_materials: Vec<Vec<u32>>,
     /// Groups of the objects met so far.
@@ -62,6 +66,10 @@ pub(super) struct Built<'a> {
     pub input: accel::Input,
     pub geometry: Geometry,
     pub looks: Vec<Look>,
+    /// The node that each geometry comes from; none of a program's own.
+    pub nodes: Vec<Option<&'a Node>>,
+    /// Groups of objects, by their names.
+    pub objects: BTreeMap<&'a str, u32>,
     pub instance_materials: Vec<u32>,
     pub top_level: Vec<TopLevel>,
     /// What goes by the name that the camera is focused on.
@@ -85,6 +93,8 @@ impl<'a> Build<'a> {
             geometry: Geometry::default(),
             input: accel::Input { groups: vec![accel::Group::default()], geometries: Vec::new() },
             looks: Vec::new(),
+            nodes: Vec::new(),
+            node: None,
             group_materials: vec![Vec::new()],
             objects: BTreeMap::new(),
             glowing: Vec::new(),
@@ -129,6 +139,7 @@ impl<'a> Build<'a> {
     }
 
     pub fn custom_shapes(&mut self, custom: &Custom) -> Result<(), CompileError> {
+        self.node = None;
         for (i, (shape, material)) in custom.shapes.iter().enumerate() {
             let material = self.materials.named(material)?;
             self.geometry.custom.push(shape.clone());
@@ -144,6 +155,8 @@ impl<'a> Build<'a> {
             input: self.input,
             geometry: self.geometry,
             looks: self.looks,
+            nodes: self.nodes,
+            objects: self.objects,
             // The search structure numbers instances group by group, in this order.
             instance_materials: self.group_materials.concat(),
             top_level: self.top_level,
@@ -166,6 +179,7 @@ impl<'a> Build<'a> {
     }
 
     fn kind_of_node(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
+        self.node = Some(node);
         match node {
             Node::Group(g) => {
                 let inner = self.step_into(node, g.material.as_ref(), place)?;
@@ -366,6 +380,7 @@ impl<'a> Build<'a> {
     fn add_geometry(&mut self, group: u32, kind: accel::GeometryKind) {
         let id = self.input.geometries.len() as u32;
         self.input.geometries.push(accel::Geometry { kind, mask: u32::MAX });
+        self.nodes.push(self.node);
         self.input.groups[group as usize].geometries.push(id);
     }
 
@@ -421,6 +436,7 @@ impl<'a> Build<'a> {
         }
         let default = self.materials.of(surface.material.as_ref(), place.material)?;
         let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e.get())).transpose()?;
+        let mut known = Vec::new();
         for run in runs {
             let material = match run.material {
                 Some(part) => self.materials.add(&part.material)?,
@@ -433,7 +449,10 @@ impl<'a> Build<'a> {
                 (None, None) => None,
             };
             let id = self.geometry.meshes.len() as u32;
-            let part = TriangleMesh { indices: run.triangles.clone(), ..mesh.clone() };
+            let part = match runs {
+                [_] => TriangleMesh { indices: run.triangles.clone(), ..std::mem::take(&mut mesh) },
+                _ => part(&mesh, &run.triangles, &mut known),
+            };
             let (positions, indices) = (part.positions.clone(), part.indices.clone());
             self.geometry.meshes.push(part);
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
@@ -454,10 +473,11 @@ struct Run<'a> {
 /// One run for each material that the file names, in order of first mention; one in all when the node has its own.
 fn runs<'a>(mesh: &Mesh, materials: &'a BTreeMap<String, PartMaterial>, own: bool) -> Vec<Run<'a>> {
     let mut runs: Vec<(Option<&str>, Vec<[u32; 3]>)> = Vec::new();
+    let mut known = BTreeMap::new();
     if !own && !materials.is_empty() {
         for part in &mesh.parts {
             let name = part.material.as_deref().filter(|n| materials.contains_key(*n));
-            let run = runs.iter().position(|r| r.0 == name).unwrap_or_else(|| {
+            let run = *known.entry(name).or_insert_with(|| {
                 runs.push((name, Vec::new()));
                 runs.len() - 1
             });
@@ -472,6 +492,32 @@ fn runs<'a>(mesh: &Mesh, materials: &'a BTreeMap<String, PartMaterial>, own: boo
         triangles: triangles.into(),
     };
     runs.into_iter().map(finish).collect()
+}
+
+/// Some triangles of a mesh with the vertices that they need, in order of first use: if each part of a file with many
+/// materials held those of all, a small file would fill the memory. `known` is scratch.
+fn part(mesh: &TriangleMesh, triangles: &[[u32; 3]], known: &mut Vec<u32>) -> TriangleMesh {
+    const NONE: u32 = u32::MAX;
+    known.resize(mesh.positions.len(), NONE);
+    let mut used: Vec<u32> = Vec::new();
+    let mut index = |i: u32| {
+        let known = &mut known[i as usize];
+        if *known == NONE {
+            *known = used.len() as u32;
+            used.push(i);
+        }
+        *known
+    };
+    let indices = triangles.iter().map(|t| t.map(&mut index)).collect();
+    used.iter().for_each(|&i| known[i as usize] = NONE);
+    let used = || used.iter().map(|&i| i as usize);
+    TriangleMesh {
+        positions: used().map(|i| mesh.positions[i]).collect(),
+        indices,
+        normals: used().filter_map(|i| mesh.normals.get(i).copied()).collect(),
+        uvs: used().filter_map(|i| mesh.uvs.get(i).copied()).collect(),
+        flip: mesh.flip,
+    }
 }
 
 /// The mesh with the normals that it shall be shaded with.

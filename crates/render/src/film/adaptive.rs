@@ -91,6 +91,12 @@ impl FilmTile {
         self.sampled
     }
 
+    /// Takes no further samples of the half of a block that a pixel belongs to.
+    pub(super) fn end_half_of(&mut self, pixel: [u32; 2]) {
+        let (block, half) = place(pixel);
+        self.sampled.ended |= 1 << (2 * block + half);
+    }
+
     /// Whether there are any.
     pub(crate) fn is_open(&self) -> bool {
         let Region { min, max } = self.region;

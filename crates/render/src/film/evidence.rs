@@ -47,16 +47,31 @@ impl Evidence {
 }
 
 /// The sums that batches end with: those of a pixel when it had h / 2 samples and h, h being the largest power of two below
-/// the number that it has. In double precision: integers so large are rounded, always alike.
+/// the number that it has. In double precision: integers so large are rounded, always alike. Exact, as [`Value`], where
+/// the sums of earlier samples are added later.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Marks([[f64; 3]; 2]);
+pub(super) struct Marks<T = f64>(pub(super) [[T; 3]; 2]);
+
+impl<T: Copy + From<Value>> Marks<T> {
+    /// Takes note of a pixel's sums before the sample `index` is added; its samples come in order.
+    #[inline]
+    pub(super) fn note(&mut self, index: u32, sums: &[Value; 3]) {
+        if index.is_power_of_two() {
+            self.0 = [self.0[1], sums.map(T::from)];
+        }
+    }
+}
 
 impl Marks {
-    /// Takes note of a pixel's sums before the next sample is added; its samples come in order.
-    #[inline]
-    pub(super) fn note(&mut self, count: u32, sums: &[Value; 3]) {
-        if count.is_power_of_two() {
-            self.0 = [self.0[1], sums.map(Value::to_f64)];
+    /// Goes on with what was noted of later samples, without the sums `before` them; how often there was something to note.
+    pub(super) fn follow(&mut self, before: &[Value; 3], later: &Marks<Value>, notes: usize) {
+        let all = |part: &[Value; 3]| -> [f64; 3] {
+            std::array::from_fn(|c| Value(before[c].0.wrapping_add(part[c].0)).to_f64())
+        };
+        match notes {
+            0 => {}
+            1 => self.0 = [self.0[1], all(&later.0[1])],
+            _ => self.0 = [all(&later.0[0]), all(&later.0[1])],
         }
     }
 

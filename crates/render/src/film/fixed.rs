@@ -19,7 +19,7 @@ const GUIDE_RANGE: f32 = 4.0;
 
 /// Sum of values below 2^32, in units of 2^-62.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Value(i128);
+pub struct Value(pub(super) i128);
 
 impl Value {
     pub fn add(&mut self, v: f32) {
@@ -36,6 +36,12 @@ impl Value {
     }
 }
 
+impl From<Value> for f64 {
+    fn from(v: Value) -> Self {
+        v.to_f64()
+    }
+}
+
 impl AddAssign for Value {
     fn add_assign(&mut self, o: Self) {
         self.0 += o.0;
@@ -44,7 +50,7 @@ impl AddAssign for Value {
 
 /// Sum of squares of values below 2^32, in units of 2^-44.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Square(i128);
+pub struct Square(pub(super) i128);
 
 impl Square {
     /// Adds v².
@@ -63,7 +69,7 @@ const WIDE_SCALE: f64 = (1_u64 << 34) as f64;
 
 /// Sum of squares of values below 2^32 over the samples of all pixels that a filter reaches, in units of 2^-34.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WideSquare(i128);
+pub struct WideSquare(pub(super) i128);
 
 impl WideSquare {
     /// Adds v².
@@ -84,7 +90,7 @@ impl AddAssign for WideSquare {
 
 /// Sum of an albedo or normal, in units of 2^-40; what lies beyond ±4 is taken as that, NaN as 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Guide(i64);
+pub struct Guide(pub(super) i64);
 
 impl Guide {
     pub fn add(&mut self, v: f32) {

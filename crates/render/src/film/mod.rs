@@ -9,6 +9,7 @@ mod fixed;
 mod hash;
 mod recording;
 mod splat;
+mod sums;
 
 pub use adaptive::{BLOCK, DARK, FIRST_LOOK};
 pub use evidence::Evidence;
@@ -16,6 +17,7 @@ pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
 pub use recording::Recording;
 pub use splat::{Flying, Splats, reach};
+pub use sums::{Held, Joined, Span};
 
 use crate::filter::Filter;
 use crate::settings::Region;
@@ -106,8 +108,12 @@ pub struct FilmTile {
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
     first_dropped: Option<([u32; 2], u32)>,
     sampled: Sampled,
+    /// Index of the first sample.
+    first: u32,
     /// By pixel; empty unless noise is told by batches.
     marks: Vec<Marks>,
+    /// The same of samples that are not the first of their pixel.
+    ends: Vec<Marks<Value>>,
 }
 
 impl FilmTile {
@@ -120,7 +126,9 @@ impl FilmTile {
             splats: None,
             first_dropped: None,
             sampled: Sampled::default(),
+            first: 0,
             marks: Vec::new(),
+            ends: Vec::new(),
         }
     }
 
@@ -162,6 +170,8 @@ impl FilmTile {
         let p = &mut self.pixels[i];
         if let Some(marks) = self.marks.get_mut(i) {
             marks.note(p.count, &p.value);
+        } else if let Some(ends) = self.ends.get_mut(i) {
+            ends.note(self.first + p.count, &p.value);
         }
         p.count += 1;
         let fits = { sample.rgb.iter() }.chain(bands.iter().map(|b| &b.value)).all(|v| v.abs() < MAX_VALUE);

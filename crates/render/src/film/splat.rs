@@ -13,7 +13,7 @@ use straal_color::spectrum::Bands;
 
 /// Sums of one pixel, of light v and heights w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Splat {
+pub(super) struct Splat {
     /// Of w v.
     value: [Value; 3],
     /// Of (w v)².
@@ -38,7 +38,19 @@ impl Splat {
         }
     }
 
-    fn merge(&mut self, o: &Self) {
+    /// How many numbers it is made of.
+    pub(super) const NUMBERS: usize = 11;
+
+    /// Every number, in the order in which they are written.
+    pub(super) fn visit(&mut self, see: &mut impl FnMut(&mut i128)) {
+        self.value.iter_mut().for_each(|v| see(&mut v.0));
+        self.square.iter_mut().for_each(|v| see(&mut v.0));
+        self.cross.iter_mut().for_each(|v| see(&mut v.0));
+        see(&mut self.weight.0);
+        see(&mut self.weight_square.0);
+    }
+
+    pub(super) fn merge(&mut self, o: &Self) {
         self.weight += o.weight;
         self.weight_square += o.weight_square;
         for c in 0..3 {
@@ -96,6 +108,31 @@ impl Splats {
         let region = tile.grown(reach).intersection(Region::whole(size));
         let sums = vec![Splat::default(); region.area()];
         Self { region, bands: vec![Value::default(); region.area() * bands], sums, reach }
+    }
+
+    /// For sums that were made before, and reach nobody else.
+    pub(super) fn alone(tile: Region, bands: usize) -> Self {
+        let sums = vec![Splat::default(); tile.area()];
+        Self { region: tile, bands: vec![Value::default(); tile.area() * bands], sums, reach: 0 }
+    }
+
+    /// How far a sample's own pixel may be from one that it counts in.
+    pub(super) const fn reach(&self) -> u32 {
+        self.reach
+    }
+
+    /// The sums of a pixel and of its bands, if it is within reach.
+    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(&Splat, &[Value])> {
+        let of_each = self.bands.len() / self.sums.len();
+        let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
+        Some((&self.sums[i], &self.bands[i * of_each..][..of_each]))
+    }
+
+    /// The same to be changed.
+    pub(super) fn at_mut(&mut self, pixel: [u32; 2]) -> Option<(&mut Splat, &mut [Value])> {
+        let of_each = self.bands.len() / self.sums.len();
+        let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
+        Some((&mut self.sums[i], &mut self.bands[i * of_each..][..of_each]))
     }
 
     /// Adds a sample to all pixels within reach.

@@ -75,6 +75,9 @@ pub struct ImageEnvironment {
     total: f64,
 }
 
+/// No pixel is brighter, so that sums of pixels are finite.
+const MOST: f32 = 1e30;
+
 /// A place between four pixels.
 struct Place {
     column: usize,
@@ -85,8 +88,8 @@ struct Place {
 }
 
 impl ImageEnvironment {
-    /// A picture times `scale`, turned by the rotation in `to_world` (its scaling and translation don't matter). Channels
-    /// that are not finite count as 0, and so does a pixel without any above 0. Single channels below 0 are of colours that the
+    /// A picture times `scale`, turned by the rotation in `to_world` (its scaling and translation don't matter). NaN counts as 0, what is
+    /// infinite as the most that a sum of it can hold, and a pixel without any channel above 0 is black. Single channels below 0 are of colours that the
     /// picture's space doesn't hold: for wavelengths only. `None` when the picture has no pixels, or not as many as it says, or
     /// the map is singular.
     pub fn new(image: &Image, scale: f32, to_world: &Affine) -> Option<Self> {
@@ -101,7 +104,10 @@ impl ImageEnvironment {
         let axes = [x, y, z].map(DVec3::as_vec3);
 
         let lit = |p: &[f32; 3]| {
-            let p = p.map(|v| if (v * scale).is_finite() { v * scale } else { 0.0 });
+            let p = p.map(|v| match v * scale {
+                scaled if scaled.is_nan() || scaled < -MOST => 0.0,
+                scaled => ops::min(scaled, MOST),
+            });
             if p.iter().any(|v| *v > 0.0) { p } else { [0.0; 3] }
         };
         let mut pixels: Vec<[f32; 3]> = image.pixels.iter().map(lit).collect();

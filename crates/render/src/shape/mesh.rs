@@ -12,7 +12,7 @@ use super::{AreaSample, SurfacePoint};
 ///
 /// A triangle's geometric normal is (p1 - p0) × (p2 - p0): it points at whoever sees its vertices counter-clockwise.
 /// Hit coordinates u and v are the barycentric weights of vertices 1 and 2.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct TriangleMesh {
     /// Vertex positions; shared with the search structure.
     pub positions: Arc<[Vec3]>,

@@ -7,8 +7,8 @@
 //! The share of light that comes back or passes at 550 nm is the channel `T.550,000nm`. Of a fluorescent surface,
 //! `T.400,000nm.550,000nm` is what light of 400 nm makes shine at 550 nm.
 
-use super::{Beauty, Channel, Layer, Picture};
-use straal_color::RgbSpace;
+use super::choose::Names;
+use super::{Channel, Layer, Picture};
 use straal_color::spectrum::bands::{xyz_of_reflectances, xyz_of_samples};
 use straal_color::spectrum::illuminant;
 
@@ -81,33 +81,39 @@ fn named(layer: &Layer) -> Vec<(f64, &[f32])> {
     channels
 }
 
-/// The colours of a picture that has wavelengths, two at least: of its radiance; without any, of its reflectance under D65.
-pub(super) fn beauty(picture: &Picture) -> Option<Beauty> {
-    let of_surface = |wavelengths: &[f64]| xyz_of_reflectances(wavelengths, &illuminant::d65());
-    sum(picture, LAYER, &xyz_of_samples).or_else(|| sum(picture, REFLECTIVE, &of_surface))
+/// The layer of wavelengths, two at least, that is the picture's colours: that of radiance; without any, that of reflectance.
+pub(super) fn summed(layers: &[Names]) -> Option<&'static str> {
+    [LAYER, REFLECTIVE].into_iter().find(|name| {
+        let Some(layer) = layers.iter().find(|l| l.layer == *name) else { return false };
+        let mut wavelengths: Vec<f64> = layer.channels.iter().filter_map(|c| nanometres(c)).collect();
+        wavelengths.sort_by(f64::total_cmp);
+        wavelengths.dedup();
+        wavelengths.len() > 1 && !weights(name, &wavelengths).is_empty()
+    })
 }
 
-/// X, Y and Z of a layer's wavelengths, by weights for each.
-fn sum(picture: &Picture, layer: &str, weigh: &dyn Fn(&[f64]) -> Vec<[f64; 3]>) -> Option<Beauty> {
+/// X, Y and Z of each pixel, from a layer that is [`summed`]: of reflectance under D65.
+pub(super) fn pixels(picture: &Picture, layer: &str) -> Option<Vec<[f32; 3]>> {
     let channels = named(picture.layer(layer)?);
-    if channels.len() < 2 {
-        return None;
-    }
     let wavelengths: Vec<f64> = channels.iter().map(|c| c.0).collect();
-    let weights = weigh(&wavelengths);
-    if weights.is_empty() {
-        return None;
-    }
     let mut sums = vec![[0.0_f64; 3]; picture.data_window.width * picture.data_window.height];
-    for ((_, samples), weight) in channels.iter().zip(weights) {
+    for ((_, samples), weight) in channels.iter().zip(weights(layer, &wavelengths)) {
         for (sum, &v) in sums.iter_mut().zip(*samples) {
             for c in 0..3 {
                 sum[c] += weight[c] * f64::from(v);
             }
         }
     }
-    let pixels = sums.into_iter().map(|sum| sum.map(|v| v as f32)).collect();
-    Some(Beauty { pixels, space: Some(RgbSpace::XYZ), layer: layer.to_owned() })
+    Some(sums.into_iter().map(|sum| sum.map(|v| v as f32)).collect())
+}
+
+/// What each wavelength of a layer adds to X, Y and Z.
+fn weights(layer: &str, wavelengths: &[f64]) -> Vec<[f64; 3]> {
+    if layer == LAYER {
+        xyz_of_samples(wavelengths)
+    } else {
+        xyz_of_reflectances(wavelengths, &illuminant::d65())
+    }
 }
 
 /// The wavelength in nm that a channel is named by.
@@ -150,6 +156,7 @@ fn nanometres(name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use straal_color::RgbSpace;
     use straal_color::spectrum::Observer;
 
     #[test]
@@ -175,7 +182,7 @@ mod tests {
         let (layer, attributes) = layer((0..470).map(|i| (360.5 + f64::from(i), vec![1.0, 0.25])));
         assert_eq!((layer.channels[0].name.as_str(), attributes.len()), ("360,500nm", 2));
         picture.layers.push(layer);
-        let xyz = beauty(&picture).unwrap().pixels;
+        let xyz = picture.beauty().unwrap().pixels;
         assert!((xyz[0][1] - 1.0).abs() < 1e-6 && (xyz[1][1] - 0.25).abs() < 1e-6, "{xyz:?}");
     }
 
@@ -191,7 +198,7 @@ mod tests {
         let grey = [("400,000nm", 0.5), ("0,7um", 0.5), ("500nm", 0.5), ("A", 9.0)];
         picture.layers.push(layer_named("T", &grey));
         let white = Observer::Cie1931.light(&illuminant::d65());
-        let seen = beauty(&picture).unwrap();
+        let seen = picture.beauty().unwrap();
         assert_eq!((seen.layer.as_str(), seen.space), ("T", Some(RgbSpace::XYZ)));
         for (c, white) in white.into_iter().enumerate() {
             assert!((f64::from(seen.pixels[0][c]) - 0.5 * white).abs() < 1e-6, "{seen:?}");
@@ -199,11 +206,11 @@ mod tests {
         }
         // Light counts before what it falls on.
         picture.layers.push(layer_named("S0", &[("400nm", 1.0), ("700nm", 1.0)]));
-        assert_eq!(beauty(&picture).unwrap().layer, "S0");
+        assert_eq!(picture.beauty().unwrap().layer, "S0");
         // One wavelength is no spectrum, and infrared is no colour.
         for channels in [&[("500nm", 1.0)][..], &[("900nm", 1.0), ("1000nm", 1.0)]] {
             picture.layers = vec![layer_named("T", channels)];
-            assert_eq!(beauty(&picture), None);
+            assert_eq!(summed(&picture.names()), None);
         }
     }
 

@@ -1,0 +1,242 @@
+//! What the materials of MTL files mean as surfaces.
+
+use straal_scene::desc::{Conductor, Dielectric, Diffuse, Material, Mirror, Spectrum};
+use straal_scene::value::{Color, Value};
+
+use crate::mesh::mtl::MtlMaterial;
+use crate::read_error::quoted;
+
+/// The material that comes nearest to what an MTL file means; what is lost by it is told.
+///
+/// The illumination models are those of the MTL specification (Wavefront, 1995). 6 and 7 refract: glass. 4 and 9 have 'glass
+/// on', which is no more than reflections on a surface that light passes straight on, but where a file gives an index of
+/// refraction as well, glass is what it means; Maya writes 4 for everything, with an index of 1. 3 and 5 reflect like a mirror.
+/// `d` and `Tr` let light pass straight on, without bending it. `Pm` and `Pr` are the metalness and roughness of the
+/// physically based extension, where alpha is the roughness squared.
+pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Material {
+    let diffuse = m.diffuse.map_or([0.5; 3], |c| c.map(share));
+    let specular = m.specular.map_or([0.0; 3], |c| c.map(share));
+    let illumination = m.illumination.unwrap_or(0);
+    let seen_through = is_seen_through(m, tell);
+    // 1 is the format's way to leave the index out: such glass could not be seen.
+    let eta = m.ior.map(f64::from).filter(|n| (1.001..=10.0).contains(n));
+    let is_clear = m.transmission.is_some_and(|c| c.iter().any(|v| *v > 0.0));
+    let is_glass = match illumination {
+        6 | 7 => true,
+        // Blender writes 9 for all that is partly see-through, with whatever index its material has.
+        4 | 9 => eta.is_some() && (!seen_through || is_clear),
+        _ => false,
+    };
+    if is_glass {
+        if seen_through {
+            tell(
+                "'d' or 'Tr' says that light passes straight on, but 'illum' that it is refracted: it is shown as clear glass",
+            );
+        }
+        let tint = m.transmission.map(|c| c.map(share)).filter(|c| *c != [0.0; 3]).unwrap_or([1.0; 3]);
+        let transmittance = Value::Constant(Color(tint).into());
+        let eta = eta.unwrap_or(1.5);
+        return Material::Dielectric(Dielectric { eta: eta.into(), transmittance, ..Dielectric::default() });
+    }
+    if seen_through {
+        tell("it is partly see-through ('d' or 'Tr'), but is shown as opaque: there are no masks yet");
+    } else if matches!(illumination, 4 | 9) {
+        tell("'illum' asks for glass, but no index of refraction ('Ni') above 1 does: it is shown as opaque");
+    }
+    if m.metallic.is_some_and(|m| m >= 0.5) {
+        let roughness = m.roughness.map_or(0.0, share);
+        // An index of 0 + i reflects everything at every angle, so that the tint alone tells the metal's colour.
+        return Material::Conductor(Conductor {
+            metal: None,
+            eta: Some(Value::Constant(Spectrum::grey(0.0))),
+            k: Some(Value::Constant(Spectrum::grey(1.0))),
+            roughness: Value::Constant(roughness * roughness),
+            reflectance: Value::Constant(Color(diffuse).into()),
+            two_sided: true,
+        });
+    }
+    let sum = |c: [f64; 3]| c[0] + c[1] + c[2];
+    if matches!(illumination, 3 | 5) && sum(specular) > sum(diffuse) {
+        return Material::Mirror(Mirror {
+            reflectance: Value::Constant(Color(specular).into()),
+            ..Mirror::default()
+        });
+    }
+    if illumination >= 2 && sum(specular) > 0.0 {
+        tell("highlights ('Ks') are left out, it is shown as diffuse");
+    }
+    Material::Diffuse(Diffuse { reflectance: Value::Constant(Color(diffuse).into()), ..Diffuse::default() })
+}
+
+/// Whether light passes through by `d` and `Tr`. Where they contradict each other `d` counts, whose meaning nobody doubts.
+fn is_seen_through(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> bool {
+    let is_share = |v: Option<f32>| v.is_none_or(|v| (0.0..=1.0).contains(&v));
+    if !is_share(m.dissolve) || !is_share(m.transparency) {
+        tell("'d' and 'Tr' go from 0 to 1: what is beyond is taken for the nearest");
+    }
+    match (m.dissolve.map(share), m.transparency.map(share)) {
+        (Some(d), Some(tr)) => {
+            if (d + tr - 1.0).abs() > 0.02 {
+                tell("'d' and 'Tr' contradict each other, for 'Tr' is 1 less 'd': 'd' counts");
+            }
+            d < 1.0
+        }
+        (Some(d), None) => d < 1.0,
+        (None, Some(1.0)) => {
+            tell(
+                "'Tr 1' alone is invisible by the letter of MTL, but OpenMVS, mvs-texturing and others mean opaque by it: \
+                 it is shown as opaque ('d' would leave no doubt)",
+            );
+            false
+        }
+        (None, Some(tr)) => tr > 0.0,
+        (None, None) => false,
+    }
+}
+
+/// What is told of materials, each thing once, with the names of those that it is told of.
+#[derive(Default)]
+pub(super) struct Told {
+    /// What is told, the first names, and how many there are in all.
+    list: Vec<(&'static str, Vec<String>, usize)>,
+}
+
+impl Told {
+    const NAMES: usize = 3;
+
+    pub(super) fn add(&mut self, what: &'static str, name: &str) {
+        let known = self.list.iter().position(|(said, ..)| *said == what);
+        let at = known.unwrap_or_else(|| {
+            self.list.push((what, Vec::new(), 0));
+            self.list.len() - 1
+        });
+        let (_, names, count) = &mut self.list[at];
+        *count += 1;
+        if names.len() < Self::NAMES {
+            names.push(quoted(name.as_bytes()));
+        }
+    }
+
+    pub(super) fn finish(self) -> impl Iterator<Item = String> {
+        self.list.into_iter().map(|(what, names, count)| {
+            let noun = if count == 1 { "material" } else { "materials" };
+            let more = count - names.len();
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            format!("{noun} {}{more}: {what}", names.join(", "))
+        })
+    }
+}
+
+/// A share of light, from 0 to 1; NaN is 0.
+fn share(v: f32) -> f64 {
+    let v = positive(v);
+    if v < 1.0 { v } else { 1.0 }
+}
+
+/// A finite number that isn't negative; NaN is 0.
+pub(super) fn positive(v: f32) -> f64 {
+    if v > 0.0 { f64::from(if v < f32::MAX { v } else { f32::MAX }) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use straal_scene::desc::Index;
+
+    fn told(m: &MtlMaterial) -> (Material, Vec<&'static str>) {
+        let mut list = Vec::new();
+        let material = nearest(m, &mut |what| list.push(what));
+        (material, list)
+    }
+
+    #[test]
+    fn mtl_means_the_nearest_material() {
+        let mirror = MtlMaterial {
+            illumination: Some(3),
+            diffuse: Some([0.0; 3]),
+            specular: Some([0.9; 3]),
+            ..MtlMaterial::default()
+        };
+        assert!(matches!(told(&mirror).0, Material::Mirror(_)));
+        let metal = MtlMaterial {
+            metallic: Some(1.0),
+            roughness: Some(0.5),
+            diffuse: Some([1.0, 0.5, 0.25]),
+            ..MtlMaterial::default()
+        };
+        let Material::Conductor(c) = told(&metal).0 else { panic!("not a metal") };
+        assert_eq!(c.roughness.constant(), 0.25);
+        assert_eq!(*c.reflectance.get(), Color([1.0, 0.5, 0.25]).into());
+        let plastic =
+            MtlMaterial { illumination: Some(2), specular: Some([0.5; 3]), ..MtlMaterial::default() };
+        let (material, lost) = told(&plastic);
+        assert_eq!(material, Material::Diffuse(Diffuse::default()));
+        assert_eq!(lost.len(), 1);
+        let broken = MtlMaterial { diffuse: Some([f32::NAN, -1.0, 7.0]), ..MtlMaterial::default() };
+        let Material::Diffuse(d) = told(&broken).0 else { panic!("not diffuse") };
+        assert_eq!(*d.reflectance.get(), Color([0.0, 0.0, 1.0]).into());
+    }
+
+    #[test]
+    fn glass_is_what_refracts_and_not_what_dissolves() {
+        let m = |illum: u32, ior: Option<f32>, d: Option<f32>, tf: Option<f32>| MtlMaterial {
+            illumination: Some(illum),
+            ior,
+            dissolve: d,
+            transmission: tf.map(|v| [v; 3]),
+            ..MtlMaterial::default()
+        };
+        for (m, eta) in [
+            (m(7, Some(1.33), None, None), 1.33),
+            (m(6, None, None, None), 1.5),
+            (m(7, Some(1.0), Some(0.2), None), 1.5),
+            (m(4, Some(1.52), None, None), 1.52),
+            (m(9, Some(1.52), Some(0.3), Some(0.9)), 1.52),
+        ] {
+            let Material::Dielectric(d) = told(&m).0 else { panic!("{m:?}") };
+            assert!(matches!(d.eta, Index::Constant(n) if (n - eta).abs() < 1e-6), "{m:?}");
+        }
+        // Maya's grey; Blender's dissolve; dissolve with any other model.
+        for m in [
+            m(4, Some(1.0), None, Some(1.0)),
+            m(9, Some(1.45), Some(0.3), None),
+            m(4, None, Some(0.1), None),
+            m(1, Some(1.5), Some(0.3), Some(1.0)),
+            m(2, None, Some(0.0), None),
+        ] {
+            let (material, lost) = told(&m);
+            assert!(matches!(material, Material::Diffuse(_)) && lost.len() == 1, "{m:?}: {lost:?}");
+        }
+    }
+
+    #[test]
+    fn what_contradicts_itself_is_told() {
+        let m = |d: Option<f32>, tr: Option<f32>| {
+            let m = MtlMaterial { dissolve: d, transparency: tr, ..MtlMaterial::default() };
+            told(&m).1.join("; ")
+        };
+        for (d, tr) in [(None, None), (Some(1.0), None), (None, Some(0.0)), (Some(1.0), Some(0.0))] {
+            assert_eq!(m(d, tr), "");
+        }
+        for (d, tr) in [(Some(0.3), None), (None, Some(0.7)), (Some(0.3), Some(0.7))] {
+            assert!(m(d, tr).starts_with("it is partly see-through"), "{d:?} {tr:?}");
+        }
+        let both = m(Some(0.3), Some(0.3));
+        assert!(both.contains("contradict each other") && both.contains("partly see-through"), "{both}");
+        let opaque = m(Some(1.0), Some(1.0));
+        assert!(opaque.contains("contradict each other") && !opaque.contains("partly"), "{opaque}");
+        assert!(m(None, Some(1.0)).contains("OpenMVS"));
+        assert!(m(Some(30.0), None).contains("from 0 to 1"));
+    }
+
+    #[test]
+    fn what_many_materials_lack_is_told_once() {
+        let mut told = Told::default();
+        for name in ["a", "b", "c", "d", "e"] {
+            told.add("it shines", name);
+        }
+        told.add("it glows", "a");
+        let list: Vec<String> = told.finish().collect();
+        assert_eq!(list, ["materials 'a', 'b', 'c' and 2 more: it shines", "material 'a': it glows"]);
+    }
+}
