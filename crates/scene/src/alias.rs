@@ -1,6 +1,8 @@
 //! Words that people bring from other programs: pbrt, Mitsuba, Blender, glTF, POV-Ray, LuxCore. For each, what it is called here, how
 //! the same is said, or that it can't be said yet. Nobody has to guess why a word is unknown.
 
+use crate::decode::Fields;
+use crate::desc::Scene;
 use crate::suggest::fold;
 
 /// What a word of another program is here.
@@ -38,6 +40,26 @@ pub fn of_key(word: &str, owner: &str, known: &[&str]) -> Option<Here> {
     tables.filter_map(|(_, rules)| find(rules)).next().or_else(|| find(ANYWHERE))
 }
 
+/// Whether a word is one of a scene's own, in whatever letters, or one that only another renderer has in its place. Words that stand
+/// in files of all kinds are none.
+pub fn is_of_a_scene(word: &str) -> bool {
+    const OTHERS: [&str; 10] = [
+        "sensor",
+        "sensors",
+        "cameras",
+        "shapes",
+        "bsdf",
+        "bsdfs",
+        "emitter",
+        "emitters",
+        "lookat",
+        "lightsources",
+    ];
+    let mut names = Vec::new();
+    <Scene as Fields>::names(&mut names);
+    names.iter().chain(&OTHERS).any(|name| fold(name).eq(fold(word)))
+}
+
 /// What a kind is here, where one of `kinds` is expected.
 pub fn of_kind(word: &str, kinds: &[&str]) -> Option<Here> {
     let word = fold(word).collect::<String>();
@@ -65,7 +87,7 @@ const GLOW: Here =
 const METAL: Here = Write("a metal is a material of its own, `conductor: { metal: gold, roughness: 0.1 }`");
 const GLASS: Here = Write("glass is a material of its own, `dielectric: { eta: 1.5 }`");
 const LENS: Here = Write("`lens: { radius: 0.05, focus_distance: 3 }`, or `f_number` in place of `radius`");
-const VIEW: Here = Write("`eye`, `look_at` and `up` say where a camera stands and looks");
+const VIEW: Here = Write("a camera stands and looks by `eye`, `look_at` and `up`");
 const VERTICAL: Here = Write("`fov: 30, fov_axis: y`, in degrees");
 const CAMERA: Here = Write("`camera: { perspective: { eye: [0, 1, 5], look_at: [0, 0, 0], fov: 40 } }`");
 const AREA: Here = Write(

@@ -230,7 +230,11 @@ impl Decoder {
             _ => {
                 let mut names = Vec::new();
                 T::names(&mut names);
-                self.expected_or("a mapping of keys to values", tree, remedy::mapping(tree, &names));
+                let help = remedy::mapping(tree, &names).or_else(|| {
+                    let value = self.quoted(tree.span).unwrap_or_default();
+                    remedy::main_key(tree, self.key(), value)
+                });
+                self.expected_or("a mapping of keys to values", tree, help);
                 return T::blank_fields();
             }
         };
@@ -426,6 +430,8 @@ pub struct Keys<'a> {
     owner: Span,
     /// What keys that are complained of were meant to be.
     meant: Vec<Meant<'a>>,
+    /// What a complaint has told to write, so that it need not be missed as well.
+    told: Vec<&'static str>,
 }
 
 /// A key that is wrong, and the name of the right one.
@@ -439,7 +445,7 @@ struct Meant<'a> {
 
 impl<'a> Keys<'a> {
     fn new(entries: &'a [Entry], owner: Span) -> Self {
-        Self { entries, names: Vec::new(), owner, meant: Vec::new() }
+        Self { entries, names: Vec::new(), owner, meant: Vec::new(), told: Vec::new() }
     }
 
     /// Reads the value of a key; without it, `default`'s, or a complaint when there is none.
@@ -460,6 +466,10 @@ impl<'a> Keys<'a> {
         }
         default.map_or_else(
             || {
+                let quoted = format!("`{key}`");
+                if self.told.iter().any(|text| text.contains(&quoted)) {
+                    return T::blank();
+                }
                 let message = format!("`{}` needs `{key}`", d.key());
                 d.push(Diagnostic::error(self.owner, message.replace("`the scene`", "the scene")));
                 T::blank()
@@ -491,16 +501,20 @@ impl<'a> Keys<'a> {
             let loose = after.iter().take_while(|e| is_loose_number(e)).count();
             if loose > 0 && remedy::begins_list(&entry.value) {
                 rest = &after[loose..];
-                d.push(without_brackets(entry, &after[..loose], d));
-                if let Some(name) = self.names.iter().find(|n| **n == entry.key.value) {
-                    self.meant.push(Meant { entry, name, is_sure: false });
-                }
+                let name = self.called(&entry.key.value, d.key());
+                d.push(without_brackets(name.unwrap_or(&entry.key.value), entry, &after[..loose], d));
+                self.meant.extend(name.map(|name| Meant { entry, name, is_sure: false }));
                 continue;
             }
             if self.names.contains(&entry.key.value.as_str()) {
                 continue;
             }
-            let (complaint, meant) = self.unknown(entry, d);
+            let (complaint, meant, told) = self.unknown(entry, d);
+            // Two keys that are told by one, such as `width` and `height`, need one complaint.
+            if told.is_some_and(|text| self.told.contains(&text)) {
+                continue;
+            }
+            self.told.extend(told);
             // A guess must not become part of a scene that is rendered.
             if d.strictness.lenient {
                 d.push(Diagnostic { severity: Severity::Warning, ..complaint });
@@ -511,8 +525,21 @@ impl<'a> Keys<'a> {
         }
     }
 
-    /// What is said of a key that nobody knows, and what it was meant to be.
-    fn unknown(&self, entry: &'a Entry, d: &Decoder) -> (Diagnostic, Option<Meant<'a>>) {
+    /// The name of the key that a word is, or is meant to be.
+    fn called(&self, word: &str, owner: &str) -> Option<&'static str> {
+        let own = self.names.iter().copied().find(|n| suggest::is_same(n, word));
+        own.or_else(|| match alias::of_key(word, owner, &self.names) {
+            Some(Here::Called(name)) => Some(name),
+            _ => None,
+        })
+    }
+
+    /// What is said of a key that nobody knows, what it was meant to be, and what to write in place of it.
+    fn unknown(
+        &self,
+        entry: &'a Entry,
+        d: &Decoder,
+    ) -> (Diagnostic, Option<Meant<'a>>, Option<&'static str>) {
         let (key, span) = (entry.key.value.as_str(), entry.key.span);
         let shown = suggest::brief(key);
         let is_free = |name: &str| {
@@ -520,6 +547,10 @@ impl<'a> Keys<'a> {
         };
         let meant = |name: &'static str, is_sure| is_free(name).then_some(Meant { entry, name, is_sure });
         let instead = |name: &str| {
+            if let Some(other) = self.meant.iter().find(|m| m.name == name) {
+                let other = suggest::brief(&other.entry.key.value);
+                return format!("`{other}` is as well: one `{name}` says both");
+            }
             if !is_free(name) {
                 return format!("`{name}` is there already: leave one of them out");
             }
@@ -535,16 +566,18 @@ impl<'a> Keys<'a> {
         };
         if let Some(name) = self.names.iter().find(|n| suggest::is_same(n, key)) {
             let complaint = Diagnostic::error(span, format!("`{shown}` is written `{name}`"));
-            return (complaint.help(instead(name)), meant(name, true));
+            return (complaint.help(instead(name)), meant(name, true), None);
         }
         let message = format!("unknown key `{shown}` in `{}`", d.key()).replace("`the scene`", "the scene");
         match alias::of_key(key, d.key(), &self.names) {
             Some(Here::Called(name)) => {
                 let complaint = Diagnostic::error(span, format!("`{shown}` is called `{name}` here"));
-                return (complaint.help(instead(name)), meant(name, false));
+                return (complaint.help(instead(name)), meant(name, false), None);
             }
-            Some(Here::Write(what)) => return (Diagnostic::error(span, message).help(to_write(what)), None),
-            Some(Here::NotYet(what)) => return (not_yet(span, &shown, what), None),
+            Some(Here::Write(what)) => {
+                return (Diagnostic::error(span, message).help(to_write(what)), None, Some(what));
+            }
+            Some(Here::NotYet(what)) => return (not_yet(span, &shown, what), None, None),
             None => {}
         }
         // What is inside is worth reading, a lone value isn't.
@@ -553,7 +586,11 @@ impl<'a> Keys<'a> {
         let near = suggest::nearest(key, absent.iter().copied());
         let name = near.and_then(|near| absent.iter().copied().find(|n| *n == near));
         let help = d.help(key, &absent, "the keys are", &self.names);
-        (Diagnostic::error(span, message).maybe_help(help), name.and_then(|name| meant(name, has_parts)))
+        (
+            Diagnostic::error(span, message).maybe_help(help),
+            name.and_then(|name| meant(name, has_parts)),
+            None,
+        )
     }
 }
 
@@ -563,14 +600,14 @@ fn is_loose_number(entry: &Entry) -> bool {
 }
 
 /// The complaint of a list whose brackets are missing.
-fn without_brackets(entry: &Entry, rest: &[Entry], d: &Decoder) -> Diagnostic {
-    let key = suggest::brief(&entry.key.value);
+fn without_brackets(name: &str, entry: &Entry, rest: &[Entry], d: &Decoder) -> Diagnostic {
+    let (key, name) = (suggest::brief(&entry.key.value), suggest::brief(name));
     let span = rest.last().map_or(entry.value.span, |last| entry.value.span.to(last.key.span));
     // As it was written: a number that is there twice is one key.
     let text = d.quoted(span).unwrap_or_default();
     let numbers = text.rsplit(['<', '(']).next().unwrap_or_default().trim_end_matches(['>', ')', ' ']);
     Diagnostic::error(span, format!("the numbers of `{key}` need brackets around them"))
-        .help(format!("write `{key}: [{numbers}]`"))
+        .help(format!("write `{name}: [{numbers}]`"))
 }
 
 /// Reads a scene and checks it as a whole. The scene is only of use when there are no errors among the complaints;

@@ -157,7 +157,7 @@ impl<T: Describe, const N: usize> Describe for [T; N] {
                 std::array::from_fn(|i| T::read(&items[i], limit, d))
             }
             _ => {
-                d.expected(&what, tree);
+                d.expected_or(&what, tree, remedy::several::<N>(tree));
                 Self::blank()
             }
         }

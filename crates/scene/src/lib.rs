@@ -24,6 +24,7 @@ pub mod tree;
 pub mod validate;
 pub mod value;
 
+pub use alias::is_of_a_scene;
 pub use assets::{Assets, MeshAsset, PartMaterial};
 pub use desc::Scene;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};

@@ -52,7 +52,7 @@ pub fn vector(tree: &Tree) -> Option<String> {
     let written = |v: [f64; 3]| format!("write `{}`", triple(v));
     match &tree.value {
         Datum::Mapping(_) => by_name(tree, ["x", "y", "z"]).map(written),
-        Datum::String(text) => three_of_text(text).map(written),
+        Datum::String(text) => axis(text).or_else(|| three_of_text(text)).map(written),
         Datum::Sequence(items) => match items.as_slice() {
             [Tree { value: Datum::Sequence(inner), .. }] if inner.len() == 3 => {
                 Some("one pair of brackets is enough".to_owned())
@@ -144,6 +144,55 @@ pub fn mapping(tree: &Tree, names: &[&str]) -> Option<String> {
     let Datum::Sequence(items) = &tree.value else { return None };
     let first = items.iter().find_map(first_entry)?;
     names.contains(&first.key.value.as_str()).then(|| without_dash(first))
+}
+
+/// For a mapping that is called `owner` and is told by a lone value: the key that this is most likely the value of.
+pub fn main_key(tree: &Tree, owner: &str, value: &str) -> Option<String> {
+    let key = match owner {
+        "diffuse" | "mirror" => "reflectance",
+        "dielectric" => "eta",
+        "conductor" => "metal",
+        "sphere" => "radius",
+        "environment" => "radiance",
+        "point" => "position",
+        "directional" => "direction",
+        "mesh" => "file",
+        "bezier" => "builtin",
+        "instance" => "of",
+        "film" => "size",
+        "sampler" => "spp",
+        "path" => "max_depth",
+        "color" => "space",
+        "lens" => return Some(format!("a lens in millimetres is the camera's `focal_length: {value}`")),
+        _ => return None,
+    };
+    let colour = match &tree.value {
+        Datum::String(name) => css::code(name),
+        _ => None,
+    };
+    match colour {
+        Some(code) if matches!(key, "reflectance" | "radiance") => {
+            Some(format!("write `{owner}: {{ {key}: '#{code:06x}' }}`"))
+        }
+        _ if value.is_empty() => None,
+        _ => Some(format!("write `{owner}: {{ {key}: {value} }}`")),
+    }
+}
+
+/// For a list of `N` numbers that is told by a text, such as `640x360`.
+pub fn several<const N: usize>(tree: &Tree) -> Option<String> {
+    const LONGEST: usize = 100;
+    let text = match &tree.value {
+        Datum::String(text) if text.len() <= LONGEST => text,
+        _ => return None,
+    };
+    let parts = text
+        .trim_matches(['[', ']', '(', ')', '<', '>'])
+        .split(['x', '×', '*', ',', ' ', ';'])
+        .filter(|p| !p.is_empty());
+    let all: Option<Vec<f64>> = parts.map(|p| p.parse().ok().filter(|v: &f64| v.is_finite())).collect();
+    let told: Vec<String> = all.filter(|all| all.len() == N)?.into_iter().map(shown).collect();
+    Some(format!("write `[{}]`", told.join(", ")))
 }
 
 /// For a mapping of names to things.
@@ -300,6 +349,16 @@ fn by_name(tree: &Tree, names: [&str; 3]) -> Option<[f64; 3]> {
     Some(names.map(|name| of(name).map_or(0.0, |[v]| v)))
 }
 
+/// An axis by its letter.
+fn axis(text: &str) -> Option<[f64; 3]> {
+    let (size, letter) =
+        text.strip_prefix('-').map_or((1.0, text.trim_start_matches('+')), |rest| (-1.0, rest));
+    let at = ["x", "y", "z"].iter().position(|l| l.eq_ignore_ascii_case(letter))?;
+    let mut v = [0.0; 3];
+    v[at] = size;
+    Some(v)
+}
+
 /// Three numbers in a text such as `1 2 3`, `<1, 2, 3>` or `vec3(1, 2, 3)`.
 fn three_of_text(text: &str) -> Option<[f64; 3]> {
     const LONGEST: usize = 100;
@@ -382,6 +441,9 @@ mod tests {
         ] {
             assert_eq!(vector(&t).as_deref(), Some("write `[1, 2, 3]`"), "{t:?}");
         }
+        assert_eq!(vector(&text("-z")).as_deref(), Some("write `[0, 0, -1]`"));
+        assert_eq!(several::<2>(&text("640x360")).as_deref(), Some("write `[640, 360]`"));
+        assert_eq!((several::<2>(&text("640")), several::<2>(&text("wide x high"))), (None, None));
         assert_eq!(vector(&text("up")), None);
         assert_eq!(vector(&map(&[("x", 1.0), ("q", 2.0)])), None);
         assert!(

@@ -124,7 +124,10 @@ fn shells_and_man_know_every_command() {
     }
     assert!(folder.straal("man").out.contains(".TH straal 1"));
     let page = folder.straal("man render").out;
-    assert!(page.contains(".TH straal-render 1") && page.contains("samples per pixel") || page.contains("Samples per pixel"));
+    assert!(
+        page.contains(".TH straal-render 1") && page.contains("samples per pixel")
+            || page.contains("Samples per pixel")
+    );
     let wrong = folder.straal("man rendr");
     assert!(wrong.code == Some(2) && wrong.err.contains("did you mean `render`?"), "{wrong:?}");
 }

@@ -6,6 +6,7 @@
 mod other;
 mod scalar;
 
+pub(crate) use other::is_of_another_program;
 pub use scalar::resolve;
 
 use std::collections::HashMap;

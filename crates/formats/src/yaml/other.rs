@@ -14,6 +14,12 @@ pub fn program(file: FileId, text: &str) -> Option<Diagnostic> {
     Some(Diagnostic::error(Span { file, start, end }, message).help(help))
 }
 
+/// Whether a text begins as another program's scene does.
+pub(crate) fn is_of_another_program(text: &str) -> bool {
+    // XML may be anything.
+    first_line(text).is_some_and(|(_, line)| format(line, text).is_some_and(|format| format != XML))
+}
+
 /// The first line that says something, with where it begins.
 fn first_line(text: &str) -> Option<(usize, &str)> {
     const MOST: usize = 200;
@@ -29,6 +35,9 @@ fn first_line(text: &str) -> Option<(usize, &str)> {
     }
     None
 }
+
+/// What may be a scene.
+const XML: &str = "XML";
 
 fn format(line: &str, text: &str) -> Option<&'static str> {
     const PBRT: [&str; 14] = [
@@ -53,7 +62,7 @@ fn format(line: &str, text: &str) -> Option<&'static str> {
         return Some("a Mitsuba scene");
     }
     if line.starts_with('<') {
-        return Some("XML");
+        return Some(XML);
     }
     // A directive of pbrt is followed by a name in quotes or numbers, never by a colon.
     if PBRT.contains(&word)
