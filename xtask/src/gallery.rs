@@ -1,14 +1,24 @@
-//! The gallery's pictures, small, for the book and the README.
+//! The gallery's pictures for the book and the README, rendered larger than they are shown and until they are clean.
 
 use crate::{Failure, root, scenes};
 use std::time::Instant;
-use straal::{Control, Job, LoadOptions, Overrides};
+use straal::{Control, Job, LoadOptions, Overrides, PatternKind, Picture};
+use straal_scene::desc::Integrator;
 
 /// Where they go.
 const FOLDER: &str = "book/src/images";
 
-/// Pixels from left to right.
-const WIDTH: u32 = 480;
+/// The width and height that a picture in the book has room for: a wide one is 960 pixels wide.
+const ROOM: [u32; 2] = [960, 720];
+
+/// Pixels that are rendered for three in the book, along both axes: a wide picture is rendered 1280 wide.
+const RENDERED: u32 = 4;
+
+/// Relative standard error of the pixels that are rendered; in the book's it is a quarter less.
+const NOISE: f64 = 0.02;
+
+/// Samples that a pixel may get for each that its scene asks for, where noise decides.
+const PATIENCE: u32 = 8;
 
 /// Renders the scenes of `scenes/`, or those named. One whose files are not here is skipped, which is said.
 pub fn run(names: &[String]) -> Result<bool, Failure> {
@@ -28,19 +38,82 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
         let started = Instant::now();
         let loaded = straal::load(&path, &LoadOptions::default())
             .map_err(|_| format!("{name}: the scene is wrong; see `straal check scenes/{name}.yaml`"))?;
-        let [width, height] = loaded.scene.film.size;
-        let size = [WIDTH, (WIDTH * height + width / 2) / width];
-        let job = Job::new(loaded, Overrides { size: Some(size), ..Overrides::default() })?;
+        let shown = shown(loaded.scene.film.size);
+        // A scene of a pattern, or of another pattern than the usual, shows what its very samples do.
+        let shows_samples = loaded.scene.integrator == Integrator::SineProduct
+            || Job::new(loaded.clone(), Overrides::default())?.settings.pattern.kind() != PatternKind::Sobol
+            || loaded.scene.film.splat;
+        let wish = if shows_samples {
+            Overrides { size: Some(shown), ..Overrides::default() }
+        } else {
+            let spp = Some(loaded.scene.sampler.spp * PATIENCE);
+            let size = Some(shown.map(|v| v * RENDERED / 3));
+            Overrides { size, spp, noise: Some(NOISE), ..Overrides::default() }
+        };
+        let job = Job::new(loaded, wish)?;
         let outcome = job.render(&mut Control::to_the_end())?;
         let picture = format!("{FOLDER}/{name}.png");
-        outcome.picture.save(&root().join(&picture), &job.look())?;
+        let size = outcome.picture.size;
+        let small = if shows_samples { outcome.picture } else { smaller(outcome.picture, shown) };
+        small.save(&root().join(&picture), &job.look())?;
         println!(
-            "{picture}: {} x {}, {} samples a pixel, {:.1} s",
+            "{picture}: {} x {}, rendered {} x {}, up to {} samples a pixel, {} blocks noisier than {} %, {:.1} s",
+            shown[0],
+            shown[1],
             size[0],
             size[1],
             outcome.samples,
+            outcome.noisy_blocks,
+            NOISE * 100.0,
             started.elapsed().as_secs_f64()
         );
     }
     Ok(true)
+}
+
+/// The size in the book of a picture that a scene wants in another: as large as there is room for, in multiples of three.
+fn shown([width, height]: [u32; 2]) -> [u32; 2] {
+    let is_wide = u64::from(width) * u64::from(ROOM[1]) >= u64::from(height) * u64::from(ROOM[0]);
+    let (most, of) = if is_wide { (ROOM[0], width) } else { (ROOM[1], height) };
+    [width, height].map(|v| {
+        let v = (u64::from(v) * u64::from(most) + u64::from(of) / 2) / u64::from(of);
+        (v as u32).div_ceil(3) * 3
+    })
+}
+
+/// The picture with three pixels where there were four, each the mean of the light that falls on it.
+fn smaller(mut picture: Picture, to: [u32; 2]) -> Picture {
+    let [width, height] = to.map(|v| v as usize);
+    let from = picture.layers.width;
+    let mut rgb = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let mut sum = [0.0f64; 3];
+            for (row, by_row) in shares(y) {
+                for (column, by_column) in shares(x) {
+                    let pixel = picture.layers.rgb[row * from + column];
+                    for (sum, v) in sum.iter_mut().zip(pixel) {
+                        *sum += by_row * by_column * f64::from(v);
+                    }
+                }
+            }
+            rgb.push(sum.map(|v| v as f32));
+        }
+    }
+    picture.layers.rgb = rgb;
+    (picture.layers.width, picture.layers.height) = (width, height);
+    picture.size = to;
+    // The hash is that of the pixels that were rendered.
+    picture.story.retain(|(key, _)| key != "straal.film_hash");
+    picture
+}
+
+/// Which pixels of four lie within one of three, and what share of it each has.
+fn shares(at: usize) -> [(usize, f64); 2] {
+    let first = at / 3 * 4 + at % 3;
+    match at % 3 {
+        0 => [(first, 0.75), (first + 1, 0.25)],
+        1 => [(first, 0.5), (first + 1, 0.5)],
+        _ => [(first, 0.25), (first + 1, 0.75)],
+    }
 }

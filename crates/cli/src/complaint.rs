@@ -15,7 +15,8 @@ pub fn show(diagnostics: &Diagnostics, colours: bool) -> String {
     let each: Vec<String> = diagnostics.list.iter().map(|d| one(diagnostics, d, colours) + "\n").collect();
     let mut text = each.join("\n");
     let errors = diagnostics.errors() as u64;
-    let warnings = (diagnostics.list.len() + diagnostics.dropped) as u64 - errors;
+    let notes = diagnostics.list.iter().filter(|d| d.severity == Severity::Note).count();
+    let warnings = (diagnostics.list.len() + diagnostics.dropped - notes) as u64 - errors;
     if diagnostics.dropped > 0 {
         text += &format!("\n... and {} more\n", diagnostics.dropped);
     }
@@ -57,6 +58,7 @@ fn one(all: &Diagnostics, d: &Diagnostic, colours: bool) -> String {
     let level = match d.severity {
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
+        Severity::Note => Level::NOTE,
     };
     let mut group = annotate_snippets::Group::with_title(level.primary_title(d.message.as_str()));
     if d.span.is_some() {

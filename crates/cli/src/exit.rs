@@ -1,6 +1,7 @@
 //! How the command ends.
 
 use straal_scene::Diagnostics;
+use straal_scene::memory::Shortage;
 
 /// What the shell is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +12,7 @@ pub enum Exit {
     Differ = 1,
     /// What was typed, or a file that was to be read, is wrong.
     Input = 2,
-    /// The result couldn't be written, or the system refused.
+    /// The result couldn't be written, there is too little memory, or the system refused.
     System = 3,
     /// straal is wrong.
     Bug = 70,
@@ -32,7 +33,7 @@ Exit codes:
   0    all was done
   1    `straal diff`: the pictures differ by more than chance; `straal accel`: structures found different hits
   2    the command line, the scene or a file that it names is wrong; nothing was written
-  3    a picture couldn't be written, or the system refused something
+  3    a picture couldn't be written, it takes more memory than there is, or the system refused something
   70   straal itself is wrong: please report it
   130  ended by Ctrl-C or a signal: with the picture so far after the first, without a picture after the second";
 
@@ -60,9 +61,15 @@ impl Failure {
         Self { exit: Exit::System, ..Self::input(message) }
     }
 
-    /// The scene is wrong.
+    /// There is too little memory.
+    pub fn memory(shortage: &Shortage) -> Self {
+        Self::system(shortage.to_string()).help(shortage.help())
+    }
+
+    /// The scene is wrong, or there is too little memory to read it.
     pub fn scene(diagnostics: Diagnostics) -> Self {
-        Self { diagnostics: Some(Box::new(diagnostics)), ..Self::input("") }
+        let exit = if diagnostics.lacks_memory { Exit::System } else { Exit::Input };
+        Self { exit, diagnostics: Some(Box::new(diagnostics)), ..Self::input("") }
     }
 
     /// With what would be right.

@@ -137,8 +137,8 @@ impl Interrupt {
         if let Some(announcer) = self.announcer() {
             announcer.say(&format!("ended by {}", cause.name()));
         }
-        let ended =
-            Failure { exit: Exit::Interrupted, ..Failure::input("ended by Ctrl-C, without a picture") };
+        let told = format!("ended by {}, without a picture", cause.name());
+        let ended = Failure { exit: Exit::Interrupted, ..Failure::input(told) };
         out::last_words(|| complaint::failure_as_json(&ended));
         std::process::exit(i32::from(Exit::Interrupted.code()));
     }

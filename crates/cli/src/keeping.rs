@@ -6,8 +6,11 @@ use crate::out;
 use crate::quantity::count;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 use straal::sums::{Kept, Snapshot};
+use straal::{Job, Pause};
 use straal_formats::atomic::{self, WriteError};
 
 /// What is to be kept.
@@ -24,6 +27,10 @@ pub struct Wish {
     pub sums: Option<PathBuf>,
 }
 
+fn milliseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
+
 /// Where the checkpoint of a render is that writes `result`.
 pub fn checkpoint_of(result: &Path) -> PathBuf {
     let mut name = result.as_os_str().to_owned();
@@ -38,7 +45,10 @@ pub struct Keeping<'a> {
     /// Where the checkpoint goes.
     path: PathBuf,
     began: Instant,
-    last: Instant,
+    /// When the next checkpoint is due, in milliseconds since the beginning.
+    due: Arc<AtomicU64>,
+    /// Whether the present state is kept since a signal came.
+    is_safe: Arc<AtomicBool>,
     is_quiet: bool,
     /// Samples of each pixel that the render goes on from.
     resumed: u32,
@@ -46,6 +56,8 @@ pub struct Keeping<'a> {
     kept: Option<u32>,
     written: u32,
     has_failed: bool,
+    /// Whether all samples that were asked for are taken.
+    is_complete: bool,
     sums: Option<Result<(), WriteError>>,
 }
 
@@ -60,18 +72,19 @@ impl<'a> Keeping<'a> {
         let places: Vec<PathBuf> = results.iter().chain(&wish.sums).map(|r| checkpoint_of(r)).collect();
         let found = places.iter().find(|p| p.exists());
         let path = found.or(places.first()).cloned().unwrap_or_default();
-        let now = Instant::now();
         let mut this = Self {
             interrupt,
             wish,
             path,
-            began: now,
-            last: now,
+            began: Instant::now(),
+            due: Arc::new(AtomicU64::new(wish.every.map_or(u64::MAX, milliseconds))),
+            is_safe: Arc::default(),
             is_quiet,
             resumed: 0,
             kept: None,
             written: 0,
             has_failed: false,
+            is_complete: false,
             sums: None,
         };
         let name = this.path.display();
@@ -88,9 +101,7 @@ impl<'a> Keeping<'a> {
                 None
             }
             (Some(_), false) if wish.every.is_some() => {
-                this.say(&format!(
-                    "warning: {name} is there, but isn't used without --resume, and will be replaced"
-                ));
+                this.say(&format!("warning: there is a {name}, which isn't used without --resume"));
                 None
             }
             _ => None,
@@ -108,22 +119,33 @@ impl<'a> Keeping<'a> {
         self.wish.every.is_some() || self.wish.sums.is_some()
     }
 
-    /// How long a pass may take, so that there is a checkpoint in time.
-    pub const fn longest_pass(&self) -> Option<Duration> {
-        self.wish.every
+    /// Whether a checkpoint is due in the middle of a pass: when its time has come, and when a signal did, since who sent it may
+    /// not wait for the pass to end.
+    pub fn pause(&self) -> Option<Pause> {
+        let every = milliseconds(self.wish.every?);
+        let (began, due, is_safe) = (self.began, self.due.clone(), self.is_safe.clone());
+        let (interrupt, is_said) = (self.interrupt.clone(), self.wish.is_said);
+        Some(Arc::new(move || {
+            let now = milliseconds(began.elapsed());
+            let is_long = is_said || now >= every;
+            now >= due.load(Relaxed) || (is_long && !is_safe.load(Relaxed) && interrupt.asked().is_some())
+        }))
     }
 
     /// Looks at the render after a pass.
     pub fn look(&mut self, snapshot: &Snapshot<'_>) {
+        self.is_complete = snapshot.is_complete && self.interrupt.asked().is_none();
         if let (true, Some(path)) = (snapshot.is_last, &self.wish.sums) {
             self.sums = Some(self.write(path, snapshot));
         }
         let Some(every) = self.wish.every else { return };
-        let is_cut_off = !snapshot.is_complete || self.interrupt.asked().is_some();
-        let is_due = if snapshot.is_last {
-            is_cut_off && (self.wish.is_said || self.kept.is_some() || self.began.elapsed() >= every)
+        let now = milliseconds(self.began.elapsed());
+        let is_asked = self.interrupt.asked().is_some();
+        let is_due = if snapshot.is_last || is_asked {
+            let is_long = self.wish.is_said || self.kept.is_some() || now >= milliseconds(every);
+            !self.is_complete && is_long
         } else {
-            self.last.elapsed() >= every
+            now >= self.due.load(Relaxed)
         };
         if !is_due {
             return;
@@ -141,7 +163,8 @@ impl<'a> Keeping<'a> {
             }
             Err(_) => {}
         }
-        self.last = Instant::now();
+        self.is_safe.store(is_asked, Relaxed);
+        self.due.store(milliseconds(self.began.elapsed()).saturating_add(milliseconds(every)), Relaxed);
     }
 
     fn write(&self, path: &Path, snapshot: &Snapshot<'_>) -> Result<(), WriteError> {
@@ -153,9 +176,11 @@ impl<'a> Keeping<'a> {
         self.wish.sums.as_deref().zip(self.sums.take())
     }
 
-    /// When all results are written: a render that is complete needs no checkpoint any more.
-    pub fn end(mut self, is_complete: bool) -> Told {
-        if is_complete && self.kept.is_some() && fs::remove_file(&self.path).is_ok() {
+    /// When all results of a job are tried: a render that is complete, and written, needs no checkpoint any more; nor an
+    /// earlier one that wasn't used.
+    pub fn end(mut self, job: &Job, is_written: bool) -> Told {
+        let is_ours = |path: &Path| Kept::open(path).is_ok_and(|kept| kept.is_of(job));
+        if is_written && self.is_complete && is_ours(&self.path) && fs::remove_file(&self.path).is_ok() {
             self.kept = None;
         }
         if let Some(samples) = self.kept {

@@ -8,6 +8,7 @@ mod complaint;
 mod exit;
 mod interrupt;
 mod keeping;
+mod machine;
 mod out;
 mod places;
 mod process;

@@ -18,12 +18,14 @@ pub fn peak_memory_bytes() -> Option<u64> {
 }
 
 /// Whether whoever started this process has it ignore a signal, as `nohup` does.
+#[cfg(unix)]
 pub fn ignores(signal: i32) -> bool {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     ignored(&status).is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// `SigIgn`, a bit for each signal.
+#[cfg(unix)]
 fn ignored(status: &str) -> Option<u64> {
     let line = status.lines().find_map(|l| l.strip_prefix("SigIgn:"))?;
     u64::from_str_radix(line.trim(), 16).ok()
@@ -59,6 +61,7 @@ mod tests {
         assert_eq!(peak_of("Name:\tx\n"), None);
     }
 
+    #[cfg(unix)]
     #[test]
     fn ignored_signals_are_bits() {
         assert_eq!(ignored("SigBlk:\t00\nSigIgn:\t0000000000001001\n"), Some(0x1001));

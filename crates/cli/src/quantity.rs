@@ -4,7 +4,9 @@ use std::str::FromStr;
 use std::time::Duration;
 use straal::Recording;
 use straal::points::Map;
+use straal::studio::Background;
 use straal_scene::desc::SpectralChannels;
+use straal_scene::value::Color;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +15,28 @@ pub struct Size(pub [u32; 2]);
 /// Left, top, right and bottom in pixels, the last two exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop(pub [u32; 4]);
+
+/// An angle between two faces in degrees.
+pub fn crease(typed: &str) -> Result<f64, String> {
+    let degrees = typed.trim().trim_end_matches('°').parse::<f64>().ok();
+    degrees.filter(|d| (0.0..=180.0).contains(d)).ok_or_else(|| "write degrees from 0 to 180".to_owned())
+}
+
+/// `studio`, `none`, a colour in hexadecimal or one of the names that need no table.
+pub fn background(typed: &str) -> Result<Background, String> {
+    let paper = |grey: f64| Ok(Background::Paper(Color::grey(grey)));
+    match typed.trim().to_ascii_lowercase().as_str() {
+        "studio" => Ok(Background::Sweep),
+        "none" | "transparent" => Ok(Background::Nothing),
+        // The whitest and blackest papers there are.
+        "white" => paper(0.95),
+        "grey" | "gray" => paper(0.25),
+        "black" => paper(0.02),
+        other => Color::from_hex(other).map(Background::Paper).ok_or_else(|| {
+            "write studio, none, white, grey, black or a colour in hexadecimal in quotes, such as '#4060a0'".to_owned()
+        }),
+    }
+}
 
 /// The longest time that can be asked for: a year, far inside of what clocks can count.
 const LONGEST: f64 = 365.0 * 86400.0;
@@ -289,15 +313,31 @@ pub fn tell_percent(part: f64) -> String {
     if text == "0" { format!("{:.0e} %", 100.0 * part) } else { format!("{text} %") }
 }
 
-/// An amount of memory as people read it, in powers of 1000.
-pub fn tell_bytes(bytes: u64) -> String {
-    let amount = bytes as f64;
-    match bytes {
-        0..1_000 => format!("{bytes} B"),
-        1_000..1_000_000 => format!("{:.1} kB", amount / 1e3),
-        1_000_000..1_000_000_000 => format!("{:.1} MB", amount / 1e6),
-        _ => format!("{:.2} GB", amount / 1e9),
-    }
+pub use straal_scene::memory::tell_bytes;
+
+/// An amount of memory such as `8G`, `512M`, `1.5GB` or `800MiB`: letters stand for powers of 1000, with an i for powers of 1024.
+pub fn memory(typed: &str) -> Result<u64, String> {
+    const HINT: &str = "write a number with a unit: 512M, 8G, 1.5GB or 16GiB";
+    let typed = typed.trim();
+    let digits = typed.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(typed.len());
+    let (number, unit) = typed.split_at(digits);
+    let number: f64 = number.parse().map_err(|_| HINT.to_owned())?;
+    let unit = unit.trim().to_ascii_lowercase();
+    let (letter, base) = match unit.strip_suffix("ib") {
+        Some(letter) => (letter, 1024.0_f64),
+        None => (unit.strip_suffix('b').unwrap_or(&unit), 1000.0),
+    };
+    let factor = match letter {
+        "" if unit == "b" => 1.0,
+        "" => return Err(format!("{typed} of what? {HINT}")),
+        "k" => base,
+        "m" => base * base,
+        "g" => base * base * base,
+        "t" => base * base * base * base,
+        _ => return Err(format!("unknown unit `{unit}`; {HINT}")),
+    };
+    let bytes = number * factor;
+    if bytes >= 1e6 && bytes < 1e18 { Ok(bytes as u64) } else { Err("it must be from 1M to 1000000T".into()) }
 }
 
 /// A number with its noun: `1 sample`, `3 samples`.
@@ -351,6 +391,18 @@ mod tests {
         assert_eq!(crop("1, 2,30,40"), Ok(Crop([1, 2, 30, 40])));
         for typed in ["", "1,2,3", "1,2,1,4", "3,2,1,4", "1,2,3,4,5", "-1,2,3,4"] {
             assert!(crop(typed).is_err(), "{typed}");
+        }
+    }
+
+    #[test]
+    fn memory_has_units() {
+        for (typed, bytes) in
+            [("8G", 8e9), ("512M", 512e6), ("1.5 GB", 1.5e9), ("16GiB", 17_179_869_184.0), ("2t", 2e12)]
+        {
+            assert_eq!(memory(typed), Ok(bytes as u64), "{typed}");
+        }
+        for typed in ["8", "", "G", "8X", "-8G", "1k", "nan", "9999999999T"] {
+            assert!(memory(typed).is_err(), "{typed}");
         }
     }
 

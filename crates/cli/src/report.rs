@@ -76,7 +76,7 @@ impl<'a> Report<'a> {
             self.pictures.iter().chain(&self.kept.sums).map(|p| p.display().to_string()).collect();
         let mut facts = vec![count(o.samples.into(), "sample"), tell_duration(self.seconds)];
         if self.job.settings.noise.is_some() {
-            facts[0] += &format!(" at most, {:.1} on average", self.mean_samples());
+            facts[0] += &format!(" at most, {:.1} on average", self.outcome.mean_samples);
         }
         facts.push(format!("{:.2} Mrays/s", self.mrays_per_second()));
         facts.extend(self.peak_memory_bytes.map(tell_bytes));
@@ -93,7 +93,7 @@ impl<'a> Report<'a> {
         let names: Vec<String> = self.pictures.iter().map(|p| p.to_string_lossy().into_owned()).collect();
         let crop = self.job.settings.crop;
         let corners = [crop.min, crop.max].concat();
-        let million_samples = self.mean_samples() * crop.area() as f64 / 1e6;
+        let million_samples = self.outcome.mean_samples * crop.area() as f64 / 1e6;
         let throughput = self.cpu_seconds.filter(|s| *s > 0.0).map(|s| million_samples / s);
         let first_dropped =
             o.dropped.first.map(|(pixel, sample)| json!({ "pixel": pixel, "sample": sample }));
@@ -104,7 +104,7 @@ impl<'a> Report<'a> {
             "size": self.job.settings.size,
             "crop": corners,
             "samples": o.samples,
-            "mean_samples": self.mean_samples(),
+            "mean_samples": self.outcome.mean_samples,
             "passes": o.passes,
             "complete": o.complete,
             "interrupted": self.interrupted.is_some(),
@@ -131,12 +131,6 @@ impl<'a> Report<'a> {
             "version": straal::VERSION,
             "diagnostics": complaint::as_json(self.warnings),
         })
-    }
-
-    /// Samples per pixel of the picture.
-    fn mean_samples(&self) -> f64 {
-        let all = &self.outcome.picture.layers.samples;
-        all.iter().map(|&n| f64::from(n)).sum::<f64>() / all.len().max(1) as f64
     }
 
     fn mrays_per_second(&self) -> f64 {

@@ -1,11 +1,12 @@
 //! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
 //! ray is traced found out.
 
-use crate::args::{LookArgs, RenderArgs};
+use crate::args::{LookArgs, RenderArgs, StudioArgs};
 use crate::exit::Failure;
 use crate::keeping::Wish;
+use crate::machine;
 use crate::places::{check_output, check_pictures, format_of, is_stream, refuse_inputs, refuse_twins};
-use crate::quantity::Every;
+use crate::quantity::{Every, count};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use straal::picture::{Format, SaveError};
@@ -33,8 +34,16 @@ pub struct RenderSettings {
     pub keep: Wish,
     /// Where the picture of the searches' costs goes, and which cost it shows.
     pub cost_picture: Option<(PathBuf, CostMeasure)>,
+    /// Where the scene goes as a file.
+    pub write_scene: Option<PathBuf>,
+    /// How a bare mesh is shown.
+    pub studio: StudioArgs,
     /// Steps of the look in place of the scene's.
     pub look: LookArgs,
+    /// Bytes of memory that may be used, where that is known.
+    pub memory: Option<u64>,
+    /// What is told before the render begins.
+    pub note: Option<String>,
     /// Whether only errors are told.
     pub quiet: bool,
     /// Whether the result is told to a script.
@@ -83,15 +92,28 @@ impl RenderSettings {
         if let Some(path) = &args.save_sums {
             check_output(path)?;
         }
-        let all = || outputs.iter().chain(&args.cost_picture).chain(&args.save_sums).map(PathBuf::as_path);
+        if let Some(path) = &args.write_scene {
+            check_scene_output(path)?;
+        }
+        if let Some(option) = args.studio.first() {
+            check_bare(option, args.scene.as_deref())?;
+        }
+        let all = || {
+            outputs
+                .iter()
+                .chain(&args.cost_picture)
+                .chain(&args.save_sums)
+                .chain(&args.write_scene)
+                .map(PathBuf::as_path)
+        };
         refuse_twins(all())?;
         refuse_inputs(all(), args.scene.as_slice())?;
         let is_exr = |o: &&PathBuf| format_of(o, format) == Some(Format::Exr);
         let has_exr = outputs.iter().any(|o| is_exr(&o));
         let has_plain_exr =
             outputs.iter().filter(is_exr).any(|o| !is_stream(o) && (!o.exists() || o.is_file()));
-        let by_default =
-            ((has_plain_exr || args.resume) && args.replicates.is_none()).then_some(BETWEEN_CHECKPOINTS);
+        let is_long = has_plain_exr || args.save_sums.is_some() || args.resume;
+        let by_default = (is_long && args.replicates.is_none()).then_some(BETWEEN_CHECKPOINTS);
         let keep = Wish {
             every: args.checkpoint.map_or(by_default, |Every(time)| time),
             is_said: args.checkpoint.is_some() || args.resume,
@@ -100,6 +122,8 @@ impl RenderSettings {
         };
         // What is put together later may become an EXR.
         let has_exr = has_exr || keep.sums.is_some();
+        let (threads, note) = threads(args.threads);
+        let memory = args.memory.or_else(machine::memory);
         Ok(Self {
             format,
             scene: args.scene,
@@ -116,20 +140,26 @@ impl RenderSettings {
                 spectral: args.spectral.then_some(true),
                 recording: args.channels,
                 error: Some(has_exr),
+                layers: Some(has_exr),
                 splat: args.splat.then_some(true),
-                threads: args.threads,
+                threads: Some(threads),
                 accel: args.accel,
                 build: args.build,
                 isa: args.isa,
                 batch: args.batch,
                 shuffle_tiles: None,
+                memory,
                 cost: (args.cost || args.cost_picture.is_some()).then_some(true),
             },
             time: args.time,
             replicates: args.replicates,
             keep,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
+            write_scene: args.write_scene,
+            studio: args.studio,
             look: args.look,
+            memory,
+            note,
             quiet: args.quiet,
             json: args.json,
             lenient: args.lenient,
@@ -140,7 +170,7 @@ impl RenderSettings {
     /// Every file that is written.
     pub fn written(&self) -> impl Iterator<Item = &Path> {
         let cost = self.cost_picture.as_ref().map(|(path, _)| path);
-        self.outputs.iter().chain(cost).chain(&self.keep.sums).map(PathBuf::as_path)
+        self.outputs.iter().chain(cost).chain(&self.keep.sums).chain(&self.write_scene).map(PathBuf::as_path)
     }
 
     /// How a scene's look is shown.
@@ -154,6 +184,52 @@ impl RenderSettings {
         let has_png = self.outputs.iter().any(shows);
         self.look != LookArgs::default() && !has_png
     }
+}
+
+/// Whether one of the pictures is an EXR, which holds more than colours.
+pub fn has_exr(outputs: &[PathBuf]) -> Result<bool, Failure> {
+    let formats: Result<Vec<_>, _> =
+        outputs.iter().filter(|path| !is_stream(path)).map(|path| Format::of(path)).collect();
+    let formats = formats.map_err(|e| Failure::input(e.to_string()))?;
+    Ok(formats.contains(&Format::Exr))
+}
+
+/// Threads that are started, and what there is to say of that: as many as there are processors, or as were asked for. Far more than
+/// there are processors only wait for one another.
+pub fn threads(typed: Option<usize>) -> (usize, Option<String>) {
+    let processors = machine::processors();
+    let most = (4 * processors).max(64);
+    match typed {
+        None => (processors, None),
+        Some(n) if n <= most => (n, None),
+        Some(n) => {
+            let cores = count(processors as u64, "processor");
+            let note =
+                format!("note: {n} threads would only wait for one another on {cores}: {most} are started");
+            (most, Some(note))
+        }
+    }
+}
+
+/// Whether a scene can be written there.
+fn check_scene_output(path: &Path) -> Result<(), Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    if !matches!(extension.as_deref(), Some("yaml" | "yml")) {
+        let message = format!("a scene is written as YAML: the name {} must end in .yaml", path.display());
+        return Err(Failure::input(message));
+    }
+    check_output(path)
+}
+
+/// Whether what is rendered is a mesh without a scene, for which alone an option is.
+fn check_bare(option: &str, scene: Option<&Path>) -> Result<(), Failure> {
+    let what = match scene {
+        Some(path) if straal::is_mesh(path) || is_stream(path) => return Ok(()),
+        Some(path) => format!("{} is a scene, which", path.display()),
+        None => "the scene that straal brings along".to_owned(),
+    };
+    let message = format!("{option} is for bare meshes (.ply, .obj): {what} says that itself");
+    Err(Failure::input(message).help("change it in the scene; --write-scene gives one to begin with"))
 }
 
 /// The scene's name with .png, in the current folder.
@@ -184,6 +260,14 @@ mod tests {
         assert_eq!(settings("").unwrap().outputs, [PathBuf::from("straal.png")]);
         assert_eq!(settings("some/where/bunny.v2.ply").unwrap().outputs, [PathBuf::from("bunny.v2.png")]);
         assert_eq!(settings("a.yaml -o b.EXR").unwrap().outputs, [PathBuf::from("b.EXR")]);
+    }
+
+    #[test]
+    fn threads_have_a_bound() {
+        assert_eq!(threads(None), (machine::processors(), None));
+        assert_eq!(threads(Some(3)), (3, None));
+        let (started, note) = threads(Some(1 << 20));
+        assert!(started < 1 << 20 && note.is_some_and(|n| n.contains(&format!("{started} are started"))));
     }
 
     #[test]

@@ -1,21 +1,15 @@
 //! XYZ to linear sRGB, chromaticity and Lab, beside the shared table that another program computed (colour-science
 //! 0.4.7, with the matrix of IEC 61966-2-1, whose rounding to four digits reaches 1.5e-4 in the brightest patch).
 
-use std::path::PathBuf;
 use straal_color::{Lab, Matrix3, Space, White, Xyz};
+
+#[path = "../../../tests/shared.rs"]
+mod shared;
 
 /// The shared table; without it the test says so.
 fn table() -> Option<String> {
-    let shared = std::env::var_os("STRAAL_SHARED").map(PathBuf::from);
-    let shared = shared.unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"));
-    let text = std::fs::read_to_string(shared.join("scenes/spectral/expected_values.txt")).ok();
-    if text.is_none() {
-        #[allow(clippy::print_stdout)] // a note to whoever runs the tests
-        {
-            println!("skipped: no shared data");
-        }
-    }
-    text
+    let path = shared::shared()?.join("scenes/spectral/expected_values.txt");
+    Some(std::fs::read_to_string(path).expect("the table"))
 }
 
 /// The numbers between the next brackets after `from`.

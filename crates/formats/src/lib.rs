@@ -16,7 +16,7 @@ pub mod mesh_file;
 mod number;
 pub mod read_error;
 pub mod spd;
-mod studio;
+pub mod studio;
 mod temporary;
 pub mod yaml;
 

@@ -7,15 +7,18 @@ use std::sync::Arc;
 use straal_scene::decode::{Describe, Strictness, read_scene};
 use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
+use straal_scene::forecast::{description_bytes, mesh_bytes};
+use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
 
 use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, MeshFile};
-use crate::{Limits, ReadError, foreign, image, spd, studio, yaml};
+use crate::studio::{self, Studio};
+use crate::{Limits, ReadError, foreign, image, spd, yaml};
 
 /// How a scene is loaded.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Whether unknown keys are only warned of.
     pub lenient: bool,
@@ -23,6 +26,10 @@ pub struct Options {
     pub text: yaml::Limits,
     /// How much the files it names may ask for.
     pub files: Limits,
+    /// Bytes of memory that reading all this may take; no limit when absent.
+    pub memory: Option<u64>,
+    /// How a bare mesh is shown.
+    pub studio: Studio,
     /// The folder that all files must be in which a scene names, and which those name; anywhere when absent. Symbolic links
     /// are followed before this is asked. The scene itself may lie elsewhere, but one in the folder must not be a link out
     /// of it.
@@ -41,6 +48,10 @@ pub struct Loaded {
     /// BLAKE3 of what the scene says and of the bytes of its files: the same for the same scene, however it is
     /// commented, spaced or ordered within a mapping of settings.
     pub hash: [u8; 32],
+    /// Bytes of the texts that are kept for messages.
+    pub text_bytes: u64,
+    /// Bytes that reading took at a time, the program's own among them.
+    pub peak_bytes: u64,
     /// The files that were read, but for the one that the scene is told in; a mesh by itself is one of them.
     pub files: Vec<PathBuf>,
 }
@@ -48,12 +59,17 @@ pub struct Loaded {
 /// The largest scene text, in bytes.
 const MOST_TEXT: u64 = 1 << 28;
 
+/// Whether a file is taken for a bare mesh, by its name.
+pub fn is_mesh(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply") || e.eq_ignore_ascii_case("obj"))
+}
+
 /// Loads a scene (YAML or JSON), or a bare `.ply` or `.obj` mesh, which gets a studio around it.
 ///
 /// The files that a scene names are looked for in its folder. On failure all complaints are given at once.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    if matches!(extension.as_str(), "ply" | "obj") {
+    if is_mesh(path) {
         return load_mesh(path, options);
     }
     if let Some(what) = foreign::kind(&extension) {
@@ -63,6 +79,13 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     }
     let fail = |refusal: Refusal| cannot_read(path, refusal);
     let place = finder(options)?.named(path).map_err(fail)?;
+    let length = files::size(&place, MOST_TEXT).map_err(|r| fail(r.or_similar(&place)))?;
+    let what = || format!("reading `{}`", path.display());
+    if let Some(shortage) =
+        Ledger::new(options.memory).refuse(text_needs(length, &options.text), what, TEXT_HELP)
+    {
+        return Err(lacking(&shortage));
+    }
     let bytes = files::read(&place, MOST_TEXT).map_err(|r| fail(r.or_similar(&place)))?;
     let base = path.parent().unwrap_or(Path::new(""));
     let name = path.display().to_string();
@@ -85,7 +108,13 @@ pub fn load_str(name: &str, text: &str, base: &Path, options: &Options) -> Resul
 /// Loads a scene from its bytes, which should be UTF-8.
 pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let mut d = Diagnostics::default();
-    let Some((scene, file)) = describe(name, bytes, options, &mut d) else { return Err(d) };
+    let Some((scene, file, tree_bytes)) = describe(name, bytes, options, &mut d) else { return Err(d) };
+    // The bytes, and the text that messages quote; while they are read, another copy and the tree of values.
+    let length = bytes.len() as u64;
+    let mut ledger = Ledger::new(options.memory);
+    ledger.keep(2 * length);
+    ledger.pass(length + tree_bytes + description_bytes(&scene));
+    ledger.keep(description_bytes(&scene));
     let mut finder = finder(options)?;
     let paths = locate(&scene, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
@@ -93,9 +122,13 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
         return Err(d);
     }
     let files = paths.values().cloned().collect();
-    let mut reader = Reader { limits: &options.files, finder, hashes: BTreeMap::new(), files, d: &mut d };
+    let mut reader =
+        Reader { limits: &options.files, finder, hashes: BTreeMap::new(), files, ledger, d: &mut d };
     let assets = reader.assets(&scene, &paths);
+    let mut ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
+    // To be hashed, the scene is written again.
+    ledger.pass(length + tree_bytes);
     let files = reader.files;
     let needs_light = matches!(scene.integrator, Integrator::Path(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
@@ -103,7 +136,36 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }
     d.sort();
-    if d.has_errors() { Err(d) } else { Ok(Loaded { scene, assets, warnings: d, hash, files }) }
+    if d.has_errors() {
+        return Err(d);
+    }
+    Ok(Loaded { scene, assets, warnings: d, hash, files, text_bytes: length, peak_bytes: ledger.most() })
+}
+
+/// What makes a mesh take less memory.
+const MESH_HELP: &str = "a mesh of fewer triangles takes less";
+
+/// What makes a picture take less memory.
+const IMAGE_HELP: &str = "a smaller picture takes less";
+
+/// What makes a scene's text take less memory.
+const TEXT_HELP: &str = "meshes in PLY files, and instances of objects, take less than long lists";
+
+/// Bytes that reading a text of some length takes: copies of it, and the tree of its values. It is known better when it is read.
+fn text_needs(length: u64, limits: &yaml::Limits) -> u64 {
+    /// Of values for each byte of text, as in lists of numbers.
+    const VALUES: u64 = 15;
+    /// Of a key and its value.
+    const ENTRY: u64 = 112;
+    let tree = (VALUES * length).min(ENTRY.saturating_mul(limits.nodes as u64));
+    3 * length + tree
+}
+
+/// A complaint that there is too little memory.
+fn lacking(shortage: &Shortage) -> Diagnostics {
+    let mut d = only(Diagnostic::error(Span::NONE, shortage.to_string()).help(shortage.help()));
+    d.lacks_memory = true;
+    d
 }
 
 /// Loads what comes without a name, as through a pipe: a scene (YAML or JSON) or a bare mesh, told by how it begins. Files that it
@@ -114,7 +176,7 @@ pub fn load_stream(name: &str, bytes: &[u8], options: &Options) -> Result<Loaded
     };
     let path = Path::new(name).with_extension(extension);
     let read = mesh_file::read(bytes, &path, &options.files, &mut finder(options)?);
-    in_studio(&path, read.map_err(|refusal| cannot_read(&path, refusal))?)
+    in_studio(&path, read.map_err(|refusal| cannot_read(&path, refusal))?, &options.studio)
 }
 
 fn only(complaint: Diagnostic) -> Diagnostics {
@@ -136,7 +198,12 @@ fn finder(options: &Options) -> Result<Finder, Diagnostics> {
 }
 
 /// What a text says, as far as it can be read.
-fn describe(name: &str, bytes: &[u8], options: &Options, d: &mut Diagnostics) -> Option<(Scene, FileId)> {
+fn describe(
+    name: &str,
+    bytes: &[u8],
+    options: &Options,
+    d: &mut Diagnostics,
+) -> Option<(Scene, FileId, u64)> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if bytes.len() as u64 > MOST_TEXT {
         d.push(Diagnostic::error(
@@ -162,7 +229,7 @@ fn describe(name: &str, bytes: &[u8], options: &Options, d: &mut Diagnostics) ->
     let tree = yaml::read(file, &options.text, d)?;
     let (scene, complaints) = read_scene(&tree, std::mem::take(d), Strictness { lenient: options.lenient });
     *d = complaints;
-    Some((scene, file))
+    Some((scene, file, tree.heap_bytes()))
 }
 
 /// Where each file that the scene names is; complains of all that aren't there.
@@ -212,6 +279,8 @@ struct Reader<'a> {
     finder: Finder,
     /// BLAKE3 of each file, by the name that the scene gives it.
     hashes: BTreeMap<String, [u8; 32]>,
+    /// What has been read so far.
+    ledger: Ledger,
     /// What is read.
     files: Vec<PathBuf>,
     d: &'a mut Diagnostics,
@@ -283,6 +352,11 @@ impl Reader<'_> {
 
     /// A mesh; an empty one after a complaint.
     fn mesh(&mut self, file: &FileRef, path: &Path) -> (MeshAsset, [u8; 32]) {
+        // As many bytes as the file has for the mesh that it holds, and the file's own.
+        let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
+        if self.is_too_much(file, 2 * length, MESH_HELP) {
+            return Default::default();
+        }
         match mesh_file::load(path, self.limits, &mut self.finder) {
             Ok(MeshFile { asset, warnings, hash, libraries }) => {
                 self.files.extend(libraries);
@@ -290,6 +364,9 @@ impl Reader<'_> {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
                 }
+                let own = mesh_bytes(&asset.mesh);
+                self.ledger.pass(length + own);
+                self.ledger.keep(own);
                 (asset, hash)
             }
             Err(refusal) => {
@@ -301,6 +378,12 @@ impl Reader<'_> {
 
     /// A picture; an empty one after a complaint.
     fn image(&mut self, file: &FileRef, path: &Path) -> (Arc<Image>, [u8; 32]) {
+        // What is wrong with a header is told by reading the rest.
+        let decoded = image::Header::open(path, self.limits).map_or(0, |header| header.decoded_bytes);
+        let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
+        if self.is_too_much(file, length.saturating_add(decoded), IMAGE_HELP) {
+            return Default::default();
+        }
         let Some(bytes) = self.bytes(file, path) else { return Default::default() };
         match image::surroundings(&bytes, self.limits) {
             Ok((image, notes)) => {
@@ -308,6 +391,8 @@ impl Reader<'_> {
                     let message = format!("in `{}`: {note}", suggest::brief(file));
                     self.d.push(Diagnostic::warning(file.span, message));
                 }
+                self.ledger.pass(length.saturating_add(decoded));
+                self.ledger.keep(12 * image.pixels.len() as u64);
                 (Arc::new(image), blake3::hash(&bytes).into())
             }
             Err(e) => {
@@ -315,6 +400,15 @@ impl Reader<'_> {
                 Default::default()
             }
         }
+    }
+
+    /// Whether reading a file takes more memory than there is, which is told then.
+    fn is_too_much(&mut self, file: &FileRef, bytes: u64, help: &'static str) -> bool {
+        let what = || format!("reading `{}`", suggest::brief(file));
+        let Some(shortage) = self.ledger.refuse(bytes, what, help) else { return false };
+        self.d.push(Diagnostic::error(file.span, shortage.to_string()).help(shortage.help()));
+        self.d.lacks_memory = true;
+        true
     }
 
     fn bytes(&mut self, file: &FileRef, path: &Path) -> Option<Vec<u8>> {
@@ -359,19 +453,28 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let fail = |refusal: Refusal| cannot_read(path, refusal);
     let mut finder = finder(options)?;
     let place = finder.named(path).map_err(fail)?;
+    let length = files::size(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
+    let mut ledger = Ledger::new(options.memory);
+    let what = || format!("reading `{}`", path.display());
+    if let Some(shortage) = ledger.refuse(2 * length, what, MESH_HELP) {
+        return Err(lacking(&shortage));
+    }
     let read =
         mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
     let libraries = read.libraries.clone();
-    let loaded = in_studio(path, read)?;
-    Ok(Loaded { files: std::iter::once(path.to_path_buf()).chain(libraries).collect(), ..loaded })
+    ledger.pass(length + mesh_bytes(&read.asset.mesh));
+    let loaded = in_studio(path, read, &options.studio)?;
+    let files = std::iter::once(path.to_path_buf()).chain(libraries).collect();
+    Ok(Loaded { files, peak_bytes: ledger.most(), ..loaded })
 }
 
 /// A mesh with a studio around it.
-fn in_studio(path: &Path, read: MeshFile) -> Result<Loaded, Diagnostics> {
+fn in_studio(path: &Path, read: MeshFile, studio: &studio::Studio) -> Result<Loaded, Diagnostics> {
     let name = path.display().to_string();
-    let scene =
-        studio::around(&name, &read.asset).map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
+    let (scene, told) = studio::around(&name, &read.asset, studio)
+        .map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
+    told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }
@@ -379,5 +482,6 @@ fn in_studio(path: &Path, read: MeshFile) -> Result<Loaded, Diagnostics> {
     assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    Ok(Loaded { scene, assets, warnings, hash, files: read.libraries })
+    let peak_bytes = 0;
+    Ok(Loaded { scene, assets, warnings, hash, files: read.libraries, text_bytes: 0, peak_bytes })
 }

@@ -52,7 +52,15 @@ pub fn read(bytes: &[u8], path: &Path, limits: &Limits, finder: &mut Finder) -> 
         return read_ply(bytes, limits).map_err(|e| Refusal::new(e.to_string()));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut shelf = Shelf { folder, limits, finder, read: HashSet::new(), told: Vec::new(), refusal: None };
+    let mut shelf = Shelf {
+        folder,
+        limits,
+        finder,
+        read: HashSet::new(),
+        libraries: Vec::new(),
+        told: Vec::new(),
+        refusal: None,
+    };
     let mut hasher = blake3::Hasher::new();
     hasher.update(bytes);
     let file = mesh::obj::read(bytes, limits, &mut |name| {
@@ -66,6 +74,7 @@ pub fn read(bytes: &[u8], path: &Path, limits: &Limits, finder: &mut Finder) -> 
     let mut libraries: Vec<PathBuf> = shelf.read.into_iter().collect();
     libraries.sort();
     let file = file.map_err(|e: ReadError| Refusal::new(e.to_string()))?;
+    let libraries = shelf.libraries;
     let mut warnings = shelf.told;
     warnings.extend(file.warnings);
     let mut told = material::Told::default();
@@ -114,6 +123,8 @@ struct Shelf<'a> {
     finder: &'a mut Finder,
     /// What was read already, under whatever name.
     read: HashSet<PathBuf>,
+    /// Those that were read, as they were found.
+    libraries: Vec<PathBuf>,
     told: Vec<String>,
     /// The first that must not be read.
     refusal: Option<Refusal>,
@@ -150,6 +161,7 @@ impl Shelf<'_> {
                     self.tell(format!("there is no material library {shown}: '{instead}' is read"));
                 }
                 self.read.insert(real);
+                self.libraries.push(found.path);
                 Some(bytes)
             }
             // A folder `a` is no reason against the file `a b.mtl`.

@@ -1,34 +1,42 @@
 //! The driver: passes over the picture, tiles over the threads, waves of paths.
 
 use crate::camera::FilmPoint;
-use crate::film::{BLOCK, BandSample, Film, FilmTile, Flying, MAX_SAMPLES, next_look, reach};
+use crate::film::{BandSample, Film, FilmTile, Flying, MAX_SAMPLES, next_look};
 use crate::filter::{Filter, FilterSample};
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
-use crate::settings::{Region, Settings};
+use crate::settings::Settings;
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
 use crate::world::World;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
 use straal_math::lowdisc::Purpose;
 
-/// A render under way. Between calls of [`Render::advance`] the film is whole: every pixel that is still sampled has the
-/// same number of samples, and the sums are those of any other way to get there.
+/// A render under way. Between calls of [`Render::advance`] the film is whole, unless it [pauses](Render::pause_when): every pixel
+/// that is still sampled has the same number of samples, and the sums are those of any other way to get there.
 pub struct Render<'w, I> {
     world: &'w World,
     integrator: I,
     settings: Settings,
     film: Film,
     done: u32,
+    /// Up to which sample it was asked to advance.
+    goal: u32,
+    /// How many tiles, in their order, have the samples of the pass under way.
+    tiles_done: usize,
+    pause: Option<Pause>,
     times: Times,
     clock: Option<Clock>,
     pool: rayon::ThreadPool,
 }
+
+/// Asked by all threads, time and again, whether to pause.
+pub type Pause = Arc<dyn Fn() -> bool + Send + Sync>;
 
 /// Why a render can't start.
 #[derive(Debug, thiserror::Error)]
@@ -47,17 +55,8 @@ impl<'w, I: Integrator> Render<'w, I> {
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-        // Blocks end as a whole, so that one that is cut by the crop is rendered as a whole.
-        let region = match settings.noise {
-            Some(_) => settings.crop.in_squares(BLOCK, settings.size),
-            // Samples beyond the crop count in it.
-            None if settings.splat => {
-                let reach = reach(f64::from(world.filter.radius()));
-                settings.crop.grown(reach).intersection(Region::whole(settings.size))
-            }
-            None => settings.crop,
-        };
-        let mut film = Film::over(settings.size, settings.crop, region);
+        let region = settings.rendered(f64::from(world.filter.radius()));
+        let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
         if let Some(bands) = world.palette.recording().bands() {
             film.hold_bands(*bands);
         }
@@ -73,7 +72,19 @@ impl<'w, I: Integrator> Render<'w, I> {
         if settings.cost {
             film.count_costs(clock.is_some());
         }
-        Ok(Self { world, integrator, settings, film, done: 0, times: Times::default(), clock, pool })
+        Ok(Self {
+            world,
+            integrator,
+            settings,
+            film,
+            done: 0,
+            goal: 0,
+            tiles_done: 0,
+            pause: None,
+            times: Times::default(),
+            clock,
+            pool,
+        })
     }
 
     /// Leaves out the samples before `first`, of a render that has taken none yet.
@@ -93,6 +104,18 @@ impl<'w, I: Integrator> Render<'w, I> {
         self.film.read_sums(sums, dropped)?;
         self.done = done;
         Ok(())
+    }
+
+    /// Lets the render pause in the middle of a pass when it is asked to: [`Render::advance`] comes back when the tiles under way are
+    /// done. At least one tile is done each time.
+    pub fn pause_when(&mut self, pause: Pause) {
+        self.pause = Some(pause);
+    }
+
+    /// Whether it has paused: some tiles have more samples than others. The next call of [`Render::advance`] adds no samples
+    /// beyond those that it was asked for before.
+    pub const fn is_midway(&self) -> bool {
+        self.tiles_done > 0
     }
 
     /// Adds `samples` samples to every pixel (fewer where the film can't hold more: [`MAX_SAMPLES`] in all).
@@ -115,17 +138,19 @@ impl<'w, I: Integrator> Render<'w, I> {
     }
 
     fn advance_by<L: Lanes, P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
-        let end = self.done.saturating_add(samples).min(MAX_SAMPLES);
+        if !self.is_midway() {
+            self.goal = self.done.saturating_add(samples).min(MAX_SAMPLES);
+        }
         let mut probes = Vec::new();
-        while self.done < end && !self.is_settled() {
-            let Some(target) = self.settings.noise else {
-                probes.append(&mut self.take::<L, P>(self.done..end, &probe));
-                break;
-            };
+        while self.done < self.goal && !self.is_settled() {
             // Looks come at fixed counts, however the samples are cut into passes.
             let look = next_look(self.done);
-            probes.append(&mut self.take::<L, P>(self.done..end.min(look), &probe));
-            if self.done == look {
+            let end = if self.settings.noise.is_some() { self.goal.min(look) } else { self.goal };
+            probes.append(&mut self.take::<L, P>(self.done..end, &probe));
+            if self.is_midway() {
+                break;
+            }
+            if let Some(target) = self.settings.noise.filter(|_| self.done == look) {
                 for tile in &mut self.film.tiles {
                     tile.look(look, target);
                 }
@@ -139,22 +164,32 @@ impl<'w, I: Integrator> Render<'w, I> {
         self.settings.noise.is_some() && !self.film.tiles.iter().any(FilmTile::is_open)
     }
 
-    /// Takes the given samples of every pixel that needs them.
+    /// Takes the given samples of every pixel that needs them and hasn't got them, or as many tiles' as there is time for.
     fn take<L: Lanes, P: Probe>(&mut self, range: Range<u32>, probe: &(impl Fn() -> P + Sync)) -> Vec<P> {
         let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
         let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
-        let next = AtomicUsize::new(0);
+        let start = self.tiles_done;
+        let next = AtomicUsize::new(start);
+        let pause = &self.pause;
+        let goes_on = || pause.as_ref().is_none_or(|pause| next.load(Ordering::Relaxed) == start || !pause());
         let (world, integrator, settings, clock) =
             (self.world, &self.integrator, &self.settings, &self.clock);
         let done = self.pool.broadcast(|_| {
             let mut worker = Worker::<I, P, L>::new(world, integrator, settings, (clock.clone(), probe()));
-            while let Some(&tile) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+            while goes_on()
+                && let Some(&tile) = order.get(next.fetch_add(1, Ordering::Relaxed))
+            {
                 let mut tile = tiles[tile as usize].lock().unwrap_or_else(PoisonError::into_inner);
                 worker.render(&mut tile, range.clone());
             }
             (worker.stopwatch.times, worker.probe)
         });
-        self.done = range.end;
+        let reached = next.into_inner();
+        if reached < order.len() {
+            self.tiles_done = reached;
+        } else {
+            (self.tiles_done, self.done) = (0, range.end);
+        }
         let mut probes = Vec::with_capacity(done.len());
         for (times, probe) in done {
             self.times += times;
@@ -272,6 +307,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         let pixels =
             (region.min[1]..region.max[1]).flat_map(|y| (region.min[0]..region.max[0]).map(move |x| [x, y]));
         let sampled = tile.sampled();
+        // A tile that was taken up from the middle of a pass may have some of them.
+        let indices = indices.start.max(tile.next_sample())..indices.end;
         let mut names =
             pixels.filter(|p| sampled.contains(*p)).flat_map(|p| indices.clone().map(move |i| (p, i)));
         loop {

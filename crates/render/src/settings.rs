@@ -1,6 +1,6 @@
 //! What a render is asked for, apart from the world.
 
-use crate::film::Evidence;
+use crate::film::{BLOCK, Evidence, Extent, Keep, Recording, reach};
 use straal_math::lowdisc::Pattern;
 
 /// A rectangle of pixels, ends exclusive, in coordinates of the whole picture (y down from the top).
@@ -74,6 +74,8 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Tells each pixel's standard error ([`crate::film::Layers::error`]): 48 bytes a pixel more where that takes batches.
     pub error: bool,
+    /// Keeps all layers ([`crate::film::Layers`]), or colours alone.
+    pub layers: bool,
     /// Lets a sample count in all pixels whose filter reaches it, in place of one pixel whose filter it is drawn by.
     pub splat: bool,
     /// Worker threads; 0 for all cores.
@@ -97,6 +99,38 @@ impl Settings {
         (self.error || self.noise.is_some()) && self.evidence() == Evidence::Batches
     }
 
+    /// The part of the picture that is rendered, which the crop lies in; `filter_radius` in pixels.
+    pub fn rendered(&self, filter_radius: f64) -> Region {
+        match self.noise {
+            // Blocks end as a whole, so that one that is cut by the crop is rendered as a whole.
+            Some(_) => self.crop.in_squares(BLOCK, self.size),
+            // Samples beyond the crop count in it.
+            None if self.splat => {
+                self.crop.grown(reach(filter_radius)).intersection(Region::whole(self.size))
+            }
+            None => self.crop,
+        }
+    }
+
+    /// What the film holds, for a forecast of its size.
+    pub fn extent(&self, recording: Recording, filter_radius: f64) -> Extent {
+        let Keep { squares, layers } = self.keep();
+        Extent {
+            recording,
+            splat_radius: self.splat.then_some(filter_radius),
+            batches: self.holds_batches(),
+            squares,
+            layers,
+            cost: self.cost,
+        }
+    }
+
+    /// What the film holds besides light. Variance by splatting is told from the spread of each pixel's own samples.
+    pub(crate) fn keep(&self) -> Keep {
+        let spread = self.evidence() == Evidence::Spread && (self.error || self.noise.is_some());
+        Keep { squares: self.layers || spread, layers: self.layers }
+    }
+
     /// The whole of a picture of the given size, with the default pattern on all cores.
     pub fn new(size: [u32; 2]) -> Self {
         Self {
@@ -106,6 +140,7 @@ impl Settings {
             seed: 0,
             noise: None,
             error: false,
+            layers: true,
             splat: false,
             threads: 0,
             batch: 1024,

@@ -12,6 +12,8 @@ pub enum Severity {
     Error,
     /// The scene can be used, though perhaps not as was meant.
     Warning,
+    /// What was taken to be meant where nothing was said.
+    Note,
 }
 
 impl fmt::Display for Severity {
@@ -19,6 +21,7 @@ impl fmt::Display for Severity {
         f.write_str(match self {
             Self::Error => "error",
             Self::Warning => "warning",
+            Self::Note => "note",
         })
     }
 }
@@ -56,6 +59,11 @@ impl Diagnostic {
     /// A warning at a place.
     pub fn warning(span: Span, message: impl Into<String>) -> Self {
         Self { severity: Severity::Warning, ..Self::error(span, message) }
+    }
+
+    /// A note about a place.
+    pub fn note(span: Span, message: impl Into<String>) -> Self {
+        Self { severity: Severity::Note, ..Self::error(span, message) }
     }
 
     /// With a few words under the quoted text.
@@ -100,6 +108,8 @@ pub struct Diagnostics {
     pub dropped: usize,
     /// The texts.
     pub sources: Sources,
+    /// Whether there was too little memory: then the scene may be in order.
+    pub lacks_memory: bool,
     errors: usize,
 }
 

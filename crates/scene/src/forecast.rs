@@ -1,146 +1,289 @@
-//! How much memory a scene will need, before anything is rendered.
-
-mod search;
+//! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it.
 
 use crate::Assets;
-use crate::desc::{Bezier, BezierPatches, Channels, MeshSource, Node, SamplerKind, Scene, TriangleMesh};
+use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, TriangleMesh};
 
-/// Bytes that a scene needs while it is rendered, and what it is made of. Rough by nature: a search tree's size
-/// depends on where the triangles are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Forecast {
-    /// Triangles that are kept, those of an object or file once.
-    pub triangles: u64,
-    /// Vertices that are kept.
-    pub vertices: u64,
+/// What a world will hold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contents {
+    /// All that is kept, in the world itself and in the objects that it has instances of.
+    pub kept: Tally,
     /// Triangles and other shapes that rays can meet, instances counted each time.
     pub visible: u64,
-    /// Bytes of meshes.
-    pub mesh_bytes: u64,
-    /// Bytes of the search structures.
-    pub search_bytes: u64,
-    /// Bytes of pictures.
-    pub image_bytes: u64,
-    /// Bytes of the film.
-    pub film_bytes: u64,
+    /// Triangles, and shapes and instances, of each space that gets a search structure of its own, the world's first.
+    pub spaces: Vec<[u64; 2]>,
+    /// Bytes of meshes as they were read.
+    pub mesh_files: u64,
+    /// Bytes of pictures as they were read.
+    pub image_files: u64,
+    /// Pixels of each picture that is all around.
+    pub surroundings: Vec<u64>,
+    /// Bytes of the description itself.
+    pub description: u64,
 }
 
-/// Position (12), normal (12) and texture coordinates (8), as the reader gives them and as the renderer keeps them.
-const VERTEX: u64 = 2 * (12 + 12 + 8);
+/// Numbers of things.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Triangles.
+    pub triangles: u64,
+    /// Vertices.
+    pub vertices: u64,
+    /// Bytes of vertices: 12 for a position, as many for a normal, 8 for texture coordinates.
+    pub vertex_bytes: u64,
+    /// Vertices whose normals are computed from the faces around them.
+    pub smoothed: u64,
+    /// Meshes, or parts of them with a material of their own.
+    pub meshes: u64,
+    /// Shapes that aren't meshes.
+    pub shapes: u64,
+    /// Those of them that take more than a place in a list: all but spheres and planes.
+    pub large_shapes: u64,
+    /// Instances of objects that don't glow; those of others are copies of all that is inside.
+    pub instances: u64,
+    /// Surfaces that glow.
+    pub lights: u64,
+    /// Triangles of those.
+    pub lit_triangles: u64,
+}
 
-/// Three indices, twice as well.
-const TRIANGLE: u64 = 2 * 12;
+impl Tally {
+    fn add(&mut self, o: &Self) {
+        let sum = |a: &mut u64, b: u64| *a = a.saturating_add(b);
+        sum(&mut self.triangles, o.triangles);
+        sum(&mut self.vertices, o.vertices);
+        sum(&mut self.vertex_bytes, o.vertex_bytes);
+        sum(&mut self.smoothed, o.smoothed);
+        sum(&mut self.meshes, o.meshes);
+        sum(&mut self.shapes, o.shapes);
+        sum(&mut self.large_shapes, o.large_shapes);
+        sum(&mut self.instances, o.instances);
+        sum(&mut self.lights, o.lights);
+        sum(&mut self.lit_triangles, o.lit_triangles);
+    }
 
-/// An RGB pixel of three `f32` (12), the renderer's four lanes (16), and its place in the sampling table (8).
-const PIXEL: u64 = 12 + 16 + 8;
+    /// One mesh; of what its vertices have besides positions.
+    fn mesh(triangles: u64, vertices: u64, [normals, uvs]: [bool; 2]) -> Self {
+        let each = 12 + if normals { 12 } else { 0 } + if uvs { 8 } else { 0 };
+        let vertex_bytes = vertices.saturating_mul(each);
+        Self { triangles, vertices, vertex_bytes, meshes: 1, ..Self::default() }
+    }
 
-/// Sums of 128 bits of the colour, its square and the depth (7), of 64 bits of albedo and normal (6), two counts, padded to 16 bytes;
-/// and the layers that they become (14 of 32 bits).
-const FILM: u64 = 7 * 16 + 6 * 8 + 16 + 14 * 4;
-
-/// By which noise is told of well-spread points: two sums of a colour. An EXR's layer `error` takes as much where nothing adapts.
-const BATCHES: u64 = 2 * 3 * 8;
-
-/// Sums of 128 bits of weighted colours (9) and weights (2).
-const SPLAT: u64 = 11 * 16;
+    fn shape(is_large: bool) -> Self {
+        Self { shapes: 1, large_shapes: u64::from(is_large), ..Self::default() }
+    }
+}
 
 /// Control points of the built-in teapot make this many patches.
 const TEAPOT_PATCHES: u64 = 32;
 
-impl Forecast {
-    /// All bytes together.
-    pub fn total_bytes(&self) -> u64 {
-        [self.search_bytes, self.image_bytes, self.film_bytes]
-            .iter()
-            .fold(self.mesh_bytes, |sum, &b| sum.saturating_add(b))
+/// Counts what a scene without errors will hold.
+pub fn count(scene: &Scene, assets: &Assets) -> Contents {
+    let mut walk = Walk {
+        scene,
+        assets,
+        objects: vec![None; scene.objects.len()],
+        kept: Tally::default(),
+        spaces: vec![[0; 2]],
+    };
+    let (mut world, mut visible) = (Tally::default(), 0_u64);
+    for node in &scene.world {
+        let found = walk.node(node);
+        world.add(&found.own);
+        visible = visible.saturating_add(found.visible);
+    }
+    walk.keep(&world, 0);
+    let mut surroundings = Vec::new();
+    for light in &scene.lights {
+        if let Light::Environment(l) = light
+            && let Some(image) = l.file.as_ref().and_then(|file| assets.image(file))
+        {
+            surroundings.push(image.pixels.len() as u64);
+        }
+    }
+    Contents {
+        kept: walk.kept,
+        visible,
+        spaces: walk.spaces,
+        mesh_files: once(assets.meshes.values().map(|a| &a.mesh)).map(|mesh| mesh_bytes(mesh)).sum(),
+        image_files: once(assets.images.values()).map(|image| 12 * image.pixels.len() as u64).sum(),
+        surroundings,
+        description: description_bytes(scene),
     }
 }
 
-/// What a scene without errors will need.
-pub fn forecast(scene: &Scene, assets: &Assets) -> Forecast {
-    let mut f = Forecast::default();
-    for asset in assets.meshes.values() {
-        f.vertices += asset.mesh.positions.len() as u64;
-        f.triangles += asset.mesh.triangles.len() as u64;
-    }
-    let (mut shapes, mut instances) = (0, 0);
-    scene.visit(|node| match node {
-        Node::Group(_) => {}
-        Node::Instance(_) => instances += 1,
-        Node::Mesh(m) if m.source() == MeshSource::Inline => {
-            f.vertices += m.positions.len() as u64;
-            f.triangles += m.triangles.len() as u64;
-        }
-        Node::Mesh(_) => {}
-        Node::Bezier(b) => {
-            let side = u64::from(b.resolution);
-            f.vertices += patches(b) * (side + 1) * (side + 1);
-            f.triangles += patches(b) * side * side * 2;
-        }
-        _ => shapes += 1,
+/// Each thing once, however many names it goes by.
+fn once<'a, T: 'a>(all: impl Iterator<Item = &'a std::sync::Arc<T>>) -> impl Iterator<Item = &'a T> {
+    let mut seen = std::collections::BTreeSet::new();
+    all.filter(move |thing| seen.insert(std::sync::Arc::as_ptr(thing))).map(AsRef::as_ref)
+}
+
+/// Bytes of a mesh as it was read.
+pub fn mesh_bytes(mesh: &crate::Mesh) -> u64 {
+    let of = |count: usize, each: u64| (count as u64).saturating_mul(each);
+    of(mesh.positions.len(), 12)
+        + of(mesh.normals.len(), 12)
+        + of(mesh.uvs.len(), 8)
+        + of(mesh.triangles.len(), 12)
+}
+
+/// Bytes of the nodes of a scene as they are described.
+pub fn description_bytes(scene: &Scene) -> u64 {
+    let mut bytes = 0;
+    scene.visit(|node| {
+        let lists = match node {
+            Node::Mesh(m) => {
+                24 * (m.positions.len() + m.normals.len()) + 16 * m.uvs.len() + 12 * m.triangles.len()
+            }
+            Node::Bezier(b) => 24 * b.points.len() + 64 * b.patches.len(),
+            _ => 0,
+        };
+        bytes += (size_of::<Node>() + lists) as u64;
     });
-    f.mesh_bytes = f.vertices * VERTEX + f.triangles * TRIANGLE;
-    f.search_bytes = search::bytes(&scene.accel.structure, f.triangles + shapes, instances);
-    let pixels = |i: &crate::Image| (i.width as u64).saturating_mul(i.height as u64);
-    f.image_bytes = assets.images.values().map(|i| pixels(i).saturating_mul(PIXEL)).sum();
-    let bands = match &scene.film.channels {
-        Channels::Spectral(s) => u64::from(s.bands),
-        Channels::Rgb | Channels::Xyz => 0,
-    };
-    let mut each = FILM + (16 + 4) * bands;
-    if scene.sampler.noise.is_some() && scene.sampler.kind != SamplerKind::Random {
-        each += BATCHES;
+    bytes
+}
+
+/// A node, or an object, as it is found.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    /// What it brings to the space that it stands in.
+    own: Tally,
+    visible: u64,
+    /// Whether anything inside glows.
+    glows: bool,
+}
+
+struct Walk<'a> {
+    scene: &'a Scene,
+    assets: &'a Assets,
+    /// What each object that was met holds.
+    objects: Vec<Option<Found>>,
+    kept: Tally,
+    spaces: Vec<[u64; 2]>,
+}
+
+impl Walk<'_> {
+    /// Takes note of what stands in a space.
+    fn keep(&mut self, own: &Tally, space: usize) {
+        self.kept.add(own);
+        self.spaces[space] = [own.triangles, own.shapes.saturating_add(own.instances)];
     }
-    if scene.film.splat {
-        // Tiles of 16 x 16 hold sums for the pixels around them as well.
-        let side = 16 + 2 * scene.film.filter.radius().ceil() as u64;
-        each += (SPLAT + 16 * bands) * side * side / 256;
+
+    fn node(&mut self, node: &Node) -> Found {
+        match node {
+            Node::Group(g) => {
+                let mut all = Found::default();
+                for child in &g.children {
+                    let found = self.node(child);
+                    all.own.add(&found.own);
+                    all.visible = all.visible.saturating_add(found.visible);
+                    all.glows |= found.glows;
+                }
+                all
+            }
+            Node::Instance(i) => {
+                let Some(object) = self.scene.objects.position(&i.of) else { return Found::default() };
+                let inside = self.object(object);
+                if inside.glows {
+                    return inside;
+                }
+                Found { own: Tally { instances: 1, ..Tally::default() }, ..inside }
+            }
+            Node::Mesh(m) => self.mesh(m),
+            Node::Bezier(b) => {
+                let side = u64::from(b.resolution);
+                let [quads, vertices] =
+                    [side * side, (side + 1) * (side + 1)].map(|n| n.saturating_mul(patches(b)));
+                let normals = !matches!(b.shading, Shading::Flat);
+                lit(node, Tally::mesh(quads.saturating_mul(2), vertices, [normals, true]))
+            }
+            Node::Box(_) => lit(node, Tally::mesh(12, 24, [false, true])),
+            Node::Triangle(_) => lit(node, Tally::mesh(1, 3, [false, false])),
+            Node::Sphere(_) | Node::Plane(_) => lit(node, Tally::shape(false)),
+            Node::Cylinder(c) if c.caps => {
+                let parts = Tally { shapes: 3, large_shapes: 3, ..Tally::default() };
+                let mut found = lit(node, parts);
+                found.own.lights *= 3;
+                found
+            }
+            Node::Disc(_) | Node::Rectangle(_) | Node::Cylinder(_) => lit(node, Tally::shape(true)),
+        }
     }
-    f.film_bytes = u64::from(scene.film.size[0]) * u64::from(scene.film.size[1]) * each;
-    let mut visible = Visible { scene, assets, known: vec![None; scene.objects.len()] };
-    f.visible = scene.world.iter().fold(0, |sum: u64, node| sum.saturating_add(visible.count(node)));
-    f
+
+    /// Validation has made sure that objects end.
+    fn object(&mut self, i: usize) -> Found {
+        if let Some(known) = self.objects[i] {
+            return known;
+        }
+        let scene = self.scene;
+        let Some((_, node)) = scene.objects.at(i) else { return Found::default() };
+        let found = self.node(node);
+        self.objects[i] = Some(found);
+        if !found.glows {
+            self.spaces.push([0; 2]);
+            self.keep(&found.own, self.spaces.len() - 1);
+        }
+        found
+    }
+
+    fn mesh(&self, m: &TriangleMesh) -> Found {
+        let smooth = |has: bool| match m.shading {
+            Shading::Flat => false,
+            Shading::Smooth(_) => true,
+            Shading::Auto => has,
+        };
+        let smoothed = |has: bool, vertices: u64| {
+            let computed = matches!(&m.shading, Shading::Smooth(s) if !has || s.recompute);
+            if computed { vertices } else { 0 }
+        };
+        let file = match m.source() {
+            MeshSource::Inline => {
+                let mut own = Tally::mesh(
+                    m.triangles.len() as u64,
+                    m.positions.len() as u64,
+                    [smooth(!m.normals.is_empty()), !m.uvs.is_empty()],
+                );
+                own.smoothed = smoothed(!m.normals.is_empty(), own.vertices);
+                return lit_if(m.surface.emission.is_some(), own);
+            }
+            MeshSource::File(file) => file,
+        };
+        let Some(asset) = self.assets.mesh(file) else { return Found::default() };
+        let mesh = &asset.mesh;
+        let mut own = Tally::mesh(
+            mesh.triangles.len() as u64,
+            mesh.positions.len() as u64,
+            [smooth(!mesh.normals.is_empty()), !mesh.uvs.is_empty()],
+        );
+        own.smoothed = smoothed(!mesh.normals.is_empty(), own.vertices);
+        let glows = asset.materials.values().any(|p| p.emission.is_some());
+        if m.surface.material.is_none() && !asset.materials.is_empty() {
+            let mut names: Vec<_> = mesh.parts.iter().map(|p| p.material.as_deref()).collect();
+            names.sort_unstable();
+            names.dedup();
+            own.meshes = (names.len() as u64).max(1);
+        }
+        lit_if(m.surface.emission.is_some() || glows, own)
+    }
+}
+
+/// What a node holds, which may glow.
+fn lit(node: &Node, own: Tally) -> Found {
+    lit_if(node.surface().is_some_and(|s| s.emission.is_some()), own)
+}
+
+fn lit_if(glows: bool, own: Tally) -> Found {
+    let visible = own.triangles.saturating_add(own.shapes);
+    if !glows {
+        return Found { own, visible, glows };
+    }
+    let lights = if own.meshes > 0 { own.meshes } else { 1 };
+    Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
 }
 
 fn patches(b: &Bezier) -> u64 {
     match b.source() {
         BezierPatches::Builtin(_) => TEAPOT_PATCHES,
         BezierPatches::Inline => b.patches.len() as u64,
-    }
-}
-
-struct Visible<'a> {
-    scene: &'a Scene,
-    assets: &'a Assets,
-    known: Vec<Option<u64>>,
-}
-
-impl Visible<'_> {
-    fn count(&mut self, node: &Node) -> u64 {
-        match node {
-            Node::Group(g) => g.children.iter().fold(0, |sum: u64, n| sum.saturating_add(self.count(n))),
-            Node::Instance(i) => self.scene.objects.position(&i.of).map_or(0, |i| self.object(i)),
-            Node::Mesh(m) => self.mesh(m),
-            Node::Bezier(b) => patches(b) * u64::from(b.resolution) * u64::from(b.resolution) * 2,
-            _ => 1,
-        }
-    }
-
-    /// Validation has made sure that objects end.
-    fn object(&mut self, i: usize) -> u64 {
-        if let Some(known) = self.known[i] {
-            return known;
-        }
-        let scene = self.scene;
-        let count = scene.objects.at(i).map_or(0, |(_, node)| self.count(node));
-        self.known[i] = Some(count);
-        count
-    }
-
-    fn mesh(&self, m: &TriangleMesh) -> u64 {
-        match m.source() {
-            MeshSource::Inline => m.triangles.len() as u64,
-            MeshSource::File(f) => self.assets.mesh(f).map_or(0, |a| a.mesh.triangles.len() as u64),
-        }
     }
 }

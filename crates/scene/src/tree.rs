@@ -49,6 +49,25 @@ pub fn shown(v: f64) -> String {
 }
 
 impl Tree {
+    /// Bytes that it takes, without those of itself.
+    pub fn heap_bytes(&self) -> u64 {
+        // What the allocator takes beside each piece.
+        const PIECE: usize = 16;
+        match &self.value {
+            Datum::Null | Datum::Bool(_) | Datum::Number(_) => 0,
+            Datum::String(text) => (text.capacity() + PIECE) as u64,
+            Datum::Sequence(list) => {
+                let own = (list.capacity() * size_of::<Self>() + PIECE) as u64;
+                list.iter().fold(own, |sum, tree| sum + tree.heap_bytes())
+            }
+            Datum::Mapping(entries) => {
+                let own = (entries.capacity() * size_of::<Entry>() + PIECE) as u64;
+                let each = |e: &Entry| (e.key.value.capacity() + PIECE) as u64 + e.value.heap_bytes();
+                entries.iter().fold(own, |sum, entry| sum + each(entry))
+            }
+        }
+    }
+
     /// A key and its value, when this is a mapping that has it.
     pub fn entry(&self, key: &str) -> Option<&Entry> {
         match &self.value {

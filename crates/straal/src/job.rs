@@ -1,5 +1,6 @@
 //! A scene with all that was asked for it: compiled, ready to render.
 
+use crate::forecast::Forecast;
 use crate::look::{Bits, Gamma, Look};
 use crate::picture::Picture;
 use crate::search;
@@ -8,14 +9,15 @@ use straal_accel::{Build, BvhParams, Isa, Structure};
 use straal_color::{Dither, RgbSpace, Space};
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
-use straal_render::compile::{self, CompileError, Custom, Request};
-use straal_render::driver::{Render, RenderError};
-use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
+use straal_render::compile::{self, CompileError, Custom, Detail, Request};
+use straal_render::driver::{Pause, Render, RenderError};
+use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording, hash_of};
 use straal_render::integrator::{Integrator, PathTracer, SineProduct};
 use straal_render::settings::{Region, Settings};
 use straal_render::stopwatch::{Clock, Times};
 use straal_render::world::World;
 use straal_scene::desc;
+use straal_scene::memory::Shortage;
 use straal_scene::value::Depth;
 
 /// What a caller wants otherwise than the scene says; `None` leaves it to the scene.
@@ -53,12 +55,16 @@ pub struct Overrides {
     pub cost: Option<bool>,
     /// Tells each pixel's standard error, as an EXR shows it; yes, when absent.
     pub error: Option<bool>,
+    /// Keeps all layers of an EXR; yes, when absent. Without them the picture has its colours alone, and its film takes a third.
+    pub layers: Option<bool>,
     /// Lets a sample count in all pixels whose filter reaches it.
     pub splat: Option<bool>,
     /// Computes light by wavelengths instead of red, green and blue.
     pub spectral: Option<bool>,
     /// In which numbers the film takes light.
     pub recording: Option<Recording>,
+    /// Bytes of memory that may be used: a job that takes more is refused before it takes them. No limit when absent.
+    pub memory: Option<u64>,
 }
 
 /// Why a job can't be done.
@@ -68,6 +74,9 @@ pub enum Error {
     /// What was asked for makes no sense for this scene.
     #[error("{0}")]
     Request(String),
+    /// It takes more memory than may be used.
+    #[error(transparent)]
+    Memory(#[from] Shortage),
     /// The description has no world.
     #[error(transparent)]
     Compile(#[from] CompileError),
@@ -94,6 +103,9 @@ pub struct Job {
     pub chart: Option<SineProduct>,
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
+    /// What it takes of memory.
+    pub forecast: Forecast,
+    memory: Option<u64>,
     look: Look,
     space: Space,
     structure: Structure,
@@ -111,34 +123,28 @@ pub struct Control<'a> {
     pub resume: Option<Kept>,
     /// Called between passes and at the end with what there is; not in replicates.
     pub keep: Option<&'a mut dyn FnMut(&Snapshot<'_>)>,
-    /// How many nanoseconds a pass may take, where a clock is lent: with more samples than one it takes fewer of them.
-    pub longest_pass: Option<u64>,
+    /// Asked by all threads, time and again, whether `keep` should be shown what there is in the middle of a pass.
+    pub pause: Option<Pause>,
     keep_on: bool,
 }
 
-impl Control<'static> {
+impl<'a> Control<'a> {
     /// Renders all samples, says nothing.
     pub fn to_the_end() -> Self {
-        Self::plain()
-    }
-}
-
-impl<'a> Control<'a> {
-    fn plain() -> Self {
         Self {
             progress: None,
             clock: None,
             open_ended: false,
             resume: None,
             keep: None,
-            longest_pass: None,
+            pause: None,
             keep_on: true,
         }
     }
 
     /// Renders until all samples are taken or `progress` ends it.
     pub fn new(progress: &'a mut dyn FnMut(&Progress) -> Verdict) -> Self {
-        Self { progress: Some(progress), ..Self::plain() }
+        Self { progress: Some(progress), ..Self::to_the_end() }
     }
 }
 
@@ -184,6 +190,8 @@ pub struct Outcome {
     pub picture: Picture,
     /// Samples per pixel taken; of an adaptive render, of the pixels that have the most.
     pub samples: u32,
+    /// Samples of a pixel on average.
+    pub mean_samples: f64,
     /// Passes they were taken in.
     pub passes: u32,
     /// Whether all samples asked for were taken.
@@ -222,57 +230,27 @@ impl Job {
         Self::of(&loaded, &wish, custom)
     }
 
+    /// Compiles a scene only to find what is wrong with it, and what follows from its camera: curved surfaces are coarse and rays
+    /// searched by brute force, so that its picture isn't the scene's.
+    pub fn draft(loaded: &Loaded, wish: Overrides) -> Result<Self, Error> {
+        let wish = Overrides { accel: Some(Structure::Brute), build: None, ..wish };
+        Self::made(loaded, &wish, &Custom::default(), Detail::Draft)
+    }
+
     /// The same of a scene that is needed further.
     pub(crate) fn of(loaded: &Loaded, wish: &Overrides, custom: &Custom) -> Result<Self, Error> {
+        Self::made(loaded, wish, custom, Detail::Whole)
+    }
+
+    fn made(loaded: &Loaded, wish: &Overrides, custom: &Custom, detail: Detail) -> Result<Self, Error> {
         let scene = &loaded.scene;
-        let size = wish.size.unwrap_or(scene.film.size);
-        let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
-        let spectral = wish.spectral.unwrap_or(scene.spectral);
-        let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
-        check_recording(recording, spectral)?;
-        let splat = wish.splat.unwrap_or(scene.film.splat);
-        let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
-        let structure = built(structure, wish.build)?;
-        let spp = wish.spp.unwrap_or(scene.sampler.spp);
-        if spp == 0 || spp > MAX_SAMPLES {
-            return Err(Error::Request(format!(
-                "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
-            )));
+        let plan = Plan::new(loaded, wish)?;
+        let forecast = Forecast::of(loaded, &plan);
+        if let Some(shortage) = forecast.refuse(wish.memory) {
+            return Err(shortage.into());
         }
-        let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
-        let noise = wish.noise.or(scene.sampler.noise);
-        let whole = wish.spp.or(kind.needs_count().then_some(spp));
-        let (first, end) = run_of_samples(wish.samples, whole, kind, noise)?.unwrap_or((0, spp));
-        if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
-            return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
-        }
-        if splat && noise.is_some() {
-            return Err(Error::Request(
-                "samples that count in several pixels (`splat`) can't be taken by the noise of each: pixels with many samples \
-                 would weigh more in their neighbours"
-                    .into(),
-            ));
-        }
-        let pattern = Pattern::new(kind, spp);
-        let settings = Settings {
-            size,
-            crop,
-            pattern,
-            seed: wish.seed.unwrap_or(scene.sampler.seed),
-            noise,
-            error: wish.error.unwrap_or(true),
-            splat,
-            threads: wish.threads.unwrap_or(0),
-            batch: wish.batch.unwrap_or(1024),
-            shuffle_tiles: wish.shuffle_tiles,
-            cost: wish.cost.unwrap_or(scene.accel.cost),
-        };
-        let extent = Extent {
-            recording,
-            splat_radius: splat.then(|| scene.film.filter.radius()),
-            batches: settings.holds_batches(),
-        };
-        check_size(&settings, &extent)?;
+        let Plan { settings, end, spectral, recording, structure, first, whole, .. } = plan;
+        let size = settings.size;
         let by_default = desc::PathTracer::default();
         let (path, chart) = match &scene.integrator {
             desc::Integrator::Path(path) => (path, None),
@@ -298,6 +276,7 @@ impl Job {
             search: &search,
             spectral,
             recording,
+            detail,
         })?;
         if recording != Recording::Rgb && world.camera.needs().taken {
             return Err(Error::Request(format!(
@@ -315,6 +294,8 @@ impl Job {
             integrator,
             chart,
             scene_hash: scene_hash(loaded, custom),
+            forecast,
+            memory: wish.memory,
             look: look(&scene.film),
             space: scene.color.space.space(),
             structure,
@@ -367,14 +348,14 @@ impl Job {
         let of = if control.open_ended { MAX_SAMPLES } else { self.spp };
         let mut progress = Progress { of: u64::from(of - self.first), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
-        let layers = run.film.layers();
-        let mut picture = Picture::new(&run.film, layers, self.film_space());
+        let mut picture = Picture::new(&run.film, run.film.layers(), self.film_space());
         picture.story = self.story(run.samples);
         picture.story.push(("straal.passes".into(), run.passes.to_string()));
-        picture.story.push(("straal.film_hash".into(), run.film.hash()));
+        picture.story.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
         Ok(Outcome {
             picture,
             samples: run.samples,
+            mean_samples: run.film.mean_samples(),
             passes: run.passes,
             complete: control.open_ended || run.complete,
             noisy_blocks: self.noisy_blocks(&run.film),
@@ -432,6 +413,12 @@ impl Job {
         if self.settings.noise.is_some() { film.open_blocks() } else { 0 }
     }
 
+    /// Refuses to sum up replicates where that takes more memory than may be used.
+    pub(crate) fn check_replicates(&self) -> Result<(), Error> {
+        let shortage = self.forecast.with_replicates(&self.settings).refuse(self.memory);
+        shortage.map_or(Ok(()), |shortage| Err(shortage.into()))
+    }
+
     pub(crate) fn progress(&self) -> Progress {
         Progress { pixels: self.settings.crop.area() as u64, ..Progress::default() }
     }
@@ -466,20 +453,20 @@ impl Job {
         let (before, times) = (progress.samples, progress.times);
         let adapts = self.settings.noise.is_some();
         let all_blocks = self.noisy_blocks(render.film());
-        let now = |control: &Control<'_>| control.clock.as_ref().map_or(0, |clock| clock());
+        if let (Some(pause), true) = (&control.pause, control.keep.is_some()) {
+            render.pause_when(pause.clone());
+        }
         let next_pass = |render: &Render<'_, I>, most: u32| {
             if render.is_settled() { 0 } else { most.min(end - render.samples_done()) }
         };
-        let mut pass = PASS;
         let mut next = next_pass(&render, if render.samples_done() == self.first { 1 } else { PASS });
         while next > 0 && control.keep_on {
-            let start = now(control);
             render.advance(next);
-            let each = (now(control) - start) / u64::from(next);
-            if let Some(longest) = control.longest_pass {
-                pass = u32::try_from(longest / each.max(1)).unwrap_or(PASS).clamp(1, PASS);
+            while render.is_midway() {
+                self.show(&render, control, [false, false]);
+                render.advance(0);
             }
-            next = next_pass(&render, pass);
+            next = next_pass(&render, PASS);
             progress.samples = before + u64::from(render.samples_done() - self.first);
             progress.next = u64::from(next);
             progress.times = times;
@@ -491,7 +478,9 @@ impl Job {
                 self.show(&render, control, [false, false]);
             }
         }
-        self.show(&render, control, [true, next == 0 || control.open_ended]);
+        // Time is the end of what has no other; of what noise should end, it is too early.
+        let ends_by_time = control.open_ended && !adapts;
+        self.show(&render, control, [true, next == 0 || ends_by_time]);
         let samples = render.samples_done() - self.first;
         Ok(Run {
             samples,
@@ -504,6 +493,73 @@ impl Job {
     }
 }
 
+/// What a job will be, before anything of it is made.
+pub(crate) struct Plan {
+    pub settings: Settings,
+    /// Index of the first sample, and one past that of the last.
+    pub first: u32,
+    pub end: u32,
+    /// How many there are in all, where that was said or has to be known.
+    pub whole: Option<u32>,
+    pub spectral: bool,
+    pub recording: Recording,
+    pub structure: Structure,
+    /// In pixels.
+    pub filter_radius: f64,
+}
+
+impl Plan {
+    /// What a scene and a caller's wishes come to.
+    pub fn new(loaded: &Loaded, wish: &Overrides) -> Result<Self, Error> {
+        let scene = &loaded.scene;
+        let size = wish.size.unwrap_or(scene.film.size);
+        let crop = crop(size, wish.crop, if wish.size.is_none() { scene.film.crop } else { None })?;
+        let spectral = wish.spectral.unwrap_or(scene.spectral);
+        let recording = wish.recording.map_or_else(|| recorded(&scene.film.channels), Ok)?;
+        check_recording(recording, spectral)?;
+        let splat = wish.splat.unwrap_or(scene.film.splat);
+        let structure = wish.accel.unwrap_or_else(|| search::structure_of(&scene.accel.structure));
+        let structure = built(structure, wish.build)?;
+        let spp = wish.spp.unwrap_or(scene.sampler.spp);
+        if spp == 0 || spp > MAX_SAMPLES {
+            return Err(Error::Request(format!(
+                "{spp} samples per pixel: it must be from 1 to {MAX_SAMPLES}"
+            )));
+        }
+        let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
+        let noise = wish.noise.or(scene.sampler.noise);
+        let whole = wish.spp.or(kind.needs_count().then_some(spp));
+        let (first, end) = run_of_samples(wish.samples, whole, kind, noise)?.unwrap_or((0, spp));
+        if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
+            return Err(Error::Request(reason + "; the noise that is asked for decides that pixel by pixel"));
+        }
+        if splat && noise.is_some() {
+            return Err(Error::Request(
+                "samples that count in several pixels (`splat`) can't be taken by the noise of each: pixels with many samples \
+                 would weigh more in their neighbours"
+                    .into(),
+            ));
+        }
+        let settings = Settings {
+            size,
+            crop,
+            pattern: Pattern::new(kind, spp),
+            seed: wish.seed.unwrap_or(scene.sampler.seed),
+            noise,
+            error: wish.error.unwrap_or(true),
+            layers: wish.layers.unwrap_or(true),
+            splat,
+            threads: wish.threads.unwrap_or(0),
+            batch: wish.batch.unwrap_or(1024),
+            shuffle_tiles: wish.shuffle_tiles,
+            cost: wish.cost.unwrap_or(scene.accel.cost),
+        };
+        let filter_radius = scene.film.filter.radius();
+        check_size(&settings, &settings.extent(recording, filter_radius))?;
+        Ok(Self { settings, first, end, whole, spectral, recording, structure, filter_radius })
+    }
+}
+
 impl Job {
     /// Shows what there is to who keeps it.
     fn show<I: Integrator>(
@@ -513,8 +569,8 @@ impl Job {
         [is_last, is_complete]: [bool; 2],
     ) {
         if let Some(keep) = &mut control.keep {
-            let end = render.samples_done();
-            keep(&Snapshot { job: self, film: render.film(), end, is_last, is_complete });
+            let (end, is_midway) = (render.samples_done(), render.is_midway());
+            keep(&Snapshot { job: self, film: render.film(), end, is_midway, is_last, is_complete });
         }
     }
 
@@ -564,7 +620,7 @@ fn run_of_samples(
 }
 
 /// How a film wants its picture developed.
-fn look(film: &desc::Film) -> Look {
+pub(crate) fn look(film: &desc::Film) -> Look {
     Look {
         exposure: film.exposure,
         tone: film.tone.curve(),
@@ -593,8 +649,10 @@ fn recorded(channels: &desc::Channels) -> Result<Recording, Error> {
 /// Whether the film of a picture or crop can be held.
 fn check_size(settings: &Settings, extent: &Extent) -> Result<(), Error> {
     let pixels = settings.crop.area();
-    let usual = Film::bytes_a_pixel(&Extent { batches: true, ..Extent::default() });
-    let most = MAX_PIXELS.min(MAX_PIXELS * usual / Film::bytes_a_pixel(extent));
+    let usual = Film::bytes_a_pixel(&Extent { batches: true, layers: true, ..Extent::default() }) as u64;
+    let bytes = Film::bytes(extent, settings.crop, settings.size);
+    let each = if pixels > 0 { bytes.div_ceil(pixels as u64).max(1) } else { usual };
+    let most = MAX_PIXELS.min((MAX_PIXELS as u64 * usual / each) as usize);
     if settings.size.contains(&0) || pixels > most {
         return Err(Error::Request(format!(
             "{pixels} pixels can't be rendered at once: it must be from 1 to {most}; a larger picture can be rendered in crops"

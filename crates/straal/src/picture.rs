@@ -190,6 +190,7 @@ impl Picture {
 
     pub(crate) fn to_exr(&self) -> exr::Picture {
         let l = &self.layers;
+        let is_whole = l.rgb.len() == l.samples.len();
         let one = |name: &str, channel: &str, samples: Vec<f32>| Layer {
             name: name.into(),
             channels: vec![Channel { name: channel.into(), samples }],
@@ -202,14 +203,16 @@ impl Picture {
             layer
         };
         let (x, y) = (self.crop.min[0] as i32, self.crop.min[1] as i32);
-        let mut layers = vec![
-            Layer::from_rgb("", &l.rgb),
-            Layer::from_rgb("albedo", &l.albedo),
-            normal,
-            one("depth", "Z", l.depth.clone()),
-            one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
-            Layer::from_rgb("variance", &l.variance),
-        ];
+        let mut layers = vec![Layer::from_rgb("", &l.rgb)];
+        if is_whole {
+            layers.extend([
+                Layer::from_rgb("albedo", &l.albedo),
+                normal,
+                one("depth", "Z", l.depth.clone()),
+                one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
+                Layer::from_rgb("variance", &l.variance),
+            ]);
+        }
         let mut metadata = self.story.clone();
         if let Some(error) = &l.error {
             layers.push(Layer::from_rgb("error", &error.rgb));

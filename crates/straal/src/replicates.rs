@@ -23,11 +23,12 @@ impl Job {
                     .into(),
             ));
         }
+        self.check_replicates()?;
         let mut progress = self.progress();
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;
         let (mut times, mut passes, mut threads, mut dropped) = (Times::default(), 0, 0, Dropped::default());
-        let (mut whole, mut noisy_blocks) = (0, 0);
+        let (mut whole, mut noisy_blocks, mut mean_samples) = (0, 0, 0.0);
         let mut partial = None;
         for r in 0..replicates {
             let seed = self.settings.seed.wrapping_add(u64::from(r).wrapping_mul(SEED_STEP));
@@ -40,10 +41,14 @@ impl Job {
             dropped = Dropped { count: dropped.count + d.count, first: dropped.first.or(d.first) };
             let layers = run.film.layers();
             if !run.complete {
-                partial = Some((Picture::new(&run.film, layers, self.film_space()), run.samples));
+                if whole == 0 {
+                    mean_samples = run.film.mean_samples();
+                    partial = Some((Picture::new(&run.film, layers, self.film_space()), run.samples));
+                }
                 break;
             }
             whole += 1;
+            mean_samples += run.film.mean_samples();
             sums.get_or_insert_with(|| {
                 Sums::new(Picture::new(&run.film, Layers::default(), self.film_space()))
             })
@@ -59,7 +64,17 @@ impl Job {
         picture.story.push(("straal.passes".into(), passes.to_string()));
         picture.story.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
         let complete = whole == replicates;
-        Ok(Outcome { picture, samples, passes, complete, noisy_blocks, times, threads, dropped })
+        Ok(Outcome {
+            picture,
+            samples,
+            mean_samples,
+            passes,
+            complete,
+            noisy_blocks,
+            times,
+            threads,
+            dropped,
+        })
     }
 }
 
@@ -88,11 +103,11 @@ impl Sums {
         Self {
             frame,
             rgb: vec![[0.0; 3]; n],
-            spread: vec![[0.0; 3]; n],
-            albedo: vec![[0.0; 3]; n],
-            normal: vec![[0.0; 3]; n],
-            depth: vec![0.0; n],
-            samples: vec![0; n],
+            spread: Vec::new(),
+            albedo: Vec::new(),
+            normal: Vec::new(),
+            depth: Vec::new(),
+            samples: Vec::new(),
             costs: Vec::new(),
             timed: false,
             tells_error: false,
@@ -120,12 +135,26 @@ impl Sums {
                 *sum += f64::from(*v);
             }
         }
+        // A picture that keeps to colours has none of the other layers.
+        let held = l.samples.len();
+        let spreads = if l.error.is_some() { self.rgb.len() } else { held };
+        self.spread.resize(spreads, [0.0; 3]);
+        self.albedo.resize(held, [0.0; 3]);
+        self.normal.resize(held, [0.0; 3]);
+        self.depth.resize(held, 0.0);
+        self.samples.resize(held, 0);
         for i in 0..self.rgb.len() {
             for c in 0..3 {
                 let v = f64::from(l.rgb[i][c]);
                 let before = v - self.rgb[i][c];
                 self.rgb[i][c] += before / self.count;
-                self.spread[i][c] += before * (v - self.rgb[i][c]);
+                if let Some(spread) = self.spread.get_mut(i) {
+                    spread[c] += before * (v - self.rgb[i][c]);
+                }
+            }
+        }
+        for i in 0..held {
+            for c in 0..3 {
                 self.albedo[i][c] += f64::from(l.albedo[i][c]);
                 self.normal[i][c] += f64::from(l.normal[i][c]);
             }
@@ -141,16 +170,20 @@ impl Sums {
         let of_mean = |v: &[f64; 3]| {
             if replicates < 2 { [0.0; 3] } else { v.map(|x| (x / (n * (n - 1.0))) as f32) }
         };
-        let variance: Vec<[f32; 3]> = self.spread.iter().map(of_mean).collect();
+        let mut variance: Vec<[f32; 3]> = self.spread.iter().map(of_mean).collect();
         let error = || ErrorLayer {
             evidence: Evidence::Replicates,
             rgb: variance.iter().map(|v| v.map(f32::sqrt)).collect(),
         };
+        let error = self.tells_error.then(error);
+        if self.samples.is_empty() {
+            variance.clear();
+        }
         let layers = Layers {
             width: self.frame.crop.width() as usize,
             height: self.frame.crop.height() as usize,
             rgb: self.rgb.iter().map(round).collect(),
-            error: self.tells_error.then(error),
+            error,
             variance,
             albedo: self.albedo.iter().map(mean).collect(),
             normal: self.normal.iter().map(mean).collect(),

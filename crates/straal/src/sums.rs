@@ -51,15 +51,20 @@ pub struct Stamp {
     pub error: Option<Evidence>,
     /// What there is of each pixel.
     pub held: Held,
+    /// Whether some tiles have more samples than the span says: it was written in the middle of a pass.
+    pub is_midway: bool,
     /// The first sample that was dropped: pixel and index.
     pub dropped: Option<([u32; 2], u32)>,
 }
 
-/// A render between two passes, or at its end, for who wants to keep its sums.
+/// A render between two passes, in the middle of one or at its end, for who wants to keep its sums. In the middle some tiles
+/// have more samples than [`Snapshot::samples`] says; who goes on from there takes of each what it hasn't got.
 pub struct Snapshot<'a> {
     pub(crate) job: &'a Job,
     pub(crate) film: &'a Film,
     pub(crate) end: u32,
+    /// Whether it is in the middle of a pass.
+    pub is_midway: bool,
     /// Whether no pass comes after.
     pub is_last: bool,
     /// Whether all samples that were asked for are taken.
@@ -74,7 +79,7 @@ impl Snapshot<'_> {
 
     /// Writes its sums.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        let stamp = self.job.stamp(self.film, self.end).to_string();
+        let stamp = Stamp { is_midway: self.is_midway, ..self.job.stamp(self.film, self.end) }.to_string();
         let mut out = Hashed::new(out);
         out.write_all(MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
@@ -107,6 +112,14 @@ pub enum SumsError {
     /// Samples are missing.
     #[error("{0}")]
     Gaps(String),
+}
+
+/// Whether a file says that it holds sums.
+pub fn is_named(path: &Path) -> bool {
+    let mut magic = [0; 8];
+    path.is_file()
+        && File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok()
+        && magic == *MAGIC
 }
 
 /// An opened file of sums whose header is whole.
@@ -174,6 +187,21 @@ impl Kept {
     /// Samples of each pixel that it holds.
     pub fn samples(&self) -> u32 {
         self.stamp.span.end - self.stamp.span.first
+    }
+
+    /// Whether it holds sums of a job's scene, rendered in the same way.
+    pub fn is_of(&self, job: &Job) -> bool {
+        self.stamp.story == job.facts()
+    }
+
+    /// Reads all of it, to find out whether it is what was written.
+    pub fn verify(&mut self) -> Result<(), SumsError> {
+        self.sums(|stamp, input| {
+            let Span { region, first, .. } = stamp.span;
+            let bytes = region.area() as u64 * stamp.held.bytes_a_pixel(first) as u64;
+            let found = io::copy(&mut input.take(bytes), &mut io::sink())?;
+            if found < bytes { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
+        })
     }
 
     /// Reads the sums through `read`, and then finds out whether they were what was written.
@@ -272,7 +300,18 @@ impl std::fmt::Display for Stamp {
             let [from, to] = bands.ends();
             writeln!(f, "bands {from} {to} {}", bands.count())?;
         }
-        for (key, is_held) in [("splats", self.held.splats), ("batches", self.held.batches)] {
+        if !self.held.mean_squares.is_empty() {
+            let numbers: Vec<String> = self.held.mean_squares.iter().map(f64::to_string).collect();
+            writeln!(f, "mean_squares {}", numbers.join(" "))?;
+        }
+        let held = &self.held;
+        for (key, is_held) in [
+            ("splats", held.splats),
+            ("batches", held.batches),
+            ("squares", held.squares),
+            ("guides", held.guides),
+            ("midway", self.is_midway),
+        ] {
             if is_held {
                 writeln!(f, "{key} yes")?;
             }
@@ -331,11 +370,22 @@ impl Stamp {
                 _ => return None,
             },
         };
+        let mean_squares: Vec<f64> = match fact("mean_squares") {
+            None => Vec::new(),
+            Some(value) => value.split(' ').map(|n| n.parse().ok()).collect::<Option<_>>()?,
+        };
+        // Filters reach 16 pixels at most.
+        if mean_squares.len() > 17 || mean_squares.iter().any(|v| !v.is_finite()) {
+            return None;
+        }
         let held = Held {
             costs: fact("costs").map(|c| c == "tests_and_time"),
             bands,
             splats: fact("splats").is_some(),
             batches: fact("batches").is_some(),
+            squares: fact("squares").is_some(),
+            guides: fact("guides").is_some(),
+            mean_squares,
         };
         let error = match fact("error") {
             None => None,
@@ -352,7 +402,9 @@ impl Stamp {
             Some(_) => return None,
         };
         let look = fact("look")?.parse().ok()?;
-        let stamp = Self { story, also, look, size: [width, height], span, whole, error, held, dropped };
+        let is_midway = fact("midway").is_some();
+        let stamp =
+            Self { story, also, look, size: [width, height], span, whole, error, held, is_midway, dropped };
         (is_sound && fact("record") == Some(stamp.held.names(first).as_str())).then_some(stamp)
     }
 
@@ -408,6 +460,7 @@ impl Job {
             whole: self.whole,
             error: self.settings.error.then(|| self.settings.evidence()),
             held: film.held(),
+            is_midway: false,
             dropped: film.dropped().first,
         }
     }
@@ -467,6 +520,13 @@ pub fn merge(mut parts: Vec<Kept>, gaps: bool) -> Result<Merged, SumsError> {
                 differences.join("; ")
             )));
         }
+    }
+    if let Some(midway) = parts.iter().find(|p| p.stamp.is_midway && parts.len() > 1) {
+        return Err(SumsError::Parts(format!(
+            "{} was written in the middle of a pass, so that some pixels have more samples than others: by itself it makes a \
+             picture, and `straal render --resume` goes on from it",
+            midway.path.display()
+        )));
     }
     let (crop, end) = frame(&parts)?;
     let whole = parts.iter().filter_map(|p| p.stamp.whole).max().unwrap_or(end).max(end);

@@ -339,8 +339,8 @@ mod tests {
     #[test]
     fn yaml_has_its_keys_and_comments_marked() {
         assert_eq!(
-            coloured("yaml", "- a: { b: \"#fff: <\" } # c: d\n"),
-            "- <b>a</b>: { <b>b</b>: \"#fff: &lt;\" } <i># c: d</i>\n"
+            coloured("yaml", "- a: { b: \"#fff <\" } # c: d\n"),
+            "- <b>a</b>: { <b>b</b>: \"#fff &lt;\" } <i># c: d</i>\n"
         );
     }
 }

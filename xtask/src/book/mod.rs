@@ -135,6 +135,32 @@ mod tests {
         }
     }
 
+    /// What is shown whole can be pasted into a file and rendered, and scenes that are named are there.
+    #[test]
+    fn scenes_of_the_pages_are_in_order() {
+        let mut seen = 0;
+        for (name, text) in pages().unwrap() {
+            for fence in text.split("```yaml\n").skip(1).filter_map(|rest| rest.split("```").next()) {
+                let whole = ["camera:", "world:"].iter().all(|key| fence.lines().any(|l| l.starts_with(key)));
+                // Those of files that aren't here can't be read.
+                if whole && !fence.contains("file:") {
+                    let folder = root().join("scenes");
+                    let loaded = straal::load_str(&name, fence, &folder, &straal::LoadOptions::default());
+                    assert!(loaded.is_ok(), "{name}: this scene is wrong:\n{fence}");
+                    seen += 1;
+                }
+            }
+            for scene in text.split("scenes/").skip(1).filter_map(|rest| rest.split(".yaml").next()) {
+                let is_name = scene.chars().all(|c| c.is_alphanumeric() || "-/".contains(c));
+                let there = ["scenes", "tests/scenes"]
+                    .iter()
+                    .any(|f| root().join(f).join(format!("{scene}.yaml")).exists());
+                assert!(!is_name || there, "{name}: there is no scenes/{scene}.yaml");
+            }
+        }
+        assert!(seen > 3, "{seen}");
+    }
+
     #[test]
     fn every_page_is_in_the_contents_once() {
         let contents = contents().unwrap();

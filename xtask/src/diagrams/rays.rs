@@ -277,6 +277,9 @@ fn thin_lens() -> String {
     d.finish()
 }
 
+/// The distance, in some unit, by the angle in radians.
+type Law = fn(f32) -> f32;
+
 /// Distance from the middle of a fisheye's picture by the angle to the view.
 fn fisheye_laws() -> String {
     let mut d = Drawing::new(640, 330);
@@ -288,7 +291,7 @@ fn fisheye_laws() -> String {
         ["angle to the view θ, in degrees", "r, from the middle to the edge; fov 180"],
     );
     let radians = |degrees: f32| degrees.to_radians();
-    let laws: [(&str, &str, fn(f32) -> f32); 4] = [
+    let laws: [(&str, &str, Law); 4] = [
         ("orthographic", FAINT, |t| ops::sin(t)),
         ("equisolid", GREEN, |t| ops::sin(0.5 * t)),
         ("equidistant", RAY, |t| t),

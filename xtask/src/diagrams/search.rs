@@ -161,7 +161,7 @@ fn tree_of_boxes() -> String {
         d.text([616.0, y + 5.0], &format!("{i}"));
     }
     d.text([590.0, 40.0], "level");
-    d.text([20.0, 412.0], "yellow: leaves that the ray opens, before it hits the tower");
+    d.text([20.0, 412.0], "the ray opens the boxes that it crosses, and passes by all others");
     d.finish()
 }
 

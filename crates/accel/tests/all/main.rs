@@ -7,4 +7,6 @@ mod common;
 mod extremes;
 mod million;
 mod same_hit;
+#[path = "../../../../tests/shared.rs"]
+mod shared;
 mod space;

@@ -5,6 +5,7 @@
 //! `-- --nocapture` shows what each structure took.
 
 use crate::common::*;
+use crate::shared::shared;
 use rayon::prelude::*;
 use std::{sync::Arc, time::Instant};
 use straal_accel::*;
@@ -46,15 +47,8 @@ fn read_obj(text: &str) -> Mesh {
 
 /// The cow Spot of the shared data, if it is there.
 fn spot() -> Option<Mesh> {
-    let shared = std::env::var_os("STRAAL_SHARED").map(std::path::PathBuf::from);
-    let shared = shared.unwrap_or_else(|| concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared").into());
-    match std::fs::read_to_string(shared.join("scenes/meshes/spot/spot_triangulated.obj")) {
-        Ok(text) => Some(read_obj(&text)),
-        Err(_) => {
-            tell("skipped: no shared data");
-            None
-        }
-    }
+    let path = shared()?.join("scenes/meshes/spot/spot_triangulated.obj");
+    Some(read_obj(&std::fs::read_to_string(path).expect("the cow")))
 }
 
 /// Whether each edge has one triangle on either side, both turned the same way.

@@ -67,6 +67,12 @@ pub struct AccelArgs {
     #[arg(long, value_name = "PAGE")]
     pub html: Option<PathBuf>,
 
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
+    ///
+    /// When absent, what the machine or its control group has free, less a tenth.
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
+    pub memory: Option<u64>,
+
     /// Say nothing but errors, besides the table
     #[arg(short, long)]
     pub quiet: bool,

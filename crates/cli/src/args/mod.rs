@@ -17,6 +17,7 @@ mod metamer;
 mod parsers;
 mod render;
 mod sampler;
+mod studio;
 mod unknown;
 
 pub use accel::AccelArgs;
@@ -32,6 +33,7 @@ pub use merge::MergeArgs;
 pub use metamer::MetamerArgs;
 pub use render::RenderArgs;
 pub use sampler::SamplerArgs;
+pub use studio::StudioArgs;
 pub use unknown::failure;
 
 use crate::exit;
@@ -45,6 +47,8 @@ mod heading {
     pub const SAMPLING: &str = "Sampling";
     /// How light is followed.
     pub const LIGHT: &str = "Light";
+    /// How a mesh without a scene is shown.
+    pub const STUDIO: &str = "A bare mesh";
     /// From light to a picture for the screen.
     pub const LOOK: &str = "Developing a PNG";
     /// What outlasts a render that is cut off, and parts of a picture.

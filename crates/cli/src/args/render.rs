@@ -1,8 +1,8 @@
 //! What `straal render` takes.
 
-use super::LookArgs;
 use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
 use super::parsers::{StructureParser, build, isa, measure, pattern, picture_format};
+use super::{LookArgs, StudioArgs};
 use crate::exit;
 use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
@@ -16,8 +16,8 @@ use straal_math::lowdisc::PatternKind;
 pub(super) const RENDER_ABOUT: &str = "\
 Renders a scene to a picture.
 
-SCENE is a file in the scene language (.yaml, .json) or a bare mesh (.ply, .obj), which gets a floor, a camera and a \
-light by itself. What is said here wins over what the scene says.
+SCENE is a file in the scene language (.yaml, .json) or a bare mesh (.ply, .obj), which is put into a studio with a \
+camera and lights by itself. What is said here wins over what the scene says.
 
 The same scene and settings give the same bits, whatever the number of threads, the instruction set or the crop. \
 Rendering goes in passes over the whole picture; a render that is ended by --time or by Ctrl-C leaves the very \
@@ -28,6 +28,8 @@ const RENDER_EXAMPLES: &str = "\
 Examples:
   straal render                                 the scene that straal brings along, to straal.png
   straal render bunny.ply                       a look at a mesh, to bunny.png
+  straal render part.obj --up z --material metal --write-scene part.yaml
+                                                another look, and the scene that gives it
   straal render scene.yaml -o a.exr -o a.png    all layers for compositing, and one to look at
   straal render scene.yaml --time 90s           as good as it gets in a minute and a half
   straal render scene.yaml --noise 2%           as many samples as it takes, where it takes them
@@ -69,6 +71,17 @@ pub struct RenderArgs {
     /// spectral:40:400:700.
     #[arg(long, value_name = "NUMBERS", value_parser = quantity::recording, hide_short_help = true, help_heading = PICTURE)]
     pub channels: Option<Recording>,
+
+    /// Write the scene that is rendered, with all that is said here in it, as YAML (.yaml)
+    ///
+    /// `straal render` of that file gives the same bits: a start for a scene of one's own, from a bare mesh or from the scene
+    /// that straal brings along.
+    #[arg(long, value_name = "SCENE", help_heading = PICTURE)]
+    pub write_scene: Option<PathBuf>,
+
+    /// How a bare mesh is shown
+    #[command(flatten)]
+    pub studio: StudioArgs,
 
     /// Samples per pixel
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = quantity::spp, help_heading = SAMPLING)]
@@ -122,7 +135,7 @@ pub struct RenderArgs {
 
     /// Write what there is beside the picture whenever so much time has passed, for --resume; or off
     ///
-    /// It goes to PICTURE.checkpoint: every 60s where an EXR is written, else off. The file goes when the picture is there.
+    /// It goes to PICTURE.checkpoint: every 60s where an EXR or sums are written, else off. The file goes when the picture is there.
     #[arg(long, value_name = "TIME", value_parser = quantity::checkpoint, help_heading = KEEPING)]
     pub checkpoint: Option<Every>,
 
@@ -187,6 +200,12 @@ pub struct RenderArgs {
     /// Worker threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]
     pub threads: Option<usize>,
+
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
+    ///
+    /// When absent, what the machine or its control group has free, less a tenth.
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory, help_heading = MACHINE)]
+    pub memory: Option<u64>,
 
     /// Read files from this folder only: what a scene names, and what those files name
     ///

@@ -72,6 +72,8 @@ const OPTIONS: &[(&[&str], Here)] = &[
         Called("tone", "--tone agx"),
     ),
     (&["ev", "stops", "brightness"], Called("exposure", "--exposure 1.5")),
+    (&["upaxis", "upvector", "zup"], Called("up", "--up z")),
+    (&["angle", "crease", "smoothing", "autosmooth"], Called("smooth", "--smooth 40")),
     (&["silent"], Called("quiet", "--quiet")),
     (&["wavelengths", "spectrum", "hwss"], Called("spectral", "--spectral")),
     (&["accelerator", "bvh", "kdtree"], Called("accel", "--accel bvh")),
@@ -105,7 +107,7 @@ const OPTIONS: &[(&[&str], Here)] = &[
         Not("animations are not supported yet: a scene is one picture"),
     ),
     (
-        &["background", "b", "batchmode", "headless", "nogui", "interactive", "gui"],
+        &["b", "batchmode", "headless", "nogui", "interactive", "gui"],
         Not("straal has no window: it always works in the background"),
     ),
     (&["overwrite", "yes"], Not("pictures that are there are replaced without asking")),

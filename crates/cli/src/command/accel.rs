@@ -17,7 +17,12 @@ use straal_scene::Diagnostics;
 /// Compares search structures on a scene's rays; the exit says whether their hits differ.
 pub fn run(args: &AccelArgs, start: Instant) -> Result<Exit, Failure> {
     let request = request(args)?;
-    let options = LoadOptions { lenient: args.lenient, root: args.root.clone(), ..LoadOptions::default() };
+    let options = LoadOptions {
+        lenient: args.lenient,
+        root: args.root.clone(),
+        memory: request.memory,
+        ..LoadOptions::default()
+    };
     let loaded = load(&args.scene, &options)?;
     refuse_inputs(args.html.as_deref(), &loaded.files)?;
     if !args.quiet {
@@ -63,6 +68,7 @@ fn request(args: &AccelArgs) -> Result<Request, Failure> {
         moving: args.moving.clone(),
         pictures: args.html.is_some(),
         isa: args.isa,
+        memory: args.memory.or_else(crate::machine::memory),
     })
 }
 

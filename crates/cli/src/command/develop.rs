@@ -10,7 +10,6 @@ use std::path::PathBuf;
 use straal::develop::Plate;
 use straal::focus::Blur;
 use straal::picture::Format;
-use straal_formats::Limits;
 
 /// What was guessed when the picture was read, and what of it is no light.
 fn warn(args: &DevelopArgs, plate: &Plate) {
@@ -37,7 +36,7 @@ pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
     }
     let name = args.picture.display();
     let bytes = read_bytes(&args.picture)?;
-    let limits = Limits::default();
+    let limits = super::picture_limits();
     let plate = match &args.layer {
         Some(layer) => Plate::read_layer(&bytes, &limits, layer),
         None => Plate::read(&bytes, &limits),

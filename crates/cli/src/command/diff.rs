@@ -10,9 +10,9 @@ use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
 use straal::look::Look;
 use straal_color::{Adaptation, Exposure, Matrix3, RgbSpace, Tone};
+use straal_formats::ReadError;
 use straal_formats::image::exr::{self, Window};
 use straal_formats::image::{Format, Photo, framed};
-use straal_formats::{Limits, ReadError};
 use straal_scene::Image;
 
 /// Degrees of freedom of a variance that doesn't tell its own: that of 16 replicates, the usual number.
@@ -113,7 +113,7 @@ impl Picture {
     }
 
     fn from_bytes(bytes: &[u8]) -> Result<Self, ReadError> {
-        let limits = Limits::default();
+        let limits = super::picture_limits();
         if Format::of(bytes)? != Format::Exr {
             return Ok(Self { photo: Photo::read(bytes, &limits)?, noise: None });
         }

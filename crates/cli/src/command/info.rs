@@ -5,10 +5,11 @@ use crate::args::InfoArgs;
 use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
 use straal::picture::film_hash;
+use straal::sums;
 use straal_color::{RgbSpace, Space};
+use straal_formats::ReadError;
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{Format, Photo};
-use straal_formats::{Limits, ReadError};
 
 /// What a picture tells of itself.
 #[derive(Default)]
@@ -93,6 +94,9 @@ fn short(v: f64) -> String {
 
 /// Prints a picture's story.
 pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
+    if sums::is_named(&args.picture) {
+        return tell_sums(args);
+    }
     let bytes = read_bytes(&args.picture)?;
     let story =
         read(&bytes).map_err(|e| Failure::input(format!("can't read {}: {e}", args.picture.display())))?;
@@ -104,8 +108,30 @@ pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
+/// The same of a file of sums, once all of it is found to be what was written.
+fn tell_sums(args: &InfoArgs) -> Result<Exit, Failure> {
+    let failed = |e: sums::SumsError| Failure::input(e.to_string());
+    let mut kept = sums::Kept::open(&args.picture).map_err(failed)?;
+    kept.verify().map_err(failed)?;
+    let stamp = &kept.stamp;
+    if args.json {
+        let facts = stamp.story.iter().map(|(key, value)| (key.clone(), json!(value)));
+        let corners = [stamp.span.crop.min, stamp.span.crop.max].concat();
+        let told = json!({
+            "size": stamp.size,
+            "crop": corners,
+            "sums_of_samples": [stamp.span.first, stamp.span.end],
+            "metadata": Json::Object(facts.collect::<Map<_, _>>()),
+        });
+        print(&format!("{told:#}\n"))?;
+    } else {
+        print(&format!("exact sums of a render, for `straal merge` or --resume\n{stamp}"))?;
+    }
+    Ok(Exit::Fine)
+}
+
 fn read(bytes: &[u8]) -> Result<Story, ReadError> {
-    let limits = Limits::default();
+    let limits = super::picture_limits();
     if Format::of(bytes)? != Format::Exr {
         let mut photo = Photo::read(bytes, &limits)?;
         photo.notes.extend(faults(&photo));

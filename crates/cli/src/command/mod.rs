@@ -96,6 +96,13 @@ fn standard_input() -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
+/// Bounds on a picture that is read: it may take what memory is free.
+fn picture_limits() -> Limits {
+    let usual = Limits::default();
+    let free = crate::machine::memory().unwrap_or(usual.max_decoded);
+    Limits { max_decoded: usual.max_decoded.min(free), ..usual }
+}
+
 /// The bytes of a picture or a spectrum; of standard input for `-`.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     if is_stream(path) {
@@ -123,6 +130,7 @@ fn warn(complaints: &mut Diagnostics, job: &straal::Job) {
 /// Why the library won't do a job, with the place in the scene where it knows one; `read` holds the scene's texts.
 fn refused(error: straal::Error, read: &Diagnostics) -> Failure {
     match error {
+        straal::Error::Memory(shortage) => Failure::memory(&shortage),
         straal::Error::Render(e) => Failure::system(e.to_string()),
         straal::Error::Compile(e) => {
             let mut complaints = Diagnostics::default();

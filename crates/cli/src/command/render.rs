@@ -12,22 +12,29 @@ use crate::progress::{Pace, Teller};
 use crate::quantity::{count, tell_percent};
 use crate::report::Report;
 use crate::settings::RenderSettings;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use straal::job::Verdict;
 use straal::sums::{Kept, Snapshot};
+use straal::written;
 use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
+use straal_formats::atomic;
 
 /// Renders a scene; `start` is when the command began.
 pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
     let loaded = scene(&settings)?;
     refuse_inputs(settings.written(), &loaded.files)?;
+    let scene = settings.write_scene.is_some().then(|| scene_text(&loaded, &settings)).transpose()?;
     let mut warnings = loaded.warnings.clone();
     let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
     if !settings.quiet {
+        if let Some(note) = &settings.note {
+            out::say(&format!("{note}\n"));
+        }
         out::say(&complaint::show(&warnings, out::has_colours()));
         if settings.look_is_lost() {
             out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
@@ -35,6 +42,14 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
     }
     if let Some(reason) = job.needs_count().filter(|_| settings.time.is_some()) {
         return Err(Failure::input(reason).help("leave out --time, or choose another --sampler"));
+    }
+
+    if let (Some(path), Some(text)) = (&settings.write_scene, scene) {
+        atomic::write(path, |out| out.write_all(text.as_bytes()))
+            .map_err(|e| Failure::system(e.to_string()))?;
+        if !settings.quiet {
+            out::say(&format!("wrote {0}: `straal render {0}` gives this picture\n", path.display()));
+        }
     }
 
     let (mut keeping, kept) = Keeping::new(&settings.keep, &settings.outputs, interrupt, settings.quiet)?;
@@ -66,7 +81,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
     }
     let written = writing.end();
-    let kept = keeping.end(written.is_ok() && interrupted.is_none() && outcome.complete);
+    let kept = keeping.end(&job, written.is_ok());
     written?;
     let report = Report {
         pictures: &settings.outputs,
@@ -91,13 +106,35 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
 }
 
 fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options =
-        LoadOptions { lenient: settings.lenient, root: settings.root.clone(), ..LoadOptions::default() };
+    let options = LoadOptions {
+        lenient: settings.lenient,
+        root: settings.root.clone(),
+        memory: settings.memory,
+        studio: settings.studio.studio(settings.overrides.size),
+        ..LoadOptions::default()
+    };
     match &settings.scene {
         Some(path) => load(path, &options),
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options)
             .map_err(Failure::scene),
     }
+}
+
+/// The scene as a file of its own, with all that was said on the command line.
+fn scene_text(loaded: &Loaded, settings: &RenderSettings) -> Result<String, Failure> {
+    let look = settings.look(written::look(loaded));
+    let scene =
+        written::scene(loaded, &settings.overrides, &look).map_err(|e| refused(e, &loaded.warnings))?;
+    if settings.scene.is_none() && scene == loaded.scene {
+        // With its comments.
+        return Ok(EMBEDDED_SCENE.to_owned());
+    }
+    // What a scene names is beside it; a bare mesh is named from the current folder.
+    let beside = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
+    let base =
+        settings.scene.as_deref().filter(|path| !straal::is_mesh(path)).map(beside).unwrap_or_default();
+    let folder = settings.write_scene.as_deref().map(beside).unwrap_or_default();
+    Ok(written::text(&scene, &base, &folder))
 }
 
 /// Renders until all samples are taken, the time is up or Ctrl-C is pressed.
@@ -141,8 +178,7 @@ fn render(
     control.clock = Some(Arc::new(move || u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX)));
     control.open_ended = open_ended;
     control.resume = kept;
-    control.longest_pass =
-        keeping.longest_pass().map(|time| u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+    control.pause = keeping.pause();
     let is_wanted = keeping.is_wanted();
     let mut keep = |snapshot: &Snapshot<'_>| keeping.look(snapshot);
     if is_wanted {

@@ -62,9 +62,12 @@ fn a_good_scene_is_forecast() {
     assert_eq!(folder.names(), ["scene.yaml"]);
     let memory = folder.json("check scene.yaml")["memory_bytes"].clone();
     let bytes = |key: &str| memory[key].as_u64().unwrap();
-    let parts = ["geometry", "search", "images", "film"].map(bytes);
-    assert_eq!(parts.iter().sum::<u64>(), bytes("total"));
-    assert!(bytes("film") >= 24 * 16 * 4);
+    let parts = ["program", "scene", "geometry", "search", "images", "film", "layers", "threads"].map(bytes);
+    assert!(parts.iter().sum::<u64>() <= bytes("total") + bytes("building"));
+    assert!(bytes("film") >= 24 * 16 * 64);
+    let film =
+        |words: &str| folder.json(&format!("check scene.yaml {words}"))["memory_bytes"]["film"].as_u64();
+    assert!(film("-o a.exr") > film("") && film("--size 48x16") > film("") && film("--splat") > film(""));
 }
 
 #[test]

@@ -14,20 +14,20 @@ fn samples_in(folder: &Folder, name: &str) -> Option<u32> {
     line.split(' ').nth(1)?.parse().ok()
 }
 
-/// Runs the command, and kills it when it has come farther than `before`; `None` when it ended by itself.
-fn killed(folder: &Folder, words: &str, before: Option<u32>) -> Option<u32> {
+/// Runs the command, and kills it when there is another checkpoint than before; `None` when it ended by itself.
+fn killed(folder: &Folder, words: &str, before: Option<&[u8]>) -> Option<Vec<u8>> {
     let mut child = folder.command(words).spawn().unwrap();
     loop {
         if let Some(status) = child.try_wait().unwrap() {
             assert!(status.success(), "{words}");
             return None;
         }
-        let now = samples_in(folder, CHECKPOINT);
-        if now > before {
+        let now = fs::read(folder.path(CHECKPOINT)).ok();
+        if now.is_some() && now.as_deref() != before {
             // On every system the end of a process that can't do anything about it.
             child.kill().unwrap();
             child.wait().unwrap();
-            return samples_in(folder, CHECKPOINT);
+            return fs::read(folder.path(CHECKPOINT)).ok();
         }
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -40,12 +40,13 @@ fn ten_kills(scene: &str, options: &str) {
     let words = format!("render scene.yaml -o a.exr --checkpoint 1ms --resume {options}");
     let mut kept = None;
     for kill in 0..10 {
-        let farther = killed(&folder, &words, kept);
-        assert!(farther > kept, "it ended before the kill {kill}");
+        let farther = killed(&folder, &words, kept.as_deref());
+        assert!(farther.is_some(), "it ended before the kill {kill}");
         kept = farther;
     }
+    let kept = samples_in(&folder, CHECKPOINT).unwrap();
     let rest = folder.json(&words);
-    assert_eq!(rest["resumed_samples"].as_u64().unwrap(), u64::from(kept.unwrap()), "{rest}");
+    assert_eq!(rest["resumed_samples"].as_u64().unwrap(), u64::from(kept), "{rest}");
     for key in ["film_hash", "samples", "passes", "noisy_blocks", "dropped", "complete"] {
         assert_eq!(rest[key], whole[key], "{key}");
     }
@@ -107,7 +108,12 @@ fn a_render_goes_on_where_time_ended_it() {
 
 #[test]
 fn another_render_does_not_go_on() {
-    let (folder, _) = ended_by_time();
+    let folder = Folder::with_scene(BALL);
+    let words = "render scene.yaml -o a.exr --spp 100000 --checkpoint 1ms --resume";
+    while samples_in(&folder, CHECKPOINT) <= Some(8) {
+        let kept = fs::read(folder.path(CHECKPOINT)).ok();
+        killed(&folder, words, kept.as_deref());
+    }
     let before = folder.read(CHECKPOINT);
     folder.write("other.yaml", &BALL.replace("0.5, 0]", "0.4, 0]"));
     for (words, told) in [
@@ -251,4 +257,55 @@ fn parts_that_can_not_be_are_refused() {
         refused(&folder.straal(&words), &[told]);
         assert_eq!(folder.names(), ["scene.yaml"], "{words}");
     }
+}
+
+#[test]
+fn sums_tell_what_they_are() {
+    let folder = Folder::with_scene(BALL);
+    folder.json("render scene.yaml --save-sums a.sums --samples 1..3 --seed 9");
+    let told = folder.json("info a.sums");
+    assert_eq!(told["sums_of_samples"], serde_json::json!([1, 3]));
+    assert_eq!(told["metadata"]["straal.seed"], "9");
+    let text = folder.straal("info a.sums").out;
+    assert!(text.contains("record count:u32 dropped:u32") && text.contains("batch_ends:6xi128"), "{text}");
+    let mut bytes = folder.read("a.sums");
+    let last = bytes.len() - 100;
+    bytes[last] ^= 1;
+    fs::write(folder.path("a.sums"), bytes).unwrap();
+    refused(&folder.straal("info a.sums"), &["it is damaged"]);
+    refused(&folder.straal("merge a.sums -o a.png --allow-gaps"), &["it is damaged"]);
+}
+
+#[test]
+fn a_checkpoint_of_what_is_there_by_now_goes() {
+    let (folder, _) = ended_by_time();
+    let run = folder.straal("render scene.yaml -o a.exr --spp 2");
+    assert!(run.err.contains("isn't used without --resume"), "{run:?}");
+    assert_eq!(folder.names(), ["a.exr", "scene.yaml"]);
+    // That of another render isn't this one's to remove.
+    let (folder, _) = ended_by_time();
+    folder.json("render scene.yaml -o a.exr --spp 2 --seed 5");
+    assert_eq!(folder.names(), ["a.exr", CHECKPOINT, "scene.yaml"]);
+}
+
+/// A picture that can't be written is no reason to lose what was rendered.
+#[test]
+fn a_checkpoint_stays_until_the_picture_is_there() {
+    let folder = Folder::with_scene(BALL);
+    fs::create_dir(folder.path("out")).unwrap();
+    let words = "render scene.yaml -o out/a.exr --spp 4000 --checkpoint 1ms --resume";
+    let mut child = folder.command(words).spawn().unwrap();
+    while samples_in(&folder, "out/a.exr.checkpoint").is_none() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended without a checkpoint");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // A folder of the picture's name: nothing can be written there, by whomever.
+    fs::create_dir(folder.path("out/a.exr")).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(3));
+    assert!(samples_in(&folder, "out/a.exr.checkpoint").is_some());
+    fs::remove_dir(folder.path("out/a.exr")).unwrap();
+    let rest = folder.json(words);
+    let whole = folder.json("render scene.yaml -o whole.exr --spp 4000");
+    assert_eq!(rest["film_hash"], whole["film_hash"]);
+    assert!(rest["resumed_samples"].as_u64() > Some(0));
 }

@@ -5,20 +5,12 @@ use crate::{Space, srgb};
 use straal_math::ops;
 use uplift::Uplift;
 
-/// The folder of shared data, if this machine has it.
+#[path = "../../../../tests/shared.rs"]
+mod shared_data;
+
+/// The folder of spectral tables, if this machine has it.
 fn shared() -> Option<std::path::PathBuf> {
-    let named = std::env::var_os("STRAAL_SHARED").map(std::path::PathBuf::from);
-    let beside = || std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let folder = named.unwrap_or_else(beside).join("scenes/spectral");
-    if !folder.is_dir() {
-        assert!(std::env::var_os("CI").is_none(), "no shared data at {}", folder.display());
-        #[allow(clippy::print_stdout)] // a skipped test says so
-        {
-            println!("skipped: no shared data");
-        }
-        return None;
-    }
-    Some(folder)
+    Some(shared_data::shared()?.join("scenes/spectral"))
 }
 
 /// The numbers in brackets after a label.

@@ -5,9 +5,11 @@
 
 mod other;
 mod scalar;
+mod write;
 
 pub(crate) use other::is_of_another_program;
 pub use scalar::resolve;
+pub use write::write;
 
 use std::collections::HashMap;
 use std::ops::Range;

@@ -2,53 +2,137 @@
 
 use std::path::Path;
 
-use straal_formats::{Loaded, Options, load, load_str};
-use straal_math::{Affine, DVec3};
+use straal_formats::studio::{Background, Finish, Studio, Up, View};
+use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
+use straal_math::{Affine, DVec3, ops};
 use straal_scene::decode::Describe;
-use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node};
-use straal_scene::forecast;
+use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, TriangleMesh};
+use straal_scene::forecast::count;
 use straal_scene::value::Color;
 
-/// The mesh node, and that everything its camera should see is in view.
-fn framed(loaded: &Loaded) -> &Node {
+/// The mesh node and what material it is given, and that everything its camera should see is in view.
+fn framed(loaded: &Loaded) -> (&TriangleMesh, Option<&MaterialRef>) {
+    let (node, around) = match &loaded.scene.world[0] {
+        Node::Group(g) => (&g.children[0], g.material.as_ref()),
+        node => (node, None),
+    };
+    let Node::Mesh(node) = node else { panic!("not a mesh: {node:?}") };
+    let place = node.surface.transform.affine().unwrap();
     let Camera::Perspective(camera) = &loaded.scene.camera else { panic!("not a perspective") };
     let observer = &camera.observer;
     let to_camera = Affine::look_at(observer.eye, observer.look_at, observer.up).unwrap().inverse().unwrap();
-    let tan = 0.267_949_192_431;
+    let (s, c) = ops::sin_cos_degrees(0.5 * camera.fov.unwrap());
     let [width, height] = loaded.scene.film.size.map(f64::from);
-    let mesh = &loaded.assets.meshes.values().next().unwrap().mesh;
+    let mesh = &loaded.assets.mesh(node.file.as_ref().unwrap()).unwrap().mesh;
     let mut farthest: f64 = 0.0;
     for p in &mesh.positions {
-        let q = to_camera.point(DVec3::from_array(p.map(f64::from)));
+        let p = place.point(DVec3::from_array(p.map(f64::from)));
+        assert!(p.y > -1e-6 && p.length() < 2.1, "{p:?} does not stand on the floor");
+        let q = to_camera.point(p);
         assert!(q.z < 0.0, "{p:?} is behind the camera");
-        for at in [q.x / -q.z / (tan * width / height), q.y / -q.z / tan] {
-            assert!(at.abs() < 1.0, "{p:?} is out of the picture");
+        for at in [q.x / -q.z / (s / c * width / height), q.y / -q.z / (s / c)] {
+            assert!(at.abs() < 0.81, "{p:?} is out of the picture");
             farthest = if at.abs() > farthest { at.abs() } else { farthest };
         }
     }
-    assert!(farthest > 0.4, "the mesh fills only {farthest} of the picture");
-    loaded.scene.world.iter().find(|n| matches!(n, Node::Mesh(_))).unwrap()
+    assert!(farthest > 0.5, "the mesh fills only {farthest} of the picture");
+    (node, node.surface.material.as_ref().or(around))
+}
+
+fn named(name: &str) -> MaterialRef {
+    MaterialRef::Named(name.to_owned().into())
+}
+
+fn in_studio(path: &Path, studio: Studio) -> Result<Loaded, Diagnostics> {
+    load(path, &Options { studio, ..Options::default() })
 }
 
 #[test]
 fn a_ply_is_clay_in_a_studio() {
     let loaded = load(Path::new("tests/data/triangle.ply"), &Options::default()).unwrap();
-    assert!(loaded.warnings.list.is_empty());
-    let node = framed(&loaded);
-    assert_eq!(node.material(), Some(&MaterialRef::Named("clay".to_owned().into())));
-    let Node::Mesh(mesh) = node else { unreachable!() };
+    // Which way is up was guessed, and told.
+    let told = loaded.warnings.to_string();
+    assert_eq!(
+        told,
+        "note: `tests/data/triangle.ply`: y is taken to be up, which is a guess\n  = help: `--up z` if it lies on its side\n"
+    );
+    let (mesh, material) = framed(&loaded);
+    assert_eq!(material, Some(&named("clay")));
     assert_eq!(loaded.assets.mesh(mesh.file.as_ref().unwrap()).unwrap().mesh.triangles.len(), 1);
-    // The studio is a scene like any other: nothing in it breaks a rule.
-    let written = loaded.scene.write().to_string();
+    // The studio is a scene like any other: nothing in it breaks a rule, and its text says all of it.
+    let written = yaml::write(&loaded.scene.write());
     let again =
         load_str("written", &written, Path::new(""), &Options::default()).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(again.scene, loaded.scene);
 }
 
 #[test]
+fn whatever_its_size_and_place_a_mesh_stands_in_the_studio() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("box.obj");
+    let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    let quarter =
+        [[1.0, 1.0, 1.0], [1.0, 0.0, 1.0], [40.0, 0.01, 0.01], [0.01, 40.0, 0.01], [0.01, 0.02, 40.0]];
+    for (shape, (scale, at)) in quarter.iter().flat_map(|q| {
+        [(1e-6, 0.0), (1e-30, 0.0), (1.0, 0.0), (1e15, 0.0), (1e30, 0.0), (1.0, 1000.0)].map(|p| (q, p))
+    }) {
+        let mut text = String::new();
+        for i in 0..8 {
+            let v = [0, 1, 2].map(|k| at + scale * shape[k] * f64::from(i >> k & 1));
+            text += &format!("v {:e} {:e} {:e}\n", v[0], v[1], v[2]);
+        }
+        std::fs::write(&path, text + faces).unwrap();
+        for up in [Some(Up::Y), Some(Up::NegX), None] {
+            for view in View::ALL {
+                for size in [None, Some([100, 300]), Some([600, 100])] {
+                    let studio = Studio { up, view, size, ..Studio::default() };
+                    framed(
+                        &in_studio(&path, studio).unwrap_or_else(|e| panic!("{shape:?} {scale} {at}: {e}")),
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn stray_points_and_broken_triangles_are_not_framed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("stray.obj");
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1e6 1e6 1e6\nv nan 0 0\nf 1 2 3\nf 1 2 5\n";
+    std::fs::write(&path, text).unwrap();
+    let loaded = in_studio(&path, Studio::default()).unwrap();
+    let Camera::Perspective(camera) = &loaded.scene.camera else { panic!("not a perspective") };
+    assert!(camera.observer.eye.length() < 10.0, "{:?}", camera.observer);
+    std::fs::write(&path, "v 1 1 1\nf 1 1 1\n").unwrap();
+    let error = in_studio(&path, Studio::default()).unwrap_err().to_string();
+    assert!(error.contains("all its points are in one place"), "{error}");
+    std::fs::write(&path, "v 1e6 0 0\nv 1000001 0 0\nv 1e6 1 0\nf 1 2 3\n").unwrap();
+    let told = in_studio(&path, Studio::default()).unwrap().warnings.to_string();
+    assert!(told.contains("warning") && told.contains("single precision"), "{told}");
+}
+
+#[test]
+fn what_is_asked_of_a_studio_is_in_the_scene() {
+    let path = Path::new("tests/data/lamp.obj");
+    let loaded = in_studio(path, Studio { finish: Some(Finish::Gold), ..Studio::default() }).unwrap();
+    assert_eq!(framed(&loaded).1, Some(&named("gold")), "it takes the place of the file's own");
+    let loaded = in_studio(path, Studio { smooth: Some(25.0), ..Studio::default() }).unwrap();
+    assert_eq!(framed(&loaded).0.shading, Shading::Smooth(Smoothing { crease: 25.0, recompute: true }));
+    let loaded = in_studio(path, Studio { background: Background::Nothing, ..Studio::default() }).unwrap();
+    assert!(loaded.scene.lights.is_empty() && loaded.scene.materials.get("paper").is_none());
+    let paper = Background::Paper(Color([0.1, 0.2, 0.3]));
+    let loaded = in_studio(path, Studio { background: paper, ..Studio::default() }).unwrap();
+    let Some(Material::Diffuse(d)) = loaded.scene.materials.get("paper") else { panic!("no paper") };
+    assert_eq!(*d.reflectance.get(), Color([0.1, 0.2, 0.3]).into());
+}
+
+#[test]
 fn an_obj_keeps_its_own_materials() {
     let loaded = load(Path::new("tests/data/lamp.obj"), &Options::default()).unwrap();
-    assert_eq!(framed(&loaded).material(), None);
+    // What has none in the file is clay.
+    let (node, around) = framed(&loaded);
+    assert_eq!((&node.surface.material, around), (&None, Some(&named("clay"))));
     assert!(loaded.warnings.to_string().contains("map_Kd"), "{}", loaded.warnings);
     let materials = &loaded.assets.meshes.values().next().unwrap().materials;
     assert_eq!(materials["glow"].emission, Some(Color([3.0, 2.0, 1.0])));
@@ -119,10 +203,29 @@ world:
   - mesh: { file: triangle.ply, emission: 1 }
 ";
     let loaded = load_str("scene.yaml", text, Path::new("tests/data"), &Options::default()).unwrap();
-    let f = forecast(&loaded.scene, &loaded.assets);
+    let f = count(&loaded.scene, &loaded.assets);
     // 32 patches of 4 x 4 squares of two triangles; each patch has 5 x 5 vertices.
-    assert_eq!((f.triangles, f.vertices), (32 * 32 + 1, 32 * 25 + 3));
+    assert_eq!((f.kept.triangles, f.kept.vertices), (32 * 32 + 1, 32 * 25 + 3));
+    assert_eq!((f.kept.instances, f.kept.lights, f.kept.lit_triangles), (4, 1, 1));
     assert_eq!(f.visible, 2 * (2 * 1024 + 1) + 1);
-    assert_eq!(f.film_bytes, 100 * 50 * 232);
-    assert!(f.total_bytes() > f.mesh_bytes + f.search_bytes);
+    // The world with two rows and a mesh, a pot, and a row of two pots and a ball.
+    assert_eq!(f.spaces, [[1, 2], [1024, 0], [0, 3]]);
+}
+
+#[test]
+fn instances_of_what_glows_are_counted_each_time() {
+    let text = "
+camera: { perspective: { eye: [0, 0, 5], look_at: [0, 0, 0] } }
+objects:
+  lamp: { bezier: { builtin: teapot, resolution: 4, emission: 1 } }
+  pair: { group: { children: [instance: { of: lamp }, instance: { of: lamp }, instance: { of: ball }] } }
+  ball: { sphere: {} }
+world:
+  - instance: { of: pair }
+  - instance: { of: pair }
+";
+    let loaded = load_str("scene.yaml", text, Path::new(""), &Options::default()).unwrap();
+    let f = count(&loaded.scene, &loaded.assets);
+    assert_eq!((f.kept.triangles, f.kept.lights, f.kept.instances), (4 * 1024, 4, 2));
+    assert_eq!(f.spaces, [[4 * 1024, 2], [0, 1]]);
 }

@@ -1,21 +1,9 @@
 //! What the tests of this crate share.
 
-use std::path::PathBuf;
+#[path = "../../../../tests/shared.rs"]
+mod shared_data;
 
-/// The folder of shared assets (`STRAAL_SHARED`, else beside the project), or a note that a test is skipped.
-pub fn shared() -> Option<PathBuf> {
-    let folder = std::env::var_os("STRAAL_SHARED")
-        .map(PathBuf::from)
-        .unwrap_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared"));
-    if !folder.is_dir() {
-        #[allow(clippy::print_stdout)] // a note to whoever runs the tests
-        {
-            println!("skipped: no shared data");
-        }
-        return None;
-    }
-    Some(folder)
-}
+pub use shared_data::shared;
 
 /// A PNG with other chunks between its header and all else; those of these names that it had are left out.
 pub fn with_chunks(png: &[u8], chunks: &[([u8; 4], Vec<u8>)]) -> Vec<u8> {

@@ -5,6 +5,7 @@
 //! glows, so that every light stands in world space.
 
 mod camera;
+pub mod cost;
 mod dropped;
 mod focus;
 mod lights;
@@ -69,12 +70,24 @@ pub struct Request<'a> {
     pub spectral: bool,
     /// In which numbers the film takes light.
     pub recording: Recording,
+    /// How finely curved surfaces are made.
+    pub detail: Detail,
+}
+
+/// How finely curved surfaces are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detail {
+    /// As the scene says.
+    #[default]
+    Whole,
+    /// Coarsely, but for what the camera is focused on: enough to find what is wrong with a scene.
+    Draft,
 }
 
 /// Makes the world of a description.
 pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
-    let Request { scene, assets, custom, size, search, spectral, recording } = *request;
-    let mut build = place::Build::new(scene, assets, custom, spectral)?;
+    let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
+    let mut build = place::Build::new(scene, assets, custom, (spectral, detail))?;
     build.world()?;
     build.custom_shapes(custom)?;
     let place::Built {

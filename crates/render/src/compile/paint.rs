@@ -26,10 +26,26 @@ pub(super) struct Paint<'a> {
     known: BTreeMap<(Quantity, [u64; 3]), u32>,
     /// Tables of measured spectra, by their bits.
     tables: BTreeMap<Vec<u32>, u32>,
+    /// Colours of measured spectra, by their use and what the scene says of them: to make one takes half a millisecond.
+    measured: BTreeMap<(Quantity, Content), Colour>,
+    /// Indices of refraction of metals by name.
+    metals: BTreeMap<String, [Colour; 2]>,
     /// Filled as colours are met.
     pub palette: Palette,
     /// What is worth telling of them.
     pub notes: Vec<String>,
+}
+
+/// All that tells a measured spectrum from others: its name and file, and the bits of its numbers.
+type Content = ([Option<String>; 2], Option<bool>, Vec<u64>);
+
+fn content(m: &desc::Measured) -> Content {
+    let text = |name: &Option<value::Name>| name.as_ref().map(|n| n.value.clone());
+    let absent = f64::NAN;
+    let one = [m.blackbody.unwrap_or(absent), m.daylight.unwrap_or(absent), m.scale];
+    let numbers = one.iter().chain(&m.wavelengths).chain(&m.values).map(|v| v.to_bits());
+    let is_smooth = m.interpolation.as_ref().map(|i| *i == desc::Interpolation::Smooth);
+    ([text(&m.name), text(&m.file)], is_smooth, numbers.collect())
 }
 
 /// Nobody reads more.
@@ -41,8 +57,18 @@ impl<'a> Paint<'a> {
         let uplift = spectral.then(uplift::Uplift::new);
         let palette = if spectral { Palette::spectral(space) } else { Palette::default() };
         let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
-        let (known, tables, notes) = (BTreeMap::new(), BTreeMap::new(), Vec::new());
-        Self { assets, space, to_work, uplift, known, tables, palette, notes }
+        Self {
+            assets,
+            space,
+            to_work,
+            uplift,
+            known: BTreeMap::new(),
+            tables: BTreeMap::new(),
+            measured: BTreeMap::new(),
+            metals: BTreeMap::new(),
+            palette,
+            notes: Vec::new(),
+        }
     }
 
     /// The assets.
@@ -115,10 +141,17 @@ impl<'a> Paint<'a> {
         match s {
             desc::Spectrum::Rgb(color) => Ok(self.rgb(*color, of)),
             desc::Spectrum::Measured(m) => {
+                let key = (of, content(m));
+                if let Some(known) = self.measured.get(&key) {
+                    return Ok(*known);
+                }
                 let (spectrum, span) = self.spectrum(m)?;
                 let name = m.file.as_ref().map(|f| &f.value).or(m.name.as_ref().map(|n| &n.value));
                 let what = name.map_or("a spectrum".to_owned(), |name| format!("the spectrum `{name}`"));
-                self.measured(&spectrum, (of, &what)).map_err(|message| CompileError::at(message, span))
+                let made = self.measured(&spectrum, (of, &what));
+                let colour = made.map_err(|message| CompileError::at(message, span))?;
+                self.measured.insert(key, colour);
+                Ok(colour)
             }
         }
     }
@@ -218,7 +251,7 @@ impl<'a> Paint<'a> {
             },
             desc::Material::Dielectric(d) => self.dielectric(d)?,
             desc::Material::Conductor(d) => {
-                let [eta, k] = self.metal(d)?;
+                let [eta, k] = self.known_metal(d)?;
                 Material::Conductor {
                     eta: eta.into(),
                     k: k.into(),
@@ -249,6 +282,16 @@ impl<'a> Paint<'a> {
             self.palette.see_rainbows(self.space);
         }
         Ok(Material::Prism { eta, reflectance, transmittance })
+    }
+
+    fn known_metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
+        let Some(name) = &d.metal else { return self.metal(d) };
+        if let Some(known) = self.metals.get(&name.value) {
+            return Ok(*known);
+        }
+        let metal = self.metal(d)?;
+        self.metals.insert(name.value.clone(), metal);
+        Ok(metal)
     }
 
     fn metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {

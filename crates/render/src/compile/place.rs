@@ -2,18 +2,22 @@
 
 use super::look::Materials;
 use super::paint::Paint;
-use super::{CompileError, Custom};
+use super::{CompileError, Custom, Detail};
 use crate::lanes::Colour;
 use crate::material;
-use crate::shape::bezier;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
+use crate::shape::{bezier, smooth::smooth};
 use crate::world::{INHERIT, Kind, Look, TopLevel};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
-use straal_math::{Affine, DVec3, Transform, Vec3, ops};
+use straal_math::{Affine, DVec3, Transform, Vec3};
 use straal_scene::desc::{self, Node, Shading};
-use straal_scene::{Assets, Mesh, PartMaterial, Scene};
+use straal_scene::forecast::{self, Tally};
+use straal_scene::{Assets, Mesh, Part, PartMaterial, Scene};
+
+/// Quads along a patch's edge in a draft.
+const DRAFT: u32 = 4;
 
 /// Dissolving instances of what glows stops here, before it eats the machine.
 const MAX_DISSOLVED: usize = 1_000_000;
@@ -59,6 +63,24 @@ pub(super) struct Build<'a> {
     /// What the camera is to be focused on, if that has a name.
     focus: Option<&'a str>,
     named: Vec<TopLevel>,
+    detail: Detail,
+    /// Within what the camera is focused on.
+    in_focus: bool,
+}
+
+/// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
+/// of an object that glows.
+fn room(t: &Tally) -> (Geometry, accel::Input, Vec<Look>, Vec<Glowing>) {
+    let of = |count: u64| count.min(4 * MAX_DISSOLVED as u64) as usize;
+    let geometry = Geometry {
+        shapes: Vec::with_capacity(of(t.shapes)),
+        meshes: Vec::with_capacity(of(t.meshes)),
+        ..Geometry::default()
+    };
+    let geometries = of(t.shapes.saturating_add(t.meshes));
+    let input =
+        accel::Input { groups: vec![accel::Group::default()], geometries: Vec::with_capacity(geometries) };
+    (geometry, input, Vec::with_capacity(geometries), Vec::with_capacity(of(t.lights)))
 }
 
 /// What the walk leaves.
@@ -84,20 +106,23 @@ impl<'a> Build<'a> {
         scene: &'a Scene,
         assets: &'a Assets,
         custom: &Custom,
-        spectral: bool,
+        (spectral, detail): (bool, Detail),
     ) -> Result<Self, CompileError> {
+        let (geometry, input, looks, glowing) = room(&forecast::count(scene, assets).kept);
         Ok(Self {
+            detail,
+            in_focus: false,
             scene,
             assets,
             materials: Materials::new(scene, custom, Paint::new(scene, assets, spectral))?,
-            geometry: Geometry::default(),
-            input: accel::Input { groups: vec![accel::Group::default()], geometries: Vec::new() },
-            looks: Vec::new(),
+            geometry,
+            input,
+            looks,
             nodes: Vec::new(),
             node: None,
             group_materials: vec![Vec::new()],
             objects: BTreeMap::new(),
-            glowing: Vec::new(),
+            glowing,
             dissolved: 0,
             top_level: Vec::new(),
             focus: scene.camera.focus_on().map(|name| name.value.as_str()),
@@ -173,7 +198,9 @@ impl<'a> Build<'a> {
             return self.kind_of_node(node, place);
         }
         let before = self.in_world();
+        let outside = std::mem::replace(&mut self.in_focus, true);
         self.kind_of_node(node, place)?;
+        self.in_focus = outside;
         self.named.push(self.since(before));
         Ok(())
     }
@@ -237,10 +264,9 @@ impl<'a> Build<'a> {
             }
             Node::Mesh(m) => self.mesh_node(m, place),
             Node::Bezier(b) => {
-                let mut mesh = bezier_mesh(b)?;
-                if matches!(b.shading, Shading::Flat) {
-                    mesh.normals.clear();
-                }
+                let is_draft = self.detail == Detail::Draft && !self.in_focus;
+                let resolution = if is_draft { b.resolution.min(DRAFT) } else { b.resolution };
+                let mesh = shaded(bezier_mesh(b, resolution)?, &b.shading);
                 self.whole_mesh(mesh, &b.surface, place)
             }
         }
@@ -394,8 +420,10 @@ impl<'a> Build<'a> {
             let asset = self.assets.mesh(file).ok_or_else(|| {
                 CompileError::at(format!("the mesh file `{}` was not read", file.value), file.span)
             })?;
-            let runs = runs(&asset.mesh, &asset.materials, m.surface.material.is_some());
-            return self.mesh(shaded(&asset.mesh, &m.shading), &runs, &m.surface, place);
+            let mesh = shaded(TriangleMesh::from(&*asset.mesh), &m.shading);
+            let has_own = m.surface.material.is_some();
+            let runs = runs(&mesh.indices, &asset.mesh.parts, &asset.materials, has_own);
+            return self.mesh(mesh, &runs, &m.surface, place);
         }
         let mesh = Mesh {
             positions: m.positions.iter().map(|p| p.as_vec3().to_array()).collect(),
@@ -404,7 +432,7 @@ impl<'a> Build<'a> {
             triangles: m.triangles.clone(),
             parts: Vec::new(),
         };
-        self.whole_mesh(shaded(&mesh, &m.shading), &m.surface, place)
+        self.whole_mesh(shaded(TriangleMesh::from(&mesh), &m.shading), &m.surface, place)
     }
 
     fn whole_mesh(
@@ -471,21 +499,26 @@ struct Run<'a> {
 }
 
 /// One run for each material that the file names, in order of first mention; one in all when the node has its own.
-fn runs<'a>(mesh: &Mesh, materials: &'a BTreeMap<String, PartMaterial>, own: bool) -> Vec<Run<'a>> {
+fn runs<'a>(
+    triangles: &Arc<[[u32; 3]]>,
+    parts: &[Part],
+    materials: &'a BTreeMap<String, PartMaterial>,
+    own: bool,
+) -> Vec<Run<'a>> {
     let mut runs: Vec<(Option<&str>, Vec<[u32; 3]>)> = Vec::new();
     let mut known = BTreeMap::new();
     if !own && !materials.is_empty() {
-        for part in &mesh.parts {
+        for part in parts {
             let name = part.material.as_deref().filter(|n| materials.contains_key(*n));
             let run = *known.entry(name).or_insert_with(|| {
                 runs.push((name, Vec::new()));
                 runs.len() - 1
             });
-            runs[run].1.extend(mesh.triangles.get(part.triangles.clone()).unwrap_or_default());
+            runs[run].1.extend(triangles.get(part.triangles.clone()).unwrap_or_default());
         }
     }
     if runs.is_empty() {
-        return vec![Run { material: None, triangles: mesh.triangles.as_slice().into() }];
+        return vec![Run { material: None, triangles: triangles.clone() }];
     }
     let finish = |(name, triangles): (Option<&str>, Vec<[u32; 3]>)| Run {
         material: name.and_then(|n| materials.get(n)),
@@ -520,39 +553,14 @@ fn part(mesh: &TriangleMesh, triangles: &[[u32; 3]], known: &mut Vec<u32>) -> Tr
     }
 }
 
-/// The mesh with the normals that it shall be shaded with.
-fn shaded(mesh: &Mesh, shading: &Shading) -> TriangleMesh {
-    let mut out = TriangleMesh::from(mesh);
+/// The mesh with the normals that it shall be shaded with. Its triangles stay in order, but may have other vertices.
+fn shaded(mut out: TriangleMesh, shading: &Shading) -> TriangleMesh {
     match shading {
         Shading::Flat => out.normals.clear(),
-        Shading::Smooth if out.normals.is_empty() => out.normals = smooth_normals(&out),
-        Shading::Auto | Shading::Smooth => {}
+        Shading::Smooth(s) if s.recompute || out.normals.is_empty() => out = smooth(out, s.crease),
+        Shading::Auto | Shading::Smooth(_) => {}
     }
     out
-}
-
-/// Normals at the vertices: the mean of the faces', each weighed by its angle at the vertex (Thürmer & Wüthrich 1998),
-/// which doesn't depend on how a flat face is cut into triangles. Vertices that stand in the same place share one,
-/// so that a seam in the texture doesn't show.
-fn smooth_normals(mesh: &TriangleMesh) -> Vec<Vec3> {
-    let key = |p: Vec3| p.to_array().map(|v| (v + 0.0).to_bits());
-    let mut sums: BTreeMap<[u32; 3], DVec3> = BTreeMap::new();
-    if !mesh.is_whole() {
-        return Vec::new();
-    }
-    for i in 0..mesh.indices.len() as u32 {
-        let corners = mesh.corners(i).map(Vec3::as_dvec3);
-        let [a, b, c] = corners;
-        let Some(n) = (b - a).cross(c - a).try_normalize() else { continue };
-        for k in 0..3 {
-            let [p, q, r] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
-            let (Some(e), Some(f)) = ((q - p).try_normalize(), (r - p).try_normalize()) else { continue };
-            let angle = ops::acos_d(e.dot(f));
-            *sums.entry(key(p.as_vec3())).or_default() += n * angle;
-        }
-    }
-    let normal = |p: &Vec3| sums.get(&key(*p)).and_then(|n| n.try_normalize());
-    mesh.positions.iter().map(|p| normal(p).unwrap_or(DVec3::ZERO).as_vec3()).collect()
 }
 
 fn singular() -> CompileError {
@@ -597,7 +605,7 @@ fn sphere(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
     Ok(Shape::Ellipsoid(Box::new(Ellipsoid::new(unit_to_local.then(m)).ok_or_else(singular)?)))
 }
 
-fn bezier_mesh(b: &desc::Bezier) -> Result<TriangleMesh, CompileError> {
+fn bezier_mesh(b: &desc::Bezier, resolution: u32) -> Result<TriangleMesh, CompileError> {
     let patches = match b.source() {
         desc::BezierPatches::Builtin("teapot") => bezier::teapot(),
         desc::BezierPatches::Builtin(name) => {
@@ -618,5 +626,5 @@ fn bezier_mesh(b: &desc::Bezier) -> Result<TriangleMesh, CompileError> {
                 .ok_or_else(|| CompileError::new("a patch names a control point that isn't there"))?
         }
     };
-    Ok(bezier::tessellate(&patches, b.resolution))
+    Ok(bezier::tessellate(&patches, resolution))
 }

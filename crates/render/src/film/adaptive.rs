@@ -97,6 +97,14 @@ impl FilmTile {
         self.sampled.ended |= 1 << (2 * block + half);
     }
 
+    /// Index of the next sample of those pixels: they have as many, all of them.
+    pub(crate) fn next_sample(&self) -> u32 {
+        let Region { min, max } = self.region;
+        let mut pixels = (min[1]..max[1]).flat_map(|y| (min[0]..max[0]).map(move |x| [x, y]));
+        let open = pixels.find(|p| self.sampled.contains(*p));
+        self.first + open.map_or(0, |p| self.pixels[self.index(p)].count)
+    }
+
     /// Whether there are any.
     pub(crate) fn is_open(&self) -> bool {
         let Region { min, max } = self.region;

@@ -112,12 +112,12 @@ fn variance_of_batches<const K: usize>(ends: [(u32, f64); K]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{FilmTile, Sample};
+    use super::super::{FilmTile, Keep, Sample};
     use crate::settings::Region;
 
     /// The variances that the samples of one pixel tell in batches, by number of samples.
     fn told(samples: impl Iterator<Item = f32>) -> Vec<f64> {
-        let mut tile = FilmTile::new(Region { min: [0, 0], max: [1, 1] });
+        let mut tile = FilmTile::new(Region { min: [0, 0], max: [1, 1] }, Keep::ALL);
         tile.mark_batches();
         let mut told = Vec::new();
         for (i, v) in samples.enumerate() {

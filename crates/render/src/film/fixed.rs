@@ -26,11 +26,6 @@ impl Value {
         self.0 += round(f64::from(v) * VALUE_SCALE);
     }
 
-    /// Adds a product of single-precision numbers: beyond double precision's digits it is rounded twice, always alike.
-    pub fn add_exact(&mut self, v: f64) {
-        self.0 += round(v * VALUE_SCALE);
-    }
-
     pub fn to_f64(self) -> f64 {
         self.0 as f64 / VALUE_SCALE
     }
@@ -64,27 +59,74 @@ impl Square {
     }
 }
 
-/// 2^34, for splats: up to 2^18 samples of each of 33 x 33 pixels, of squares below 2^64, stay below 2^127.
-const WIDE_SCALE: f64 = (1_u64 << 34) as f64;
+/// 2^30, of a filter's heights, which lie in [-1, 1].
+pub const HEIGHT_SCALE: f64 = (1_u64 << 30) as f64;
 
-/// Sum of squares of values below 2^32 over the samples of all pixels that a filter reaches, in units of 2^-34.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WideSquare(pub(super) i128);
+/// A filter's height as an integer, in units of 2^-30.
+#[inline]
+pub fn height(h: f32) -> i64 {
+    nearest(f64::from(h) * HEIGHT_SCALE)
+}
 
-impl WideSquare {
-    /// Adds v².
-    pub fn add(&mut self, v: f64) {
-        self.0 += round(v * v * WIDE_SCALE);
-    }
+/// Light of a sample times the height of a row, on its way to the pixels of that row.
+///
+/// A height has 31 bits and the product must fit 64 with room for the next, so that light above 1 in any channel is held in
+/// other units than darker light. Which it is depends on the sample alone.
+pub enum Down<const N: usize> {
+    /// All channels are below 1, in units of 2^-62.
+    Usual(Rowed<Usual, N>),
+    /// Up to 2^32, in units of 2^-30.
+    Bright(Rowed<Bright, N>),
+}
 
-    pub fn to_f64(self) -> f64 {
-        self.0 as f64 / WIDE_SCALE
+/// The numbers of light times a row's height.
+pub struct Rowed<A, const N: usize>([i64; N], std::marker::PhantomData<A>);
+
+/// How light times a row's height becomes a [`Value`] with the height of a column.
+pub trait Across {
+    /// In units of 2^-62 from the product.
+    fn value(product: i128) -> i128;
+}
+
+/// Light below 1.
+pub struct Usual;
+
+/// Light of any brightness.
+pub struct Bright;
+
+impl Across for Usual {
+    #[inline(always)]
+    fn value(product: i128) -> i128 {
+        product >> 30
     }
 }
 
-impl AddAssign for WideSquare {
-    fn add_assign(&mut self, o: Self) {
-        self.0 += o.0;
+impl Across for Bright {
+    #[inline(always)]
+    fn value(product: i128) -> i128 {
+        product << 2
+    }
+}
+
+impl<const N: usize> Down<N> {
+    /// Light below 2^32 times a height.
+    #[inline]
+    pub fn new(light: &[f32; N], height: i64) -> Self {
+        let height = height as f64 / HEIGHT_SCALE;
+        let rowed = |scale: f64| light.map(|v| nearest(f64::from(v) * height * scale));
+        if light.iter().all(|v| v.abs() < 1.0) {
+            Self::Usual(Rowed(rowed(VALUE_SCALE), std::marker::PhantomData))
+        } else {
+            Self::Bright(Rowed(rowed(HEIGHT_SCALE), std::marker::PhantomData))
+        }
+    }
+}
+
+impl<A: Across, const N: usize> Rowed<A, N> {
+    /// What channel `c` brings to the pixel of a column of some height.
+    #[inline(always)]
+    pub fn at(&self, height: i64, c: usize) -> Value {
+        Value(A::value(i128::from(height) * i128::from(self.0[c])))
     }
 }
 

@@ -44,14 +44,10 @@ pub struct Sample {
     pub depth: f32,
 }
 
-/// Sums of one pixel.
+/// Sums of one pixel that every film holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Pixel {
     value: [Value; 3],
-    square: [Square; 3],
-    albedo: [Guide; 3],
-    normal: [Guide; 3],
-    depth: Value,
     /// Samples taken, the dropped included.
     count: u32,
     /// Samples that were not finite or beyond the film's range: they count as 0.
@@ -64,13 +60,46 @@ impl Pixel {
         self.value[channel].to_f64() / f64::from(self.count.max(1))
     }
 
-    /// The mean of a channel and the variance of that mean, estimated from the samples' spread; 0 for a single sample.
-    fn mean_and_variance(&self, channel: usize) -> (f64, f64) {
+    /// The variance of a channel's mean, estimated from the samples' spread; 0 for a single sample.
+    fn variance(&self, squares: &[Square; 3], channel: usize) -> f64 {
         let count = f64::from(self.count.max(1));
         let mean = self.mean(channel);
-        let spread = self.square[channel].to_f64() / count - mean * mean;
-        (mean, if self.count > 1 && spread > 0.0 { spread / (count - 1.0) } else { 0.0 })
+        let spread = squares[channel].to_f64() / count - mean * mean;
+        if self.count > 1 && spread > 0.0 { spread / (count - 1.0) } else { 0.0 }
     }
+}
+
+/// Sums of one pixel for the layers that tell what a picture shows, but for its light.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Guides {
+    albedo: [Guide; 3],
+    normal: [Guide; 3],
+    depth: Value,
+}
+
+impl Guides {
+    fn add(&mut self, sample: &Sample) {
+        for c in 0..3 {
+            self.albedo[c].add(sample.albedo[c]);
+            self.normal[c].add(sample.normal[c]);
+        }
+        // A plane's horizon may be farther than the film can hold: the guide says as far as it can.
+        self.depth.add(ops::clamp(sample.depth, 0.0, MAX_VALUE));
+    }
+}
+
+/// What a film holds of each pixel besides its light: a picture that keeps to colours needs neither.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Keep {
+    /// Squares of light, by which its variance is told.
+    pub squares: bool,
+    /// All that [`Layers`] has besides colours; with squares.
+    pub layers: bool,
+}
+
+impl Keep {
+    /// All that there is.
+    pub const ALL: Self = Self { squares: true, layers: true };
 }
 
 /// What one sample adds to a band of wavelengths.
@@ -99,6 +128,10 @@ pub struct FilmTile {
     /// Pixels covered, in coordinates of the whole picture.
     pub region: Region,
     pixels: Vec<Pixel>,
+    /// Sums of squares by pixel; empty when nothing asks for them.
+    squares: Vec<[Square; 3]>,
+    /// By pixel; empty when the picture keeps to colours.
+    guides: Vec<Guides>,
     /// By pixel; empty when costs aren't counted.
     costs: Vec<CostSample>,
     /// By pixel, as many as there are bands; empty when there are none.
@@ -117,10 +150,13 @@ pub struct FilmTile {
 }
 
 impl FilmTile {
-    fn new(region: Region) -> Self {
+    fn new(region: Region, keep: Keep) -> Self {
+        let of = |kept: bool| if kept { region.area() } else { 0 };
         Self {
             region,
             pixels: vec![Pixel::default(); region.area()],
+            squares: vec![Default::default(); of(keep.squares || keep.layers)],
+            guides: vec![Guides::default(); of(keep.layers)],
             costs: Vec::new(),
             bands: Vec::new(),
             splats: None,
@@ -158,8 +194,15 @@ impl FilmTile {
 
     /// The variance of the mean of a channel of pixel `k`, by what the film has to tell it.
     fn variance_of_mean(&self, k: usize, channel: usize) -> f64 {
-        let p = &self.pixels[k];
-        self.marks.get(k).map_or_else(|| p.mean_and_variance(channel).1, |marks| marks.variance(p, channel))
+        match self.marks.get(k) {
+            Some(marks) => marks.variance(&self.pixels[k], channel),
+            None => self.variance_by_spread(k, channel),
+        }
+    }
+
+    /// The same by the spread of samples; 0 where the film has no squares.
+    fn variance_by_spread(&self, k: usize, channel: usize) -> f64 {
+        self.squares.get(k).map_or(0.0, |squares| self.pixels[k].variance(squares, channel))
     }
 
     /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some. False
@@ -186,15 +229,18 @@ impl FilmTile {
         }
         for c in 0..3 {
             p.value[c].add(sample.rgb[c]);
-            p.square[c].add(sample.rgb[c]);
-            p.albedo[c].add(sample.albedo[c]);
-            p.normal[c].add(sample.normal[c]);
+        }
+        if let Some(squares) = self.squares.get_mut(i) {
+            for (square, v) in squares.iter_mut().zip(sample.rgb) {
+                square.add(v);
+            }
+        }
+        if let Some(guides) = self.guides.get_mut(i) {
+            guides.add(sample);
         }
         for b in bands {
             self.bands[i * of_each + usize::from(b.band)].add(b.value);
         }
-        // A plane's horizon may be farther than the film can hold: the guide says as far as it can.
-        p.depth.add(ops::clamp(sample.depth, 0.0, MAX_VALUE));
         true
     }
 }
@@ -207,6 +253,9 @@ pub struct Film {
     /// The part of it that is rendered.
     pub crop: Region,
     pub(crate) tiles: Vec<FilmTile>,
+    keep: Keep,
+    /// By how many pixels two are apart: the mean square of the filter's height, where samples are splatted.
+    mean_squares: Vec<f64>,
     /// Whether costs are counted, and whether with their time.
     costs: Costs,
     /// Bands of wavelengths that are held besides RGB.
@@ -231,6 +280,12 @@ pub struct Extent {
     pub splat_radius: Option<f64>,
     /// Whether noise is told by batches.
     pub batches: bool,
+    /// Whether sums of squares are held.
+    pub squares: bool,
+    /// Whether all layers are held, with squares, or colours alone.
+    pub layers: bool,
+    /// Whether costs are counted.
+    pub cost: bool,
 }
 
 /// Samples that a film refused.
@@ -242,7 +297,8 @@ pub struct Dropped {
     pub first: Option<([u32; 2], u32)>,
 }
 
-/// A film's layers as numbers, row by row from the top; each as large as the crop.
+/// A film's layers as numbers, row by row from the top; each as large as the crop, or empty (all but `rgb`) if the film keeps
+/// to colours.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
     /// Width of the crop.
@@ -302,22 +358,25 @@ pub struct CostLayers {
 impl Film {
     /// An empty film for the part `crop` of a picture.
     pub fn new(size: [u32; 2], crop: Region) -> Self {
-        Self::over(size, crop, crop)
+        Self::over(size, [crop, crop], Keep::ALL)
     }
 
     /// The same where more than the crop is rendered: all of `region`, which the crop lies in.
-    pub(crate) fn over(size: [u32; 2], crop: Region, region: Region) -> Self {
+    pub(crate) fn over(size: [u32; 2], [crop, region]: [Region; 2], keep: Keep) -> Self {
         let mut tiles = Vec::new();
         for ty in region.min[1] / TILE..region.max[1].div_ceil(TILE) {
             for tx in region.min[0] / TILE..region.max[0].div_ceil(TILE) {
-                let tile = Region { min: [tx * TILE, ty * TILE], max: [(tx + 1) * TILE, (ty + 1) * TILE] };
+                let tile = Region {
+                    min: [tx * TILE, ty * TILE],
+                    max: [tx + 1, ty + 1].map(|v| v.saturating_mul(TILE)),
+                };
                 let part = tile.intersection(region);
                 if part.area() > 0 {
-                    tiles.push(FilmTile::new(part));
+                    tiles.push(FilmTile::new(part, keep));
                 }
             }
         }
-        Self { size, crop, tiles, costs: Costs::No, bands: None, error: None }
+        Self { size, crop, tiles, keep, mean_squares: Vec::new(), costs: Costs::No, bands: None, error: None }
     }
 
     /// Makes room for batches, by which noise is told then.
@@ -338,6 +397,7 @@ impl Film {
     /// Makes room for samples that count in all pixels that a filter reaches from; bands, if any, are held before.
     pub(crate) fn splat(&mut self, filter: &Filter) {
         let bands = self.bands.as_ref().map_or(0, Bands::count);
+        self.hold_mean_squares(filter);
         for tile in &mut self.tiles {
             tile.splats = Some(Splats::new(tile.region, self.size, filter, bands));
         }
@@ -359,12 +419,40 @@ impl Film {
         }
     }
 
-    /// Bytes that a film takes for each pixel.
+    /// Bytes that a film takes for a rendered region of a picture of some size.
+    pub fn bytes(of: &Extent, region: Region, size: [u32; 2]) -> u64 {
+        let reach = of.splat_radius.map_or(0, splat::reach);
+        // Columns, or rows, of all tiles, and of all with their aprons.
+        let sides = [0, 1].map(|axis| {
+            let mut sums = [0_u64; 3];
+            let (mut at, end) = (region.min[axis], region.max[axis].min(size[axis]));
+            while at < end {
+                let next = (at / TILE + 1).saturating_mul(TILE).min(end);
+                let apron = next.saturating_add(reach).min(size[axis]) - at.saturating_sub(reach);
+                sums = [sums[0] + u64::from(next - at), sums[1] + u64::from(apron), sums[2] + 1];
+                at = next;
+            }
+            sums
+        });
+        let [pixels, aprons, tiles] = [0, 1, 2].map(|k| sides[0][k].saturating_mul(sides[1][k]));
+        let bands = of.recording.bands().map_or(0, Bands::count);
+        let splats = of.splat_radius.map_or(0, |_| aprons.saturating_mul(splat::bytes_a_pixel(bands) as u64));
+        // A tile, its place in the order of tiles, and its lock while a pass is made.
+        let each = (size_of::<FilmTile>() + 4 + 24) as u64;
+        let of_pixels = pixels.saturating_mul(Self::bytes_a_pixel(of) as u64);
+        of_pixels.saturating_add(splats).saturating_add(tiles.saturating_mul(each))
+    }
+
+    /// Bytes that a film takes for each pixel, but for what splatting takes beyond that.
     pub fn bytes_a_pixel(of: &Extent) -> usize {
         let bands = of.recording.bands().map_or(0, Bands::count);
-        let splats = of.splat_radius.map_or(0, |radius| splat::bytes_a_pixel(radius, bands));
-        let marks = if of.batches { size_of::<Marks>() } else { 0 };
-        size_of::<Pixel>() + bands * size_of::<Value>() + splats + marks
+        let held = |is: bool, bytes: usize| if is { bytes } else { 0 };
+        size_of::<Pixel>()
+            + held(of.squares || of.layers, size_of::<[Square; 3]>())
+            + held(of.layers, size_of::<Guides>())
+            + held(of.batches, size_of::<Marks>())
+            + held(of.cost, size_of::<CostSample>())
+            + bands * size_of::<Value>()
     }
 
     /// Samples that were dropped, and where the first was.
@@ -374,20 +462,33 @@ impl Film {
         Dropped { count, first }
     }
 
+    /// Bytes that [`Layers`] take for each pixel of the crop; `error` and `timed` say whether errors and times of searches are
+    /// told.
+    pub fn layer_bytes_a_pixel(of: &Extent, [error, timed]: [bool; 2]) -> usize {
+        let held = |is: bool, numbers: usize| if is { 4 * numbers } else { 0 };
+        let bands = of.recording.bands().map_or(0, Bands::count);
+        12 + held(of.layers, 3 + 3 + 3 + 1 + 1)
+            + held(error, 3)
+            + held(of.cost, 2)
+            + held(of.cost && timed, 1)
+            + 4 * bands
+    }
+
     /// The means and variances so far.
     pub fn layers(&self) -> Layers {
         let (w, h) = (self.crop.width() as usize, self.crop.height() as usize);
         let n = w * h;
+        let held = if self.keep.layers { n } else { 0 };
         let mut out = Layers {
             width: w,
             height: h,
             rgb: vec![[0.0; 3]; n],
-            variance: vec![[0.0; 3]; n],
+            variance: vec![[0.0; 3]; held],
             error: self.error.map(|evidence| ErrorLayer { evidence, rgb: vec![[0.0; 3]; n] }),
-            albedo: vec![[0.0; 3]; n],
-            normal: vec![[0.0; 3]; n],
-            depth: vec![0.0; n],
-            samples: vec![0; n],
+            albedo: vec![[0.0; 3]; held],
+            normal: vec![[0.0; 3]; held],
+            depth: vec![0.0; held],
+            samples: vec![0; held],
             cost: (self.costs != Costs::No).then(|| CostLayers {
                 nodes: vec![0.0; n],
                 primitives: vec![0.0; n],
@@ -406,17 +507,20 @@ impl Film {
                 let i = y * w + x;
                 let count = f64::from(p.count.max(1));
                 for c in 0..3 {
-                    let (mean, variance) = p.mean_and_variance(c);
-                    out.rgb[i][c] = mean as f32;
-                    out.variance[i][c] = variance as f32;
+                    out.rgb[i][c] = p.mean(c) as f32;
                     if let Some(error) = &mut out.error {
                         error.rgb[i][c] = (tile.variance_of_mean(k, c) as f32).sqrt();
                     }
-                    out.albedo[i][c] = (p.albedo[c].to_f64() / count) as f32;
-                    out.normal[i][c] = (p.normal[c].to_f64() / count) as f32;
                 }
-                out.depth[i] = (p.depth.to_f64() / count) as f32;
-                out.samples[i] = p.count;
+                if let Some(guides) = tile.guides.get(k) {
+                    for c in 0..3 {
+                        out.variance[i][c] = tile.variance_by_spread(k, c) as f32;
+                        out.albedo[i][c] = (guides.albedo[c].to_f64() / count) as f32;
+                        out.normal[i][c] = (guides.normal[c].to_f64() / count) as f32;
+                    }
+                    out.depth[i] = (guides.depth.to_f64() / count) as f32;
+                    out.samples[i] = p.count;
+                }
                 if let Some(out) = &mut out.bands {
                     let sums = &tile.bands[k * out.bands.count()..];
                     for (plane, sum) in out.planes.iter_mut().zip(sums) {
@@ -437,6 +541,19 @@ impl Film {
             self.show_splats(&mut out);
         }
         out
+    }
+
+    /// Samples of a pixel of the crop, on average.
+    pub fn mean_samples(&self) -> f64 {
+        let inside = |t: &FilmTile, k: usize| {
+            let width = t.region.width() as usize;
+            let at = [(k % width) as u32, (k / width) as u32];
+            self.crop.contains([t.region.min[0] + at[0], t.region.min[1] + at[1]])
+        };
+        let counts = self.tiles.iter().flat_map(|t| {
+            t.pixels.iter().enumerate().filter(move |(k, _)| inside(t, *k)).map(|(_, p)| u64::from(p.count))
+        });
+        counts.sum::<u64>() as f64 / self.crop.area().max(1) as f64
     }
 
     /// A fingerprint of the picture, see [`hash_of`].

@@ -4,76 +4,61 @@
 //! integers, so that it doesn't matter in which order tiles and samples come. A tile sums what its own samples bring to it and
 //! to an apron of pixels around it; where tiles overlap, their sums are added when the picture is asked for. No thread waits for
 //! another.
+//!
+//! A wide filter reaches a thousand pixels from each sample, so that little may be done for each: heights become integers once
+//! for each row and column, and light once for each row; what is left is a product and a sum for each number of a pixel. Variance
+//! is told when the picture is asked for, from the spread of each pixel's own samples and the squares of heights that
+//! they have on average.
 
-use super::fixed::{Value, WideSquare};
-use super::{BandLayers, BandSample, Film, Layers, Sample, TILE};
+use super::fixed::{Across, Down, HEIGHT_SCALE, Rowed, Value, height};
+use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
 use crate::filter::Filter;
 use crate::settings::Region;
 use straal_color::spectrum::Bands;
+
+/// The farthest that a pixel may be from a sample's own: filters are up to 16 pixels wide to either side.
+const MAX_REACH: u32 = 16;
+
+/// Rows or columns that a sample may count in.
+const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
 
 /// Sums of one pixel, of light v and heights w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Splat {
     /// Of w v.
     value: [Value; 3],
-    /// Of (w v)².
-    square: [WideSquare; 3],
-    /// Of w² v.
-    cross: [Value; 3],
-    /// Of w.
-    weight: Value,
-    /// Of w².
-    weight_square: Value,
+    /// Of w, in units of 2^-30: 2^18 samples of each of 33 x 33 pixels stay below 2^59.
+    weight: i64,
 }
 
 impl Splat {
-    fn add(&mut self, rgb: Option<[f32; 3]>, w: f64) {
-        self.weight.add_exact(w);
-        self.weight_square.add_exact(w * w);
-        for (c, v) in rgb.into_iter().flatten().enumerate() {
-            let v = f64::from(v);
-            self.value[c].add_exact(w * v);
-            self.square[c].add(w * v);
-            self.cross[c].add_exact(w * w * v);
-        }
+    /// Numbers of 128 bits that it is made of, and those of 64.
+    pub(super) const NUMBERS: [usize; 2] = [3, 1];
+
+    /// Every number of 128 bits, in the order in which they are written; the weight comes after them.
+    pub(super) fn values(&mut self) -> impl Iterator<Item = &mut i128> {
+        self.value.iter_mut().map(|v| &mut v.0)
     }
 
-    /// How many numbers it is made of.
-    pub(super) const NUMBERS: usize = 11;
-
-    /// Every number, in the order in which they are written.
-    pub(super) fn visit(&mut self, see: &mut impl FnMut(&mut i128)) {
-        self.value.iter_mut().for_each(|v| see(&mut v.0));
-        self.square.iter_mut().for_each(|v| see(&mut v.0));
-        self.cross.iter_mut().for_each(|v| see(&mut v.0));
-        see(&mut self.weight.0);
-        see(&mut self.weight_square.0);
+    /// The sum of heights.
+    pub(super) fn weights(&mut self) -> &mut i64 {
+        &mut self.weight
     }
 
     pub(super) fn merge(&mut self, o: &Self) {
         self.weight += o.weight;
-        self.weight_square += o.weight_square;
-        for c in 0..3 {
-            self.value[c] += o.value[c];
-            self.square[c] += o.square[c];
-            self.cross[c] += o.cross[c];
+        for (sum, other) in self.value.iter_mut().zip(o.value) {
+            *sum += other;
         }
     }
 
-    /// The mean of a channel and the variance of that mean: of a quotient of sums, by its first-order expansion. Where negative
-    /// heights leave no weight, nothing is known, and it is black.
-    fn mean_and_variance(&self, channel: usize) -> (f64, f64) {
-        let (weight, squares) = (self.weight.to_f64(), self.weight_square.to_f64());
-        if weight <= 0.0 || squares <= 0.0 {
-            return (0.0, 0.0);
-        }
-        let mean = self.value[channel].to_f64() / weight;
-        let spread =
-            self.square[channel].to_f64() - 2.0 * mean * self.cross[channel].to_f64() + mean * mean * squares;
-        // As many samples of equal weight would leave as much noise.
-        let like = weight * weight / squares;
-        let variance = spread / (weight * weight) * like / (like - 1.0);
-        (mean, if like > 1.0 && variance > 0.0 { variance } else { 0.0 })
+    fn weight(&self) -> f64 {
+        self.weight as f64 / HEIGHT_SCALE
+    }
+
+    /// The mean of a channel. Where negative heights leave no weight, nothing is known, and it is black.
+    fn mean(&self, channel: usize) -> f64 {
+        if self.weight > 0 { self.value[channel].to_f64() / self.weight() } else { 0.0 }
     }
 }
 
@@ -104,7 +89,7 @@ pub struct Flying<'a> {
 impl Splats {
     /// For a tile of a picture of some size, and a filter.
     pub(super) fn new(tile: Region, size: [u32; 2], filter: &Filter, bands: usize) -> Self {
-        let reach = reach(f64::from(filter.radius()));
+        let reach = reach(f64::from(filter.radius())).min(MAX_REACH);
         let region = tile.grown(reach).intersection(Region::whole(size));
         let sums = vec![Splat::default(); region.area()];
         Self { region, bands: vec![Value::default(); region.area() * bands], sums, reach }
@@ -138,30 +123,69 @@ impl Splats {
     /// Adds a sample to all pixels within reach.
     pub fn add(&mut self, filter: &Filter, flying: &Flying<'_>) {
         let Flying { pixel, offset, sample, bands } = *flying;
-        let of_each = self.bands.len() / self.sums.len();
         let around = Region { min: pixel, max: pixel.map(|p| p + 1) }.grown(self.reach);
         let around = around.intersection(self.region);
-        for y in around.min[1]..around.max[1] {
-            let down = filter.relative_height(from(offset[1], pixel[1], y));
-            if down == 0.0 {
+        // Heights of the columns and of the rows that it counts in.
+        let (mut across, mut down) = ([0; MAX_AROUND], [0; MAX_AROUND]);
+        let heights = |out: &mut [i64], axis: usize| {
+            for (h, other) in out.iter_mut().zip(around.min[axis]..around.max[axis]) {
+                *h = height(filter.relative_height(from(offset[axis], pixel[axis], other)));
+            }
+        };
+        heights(&mut across, 0);
+        heights(&mut down, 1);
+        let across = &across[..around.width() as usize];
+        for (y, &down) in (around.min[1]..around.max[1]).zip(&down) {
+            if down == 0 {
                 continue;
             }
-            for x in around.min[0]..around.max[0] {
-                let across = filter.relative_height(from(offset[0], pixel[0], x));
-                let w = f64::from(across) * f64::from(down);
-                if w == 0.0 {
-                    continue;
-                }
-                let i = index(&self.region, [x, y]);
-                self.sums[i].add(sample.map(|s| s.rgb), w);
-                if sample.is_some() {
-                    for b in bands {
-                        self.bands[i * of_each + usize::from(b.band)].add_exact(w * f64::from(b.value));
-                    }
-                }
+            let start = index(&self.region, [around.min[0], y]);
+            let row = &mut self.sums[start..][..across.len()];
+            match sample.map(|s| Down::new(&s.rgb, down)) {
+                Some(Down::Bright(light)) => add_row(row, across, down, &light),
+                Some(Down::Usual(light)) => add_row(row, across, down, &light),
+                None => add_weights(row, across, down),
+            }
+            if sample.is_some() && !bands.is_empty() {
+                self.add_bands(start, across, down, bands);
             }
         }
     }
+
+    fn add_bands(&mut self, start: usize, across: &[i64], down: i64, bands: &[BandSample]) {
+        let of_each = self.bands.len() / self.sums.len();
+        for b in bands {
+            let sums = self.bands[start * of_each + usize::from(b.band)..].iter_mut().step_by(of_each);
+            match Down::new(&[b.value], down) {
+                Down::Bright(light) => sums.zip(across).for_each(|(sum, &w)| *sum += light.at(w, 0)),
+                Down::Usual(light) => sums.zip(across).for_each(|(sum, &w)| *sum += light.at(w, 0)),
+            }
+        }
+    }
+}
+
+/// Adds a sample to the pixels of a row.
+#[inline(always)]
+fn add_row<A: Across>(row: &mut [Splat], across: &[i64], down: i64, light: &Rowed<A, 3>) {
+    for (sum, &w) in row.iter_mut().zip(across) {
+        for (c, value) in sum.value.iter_mut().enumerate() {
+            *value += light.at(w, c);
+        }
+        sum.weight += product(w, down);
+    }
+}
+
+/// The same of one that is black.
+fn add_weights(row: &mut [Splat], across: &[i64], down: i64) {
+    for (sum, &w) in row.iter_mut().zip(across) {
+        sum.weight += product(w, down);
+    }
+}
+
+/// The product of two heights, as one: rounded down.
+#[inline(always)]
+const fn product(a: i64, b: i64) -> i64 {
+    (a * b) >> 30
 }
 
 /// How far a sample lies from the centre of a pixel, if it lies `offset` from that of its own. By whole pixels first: it
@@ -179,47 +203,156 @@ pub fn reach(radius: f64) -> u32 {
     ((radius + 0.5).ceil() as u32).saturating_sub(1)
 }
 
-/// Bytes that splatting takes for each pixel besides those of the film, with a number of bands.
-pub(super) fn bytes_a_pixel(radius: f64, bands: usize) -> usize {
-    let side = (TILE + 2 * reach(radius)) as usize;
-    (size_of::<Splat>() + bands * size_of::<Value>()) * side * side / (TILE * TILE) as usize
+/// Bytes that splatting takes for each pixel of tiles and their aprons, with a number of bands.
+pub(super) fn bytes_a_pixel(bands: usize) -> usize {
+    size_of::<Splat>() + bands * size_of::<Value>()
 }
+
+/// By how many pixels two are apart, from 0: the mean of the square of the height that one of them gives to a sample that may lie
+/// anywhere in the other.
+fn mean_squares(filter: &Filter, reach: u32) -> Vec<f64> {
+    const STEPS: u32 = 256;
+    let square = |apart: u32, i: u32| {
+        let offset = (f64::from(i) + 0.5) / f64::from(STEPS) - 0.5;
+        let h = f64::from(filter.relative_height((offset + f64::from(apart)) as f32));
+        h * h / f64::from(STEPS)
+    };
+    (0..=reach).map(|apart| (0..STEPS).map(|i| square(apart, i)).sum()).collect()
+}
+
+/// Numbers of samples, and sums of their light and of its squares, each times the mean square of a height.
+type Spread = [f64; 7];
 
 impl Film {
     /// Puts colours by splatting in place of those by each pixel's own samples.
     pub(super) fn show_splats(&self, out: &mut Layers) {
-        let mut sums = vec![Splat::default(); self.crop.area()];
+        for tile in &self.tiles {
+            let part = tile.region.intersection(self.crop);
+            if part.area() > 0 && part.width() > 0 {
+                self.show_part(part, out);
+            }
+        }
+    }
+
+    /// The same for the part of the crop under one tile.
+    fn show_part(&self, part: Region, out: &mut Layers) {
         let count = self.bands.as_ref().map_or(0, Bands::count);
-        let mut bands = vec![Value::default(); self.crop.area() * count];
-        for splats in self.tiles.iter().filter_map(|t| t.splats.as_ref()) {
-            let part = splats.region.intersection(self.crop);
-            for y in part.min[1]..part.max[1] {
-                for x in part.min[0]..part.max[0] {
-                    let (own, all) = (index(&splats.region, [x, y]), index(&self.crop, [x, y]));
-                    sums[all].merge(&splats.sums[own]);
-                    let theirs = &splats.bands[own * count..][..count];
-                    for (sum, v) in bands[all * count..].iter_mut().zip(theirs) {
+        let mut sums = vec![Splat::default(); part.area()];
+        let mut bands = vec![Value::default(); part.area() * count];
+        for tile in self.tiles_around(part, MAX_REACH) {
+            let Some(splats) = &tile.splats else { continue };
+            let common = splats.region.intersection(part);
+            for y in common.min[1]..common.max[1] {
+                for x in common.min[0]..common.max[0] {
+                    let (theirs, own) = (index(&splats.region, [x, y]), index(&part, [x, y]));
+                    sums[own].merge(&splats.sums[theirs]);
+                    let theirs = &splats.bands[theirs * count..][..count];
+                    for (sum, v) in bands[own * count..].iter_mut().zip(theirs) {
                         *sum += *v;
                     }
                 }
             }
         }
-        for (i, sum) in sums.iter().enumerate() {
+        let spreads = (self.keep.layers || self.error.is_some()).then(|| self.spreads(part));
+        for (k, sum) in sums.iter().enumerate() {
+            let width = part.width() as usize;
+            let at = [part.min[0] + (k % width) as u32, part.min[1] + (k / width) as u32];
+            let i = index(&self.crop, at);
             for c in 0..3 {
-                let (mean, variance) = sum.mean_and_variance(c);
-                (out.rgb[i][c], out.variance[i][c]) = (mean as f32, variance as f32);
+                out.rgb[i][c] = sum.mean(c) as f32;
+                let variance = spreads.as_ref().map_or(0.0, |spreads| variance(sum, &spreads[k], c)) as f32;
+                if let Some(v) = out.variance.get_mut(i) {
+                    v[c] = variance;
+                }
                 if let Some(error) = &mut out.error {
-                    error.rgb[i][c] = (variance as f32).sqrt();
+                    error.rgb[i][c] = variance.sqrt();
                 }
             }
             if let Some(BandLayers { planes, .. }) = &mut out.bands {
-                let weight = sum.weight.to_f64();
-                for (plane, v) in planes.iter_mut().zip(&bands[i * count..]) {
+                let weight = sum.weight();
+                for (plane, v) in planes.iter_mut().zip(&bands[k * count..]) {
                     plane[i] = if weight > 0.0 { (v.to_f64() / weight) as f32 } else { 0.0 };
                 }
             }
         }
     }
+
+    /// Tiles that reach a part of the picture, if they reach so many pixels beyond their own.
+    fn tiles_around(&self, part: Region, reach: u32) -> impl Iterator<Item = &FilmTile> {
+        let near = part.grown(reach);
+        // Tiles come row by row, so that those beyond are left without being looked at.
+        let first = self.tiles.partition_point(|t| t.region.max[1] <= near.min[1]);
+        let rows = self.tiles[first..].iter().take_while(move |t| t.region.min[1] < near.max[1]);
+        rows.filter(move |t| t.region.min[0] < near.max[0] && t.region.max[0] > near.min[0])
+    }
+
+    /// What tells the variance of each pixel of a part: sums over the pixels whose samples count there, across and then down.
+    fn spreads(&self, part: Region) -> Vec<Spread> {
+        let squares = &self.mean_squares;
+        let reach = squares.len().saturating_sub(1) as u32;
+        let near = part.grown(reach).intersection(Region::whole(self.size));
+        let mut own = vec![Spread::default(); near.area()];
+        for tile in self.tiles_around(part, reach) {
+            let common = tile.region.intersection(near);
+            for y in common.min[1]..common.max[1] {
+                for x in common.min[0]..common.max[0] {
+                    own[index(&near, [x, y])] = tile.spread(index(&tile.region, [x, y]));
+                }
+            }
+        }
+        let weighed = |get: &dyn Fn(u32) -> Spread, at: u32, range: [u32; 2]| {
+            let mut sum = Spread::default();
+            for other in at.saturating_sub(reach).max(range[0])..(at + reach + 1).min(range[1]) {
+                let by = squares[at.abs_diff(other) as usize];
+                sum.iter_mut().zip(get(other)).for_each(|(sum, v)| *sum += by * v);
+            }
+            sum
+        };
+        let wide = Region { min: [part.min[0], near.min[1]], max: [part.max[0], near.max[1]] };
+        let mut across = Vec::with_capacity(wide.area());
+        for y in wide.min[1]..wide.max[1] {
+            for x in wide.min[0]..wide.max[0] {
+                across.push(weighed(&|x| own[index(&near, [x, y])], x, [near.min[0], near.max[0]]));
+            }
+        }
+        let mut out = Vec::with_capacity(part.area());
+        for y in part.min[1]..part.max[1] {
+            for x in part.min[0]..part.max[0] {
+                out.push(weighed(&|y| across[index(&wide, [x, y])], y, [near.min[1], near.max[1]]));
+            }
+        }
+        out
+    }
+
+    /// Makes ready to tell variance by splatting.
+    pub(super) fn hold_mean_squares(&mut self, filter: &Filter) {
+        self.mean_squares = mean_squares(filter, reach(f64::from(filter.radius())).min(MAX_REACH));
+    }
+}
+
+impl FilmTile {
+    /// Number, light and squares of a pixel's own samples.
+    fn spread(&self, k: usize) -> Spread {
+        let p = &self.pixels[k];
+        let squares = self.squares.get(k).copied().unwrap_or_default();
+        let [r, g, b] = p.value.map(Value::to_f64);
+        let [rr, gg, bb] = squares.map(|s| s.to_f64());
+        [f64::from(p.count), r, g, b, rr, gg, bb]
+    }
+}
+
+/// The variance of the mean of a channel: of a quotient of sums, by its first-order expansion.
+fn variance(sum: &Splat, spread: &Spread, channel: usize) -> f64 {
+    let (weight, squares) = (sum.weight(), spread[0]);
+    if weight <= 0.0 || squares <= 0.0 {
+        return 0.0;
+    }
+    let mean = sum.mean(channel);
+    let spread = spread[4 + channel] - 2.0 * mean * spread[1 + channel] + mean * mean * squares;
+    // As many samples of equal weight would leave as much noise.
+    let like = weight * weight / squares;
+    let variance = spread / (weight * weight) * like / (like - 1.0);
+    if like > 1.0 && variance > 0.0 { variance } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -255,21 +388,46 @@ mod tests {
         assert_eq!((seen(17, 5), seen(16, 4)), ([0.0; 3], [0.0; 3]));
     }
 
+    /// Adds light of one grey to a pixel at a height.
+    fn add(sum: &mut Splat, v: f32, w: f32) {
+        let row = std::slice::from_mut(sum);
+        match Down::new(&[v; 3], height(1.0)) {
+            Down::Bright(light) => add_row(row, &[height(w)], height(1.0), &light),
+            Down::Usual(light) => add_row(row, &[height(w)], height(1.0), &light),
+        }
+    }
+
     #[test]
     fn weighted_means_and_their_variances() {
         let mut sum = Splat::default();
-        for v in [1.0, 2.0, 3.0, 4.0] {
-            sum.add(Some([v; 3]), 0.5);
+        for v in [0.25, 2.0, 3.0, 4.75] {
+            add(&mut sum, v, 0.5);
         }
-        let (mean, variance) = sum.mean_and_variance(1);
-        // As of four plain samples: 5/12.
-        assert!(mean == 2.5 && (variance - 5.0 / 12.0).abs() < 1e-9, "{mean} {variance}");
+        assert_eq!(sum.mean(1), 2.5);
+        // As of four plain samples.
+        let squares = [0.25_f64, 2.0, 3.0, 4.75].map(|v| v * v).iter().sum::<f64>();
+        let spread = [1.0, 2.5, 2.5, 2.5, squares / 4.0, squares / 4.0, squares / 4.0];
+        let want = (squares - 4.0 * 6.25) / 12.0;
+        assert!((variance(&sum, &spread, 1) - want).abs() < 1e-9);
         // One that was dropped counts as black.
-        sum.add(None, 0.5);
-        assert_eq!(sum.mean_and_variance(0).0, 2.0);
+        add_weights(std::slice::from_mut(&mut sum), &[height(0.5)], height(1.0));
+        assert_eq!(sum.mean(0), 2.0);
         let mut lost = Splat::default();
-        lost.add(Some([1.0; 3]), -0.25);
-        assert_eq!(lost.mean_and_variance(0), (0.0, 0.0));
+        add(&mut lost, 1.0, -0.25);
+        assert_eq!((lost.mean(0), variance(&lost, &spread, 0)), (0.0, 0.0));
+    }
+
+    /// Light is held to as many digits as it has, bright or dark.
+    #[test]
+    fn dark_and_bright_light_is_kept() {
+        for v in [1e-12_f32, 3e-7, 0.1, 0.999_999_94, 1.0, 7.3, 4.2e9, -5e-5, -2e3] {
+            let mut sum = Splat::default();
+            for w in [1.0, 0.3, 1e-3] {
+                add(&mut sum, v, w);
+            }
+            let off = (sum.mean(0) / f64::from(v) - 1.0).abs();
+            assert!(off < 2e-6, "{v}: {}, off by {off}", sum.mean(0));
+        }
     }
 
     /// At an edge between black and white 0.3 pixels right of the middle, Mitchell's quotient is too dark by 0.0062 with one
@@ -295,10 +453,10 @@ mod tests {
                 let mut splat = Splat::default();
                 for pixel in 0..25 * samples {
                     let place = [pixel % 5, pixel / 5 % 5].map(|p| p as f32 - 2.5 + random());
-                    let [w, down] = place.map(|x| f64::from(filter.relative_height(x)));
-                    splat.add(Some([if place[0] < 0.3 { 1.0 } else { 0.0 }; 3]), w * down);
+                    let [w, down] = place.map(|x| filter.relative_height(x));
+                    add(&mut splat, if place[0] < 0.3 { 1.0 } else { 0.0 }, w * down);
                 }
-                let (mean, _) = splat.mean_and_variance(0);
+                let mean = splat.mean(0);
                 sum += mean;
                 squares += mean * mean;
             }

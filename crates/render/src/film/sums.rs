@@ -5,9 +5,9 @@
 //! row from the top, whatever its tiles; what several tiles have splatted onto a pixel is added up before.
 
 use super::evidence::Marks;
-use super::fixed::Value;
+use super::fixed::{Square, Value};
 use super::splat::Splat;
-use super::{CostSample, Costs, Evidence, Film, Pixel, Splats, TILE};
+use super::{CostSample, Costs, Evidence, Film, Guides, Keep, Pixel, Splats, TILE};
 use crate::settings::Region;
 use std::io::{self, Read, Write};
 use straal_color::spectrum::Bands;
@@ -23,12 +23,20 @@ pub struct Held {
     pub splats: bool,
     /// Where batches end.
     pub batches: bool,
+    /// Squares of light.
+    pub squares: bool,
+    /// What the other layers are made of.
+    pub guides: bool,
+    /// Mean squares of the filter's height by distance in pixels, where samples are splatted.
+    pub mean_squares: Vec<f64>,
 }
 
 /// All that a film has summed of one pixel.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Record {
     pixel: Pixel,
+    squares: [Square; 3],
+    guides: Guides,
     /// 1 where the pixel needs no further samples.
     ended: u8,
     cost: CostSample,
@@ -77,10 +85,15 @@ impl Record {
                 see(Number::Count(&mut p.dropped));
                 see(Number::Flag(&mut self.ended));
                 p.value.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
-                p.square.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
-                p.albedo.iter_mut().for_each(|v| see(Number::Guide(&mut v.0)));
-                p.normal.iter_mut().for_each(|v| see(Number::Guide(&mut v.0)));
-                see(Number::Sum(&mut p.depth.0));
+                if held.squares {
+                    self.squares.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
+                }
+                if held.guides {
+                    let g = &mut self.guides;
+                    g.albedo.iter_mut().for_each(|v| see(Number::Guide(&mut v.0)));
+                    g.normal.iter_mut().for_each(|v| see(Number::Guide(&mut v.0)));
+                    see(Number::Sum(&mut g.depth.0));
+                }
                 if held.costs.is_some() {
                     see(Number::Cost(&mut self.cost.nodes));
                     see(Number::Cost(&mut self.cost.primitives));
@@ -89,7 +102,8 @@ impl Record {
                 self.bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
             }
             Part::Splat if held.splats => {
-                self.splat.visit(&mut |v| see(Number::Sum(v)));
+                self.splat.values().for_each(|v| see(Number::Sum(v)));
+                see(Number::Guide(self.splat.weights()));
                 self.splat_bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
             }
             Part::Splat => {}
@@ -128,9 +142,13 @@ impl Held {
 
     /// Its numbers by name, for those who read such a file by other means.
     pub fn names(&self, first: u32) -> String {
-        let mut names =
-            "count:u32 dropped:u32 ended:u8 value:3xi128 square:3xi128 albedo:3xi64 normal:3xi64 depth:i128"
-                .to_owned();
+        let mut names = "count:u32 dropped:u32 ended:u8 value:3xi128".to_owned();
+        if self.squares {
+            names += " square:3xi128";
+        }
+        if self.guides {
+            names += " albedo:3xi64 normal:3xi64 depth:i128";
+        }
         if self.costs.is_some() {
             names += " nodes:u64 primitives:u64 nanoseconds:u64";
         }
@@ -139,7 +157,8 @@ impl Held {
             names += &format!(" bands:{bands}xi128");
         }
         if self.splats {
-            names += &format!(" splat:{}xi128", Splat::NUMBERS);
+            let [values, weights] = Splat::NUMBERS;
+            names += &format!(" splat:{values}xi128 weight:{weights}xi64");
             if bands > 0 {
                 names += &format!(" splat_bands:{bands}xi128");
             }
@@ -188,6 +207,9 @@ impl Film {
             bands: self.bands,
             splats: self.tiles.first().is_some_and(|t| t.splats.is_some()),
             batches: self.tiles.first().is_some_and(|t| !t.marks.is_empty() || !t.ends.is_empty()),
+            squares: self.keep.squares || self.keep.layers,
+            guides: self.keep.layers,
+            mean_squares: self.mean_squares.clone(),
         }
     }
 
@@ -290,6 +312,8 @@ impl Film {
         let mut record = Record::empty(held);
         let count = record.bands.len();
         record.pixel = tile.pixels[k];
+        record.squares = tile.squares.get(k).copied().unwrap_or_default();
+        record.guides = tile.guides.get(k).copied().unwrap_or_default();
         record.ended = u8::from(!tile.sampled().contains(pixel));
         record.cost = tile.costs.get(k).copied().unwrap_or_default();
         record.bands.copy_from_slice(&tile.bands[k * count..][..count]);
@@ -321,6 +345,12 @@ impl Film {
         let k = tile.index(pixel);
         let count = record.bands.len();
         tile.pixels[k] = record.pixel;
+        if let Some(squares) = tile.squares.get_mut(k) {
+            *squares = record.squares;
+        }
+        if let Some(guides) = tile.guides.get_mut(k) {
+            *guides = record.guides;
+        }
         if record.ended != 0 {
             tile.end_half_of(pixel);
         }
@@ -389,7 +419,9 @@ fn notes(first: u32, end: u32) -> usize {
 impl Joined {
     /// An empty film for the part `crop` of a picture of some size, of which more was rendered where `region` is larger.
     pub fn new(size: [u32; 2], [crop, region]: [Region; 2], held: &Held, error: Option<Evidence>) -> Self {
-        let mut film = Film::over(size, crop, region);
+        let keep = Keep { squares: held.squares, layers: held.guides };
+        let mut film = Film::over(size, [crop, region], keep);
+        film.mean_squares.clone_from(&held.mean_squares);
         if let Some(bands) = held.bands {
             film.hold_bands(bands);
         }
@@ -496,7 +528,7 @@ mod tests {
     /// A film with everything, or with splats in place of batches, and samples from `first` on.
     fn film(crop: Region, samples: [u32; 2], splat: bool) -> Film {
         let region = if splat { crop.grown(2).intersection(Region::whole(SIZE)) } else { crop };
-        let mut film = Film::over(SIZE, crop, region);
+        let mut film = Film::over(SIZE, [crop, region], Keep::ALL);
         film.hold_bands(Bands::new(400.0, 700.0, 3).expect("bands"));
         film.count_costs(true);
         if splat {

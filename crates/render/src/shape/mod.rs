@@ -39,6 +39,7 @@ mod patch;
 pub mod plane;
 mod quadric;
 mod sampling;
+pub(crate) mod smooth;
 pub mod sphere;
 
 pub use cylinder::Cylinder;

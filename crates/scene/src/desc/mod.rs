@@ -33,8 +33,8 @@ pub use settings::{
     SamplerKind, SpectralChannels, Tent,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Sphere, Surface,
-    Triangle, TriangleMesh,
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Smoothing, Sphere,
+    Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use transform::{AxisAngle, Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint, facing};

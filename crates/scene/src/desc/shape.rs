@@ -114,7 +114,17 @@ describe! {
         /// Each face's own normal.
         "flat" => Flat,
         /// Normals at the vertices, computed when there are none.
-        "smooth" => Smooth,
+        "smooth" => Smooth(Smoothing),
+    }
+}
+
+describe! {
+    /// Normals at the vertices.
+    pub struct Smoothing {
+        /// An edge at which the normals of two faces differ by more than this, in degrees, is sharp: no mean is taken over it.
+        crease: f64 [Limit::within(0.0, 180.0)] = 180.0,
+        /// Whether they are computed even where there are some already.
+        recompute: bool = false,
     }
 }
 

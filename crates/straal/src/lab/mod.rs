@@ -60,6 +60,8 @@ pub struct Request {
     pub pictures: bool,
     /// Instruction set of the search; the best there is when absent.
     pub isa: Option<Isa>,
+    /// Bytes of memory that may be used; no limit when absent.
+    pub memory: Option<u64>,
 }
 
 impl Default for Request {
@@ -73,6 +75,7 @@ impl Default for Request {
             moving: None,
             pictures: false,
             isa: None,
+            memory: None,
         }
     }
 }
@@ -194,6 +197,7 @@ fn compare(
         spp: Some(request.spp),
         accel: Some(Structure::default()),
         isa: request.isa,
+        memory: request.memory,
         threads: Some(1),
         cost: Some(false),
         ..Overrides::default()

@@ -6,7 +6,6 @@ use std::path::Path;
 use straal::{Job, LoadOptions, Overrides, Recording};
 use straal_color::spectrum::Bands;
 use straal_render::film::{Extent, Film};
-use straal_scene::forecast;
 
 /// Forecast and truth of a world searched by a structure, in bytes.
 fn search_bytes(world: &str, structure: &str, base: &Path) -> [f64; 2] {
@@ -16,8 +15,11 @@ fn search_bytes(world: &str, structure: &str, base: &Path) -> [f64; 2] {
     );
     let loaded = straal::load_str("scene.yaml", &text, base, &LoadOptions::default())
         .unwrap_or_else(|e| panic!("{text}\n{e}"));
-    let forecast = forecast(&loaded.scene, &loaded.assets).search_bytes;
+    let forecast = straal::forecast(&loaded, &Overrides::default()).unwrap();
     let job = Job::new(loaded, Overrides::default()).unwrap();
+    // Instances, and places of shapes, are counted with the geometry.
+    let objects = if world.contains("instance") { forecast.geometry } else { 0 };
+    let forecast = forecast.search + objects;
     [forecast as f64, job.world.accel.memory_bytes() as f64]
 }
 
@@ -85,22 +87,42 @@ fn instances_count() {
 #[test]
 fn films_take_what_was_said() {
     let bands = Bands::new(400.0, 700.0, 16).expect("bands");
-    let spectral = Extent { recording: Recording::Spectral(bands), ..Extent::default() };
+    let usual = Extent { layers: true, ..Extent::default() };
+    let spectral = Extent { recording: Recording::Spectral(bands), ..usual };
     for (film, sampler, extent, layers) in [
-        ("{}", "{}", Extent::default(), 56),
-        ("{}", "{ noise: 0.02 }", Extent { batches: true, ..Extent::default() }, 56),
-        ("{}", "{ noise: 0.02, kind: random }", Extent::default(), 56),
-        ("{ channels: { spectral: { bands: 16 } } }", "{}", spectral, 56 + 64),
+        ("{}", "{ kind: random }", usual, 56 + 12),
+        ("{}", "{}", Extent { batches: true, ..usual }, 56 + 12),
+        ("{ channels: { spectral: { bands: 16 } } }", "{ kind: random }", spectral, 56 + 12 + 64),
     ] {
         let text = format!(
-            "camera: {{ perspective: {{ eye: [0, 0, 5], look_at: [0, 0, 0] }} }}\n\
+            "camera: {{ perspective: {{ eye: [0, 0, 5], look_at: [0, 0, 0] }} }}\nspectral: true\n\
              film: {film}\nsampler: {sampler}\nworld: [sphere: {{}}]\n"
         );
         let loaded = straal::load_str("scene.yaml", &text, Path::new(""), &LoadOptions::default())
             .unwrap_or_else(|e| panic!("{text}\n{e}"));
         let [width, height] = loaded.scene.film.size;
-        let told = forecast(&loaded.scene, &loaded.assets).film_bytes;
-        let truth = u64::from(width * height) * (Film::bytes_a_pixel(&extent) + layers) as u64;
-        assert_eq!(told, truth, "{film} {sampler}");
+        let told = straal::forecast(&loaded, &Overrides::default()).unwrap();
+        let pixels = u64::from(width * height);
+        assert_eq!(told.layers, pixels * layers, "{film} {sampler}");
+        // And a little for each tile.
+        let beyond = told.film as f64 / (pixels * Film::bytes_a_pixel(&extent) as u64) as f64;
+        assert!((1.0..1.02).contains(&beyond), "{film} {sampler}: {beyond}");
+        // Colours alone take a third of it.
+        let colours = Overrides { layers: Some(false), error: Some(false), ..Overrides::default() };
+        let colours = straal::forecast(&loaded, &colours).unwrap();
+        assert!(colours.film < told.film && colours.layers < told.layers);
     }
+}
+
+/// A job is refused by what it will take, before it is made.
+#[test]
+fn jobs_that_take_too_much_are_refused() {
+    let text = "camera: { perspective: { eye: [0, 0, 5], look_at: [0, 0, 0] } }\nworld: [sphere: {}]\n";
+    let load = || straal::load_str("scene.yaml", text, Path::new(""), &LoadOptions::default()).unwrap();
+    let wish = |memory| Overrides { size: Some([4000, 4000]), memory: Some(memory), ..Overrides::default() };
+    let Err(straal::Error::Memory(shortage)) = Job::new(load(), wish(1 << 30)) else {
+        panic!("it was taken")
+    };
+    assert!(shortage.needs > 4000 * 4000 * 176 && shortage.limit == 1 << 30, "{shortage}");
+    assert!(Job::new(load(), wish(1 << 34)).is_ok());
 }

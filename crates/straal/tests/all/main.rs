@@ -14,6 +14,7 @@ mod forecast;
 mod hashes;
 mod lab;
 mod power;
+mod resume;
 mod same_bits;
 mod spectral;
 mod wide_gamut;

@@ -1,5 +1,4 @@
 //! What the integration tests share.
-#![allow(dead_code, clippy::print_stdout)] // each test binary uses its part; a skipped test says so
 
 use std::path::{Path, PathBuf};
 use straal::{Control, Job, LoadOptions, Outcome, Overrides};
@@ -9,17 +8,10 @@ pub fn project() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// The folder of models and reference pictures, if this machine has it; a test that can't go on without it says so.
-pub fn shared() -> Option<PathBuf> {
-    let named = std::env::var_os("STRAAL_SHARED").map(PathBuf::from);
-    let found = named.unwrap_or_else(|| project().join("../shared"));
-    if found.join("reference").is_dir() {
-        return Some(found);
-    }
-    assert!(std::env::var_os("CI").is_none(), "no shared data at {}", found.display());
-    println!("skipped: no shared data");
-    None
-}
+#[path = "../../../../../tests/shared.rs"]
+mod shared_data;
+
+pub use shared_data::shared;
 
 /// A scene of the project, ready to render.
 pub fn job(scene: &str, wish: Overrides) -> Job {

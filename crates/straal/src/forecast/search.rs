@@ -5,30 +5,50 @@
 //! in more cells than that, and a small dense object in a huge scene in fewer. Whatever the scene, partitions of space
 //! keep to 16 references for each primitive, and grids to `max_cells`.
 
-use crate::desc::{BinaryBvh, BspTree, Build, KdTree, PlaneChoice, Structure, UniformGrid, WideBvh};
+use straal_accel::{BspChoice, BspParams, Build, Bvh2Params, BvhParams, GridParams, KdParams, Structure};
 
 /// A reference to a primitive.
 const REFERENCE: f64 = 4.0;
 
-/// An instance's transform and its inverse, its box and its place in the lists.
-const INSTANCE: f64 = 200.0;
+/// Bytes that a structure takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Needs {
+    /// As long as rays are searched.
+    pub kept: u64,
+    /// Besides, while it is built.
+    pub building: u64,
+}
 
-/// Bytes of a structure over so many triangles and shapes, and instances of objects that have structures of their own.
-pub(super) fn bytes(structure: &Structure, primitives: u64, instances: u64) -> u64 {
-    let n = (primitives + instances) as f64;
-    let each = match structure {
+/// Bytes of a structure over so many triangles, and shapes and instances.
+pub(super) fn needs(structure: &Structure, triangles: u64, objects: u64) -> Needs {
+    let n = triangles.saturating_add(objects) as f64;
+    let (each, building) = match structure {
         // A number, padded to where it says of what.
-        Structure::Brute => 8.0,
-        Structure::Volumes(_) => REFERENCE,
-        Structure::Bvh(p) => wide(p),
-        Structure::Bvh2(p) => binary(p),
-        Structure::Grid(p) => grid(p, n),
-        Structure::Kd(p) => kd(p),
+        Structure::Brute => (8.0, 0.0),
+        Structure::Volumes(_) => (REFERENCE, 0.0),
+        Structure::Bvh(p) => (wide(p), wide_building(p)),
+        Structure::Bvh2(p) => (binary(p), 50.0),
+        Structure::Grid(p) => (grid(p, n), 160.0),
+        Structure::Kd(p) => (kd(p), 110.0),
         // Primitives lie in eight leaves or so, in fewer if those are larger; a node takes 16 bytes.
-        Structure::Octree(p) => 110.0 / (1.0 + 0.06 * above(p.leaf_size, 1)),
-        Structure::Bsp(p) => bsp(p),
+        Structure::Octree(p) => (110.0 / (1.0 + 0.06 * above(p.leaf_size, 1)), 90.0),
+        Structure::Bsp(p) => (bsp(p), 30.0),
+        // What comes later is taken for the costliest.
+        _ => (155.0, 150.0),
     };
-    (n * each + instances as f64 * INSTANCE) as u64
+    Needs { kept: (n * each) as u64, building: (n * (PRIMITIVE + building)) as u64 }
+}
+
+/// A primitive's box, from which all structures are built.
+const PRIMITIVE: f64 = 32.0;
+
+/// References of 32 bytes; the nodes and blocks of the binary trees that they become, which are still there while they are laid
+/// out.
+fn wide_building(p: &BvhParams) -> f64 {
+    match p.build {
+        Build::Fast | Build::Default => 62.0,
+        Build::Best => 74.0,
+    }
 }
 
 /// By how much a leaf's size is above another.
@@ -38,7 +58,7 @@ fn above(leaf_size: u32, than: u32) -> f64 {
 
 /// Blocks of eight triangles that share vertices, as those of a mesh do, take 192 bytes, or 44 in a compact tree, and are
 /// nearly full; nodes of 256 bytes stand above seven of them. Where triangles are cut there may be a quarter more.
-fn wide(p: &WideBvh) -> f64 {
+fn wide(p: &BvhParams) -> f64 {
     match (&p.build, p.compact) {
         (Build::Fast, false) => 36.0,
         (Build::Fast, true) => 15.5,
@@ -48,22 +68,22 @@ fn wide(p: &WideBvh) -> f64 {
 }
 
 /// Two nodes of 32 bytes for each leaf, which is about half full.
-fn binary(p: &BinaryBvh) -> f64 {
+fn binary(p: &Bvh2Params) -> f64 {
     let full = f64::from((p.leaf_size / 2).max(1));
     REFERENCE + 64.0 / full
 }
 
 /// Six references, and two nodes of 40 bytes where a kd-tree's take 12; by areas, which cut off empty space, three.
-fn bsp(p: &BspTree) -> f64 {
+fn bsp(p: &BspParams) -> f64 {
     let full = 1.0 + 0.08 * above(p.leaf_size, 4);
     match p.choice {
-        PlaneChoice::Even => 100.0 / full,
-        PlaneChoice::Sah => 155.0 / full,
+        BspChoice::Even => 100.0 / full,
+        BspChoice::Sah => 155.0 / full,
     }
 }
 
 /// Cells by the textbook's formula. Triangles of a surface lie in a number of them that grows with the factor's square.
-fn grid(p: &UniformGrid, n: f64) -> f64 {
+fn grid(p: &GridParams, n: f64) -> f64 {
     let most = f64::from(p.max_cells) / if n > 0.0 { n } else { 1.0 };
     let cells = p.factor * p.factor * p.factor;
     // Where there would be too many the factor is halved, which leaves an eighth of the cells.
@@ -74,7 +94,7 @@ fn grid(p: &UniformGrid, n: f64) -> f64 {
 }
 
 /// Six references and four nodes. Clipped boxes spare references, but make more cuts worth while.
-fn kd(p: &KdTree) -> f64 {
+fn kd(p: &KdParams) -> f64 {
     let each = if p.clip { 95.0 } else { 80.0 };
     each / (1.0 + 0.08 * above(p.leaf_size, 1))
 }
