@@ -264,7 +264,8 @@ fn locate(
                 let place = base.display().to_string();
                 let place = if place.is_empty() { "." } else { &place };
                 let looked = format!("files are looked for in the scene's folder, `{place}`");
-                d.push(Diagnostic::error(file.span, message).help(refusal.help.unwrap_or(looked)));
+                let looked = Some(looked).filter(|_| refusal.is_of_the_name());
+                d.push(Diagnostic::error(file.span, message).maybe_help(refusal.help.or(looked)));
                 base.join(&file.value)
             }
         };
@@ -327,7 +328,13 @@ impl Reader<'_> {
             if assets.spectra.contains_key(&file.value) {
                 continue;
             }
-            let Some(bytes) = self.bytes(file, path) else { continue };
+            let bytes = match files::read(path, spd::MOST_BYTES) {
+                Ok(bytes) => bytes,
+                Err(refusal) => {
+                    self.refuse(file, refusal);
+                    continue;
+                }
+            };
             match spd::read(&bytes) {
                 Ok(spectrum) => {
                     assets.spectra.insert(file.value.clone(), Arc::new(spectrum));
@@ -384,7 +391,13 @@ impl Reader<'_> {
         if self.is_too_much(file, length.saturating_add(decoded), IMAGE_HELP) {
             return Default::default();
         }
-        let Some(bytes) = self.bytes(file, path) else { return Default::default() };
+        let bytes = match image::bytes(path, self.limits) {
+            Ok(bytes) => bytes,
+            Err(refusal) => {
+                self.refuse(file, refusal);
+                return Default::default();
+            }
+        };
         match image::surroundings(&bytes, self.limits) {
             Ok((image, notes)) => {
                 for note in notes {
@@ -409,10 +422,6 @@ impl Reader<'_> {
         self.d.push(Diagnostic::error(file.span, shortage.to_string()).help(shortage.help()));
         self.d.lacks_memory = true;
         true
-    }
-
-    fn bytes(&mut self, file: &FileRef, path: &Path) -> Option<Vec<u8>> {
-        files::read(path, self.limits.max_bytes).map_err(|refusal| self.refuse(file, refusal)).ok()
     }
 
     fn refuse(&mut self, file: &FileRef, refusal: Refusal) {

@@ -71,8 +71,6 @@ pub fn read(bytes: &[u8], path: &Path, limits: &Limits, finder: &mut Finder) -> 
     if let Some(refusal) = shelf.refusal {
         return Err(refusal);
     }
-    let mut libraries: Vec<PathBuf> = shelf.read.into_iter().collect();
-    libraries.sort();
     let file = file.map_err(|e: ReadError| Refusal::new(e.to_string()))?;
     let libraries = shelf.libraries;
     let mut warnings = shelf.told;
@@ -116,6 +114,9 @@ fn check(extension: &str, head: &[u8]) -> Result<(), Refusal> {
     }
 }
 
+/// The largest material library, in bytes.
+const MOST_LIBRARY: u64 = 1 << 28;
+
 /// Where the material libraries of a mesh are.
 struct Shelf<'a> {
     folder: &'a Path,
@@ -155,10 +156,11 @@ impl Shelf<'_> {
             return Some(Vec::new());
         }
         let shown = crate::read_error::quoted(name.as_bytes());
-        match files::read(&found.path, self.limits.max_bytes) {
+        match files::read(&found.path, self.limits.max_bytes.min(MOST_LIBRARY)) {
             Ok(bytes) => {
                 if let Some(instead) = found.instead {
-                    self.tell(format!("there is no material library {shown}: '{instead}' is read"));
+                    let instead = crate::read_error::quoted(instead.as_bytes());
+                    self.tell(format!("there is no material library {shown}: {instead} is read"));
                 }
                 self.read.insert(real);
                 self.libraries.push(found.path);

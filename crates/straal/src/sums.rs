@@ -24,6 +24,7 @@ use straal_color::Space;
 use straal_color::spectrum::Bands;
 use straal_render::film::{Evidence, Film, Held, Joined, MAX_SAMPLES, Span, hash_of};
 use straal_render::settings::Region;
+use straal_scene::memory::{PROGRAM, Shortage};
 
 const MAGIC: &[u8; 8] = b"straalSU";
 const VERSION: u32 = 1;
@@ -112,6 +113,9 @@ pub enum SumsError {
     /// Samples are missing.
     #[error("{0}")]
     Gaps(String),
+    /// The film takes more memory than may be used.
+    #[error(transparent)]
+    Memory(#[from] Shortage),
 }
 
 /// Whether a file says that it holds sums.
@@ -142,6 +146,10 @@ impl Kept {
         let about = std::fs::metadata(path).map_err(failed)?;
         if !about.is_file() {
             return Err(wrong("it is not a plain file".into()));
+        }
+        // Files of the kernel tell no length either, and some of them wait for ever.
+        if about.len() == 0 {
+            return Err(wrong("the file is empty".into()));
         }
         let file = File::open(path).map_err(failed)?;
         let cut = |e: io::Error| match e.kind() {
@@ -499,9 +507,18 @@ pub struct Merged {
     pub gaps: Vec<String>,
 }
 
+/// What is no error when files of sums are put together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Allowed {
+    /// That samples are in none of them.
+    pub gaps: bool,
+    /// How many bytes of memory are taken, if there is a limit.
+    pub memory: Option<u64>,
+}
+
 /// Puts files of sums together, in whatever order they are given. Samples that several of them have are an error, and so are
-/// samples that none has, unless `gaps` allows these.
-pub fn merge(mut parts: Vec<Kept>, gaps: bool) -> Result<Merged, SumsError> {
+/// samples that none has, unless that is allowed.
+pub fn merge(mut parts: Vec<Kept>, allowed: Allowed) -> Result<Merged, SumsError> {
     parts.sort_by_key(|p| (p.stamp.span.crop.min[1], p.stamp.span.crop.min[0], p.stamp.span.first));
     let Some(first) = parts.first() else { return Err(SumsError::Parts("no sums to merge".into())) };
     let stamp = first.stamp.clone();
@@ -531,13 +548,14 @@ pub fn merge(mut parts: Vec<Kept>, gaps: bool) -> Result<Merged, SumsError> {
     let (crop, end) = frame(&parts)?;
     let whole = parts.iter().filter_map(|p| p.stamp.whole).max().unwrap_or(end).max(end);
     let missing = missing(&parts, whole);
-    if !missing.is_empty() && !gaps {
+    if !missing.is_empty() && !allowed.gaps {
         return Err(SumsError::Gaps(missing.join("; ")));
     }
     if stamp.tells("noise").is_some() && parts.iter().any(|p| p.stamp.span.first != 0) {
         return Err(SumsError::Parts("parts of an adaptive render are crops, not runs of samples".into()));
     }
     let region = parts.iter().map(|p| p.stamp.span.region).reduce(cover).unwrap_or(crop);
+    check_memory(&stamp, [crop, region], allowed.memory)?;
     let mut joined = Joined::new(stamp.size, [crop, region], &stamp.held, stamp.error);
     let mut groups: Vec<Region> = Vec::new();
     for part in &mut parts {
@@ -569,6 +587,30 @@ pub fn merge(mut parts: Vec<Kept>, gaps: bool) -> Result<Merged, SumsError> {
     picture.story.push(("straal.passes".into(), crate::job::passes(samples).to_string()));
     picture.story.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
     Ok(Merged { picture, look: stamp.look, samples, gaps: missing })
+}
+
+/// Whether the film and its layers can be held.
+fn check_memory(stamp: &Stamp, [crop, region]: [Region; 2], limit: Option<u64>) -> Result<(), SumsError> {
+    let Held { costs, bands, guides, .. } = &stamp.held;
+    // Numbers of a pixel in all layers: of light, its variance and the guides, the error, costs and bands.
+    let layers = 3
+        + if *guides { 3 + 3 + 3 + 1 + 1 } else { 0 }
+        + if stamp.error.is_some() { 3 } else { 0 }
+        + if costs.is_some() { 3 } else { 0 }
+        + bands.as_ref().map_or(0, Bands::count);
+    // Records lie aligned in memory, and it is known where each came from.
+    let film = (stamp.held.bytes_a_pixel(0) + 16) as u64 * region.area() as u64;
+    let needs = PROGRAM + film + 4 * layers as u64 * crop.area() as u64;
+    match limit {
+        Some(limit) if needs > limit => Err(SumsError::Memory(Shortage {
+            what: "the picture that is put together".into(),
+            needs,
+            most: Some(("the film", film)),
+            limit,
+            help: "merge fewer crops at a time",
+        })),
+        _ => Ok(()),
+    }
 }
 
 /// Samples of each pixel of the first crop; with noise, of those that have the most in any.

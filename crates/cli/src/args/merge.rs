@@ -2,6 +2,7 @@
 
 use super::LookArgs;
 use crate::exit;
+use crate::quantity;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -32,6 +33,10 @@ pub struct MergeArgs {
     /// Take samples that are missing for a warning
     #[arg(long)]
     pub allow_gaps: bool,
+
+    /// Memory that may be used, such as 8G or 512M; what is free when absent
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
+    pub memory: Option<u64>,
 
     /// How a PNG is developed
     #[command(flatten)]

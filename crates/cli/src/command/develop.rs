@@ -1,6 +1,6 @@
 //! `straal develop`
 
-use super::{Writing, print, read_bytes};
+use super::{Writing, print, read_picture};
 use crate::args::{DevelopArgs, LookArgs};
 use crate::exit::{Exit, Failure};
 use crate::out;
@@ -35,7 +35,7 @@ pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
         out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
     }
     let name = args.picture.display();
-    let bytes = read_bytes(&args.picture)?;
+    let bytes = read_picture(&args.picture)?;
     let limits = super::picture_limits();
     let plate = match &args.layer {
         Some(layer) => Plate::read_layer(&bytes, &limits, layer),

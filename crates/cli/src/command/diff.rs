@@ -1,6 +1,6 @@
 //! `straal diff`
 
-use super::{print, read_bytes};
+use super::{print, read_picture};
 use crate::args::DiffArgs;
 use crate::exit::{Exit, Failure};
 use crate::out;
@@ -108,7 +108,7 @@ fn cut(photo: &Photo, region: Option<Window>) -> Image {
 
 impl Picture {
     fn read(path: &Path) -> Result<Self, Failure> {
-        let bytes = read_bytes(path)?;
+        let bytes = read_picture(path)?;
         Self::from_bytes(&bytes).map_err(|e| Failure::input(format!("can't read {}: {e}", path.display())))
     }
 
@@ -136,6 +136,11 @@ impl Picture {
             notes.push(format!(
                 "it was developed (exposure {exposure}, tone {tone}): it is compared as it is shown"
             ));
+        }
+        if self.photo.encoding.as_ref().is_some_and(|encoding| encoding.bits < 16) {
+            notes.push(
+                "it has 8 bits a channel: its light is rounded, by up to half a 255th of the signal".into(),
+            );
         }
         notes
     }

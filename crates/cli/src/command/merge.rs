@@ -4,13 +4,14 @@ use super::{Writing, print};
 use crate::args::{LookArgs, MergeArgs};
 use crate::exit::{Exit, Failure};
 use crate::interrupt::Interrupt;
+use crate::machine;
 use crate::out;
 use crate::places::{check_output, refuse_inputs, refuse_twins};
 use crate::quantity::count;
 use serde_json::json;
 use std::path::PathBuf;
 use straal::picture::Format;
-use straal::sums::{self, Kept, Merged, SumsError};
+use straal::sums::{self, Allowed, Kept, Merged, SumsError};
 
 /// Puts parts of a picture together.
 pub fn run(args: &MergeArgs, interrupt: &Interrupt) -> Result<Exit, Failure> {
@@ -26,9 +27,10 @@ pub fn run(args: &MergeArgs, interrupt: &Interrupt) -> Result<Exit, Failure> {
     if args.look != LookArgs::default() && !has_look && !args.quiet {
         out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
     }
+    let allowed = Allowed { gaps: args.allow_gaps, memory: args.memory.or_else(machine::memory) };
     let opened: Result<Vec<Kept>, SumsError> = args.sums.iter().map(|path| Kept::open(path)).collect();
     let Merged { picture, look, samples, gaps } =
-        opened.and_then(|parts| sums::merge(parts, args.allow_gaps)).map_err(|e| failure(&e))?;
+        opened.and_then(|parts| sums::merge(parts, allowed)).map_err(|e| failure(&e))?;
     if !args.quiet {
         for gap in &gaps {
             out::say(&format!("warning: {gap}\n"));
@@ -72,6 +74,7 @@ pub fn run(args: &MergeArgs, interrupt: &Interrupt) -> Result<Exit, Failure> {
 fn failure(error: &SumsError) -> Failure {
     let failure = Failure::input(error.to_string());
     match error {
+        SumsError::Memory(shortage) => Failure::memory(shortage),
         SumsError::Gaps(_) => failure.help("to have the picture all the same, say --allow-gaps"),
         _ => failure,
     }

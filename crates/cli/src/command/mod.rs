@@ -20,7 +20,8 @@ use crate::quantity::grouped;
 use std::io::{self, IsTerminal, Read};
 use std::path::Path;
 use straal::{LoadOptions, Loaded};
-use straal_formats::{Limits, files};
+use straal_formats::files::Refusal;
+use straal_formats::{Limits, image};
 use straal_scene::{Diagnostic, Diagnostics, Span};
 
 /// Prints a result; that it could not be printed is a failure of the system.
@@ -103,18 +104,21 @@ fn picture_limits() -> Limits {
     Limits { max_decoded: usual.max_decoded.min(free), ..usual }
 }
 
-/// The bytes of a picture or a spectrum; of standard input for `-`.
-fn read_bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+/// The bytes of a picture; of standard input for `-`.
+fn read_picture(path: &Path) -> Result<Vec<u8>, Failure> {
     if is_stream(path) {
         return standard_input();
     }
-    files::read(path, Limits::default().max_bytes).map_err(|refusal| {
-        let failure = Failure::input(format!("can't read {}: {}", path.display(), refusal.problem));
-        match refusal.help {
-            Some(help) => failure.help(help),
-            None => failure,
-        }
-    })
+    image::bytes(path, &Limits::default()).map_err(|refusal| not_read(path, refusal))
+}
+
+/// Why a file isn't read.
+fn not_read(path: &Path, refusal: Refusal) -> Failure {
+    let failure = Failure::input(format!("can't read {}: {}", path.display(), refusal.problem));
+    match refusal.help {
+        Some(help) => failure.help(help),
+        None => failure,
+    }
 }
 
 /// Adds what a job's author should know to the complaints of its scene.

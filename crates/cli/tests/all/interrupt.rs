@@ -143,9 +143,7 @@ fn a_replicate_that_is_not_whole_is_better_than_nothing() {
 }
 
 /// Brute force against a teapot of 50,000 triangles: the first pass alone would take minutes.
-#[test]
-fn the_second_ends_at_once() {
-    let slow = "\
+const SLOW: &str = "\
 camera: { perspective: { eye: [0, 2, 8], look_at: [0, 1, 0], fov: 40 } }
 film: { size: [640, 480] }
 world:
@@ -153,7 +151,10 @@ world:
 lights:
   - environment: { radiance: [1, 1, 1] }
 ";
-    let folder = Folder::with_scene(slow);
+
+#[test]
+fn the_second_ends_at_once() {
+    let folder = Folder::with_scene(SLOW);
     let run = Running::start(&folder, "render scene.yaml -o a.exr --accel brute --isa scalar")
         .until("rendering")
         .press_ctrl_c()
@@ -162,4 +163,19 @@ lights:
         .end();
     assert_eq!(run.code, Some(130), "{run:?}");
     assert_eq!(folder.names(), ["scene.yaml"]);
+}
+
+/// What there is of the pass is safe at once: who sent the signal may kill before the pass is over.
+#[test]
+fn schedulers_that_do_not_wait_lose_nothing() {
+    let folder = Folder::with_scene(SLOW);
+    let words = "render scene.yaml -o a.exr --checkpoint 10h --accel brute --isa scalar";
+    let running = Running::start(&folder, words).until("rendering").send("TERM").until("a second signal");
+    while !folder.path("a.exr.checkpoint").exists() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let run = running.send("KILL").end();
+    assert_eq!(run.code, None, "{run:?}");
+    let told = folder.straal("info a.exr.checkpoint").out;
+    assert!(told.contains("samples 0 0\n") && told.contains("midway yes\n"), "{told}");
 }

@@ -29,8 +29,8 @@ const LARGE_SHAPE: usize = 160;
 /// A surface that glows, between the walk over the scene and its emitter.
 const GLOWING: usize = 64;
 
-/// A place, a sum of normals and its share of a search tree.
-const SMOOTHED: usize = 40;
+/// Per vertex, of which there is one for two faces: edges, corners, their sets and their means.
+const SMOOTHED: usize = 160;
 
 /// What a tally takes.
 pub fn cost(t: &Tally) -> Cost {

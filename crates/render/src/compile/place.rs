@@ -63,6 +63,8 @@ pub(super) struct Build<'a> {
     /// What the camera is to be focused on, if that has a name.
     focus: Option<&'a str>,
     named: Vec<TopLevel>,
+    /// From the description's space.
+    to_world: Affine,
     detail: Detail,
     /// Within what the camera is focused on.
     in_focus: bool,
@@ -127,11 +129,17 @@ impl<'a> Build<'a> {
             top_level: Vec::new(),
             focus: scene.camera.focus_on().map(|name| name.value.as_str()),
             named: Vec::new(),
+            to_world: Affine::IDENTITY,
         })
     }
 
+    /// With this place of the description at the world's origin.
+    pub fn about(self, centre: DVec3) -> Self {
+        Self { to_world: Affine::translate(-centre), ..self }
+    }
+
     pub fn world(&mut self) -> Result<(), CompileError> {
-        let mut place = Place { transform: Affine::IDENTITY, material: 0, group: 0, dissolved: false };
+        let mut place = Place { transform: self.to_world, material: 0, group: 0, dissolved: false };
         // Down to what `Scene::top_level` gives.
         let mut nodes = self.scene.world.as_slice();
         let mut is_all_named = false;

@@ -3,7 +3,7 @@
 use crate::common;
 
 use std::sync::Arc;
-use straal::sums::{self, Kept, Snapshot, SumsError};
+use straal::sums::{self, Allowed, Kept, Snapshot, SumsError};
 use straal::{Control, Job, Outcome, Overrides};
 
 fn job(wish: &Overrides) -> Job {
@@ -60,11 +60,14 @@ fn the_middle_of_a_pass_is_no_part() {
     std::fs::write(&paths[0], &midway.1).expect("a file");
     std::fs::write(&paths[1], &all.last().expect("an end").1).expect("a file");
     let open = |n: usize| paths[..n].iter().map(|p| Kept::open(p).expect("sums")).collect();
-    let refused = sums::merge(open(2), false);
+    let refused = sums::merge(open(2), Allowed::default());
     assert!(
         matches!(&refused, Err(SumsError::Parts(why)) if why.contains("middle of a pass")),
         "{refused:?}"
     );
-    assert!(matches!(sums::merge(open(1), false), Err(SumsError::Gaps(_))));
-    assert!(sums::merge(open(1), true).is_ok());
+    assert!(matches!(sums::merge(open(1), Allowed::default()), Err(SumsError::Gaps(_))));
+    let gaps = Allowed { gaps: true, ..Allowed::default() };
+    assert!(sums::merge(open(1), gaps).is_ok());
+    let short = sums::merge(open(1), Allowed { memory: Some(1000), ..gaps });
+    assert!(matches!(short, Err(SumsError::Memory(_))));
 }
