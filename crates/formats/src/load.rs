@@ -168,6 +168,17 @@ fn lacking(shortage: &Shortage) -> Diagnostics {
     d
 }
 
+/// Loads what comes without a name, as through a pipe: a scene (YAML or JSON) or a bare mesh, told by how it begins. Files that it
+/// names are looked for in the present folder.
+pub fn load_stream(name: &str, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
+    let Some(extension) = mesh_file::kind_of(bytes) else {
+        return load_bytes(name, bytes, Path::new(""), options);
+    };
+    let path = Path::new(name).with_extension(extension);
+    let read = mesh_file::read(bytes, &path, &options.files, &mut finder(options)?);
+    in_studio(&path, read.map_err(|refusal| cannot_read(&path, refusal))?, &options.studio)
+}
+
 fn only(complaint: Diagnostic) -> Diagnostics {
     let mut d = Diagnostics::default();
     d.push(complaint);
@@ -459,10 +470,18 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     }
     let read =
         mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
+    let libraries = read.libraries.clone();
     ledger.pass(length + mesh_bytes(&read.asset.mesh));
+    let loaded = in_studio(path, read, &options.studio)?;
+    let files = std::iter::once(path.to_path_buf()).chain(libraries).collect();
+    Ok(Loaded { files, peak_bytes: ledger.most(), ..loaded })
+}
+
+/// A mesh with a studio around it.
+fn in_studio(path: &Path, read: MeshFile, studio: &studio::Studio) -> Result<Loaded, Diagnostics> {
     let name = path.display().to_string();
-    let (scene, told) =
-        studio::around(&name, &read.asset, &options.studio).map_err(|problem| fail(Refusal::new(problem)))?;
+    let (scene, told) = studio::around(&name, &read.asset, studio)
+        .map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
     told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
@@ -472,6 +491,6 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    let files = std::iter::once(path.to_path_buf()).chain(read.libraries).collect();
-    Ok(Loaded { scene, assets, warnings, hash, files, text_bytes: 0, peak_bytes: ledger.most() })
+    let peak_bytes = 0;
+    Ok(Loaded { scene, assets, warnings, hash, files: read.libraries, text_bytes: 0, peak_bytes })
 }

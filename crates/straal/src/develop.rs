@@ -4,6 +4,7 @@ use crate::focus::{self, Blur, NoBlur};
 use crate::look::{Bits, Gamma, Look, Negative, to_screen};
 use crate::picture::{ERROR, Format, LOOK, Picture, SaveError, with_look, write_png};
 use std::borrow::Cow;
+use std::io;
 use std::path::Path;
 use straal_color::{RgbSpace, Tone};
 use straal_formats::image::exr::{self, Layer};
@@ -169,26 +170,26 @@ impl Plate {
     /// keeps all layers, HDR and PFM have linear sRGB.
     pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
         let format = Format::of(path)?;
+        atomic::write(path, |file| self.write(file, format, look))?;
+        Ok(())
+    }
+
+    /// Writes the picture in that format to what takes bytes, such as a pipe.
+    pub fn write(&self, out: &mut dyn io::Write, format: Format, look: &Look) -> io::Result<()> {
         let mut story = with_look(&self.picture.metadata, look);
         if format == Format::Exr {
-            atomic::write(path, |file| {
-                exr::write(file, &exr::Picture { metadata: story, ..self.picture.clone() })
-            })?;
-            return Ok(());
+            return exr::write(out, &exr::Picture { metadata: story, ..self.picture.clone() });
         }
         let (pixels, [width, height], at) = self.shown();
-        atomic::write(path, |mut file| {
-            if format == Format::Png {
-                story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
-                let negative = Negative { pixels: &pixels, width, at, space: self.space() };
-                return write_png(&mut file, &negative, look, &story);
-            }
-            let matrix = to_screen(&self.space());
-            let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));
-            let image = Image { width, height, pixels: pixels.iter().map(srgb).collect() };
-            if format == Format::Hdr { hdr::write(&mut file, &image) } else { pfm::write(&mut file, &image) }
-        })?;
-        Ok(())
+        if format == Format::Png {
+            story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
+            let negative = Negative { pixels: &pixels, width, at, space: self.space() };
+            return write_png(out, &negative, look, &story);
+        }
+        let matrix = to_screen(&self.space());
+        let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));
+        let image = Image { width, height, pixels: pixels.iter().map(srgb).collect() };
+        if format == Format::Hdr { hdr::write(out, &image) } else { pfm::write(out, &image) }
     }
 
     /// What a format without windows shows, its size, and where its first pixel lies in the whole: a crop of straal by itself, as a render

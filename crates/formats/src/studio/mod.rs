@@ -169,7 +169,13 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
     });
     let mesh = if has_own {
         let material = named(finish.name());
-        Node::Group(Group { material, children: vec![mesh], transform: Transform::default(), name: None })
+        Node::Group(Group {
+            material,
+            children: vec![mesh],
+            transform: Transform::default(),
+            look_at: None,
+            name: None,
+        })
     } else {
         mesh
     };
@@ -192,6 +198,7 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
         transform: Transform { steps: vec![turn], ..Transform::default() },
         material: named("paper").filter(|_| wish.background != Background::Nothing),
         children: set,
+        look_at: None,
         name: None,
     });
     let sky = Light::Environment(Environment {

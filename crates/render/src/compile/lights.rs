@@ -76,7 +76,7 @@ fn emitter(light: &Light, paint: &mut Paint<'_>, centre: DVec3) -> Result<Emitte
             intensity: paint.emission(l.intensity.get())?.into(),
         }),
         Light::Directional(l) => Emitter::Directional(
-            DirectionalLight::new(l.direction.as_vec3(), paint.emission(l.irradiance.get())?)
+            DirectionalLight::new(l.axis().as_vec3(), paint.emission(l.irradiance.get())?)
                 .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))?,
         ),
         Light::Spot(l) => {
