@@ -278,7 +278,7 @@ fn strange_pictures_are_refused_or_read_as_black() {
     assert!(new(&Image::default()).is_none());
     assert!(new(&Image { width: 3, height: 2, pixels: vec![[1.0; 3]; 5] }).is_none());
     assert!(new(&Image { width: usize::MAX, height: 2, pixels: vec![[1.0; 3]; 5] }).is_none());
-    let odd = image(4, 3, |x, _| [f32::NAN, -1.0, if x == 2 { f32::INFINITY } else { 0.0 }]);
+    let odd = image(4, 3, |x, _| [f32::NAN, -1.0, if x == 2 { f32::NEG_INFINITY } else { 0.0 }]);
     let e = new(&odd).unwrap();
     assert_eq!(e.radiance(Vec3::X, &in_rgb()), Light::ZERO);
     assert_eq!((e.sample([0.5; 2], &in_rgb()), e.pdf(Vec3::X), e.power(1.0)), (None, 0.0, 0.0));
