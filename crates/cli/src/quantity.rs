@@ -337,7 +337,7 @@ pub fn memory(typed: &str) -> Result<u64, String> {
         _ => return Err(format!("unknown unit `{unit}`; {HINT}")),
     };
     let bytes = number * factor;
-    if bytes >= 1e6 && bytes < 1e18 { Ok(bytes as u64) } else { Err("it must be from 1M to 1000000T".into()) }
+    if (1e6..1e18).contains(&bytes) { Ok(bytes as u64) } else { Err("it must be from 1M to 1000000T".into()) }
 }
 
 /// A number with its noun: `1 sample`, `3 samples`.

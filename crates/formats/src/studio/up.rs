@@ -84,7 +84,7 @@ pub fn guess(asset: &MeshAsset) -> (Up, &'static str) {
         let n = (b - a).cross(c - a);
         let size = n.length();
         area += size;
-        facing = facing + n.abs();
+        facing += n.abs();
         for k in 1..3 {
             // Flat, and wholly within a fiftieth of the extent from the end.
             if n[k].abs() < 0.98 * size {

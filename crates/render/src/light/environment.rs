@@ -134,11 +134,11 @@ impl ImageEnvironment {
             let band = cosines[j] - cosines[j + 1];
             let up = 0.5 * (cosines[j] + cosines[j + 1]);
             let out = (1.0 - up * up).sqrt();
-            for i in 0..width {
+            for (i, around) in around.iter().enumerate() {
                 let sum = lane(i, j) + lane(i + 1, j) + lane(i, j + 1) + lane(i + 1, j + 1);
                 let weight = 0.25 * sum * band * (2.0 * std::f64::consts::PI / width as f64);
                 weights.push(weight);
-                let d = (around[i] * out + y * up) * weight;
+                let d = (*around * out + y * up) * weight;
                 for (axis, v) in [d.x, d.y, d.z].into_iter().enumerate() {
                     irradiance[2 * axis + usize::from(v < 0.0)] += v.abs();
                 }
