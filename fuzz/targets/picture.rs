@@ -4,7 +4,8 @@
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     // A small file may ask for a large picture, which is no fault: here it may not.
     let limits = straal_formats::Limits { max_pixels: 1 << 20, max_samples: 1 << 22, ..Default::default() };
-    let _ = straal_formats::image::read(bytes, &limits);
+    let _ = straal_formats::image::header(bytes, &limits);
+    let _ = straal_formats::image::surroundings(bytes, &limits);
     let _ = straal_formats::image::png::read_metadata(bytes, &limits);
     if let Ok(picture) = straal_formats::image::exr::read(bytes, &limits) {
         let _ = picture.beauty();

@@ -34,6 +34,9 @@ fn page(schema: &Value) -> String {
                 let what = payload.map_or(String::new(), |p| format!(": {}", kind(p)));
                 let _ = writeln!(out, "| `{key}`{what} | {docs} |");
             }
+            for other in choices.iter().filter(|c| c["$ref"].is_string()) {
+                let _ = writeln!(out, "| the keys of {} | {} |", kind(other), text(other));
+            }
         } else if let Some(keys) = t["properties"].as_object() {
             let required: BTreeSet<&str> =
                 t["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();

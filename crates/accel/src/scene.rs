@@ -312,6 +312,13 @@ impl Scene {
         let mut ids = group.geometries.clone();
         ids.sort_unstable();
         ids.dedup();
+        // Lists that grow leave holes in memory behind.
+        let shapes_of = |id: &u32| match self.geometries[*id as usize].kind {
+            GeometryKind::Triangles { .. } => 0,
+            GeometryKind::Shapes { count, .. } => count as usize,
+        };
+        let objects = ids.iter().map(shapes_of).sum::<usize>() + group.instances.len();
+        data.objects.reserve_exact(objects);
         let mut triangles = 0_u64;
         for geometry in ids {
             let mut lost = Dropped::none(DroppedFrom::Geometry(geometry));
@@ -380,6 +387,7 @@ impl Scene {
         if data.objects.len() > LIMIT as usize {
             return Err(BuildError::TooMany { what: "shapes and instances in a group" });
         }
+        prims.reserve_exact(data.objects.len());
         for (i, o) in data.objects.iter().enumerate() {
             match o.bounds {
                 Some(bounds) => prims.push(Prim { bounds, kind: PrimKind::Object(i as u32) }),

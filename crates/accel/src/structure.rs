@@ -17,7 +17,7 @@ use crate::{
     volumes::{Volumes, VolumesParams},
 };
 use std::{fmt, str::FromStr};
-use straal_math::{Bounds, Ray};
+use straal_math::Bounds;
 
 /// A way to search a group, with its parameters. All give the same hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,34 +174,6 @@ pub(crate) trait Search: Sized {
 
     /// Whether there is any hit in the ray's interval.
     fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool;
-
-    /// The hit of each ray of the world; `hits` is as long as `rays`.
-    #[inline(always)]
-    fn closest_many<K: Kernel>(
-        &self,
-        q: &mut Query<'_, K, false>,
-        group: &GroupData,
-        rays: &[Ray],
-        hits: &mut [Hit],
-    ) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            q.closest(group, ray, hit);
-        }
-    }
-
-    /// Whether each ray of the world hits anything; `blocked` is as long as `rays`.
-    #[inline(always)]
-    fn occluded_many<K: Kernel>(
-        &self,
-        q: &mut Query<'_, K, false>,
-        group: &GroupData,
-        rays: &[Ray],
-        blocked: &mut [bool],
-    ) {
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = q.occluded(group, ray);
-        }
-    }
 
     fn memory_bytes(&self) -> usize;
 

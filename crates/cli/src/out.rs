@@ -32,6 +32,15 @@ pub fn result(text: &str) -> io::Result<()> {
     }
 }
 
+/// Writes a picture to standard output, on which nothing else may come then. That nobody listens any more is no error.
+pub fn picture(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = io::BufWriter::with_capacity(1 << 16, io::stdout().lock());
+    match write(&mut out).and_then(|()| out.flush()) {
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
+        done => done,
+    }
+}
+
 /// Says something to the person on standard error. When that can't be written there is nobody to tell.
 pub fn say(text: &str) {
     let mut err = io::stderr().lock();

@@ -1,8 +1,42 @@
 //! Where results go: whether a file can be there, and whether that would destroy what the result is made of.
 
 use crate::exit::Failure;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use straal::picture::Format;
 use straal_formats::atomic;
+
+/// Whether a name stands for standard input or output.
+pub fn is_stream(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// The format of what goes to a place, `stream` being that of standard output; `None` of what is no picture.
+pub fn format_of(path: &Path, stream: Format) -> Option<Format> {
+    if is_stream(path) { Some(stream) } else { Format::of(path).ok() }
+}
+
+/// Whether pictures can go to all these places; the format of what goes to standard output. `said` is what --format says.
+pub fn check_pictures(outputs: &[PathBuf], said: Option<Format>, json: bool) -> Result<Format, Failure> {
+    for path in outputs {
+        if !is_stream(path) {
+            Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
+            check_output(path)?;
+        } else if json {
+            let help = "write the picture to a file, or leave out --json";
+            return Err(Failure::input("`-o -` and --json can't share standard output").help(help));
+        } else if std::io::stdout().is_terminal() {
+            let message = "`-o -` writes a picture to standard output, and that is a terminal";
+            let help = "send it on, as in `straal render scene.yaml -o - > picture.png`";
+            return Err(Failure::input(message).help(help));
+        }
+    }
+    if said.is_some() && !outputs.iter().any(|o| is_stream(o)) {
+        let help = "the name of a file says its format, such as `-o picture.exr`";
+        return Err(Failure::input("--format is for `-o -`, standard output").help(help));
+    }
+    Ok(said.unwrap_or(Format::Png))
+}
 
 /// Whether a file can go there.
 pub fn check_output(path: &Path) -> Result<(), Failure> {
@@ -25,7 +59,7 @@ pub fn check_output(path: &Path) -> Result<(), Failure> {
 pub fn refuse_twins<'a>(outputs: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
     let mut before: Vec<&Path> = Vec::new();
     for path in outputs {
-        if before.iter().any(|b| *b == path || is_same_file(b, path)) {
+        if before.iter().any(|b| *b == path || !is_stream(path) && is_same_file(b, path)) {
             return Err(Failure::input(format!("{} is named twice", path.display())));
         }
         before.push(path);
@@ -39,7 +73,9 @@ pub fn refuse_inputs<'a>(
     inputs: &[PathBuf],
 ) -> Result<(), Failure> {
     for path in outputs {
-        if let Some(input) = inputs.iter().find(|input| is_same_file(path, input)) {
+        // Standard output replaces nothing.
+        let replaces = |input: &&PathBuf| !is_stream(path) && !is_stream(input) && is_same_file(path, input);
+        if let Some(input) = inputs.iter().find(replaces) {
             let message = if path == input {
                 format!("{} would replace what it is made from", path.display())
             } else {

@@ -188,6 +188,11 @@ pub fn samples(typed: &str) -> Result<Samples, String> {
     match numbers {
         Some([first, end]) if first < end => Ok(Samples([first, end])),
         Some(_) => Err("none: the first must be less than the end, which isn't one of them".into()),
+        // What other renderers call the number of samples.
+        None if typed.trim().parse::<u64>().is_ok() => Err(format!(
+            "samples per pixel are `--spp {}`; this is for a part of them, such as 64..128",
+            typed.trim()
+        )),
         None => Err("write the first, from 0, and one past the last, such as 64..128".into()),
     }
 }

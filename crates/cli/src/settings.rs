@@ -5,7 +5,7 @@ use crate::args::{LookArgs, RenderArgs, StudioArgs};
 use crate::exit::Failure;
 use crate::keeping::Wish;
 use crate::machine;
-use crate::places::{check_output, refuse_inputs, refuse_twins};
+use crate::places::{check_output, check_pictures, format_of, is_stream, refuse_inputs, refuse_twins};
 use crate::quantity::{Every, count};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -22,6 +22,8 @@ pub struct RenderSettings {
     pub scene: Option<PathBuf>,
     /// Where the picture goes; nowhere if only sums are wanted.
     pub outputs: Vec<PathBuf>,
+    /// The format of what goes to standard output, where one of the places is `-`.
+    pub format: Format,
     /// What wins over the scene.
     pub overrides: Overrides,
     /// The time that all of it may take.
@@ -86,10 +88,7 @@ impl RenderSettings {
             }
             check_output(path)?;
         }
-        for path in &outputs {
-            Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
-            check_output(path)?;
-        }
+        let format = check_pictures(&outputs, args.format, args.json)?;
         if let Some(path) = &args.save_sums {
             check_output(path)?;
         }
@@ -109,9 +108,10 @@ impl RenderSettings {
         };
         refuse_twins(all())?;
         refuse_inputs(all(), args.scene.as_slice())?;
-        let is_exr = |o: &&PathBuf| matches!(Format::of(o), Ok(Format::Exr));
+        let is_exr = |o: &&PathBuf| format_of(o, format) == Some(Format::Exr);
         let has_exr = outputs.iter().any(|o| is_exr(&o));
-        let has_plain_exr = outputs.iter().filter(is_exr).any(|o| !o.exists() || o.is_file());
+        let has_plain_exr =
+            outputs.iter().filter(is_exr).any(|o| !is_stream(o) && (!o.exists() || o.is_file()));
         let is_long = has_plain_exr || args.save_sums.is_some() || args.resume;
         let by_default = (is_long && args.replicates.is_none()).then_some(BETWEEN_CHECKPOINTS);
         let keep = Wish {
@@ -125,6 +125,7 @@ impl RenderSettings {
         let (threads, note) = threads(args.threads);
         let memory = args.memory.or_else(machine::memory);
         Ok(Self {
+            format,
             scene: args.scene,
             outputs,
             overrides: Overrides {
@@ -179,14 +180,16 @@ impl RenderSettings {
 
     /// Whether a look was asked for that none of the pictures has, nor an EXR remembers.
     pub fn look_is_lost(&self) -> bool {
-        let has_png = self.outputs.iter().any(|o| matches!(Format::of(o), Ok(Format::Png | Format::Exr)));
+        let shows = |o: &PathBuf| matches!(format_of(o, self.format), Some(Format::Png | Format::Exr));
+        let has_png = self.outputs.iter().any(shows);
         self.look != LookArgs::default() && !has_png
     }
 }
 
 /// Whether one of the pictures is an EXR, which holds more than colours.
 pub fn has_exr(outputs: &[PathBuf]) -> Result<bool, Failure> {
-    let formats: Result<Vec<_>, _> = outputs.iter().map(|path| Format::of(path)).collect();
+    let formats: Result<Vec<_>, _> =
+        outputs.iter().filter(|path| !is_stream(path)).map(|path| Format::of(path)).collect();
     let formats = formats.map_err(|e| Failure::input(e.to_string()))?;
     Ok(formats.contains(&Format::Exr))
 }
@@ -221,7 +224,7 @@ fn check_scene_output(path: &Path) -> Result<(), Failure> {
 /// Whether what is rendered is a mesh without a scene, for which alone an option is.
 fn check_bare(option: &str, scene: Option<&Path>) -> Result<(), Failure> {
     let what = match scene {
-        Some(path) if straal::is_mesh(path) => return Ok(()),
+        Some(path) if straal::is_mesh(path) || is_stream(path) => return Ok(()),
         Some(path) => format!("{} is a scene, which", path.display()),
         None => "the scene that straal brings along".to_owned(),
     };
@@ -231,7 +234,7 @@ fn check_bare(option: &str, scene: Option<&Path>) -> Result<(), Failure> {
 
 /// The scene's name with .png, in the current folder.
 fn default_output(scene: Option<&Path>) -> PathBuf {
-    let stem = scene.and_then(Path::file_stem).unwrap_or("straal".as_ref());
+    let stem = scene.filter(|path| !is_stream(path)).and_then(Path::file_stem).unwrap_or("straal".as_ref());
     let mut name = stem.to_owned();
     name.push(".png");
     name.into()

@@ -37,6 +37,11 @@ impl Refusal {
         self.problem == MISSING
     }
 
+    /// Whether another name would help.
+    pub(crate) fn is_of_the_name(&self) -> bool {
+        self.is_missing() || self.problem == FOLDER
+    }
+
     /// With a file of nearly that name as help, where the one that was named isn't there.
     #[must_use]
     pub(crate) fn or_similar(self, path: &Path) -> Self {
@@ -47,6 +52,7 @@ impl Refusal {
 
 /// What is said where nothing is.
 const MISSING: &str = "there is no such file";
+const FOLDER: &str = "it is a folder";
 
 /// So many bytes at a file's beginning are looked at before the rest is read.
 const HEAD: u64 = 4096;
@@ -87,18 +93,24 @@ fn reserve(bytes: &mut Vec<u8>, more: u64) -> Result<(), Refusal> {
 
 /// The size of a file that may be read.
 pub(crate) fn size(path: &Path, most: u64) -> Result<u64, Refusal> {
-    size_of(&std::fs::metadata(path).map_err(|e| Refusal::new(reason(&e)))?, most)
+    let size = size_of(&std::fs::metadata(path).map_err(|e| Refusal::new(reason(&e)))?, most);
+    // Files of the kernel tell a size of 0, and some of them never end.
+    let is_kernels = || resolved(path).starts_with("/proc") || resolved(path).starts_with("/sys");
+    if size.is_err() && is_kernels() {
+        Err(Refusal::new("it is a file of the kernel, not a plain one"))
+    } else {
+        size
+    }
 }
 
 fn size_of(about: &std::fs::Metadata, most: u64) -> Result<u64, Refusal> {
     if about.is_dir() {
-        return Err(Refusal::new("it is a folder"));
+        return Err(Refusal::new(FOLDER));
     }
     if !about.is_file() {
         return Err(Refusal::new("it is not a plain file"));
     }
     match about.len() {
-        // Files of the kernel tell this size as well, and some of them never end.
         0 => Err(Refusal::new("the file is empty")),
         size if size > most => Err(Refusal::new(format!("it has {size} bytes, more than {most}"))),
         size => Ok(size),
@@ -278,10 +290,17 @@ impl Finder {
         if real.starts_with(&root.real) {
             return Ok(real);
         }
-        let (path, root) = (path.display(), root.real.display());
+        let (path, root) = (shown(path), shown(&root.real));
         Err(Refusal::new(format!("`{path}` lies outside of `{root}`, and only files in there may be read"))
             .help("`--root` says which folder a scene may read from"))
     }
+}
+
+/// A path as it can be shown: a scene may put anything into the names of its files.
+fn shown(path: &Path) -> String {
+    const MOST: usize = 300;
+    let text = path.to_string_lossy();
+    text.chars().take(MOST).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 /// A path without symbolic links, `.` and `..`. What isn't there is taken as it is written, so that the answer doesn't tell

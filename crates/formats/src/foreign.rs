@@ -1,5 +1,8 @@
 //! Files of other kinds, told by their names and their first bytes.
 
+use crate::yaml;
+use straal_scene::is_of_a_scene;
+
 /// What a file with this extension is, if straal knows it and doesn't read it.
 pub(crate) fn kind(extension: &str) -> Option<&'static str> {
     Some(match extension {
@@ -24,29 +27,21 @@ pub(crate) fn kind(extension: &str) -> Option<&'static str> {
     })
 }
 
-/// Whether one of a scene's keys is in a text, as a key.
+/// Whether a text has one of a scene's keys, in whatever letters, or of those that other programs have in their place; or is another
+/// program's scene, which can be said without telling what is in it.
 pub(crate) fn looks_like_a_scene(bytes: &[u8]) -> bool {
-    const KEYS: [&str; 10] = [
-        "camera",
-        "film",
-        "color",
-        "sampler",
-        "integrator",
-        "accel",
-        "materials",
-        "objects",
-        "world",
-        "lights",
-    ];
-    let is_key = |key: &str| {
-        memchr::memmem::find_iter(bytes, key.as_bytes()).any(|at| {
-            let begins = bytes[..at].last().is_none_or(|b| b"\n\r{,\"' \t\xbf".contains(b));
-            let behind = bytes[at + key.len()..].trim_ascii_start();
-            let behind = behind.strip_prefix(b"\"").or_else(|| behind.strip_prefix(b"'")).unwrap_or(behind);
-            begins && behind.trim_ascii_start().first() == Some(&b':')
-        })
-    };
-    KEYS.iter().any(|key| is_key(key))
+    const LONGEST: usize = 24;
+    let text = String::from_utf8_lossy(bytes);
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    let keys = text.match_indices(':').filter_map(|(at, _)| {
+        let before = text[..at].trim_end().trim_end_matches(['"', '\'']);
+        let start = before
+            .rfind(|c: char| !is_word(c))
+            .map_or(0, |i| i + before[i..].chars().next().map_or(1, char::len_utf8));
+        let begins = before[..start].chars().next_back().is_none_or(|c| "\n\r{,\"' \t\u{feff}".contains(c));
+        Some(&before[start..]).filter(|word| begins && !word.is_empty() && word.len() <= LONGEST)
+    });
+    { keys }.any(is_of_a_scene) || yaml::is_of_another_program(&text)
 }
 
 #[cfg(test)]
@@ -62,6 +57,9 @@ mod tests {
             "# a\n\rlights :\n",
             "{accel: bvh, x: 1}",
             "'color' : a",
+            "Camera:\n",
+            "sensor: {}",
+            "LookAt 0 0 5 0 0 0 0 1 0\nWorldBegin\n",
         ] {
             assert!(looks_like_a_scene(text.as_bytes()), "{text}");
         }

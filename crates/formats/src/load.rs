@@ -168,6 +168,17 @@ fn lacking(shortage: &Shortage) -> Diagnostics {
     d
 }
 
+/// Loads what comes without a name, as through a pipe: a scene (YAML or JSON) or a bare mesh, told by how it begins. Files that it
+/// names are looked for in the present folder.
+pub fn load_stream(name: &str, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
+    let Some(extension) = mesh_file::kind_of(bytes) else {
+        return load_bytes(name, bytes, Path::new(""), options);
+    };
+    let path = Path::new(name).with_extension(extension);
+    let read = mesh_file::read(bytes, &path, &options.files, &mut finder(options)?);
+    in_studio(&path, read.map_err(|refusal| cannot_read(&path, refusal))?, &options.studio)
+}
+
 fn only(complaint: Diagnostic) -> Diagnostics {
     let mut d = Diagnostics::default();
     d.push(complaint);
@@ -253,7 +264,8 @@ fn locate(
                 let place = base.display().to_string();
                 let place = if place.is_empty() { "." } else { &place };
                 let looked = format!("files are looked for in the scene's folder, `{place}`");
-                d.push(Diagnostic::error(file.span, message).help(refusal.help.unwrap_or(looked)));
+                let looked = Some(looked).filter(|_| refusal.is_of_the_name());
+                d.push(Diagnostic::error(file.span, message).maybe_help(refusal.help.or(looked)));
                 base.join(&file.value)
             }
         };
@@ -316,7 +328,13 @@ impl Reader<'_> {
             if assets.spectra.contains_key(&file.value) {
                 continue;
             }
-            let Some(bytes) = self.bytes(file, path) else { continue };
+            let bytes = match files::read(path, spd::MOST_BYTES) {
+                Ok(bytes) => bytes,
+                Err(refusal) => {
+                    self.refuse(file, refusal);
+                    continue;
+                }
+            };
             match spd::read(&bytes) {
                 Ok(spectrum) => {
                     assets.spectra.insert(file.value.clone(), Arc::new(spectrum));
@@ -373,7 +391,13 @@ impl Reader<'_> {
         if self.is_too_much(file, length.saturating_add(decoded), IMAGE_HELP) {
             return Default::default();
         }
-        let Some(bytes) = self.bytes(file, path) else { return Default::default() };
+        let bytes = match image::bytes(path, self.limits) {
+            Ok(bytes) => bytes,
+            Err(refusal) => {
+                self.refuse(file, refusal);
+                return Default::default();
+            }
+        };
         match image::surroundings(&bytes, self.limits) {
             Ok((image, notes)) => {
                 for note in notes {
@@ -398,10 +422,6 @@ impl Reader<'_> {
         self.d.push(Diagnostic::error(file.span, shortage.to_string()).help(shortage.help()));
         self.d.lacks_memory = true;
         true
-    }
-
-    fn bytes(&mut self, file: &FileRef, path: &Path) -> Option<Vec<u8>> {
-        files::read(path, self.limits.max_bytes).map_err(|refusal| self.refuse(file, refusal)).ok()
     }
 
     fn refuse(&mut self, file: &FileRef, refusal: Refusal) {
@@ -450,10 +470,18 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     }
     let read =
         mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
+    let libraries = read.libraries.clone();
     ledger.pass(length + mesh_bytes(&read.asset.mesh));
+    let loaded = in_studio(path, read, &options.studio)?;
+    let files = std::iter::once(path.to_path_buf()).chain(libraries).collect();
+    Ok(Loaded { files, peak_bytes: ledger.most(), ..loaded })
+}
+
+/// A mesh with a studio around it.
+fn in_studio(path: &Path, read: MeshFile, studio: &studio::Studio) -> Result<Loaded, Diagnostics> {
     let name = path.display().to_string();
-    let (scene, told) =
-        studio::around(&name, &read.asset, &options.studio).map_err(|problem| fail(Refusal::new(problem)))?;
+    let (scene, told) = studio::around(&name, &read.asset, studio)
+        .map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
     told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
@@ -463,6 +491,6 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    let files = std::iter::once(path.to_path_buf()).chain(read.libraries).collect();
-    Ok(Loaded { scene, assets, warnings, hash, files, text_bytes: 0, peak_bytes: ledger.most() })
+    let peak_bytes = 0;
+    Ok(Loaded { scene, assets, warnings, hash, files: read.libraries, text_bytes: 0, peak_bytes })
 }

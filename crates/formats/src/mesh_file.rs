@@ -30,8 +30,26 @@ pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFil
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     // What has another name is looked at before all of it is read.
     let bytes = files::read_if(path, limits.max_bytes, |head| check(&extension, head))?;
-    if mesh::ply::is_ply(&bytes) {
-        return read_ply(&bytes, limits).map_err(|e| Refusal::new(e.to_string()));
+    read(&bytes, path, limits, finder)
+}
+
+/// The extension of a mesh that has lost its name, by how it begins; `None` when it is no mesh.
+pub fn kind_of(bytes: &[u8]) -> Option<&'static str> {
+    if mesh::ply::is_ply(bytes) {
+        return Some("ply");
+    }
+    const WORDS: [&str; 11] = ["v", "vn", "vt", "f", "o", "g", "s", "l", "mtllib", "usemtl", "vp"];
+    const MOST: usize = 4096;
+    let start = String::from_utf8_lossy(&bytes[..if bytes.len() < MOST { bytes.len() } else { MOST }]);
+    let said = start.lines().map(str::trim).find(|l| !l.is_empty() && !l.starts_with('#'))?;
+    let (word, rest) = said.split_once([' ', '\t'])?;
+    (WORDS.contains(&word) && !rest.trim_start().starts_with(':')).then_some("obj")
+}
+
+/// Reads the bytes of a mesh; the libraries that it names are beside `path`.
+pub fn read(bytes: &[u8], path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFile, Refusal> {
+    if mesh::ply::is_ply(bytes) {
+        return read_ply(bytes, limits).map_err(|e| Refusal::new(e.to_string()));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut shelf = Shelf {
@@ -44,8 +62,8 @@ pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFil
         refusal: None,
     };
     let mut hasher = blake3::Hasher::new();
-    hasher.update(&bytes);
-    let file = mesh::obj::read(&bytes, limits, &mut |name| {
+    hasher.update(bytes);
+    let file = mesh::obj::read(bytes, limits, &mut |name| {
         let library = shelf.library(name)?;
         hasher.update(&library);
         Some(library)
@@ -53,8 +71,6 @@ pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFil
     if let Some(refusal) = shelf.refusal {
         return Err(refusal);
     }
-    let mut libraries: Vec<PathBuf> = shelf.read.into_iter().collect();
-    libraries.sort();
     let file = file.map_err(|e: ReadError| Refusal::new(e.to_string()))?;
     let libraries = shelf.libraries;
     let mut warnings = shelf.told;
@@ -98,6 +114,9 @@ fn check(extension: &str, head: &[u8]) -> Result<(), Refusal> {
     }
 }
 
+/// The largest material library, in bytes.
+const MOST_LIBRARY: u64 = 1 << 28;
+
 /// Where the material libraries of a mesh are.
 struct Shelf<'a> {
     folder: &'a Path,
@@ -137,10 +156,11 @@ impl Shelf<'_> {
             return Some(Vec::new());
         }
         let shown = crate::read_error::quoted(name.as_bytes());
-        match files::read(&found.path, self.limits.max_bytes) {
+        match files::read(&found.path, self.limits.max_bytes.min(MOST_LIBRARY)) {
             Ok(bytes) => {
                 if let Some(instead) = found.instead {
-                    self.tell(format!("there is no material library {shown}: '{instead}' is read"));
+                    let instead = crate::read_error::quoted(instead.as_bytes());
+                    self.tell(format!("there is no material library {shown}: {instead} is read"));
                 }
                 self.read.insert(real);
                 self.libraries.push(found.path);

@@ -7,6 +7,9 @@ use straal_color::spectrum::Spectrum;
 
 use crate::{ReadError, number};
 
+/// The largest file, in bytes: that of [`read`]'s most lines, generously written.
+pub const MOST_BYTES: u64 = 1 << 26;
+
 /// The most lines of a file: a table finer than 0.001 nm is no measurement.
 const MOST: usize = 1_000_000;
 

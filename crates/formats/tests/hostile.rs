@@ -238,7 +238,7 @@ fn pictures() {
         },
     )
     .unwrap();
-    let mut radiance = b"#?RADIANCE\nEXPOSURE=1.5\nFORMAT=32-bit_rle_rgbe\n\n-Y 3 +X 12\n".to_vec();
+    let mut radiance = b"#?RADIANCE\nEXPOSURE=1.5\nCOLORCORR=1 0.9 1\nPRIMARIES=0.7 0.3 0.2 0.7 0.1 0.1 0.31 0.33\nFORMAT=32-bit_rle_rgbe\n\n-Y 3 +X 12\n".to_vec();
     for component in 0..4 {
         if component == 0 {
             radiance.extend([2, 2, 0, 12]);

@@ -62,8 +62,12 @@ impl<'w, I: Integrator> Render<'w, I> {
         }
         if settings.splat {
             film.splat(&world.filter);
+        } else if let Some(weight) = world.filter.signed_weight() {
+            film.control(f64::from(weight));
         }
-        if settings.holds_batches() {
+        if settings.noise.is_some() {
+            film.adapt(settings.holds_batches());
+        } else if settings.holds_batches() {
             film.hold_batches();
         }
         if settings.error {
@@ -309,8 +313,9 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         let sampled = tile.sampled();
         // A tile that was taken up from the middle of a pass may have some of them.
         let indices = indices.start.max(tile.next_sample())..indices.end;
-        let mut names =
-            pixels.filter(|p| sampled.contains(*p)).flat_map(|p| indices.clone().map(move |i| (p, i)));
+        let mut names = { pixels.filter(|p| sampled.is_open(*p)) }
+            .flat_map(|p| indices.clone().map(move |i| (p, i)))
+            .filter(|(p, i)| sampled.contains(*p, *i));
         loop {
             self.names.clear();
             self.names.extend(names.by_ref().take(self.settings.batch.max(1)));
@@ -323,6 +328,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             }
             for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
+                sample.negative = self.weights[k] < 0.0;
                 let light = self.lanes[k].film(&self.world.palette, s.light);
                 sample.rgb = std::array::from_fn(|i| light[i] * self.weights[k] * s.taken[i]);
                 self.bands.clear();

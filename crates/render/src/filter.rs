@@ -3,7 +3,7 @@
 //! By importance sampling (Ernst et al. 2006) a sample's position is drawn in proportion to the filter's absolute height,
 //! so that every sample belongs to one pixel, and a crop or tile never needs its neighbours. Where a filter is negative
 //! the sample's weight is; weights are of one size, the integral of |f| over that of f, so that their mean is known to
-//! be 1 and nothing is divided by their sum.
+//! be 1 and nothing is divided by their sum. What they differ from 1 by in a pixel, by chance, the film takes off.
 
 use std::f64::consts::PI;
 use straal_math::ops;
@@ -36,6 +36,17 @@ impl Filter {
             Self::Separable(f) => {
                 let [x, y] = u.map(|u| f.sample(u));
                 FilterSample { offset: [x.0, y.0], weight: x.1 * y.1 }
+            }
+        }
+    }
+
+    /// The size of the samples' weights where some of them are negative.
+    pub fn signed_weight(&self) -> Option<f32> {
+        match self {
+            Self::Box => None,
+            Self::Separable(f) => {
+                let size = f.weights.first().map_or(1.0, |w| w.abs());
+                f.weights.iter().any(|w| *w < 0.0).then_some(size * size)
             }
         }
     }

@@ -412,6 +412,20 @@ impl Palette {
         self.draw.is_some()
     }
 
+    /// The linear sRGB of the spectrum that a pixel of radiance gets, where lanes are wavelengths.
+    pub(crate) fn colour_of_pixel(&self, rgb: [f32; 3]) -> Option<[f64; 3]> {
+        let table = self.uplift?;
+        let mut bins = [0.0; COUNT];
+        if rgb.iter().any(|v| *v < 0.0) {
+            let light = table.wide().light(rgb);
+            bins.iter_mut().enumerate().for_each(|(b, v)| *v = f64::from(light.at(b) * self.white[b]));
+        } else {
+            let light = table.light(rgb);
+            bins.iter_mut().enumerate().for_each(|(b, v)| *v = f64::from(light.at(b) * self.white[b]));
+        }
+        Some(uplift::rgb_from_xyz(Space::Srgb).apply(Observer::Cie1931.light(&bins)))
+    }
+
     /// Adds a table.
     pub(crate) fn add(&mut self, table: [f32; COUNT]) -> u32 {
         self.spectra.push(table);

@@ -76,6 +76,8 @@ pub struct Settings {
     pub error: bool,
     /// Keeps all layers ([`crate::film::Layers`]), or colours alone.
     pub layers: bool,
+    /// Whether samples are drawn by a filter that has negative lobes.
+    pub signed: bool,
     /// Lets a sample count in all pixels whose filter reaches it, in place of one pixel whose filter it is drawn by.
     pub splat: bool,
     /// Worker threads; 0 for all cores.
@@ -89,9 +91,11 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// By what noise is told: samples that count in several pixels keep no order to be cut into batches by.
+    /// By what noise is told: samples that count in several pixels keep no order to be cut into batches by, and what the weights of
+    /// a filter with negative lobes owe to chance is known for all samples together.
     pub const fn evidence(&self) -> Evidence {
-        if self.splat { Evidence::Spread } else { Evidence::of(self.pattern.kind()) }
+        let apart = self.splat || (self.signed && self.noise.is_none());
+        if apart { Evidence::Spread } else { Evidence::of(self.pattern.kind()) }
     }
 
     /// Whether the film holds batches.
@@ -122,6 +126,8 @@ impl Settings {
             squares,
             layers,
             cost: self.cost,
+            signed: self.signed,
+            adapts: self.noise.is_some(),
         }
     }
 
@@ -141,6 +147,7 @@ impl Settings {
             noise: None,
             error: false,
             layers: true,
+            signed: false,
             splat: false,
             threads: 0,
             batch: 1024,

@@ -3,7 +3,8 @@
 use crate::camera::Camera;
 use crate::filter::Filter;
 use crate::lanes::{Lanes, Palette, Reading, Rgb};
-use crate::light::{Emitter, LightSample, LightTable};
+use crate::light::{Emitter, LightSample, LightTable, Receiver};
+use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, Materials, TexturePoint};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, TriangleMesh};
 use crate::surface::Surface;
@@ -11,7 +12,7 @@ use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
-use straal_math::{Frame, Ray, Vec3};
+use straal_math::{DVec3, Frame, Ray, Vec3};
 use straal_scene::Span;
 
 /// No material of its own: the innermost instance that has one gives it.
@@ -74,6 +75,8 @@ pub struct World {
     pub top_level: Vec<TopLevel>,
     /// Emitters that surround the scene.
     pub(crate) environments: Vec<u32>,
+    /// What of the description's space lies at the world's origin: other than 0 for scenes that lie far from theirs.
+    pub centre: DVec3,
     /// What its author should know of how the description was understood.
     pub notes: Vec<String>,
     /// What can never be hit and was left out.
@@ -120,8 +123,10 @@ impl World {
             // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
             point.n = -point.n;
         }
-        let frame = Frame::from_normal(point.n);
-        Surface { point, frame, material: self.material_of(hit), emitter: look.emitter }
+        let (n, ng) = shading_normal(point.n, point.ng, -ray.d);
+        let frame = Frame::from_normal(n);
+        let ng = ng.map(|ng| frame.to_local(ng));
+        Surface { point, frame, ng, material: self.material_of(hit), emitter: look.emitter }
     }
 
     #[inline]
@@ -201,12 +206,13 @@ impl World {
         self.emitters[emitter as usize].sample(&self.geometry, p, u, &self.reading(lanes))
     }
 
-    /// The density with which light sampling at `p`, its choice of light included, would have found the emitting
+    /// The density with which light sampling at a point, its choice of light included, would have found the emitting
     /// surface that a ray hit.
     #[inline]
-    pub fn light_pdf(&self, emitter: u32, p: Vec3, hit: &Hit, surface: &Surface) -> f32 {
+    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, surface: &Surface) -> f32 {
         let light = &self.emitters[emitter as usize];
-        self.lights.pmf(emitter) * light.pdf_at(&self.geometry, p, hit.primitive, &surface.point)
+        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, &surface.point);
+        if pdf > 0.0 { self.lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 
     /// Bytes held by what grows with the scene: surfaces and their search structure.

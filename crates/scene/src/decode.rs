@@ -5,9 +5,11 @@ use std::borrow::Cow;
 use serde_json::{Map, Value as Json};
 use straal_color::Space;
 
+use crate::alias::{self, Here};
 use crate::desc::{Integrator, Light, Scene};
-use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::limit::Limit;
+use crate::remedy;
 use crate::schema::{Definitions, Properties};
 use crate::span::Span;
 use crate::suggest;
@@ -40,6 +42,9 @@ pub trait Describe: Sized {
 
 /// A type that is read from the keys of a mapping, perhaps beside another's.
 pub trait Fields: Sized {
+    /// Adds the names of its keys.
+    fn names(out: &mut Vec<&'static str>);
+
     /// Reads its own keys.
     fn read_fields(keys: &mut Keys<'_>, d: &mut Decoder) -> Self;
 
@@ -133,11 +138,34 @@ impl Decoder {
 
     /// Notes that a value isn't of the type that is expected.
     pub fn expected(&mut self, what: &str, tree: &Tree) {
+        self.expected_or(what, tree, None);
+    }
+
+    /// The same, with what would be right where that can be told.
+    pub fn expected_or(&mut self, what: &str, tree: &Tree, help: Option<String>) {
         let message = match self.path.last() {
             Some((key, _)) => format!("`{key}` must be {what}, found {}", tree.kind()),
             None => format!("a scene must be {what}, found {}", tree.kind()),
         };
-        self.push(Diagnostic::error(self.place(tree), message).label(format!("expected {what}")));
+        let complaint = Diagnostic::error(self.place(tree), message).label(format!("expected {what}"));
+        self.push(complaint.maybe_help(help));
+    }
+
+    /// Reads what is complained of already: a second complaint would not help.
+    pub fn quietly<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
+        let (mark, wide) = (self.diagnostics.mark(), self.wide.len());
+        let value = read(self);
+        self.diagnostics.rewind(mark);
+        self.wide.truncate(wide);
+        value
+    }
+
+    /// The text of a value as the scene has it, if it is short enough for a message.
+    pub fn quoted(&self, span: Span) -> Option<&str> {
+        const LONGEST: usize = 48;
+        let text = self.diagnostics.sources.quote(span).trim();
+        let is_short = !text.is_empty() && text.len() <= LONGEST && !text.contains(char::is_control);
+        is_short.then_some(text)
     }
 
     /// Where to point for a value: what is left out has no extent, so its key is shown.
@@ -159,17 +187,11 @@ impl Decoder {
     /// A number within `limit`, or `None` after a complaint.
     pub fn number(&mut self, tree: &Tree, limit: Limit) -> Option<f64> {
         let Datum::Number(v) = tree.value else {
-            self.expected("a number", tree);
+            self.expected_or("a number", tree, remedy::number(tree));
             return None;
         };
         if !limit.allows(v) {
-            let range = match v {
-                _ if !v.is_finite() => "finite".to_owned(),
-                _ if !(v as f32).is_finite() => Limit::FINITE.to_string(),
-                _ => limit.to_string(),
-            };
-            let message = format!("`{}` must be {range}, found {}", self.key(), shown(v));
-            self.push(Diagnostic::error(tree.span, message));
+            self.push(Diagnostic::error(tree.span, limit.complaint(self.key(), v)));
             return None;
         }
         Some(v)
@@ -201,18 +223,26 @@ impl Decoder {
     /// Reads a mapping by the keys of `T`, complains of keys that nobody knows, and calls `check` on the whole when
     /// its parts are sound.
     pub fn fields<T: Fields>(&mut self, tree: &Tree, check: fn(&T, &Keys<'_>, &mut Self)) -> T {
-        let mut keys = match &tree.value {
-            Datum::Mapping(entries) => Keys::new(entries, self.owner(tree)),
+        let entries = match &tree.value {
+            Datum::Mapping(entries) => entries.as_slice(),
             // Everything left to its default: `path:` or the bare word `path`.
-            Datum::Null => Keys::new(&[], self.owner(tree)),
+            Datum::Null => &[],
             _ => {
-                self.expected("a mapping of keys to values", tree);
+                let mut names = Vec::new();
+                T::names(&mut names);
+                let help = remedy::mapping(tree, &names).or_else(|| {
+                    let value = self.quoted(tree.span).unwrap_or_default();
+                    remedy::main_key(tree, self.key(), value)
+                });
+                self.expected_or("a mapping of keys to values", tree, help);
                 return T::blank_fields();
             }
         };
         let before = self.diagnostics.errors();
-        let value = T::read_fields(&mut keys, self);
+        let mut keys = Keys::new(entries, self.owner(tree));
+        T::names(&mut keys.names);
         keys.complain_of_unknown(self);
+        let value = T::read_fields(&mut keys, self);
         if self.diagnostics.errors() == before {
             check(&value, &keys, self);
         }
@@ -231,27 +261,48 @@ impl Decoder {
                 (word, tree.span, Cow::Owned(Tree { value: Datum::Null, span: tree.span }))
             }
             Datum::Mapping(entries) => match entries.as_slice() {
-                [entry] => (&entry.key.value, entry.key.span, Cow::Borrowed(&entry.value)),
+                [entry] if !is_type(entry) => (&entry.key.value, entry.key.span, Cow::Borrowed(&entry.value)),
+                [first, second, ..] if !entries.iter().any(is_type) => {
+                    self.push(several(self.key(), first, second, kinds));
+                    return None;
+                }
                 [] => {
                     self.expected(&format!("one of {}", suggest::list(kinds.iter().copied())), tree);
                     return None;
                 }
-                [first, second, ..] => {
-                    self.push(several(first, second, kinds));
+                entries => {
+                    self.push(typed(entries, kinds));
                     return None;
                 }
             },
             _ => {
-                self.expected(&format!("one of {}", suggest::list(kinds.iter().copied())), tree);
+                let help = remedy::choice(tree, kinds);
+                self.expected_or(&format!("one of {}", suggest::list(kinds.iter().copied())), tree, help);
                 return None;
             }
         };
         if let Some(kind) = kinds.iter().find(|k| *k == key) {
             return Some(Choice { kind, span, payload });
         }
-        let message = format!("unknown `{}` in `{}`", suggest::brief(key), self.key());
-        let help = self.help(key, kinds, "it can be", kinds);
-        self.push(Diagnostic::error(span, message).maybe_help(help));
+        let shown = suggest::brief(key).into_owned();
+        if let Some(kind) = kinds.iter().find(|k| suggest::is_same(k, key)) {
+            let help = format!("write `{kind}`: small letters, and `_` between words");
+            self.push(Diagnostic::error(span, format!("`{shown}` is written `{kind}`")).help(help));
+            return Some(Choice { kind, span, payload });
+        }
+        let message = format!("unknown `{shown}` in `{}`", self.key()).replace("`the scene`", "the scene");
+        let complaint = match alias::of_kind(key, kinds) {
+            Some(Here::Called(kind)) => Diagnostic::error(span, format!("`{shown}` is called `{kind}` here"))
+                .help(format!("write `{kind}` in its place")),
+            Some(Here::Write(what)) => Diagnostic::error(span, message).help(to_write(what)),
+            Some(Here::NotYet(what)) => not_yet(span, &shown, what),
+            None => {
+                let colour = remedy::colour_for_material(tree, kinds);
+                let help = colour.or_else(|| self.help(key, kinds, "it can be", kinds));
+                Diagnostic::error(span, message).maybe_help(help)
+            }
+        };
+        self.push(complaint);
         None
     }
 
@@ -296,32 +347,105 @@ impl Choice<'_> {
     }
 }
 
+/// Whether a key says of which kind something is, as other languages do.
+fn is_type(entry: &Entry) -> bool {
+    ["type", "kind"].iter().any(|word| suggest::is_same(&entry.key.value, word))
+}
+
+/// The complaint of a kind that is said by `type`.
+fn typed(entries: &[Entry], kinds: &[&str]) -> Diagnostic {
+    let at = entries.iter().find(|e| is_type(e));
+    let span = at.map_or(Span::NONE, |e| e.key.span);
+    let message = "the kind of a thing is its key here, and all else stands inside";
+    let said = match at.map(|e| &e.value.value) {
+        Some(Datum::String(word)) => word.as_str(),
+        _ => "",
+    };
+    let known = kinds.iter().copied().find(|k| suggest::is_same(k, said));
+    let help = match (known, alias::of_kind(said, kinds)) {
+        (Some(kind), _) | (None, Some(Here::Called(kind))) => {
+            let rest = entries.iter().find(|e| !is_type(e)).map(|e| suggest::brief(&e.key.value));
+            let inside = rest.map_or("...".to_owned(), |key| format!("{key}: ..."));
+            format!("write `{kind}: {{ {inside} }}`")
+        }
+        (None, Some(Here::Write(what))) => to_write(what),
+        (None, Some(Here::NotYet(what))) => format!("not supported yet: {what}"),
+        (None, None) => format!("it can be {}", suggest::list(kinds.iter().copied())),
+    };
+    Diagnostic::error(span, message).help(help)
+}
+
 /// The complaint of two keys where one kind must be chosen.
-fn several(first: &Entry, second: &Entry, kinds: &[&str]) -> Diagnostic {
+fn several(owner: &str, first: &Entry, second: &Entry, kinds: &[&str]) -> Diagnostic {
     let (a, b) = (suggest::brief(&first.key.value), suggest::brief(&second.key.value));
-    let message = format!("`{a}` and `{b}` stand together where one is expected");
     let known = |e: &Entry| kinds.contains(&e.key.value.as_str());
+    if !known(first) && !known(second) {
+        let all = suggest::list(kinds.iter().copied());
+        let nearly = kinds
+            .iter()
+            .find(|k| suggest::is_same(k, &first.key.value) || suggest::is_same(k, &second.key.value));
+        let help = match (nearly, alias::of_kind(&first.key.value, kinds)) {
+            (Some(kind), _) => format!("write `{kind}`, and all else inside of it"),
+            (None, Some(Here::Write(what))) => to_write(what),
+            (None, Some(Here::Called(kind))) => format!("write `{kind}: {{ {b}: ... }}`"),
+            _ => format!(
+                "write the kind around them, such as `{}: {{ {a}: ... }}`; it can be {all}",
+                kinds.first().unwrap_or(&"")
+            ),
+        };
+        let message = format!("`{owner}` must say first of which kind it is, and found `{a}` and `{b}`");
+        return Diagnostic::error(first.key.span, message).help(help);
+    }
+    let message = format!("`{a}` and `{b}` stand together where one is expected");
     let help = if known(first) && known(second) {
         "begin each with a `- ` of its own".to_owned()
     } else if known(first) {
         format!("indent `{b}` to make it a key of `{a}`")
     } else {
-        format!("it can be {}", suggest::list(kinds.iter().copied()))
+        format!("indent `{a}` to make it a key of `{b}`")
     };
     Diagnostic::error(second.key.span, message).related(first.key.span, "the first is here").help(help)
+}
+
+/// How what is to be written is told.
+fn to_write(what: &str) -> String {
+    match what.strip_prefix("nothing: ") {
+        Some(why) => format!("leave it out: {why}"),
+        None if what.starts_with('`') || what.starts_with("a comment") => format!("write {what}"),
+        None => what.to_owned(),
+    }
+}
+
+fn not_yet(span: Span, word: &str, what: &str) -> Diagnostic {
+    Diagnostic::error(span, format!("`{word}` is not supported yet"))
+        .help(format!("straal has no {what} so far"))
 }
 
 /// The keys of a mapping while they are read.
 #[derive(Debug)]
 pub struct Keys<'a> {
     entries: &'a [Entry],
-    known: Vec<&'static str>,
+    /// All that may be there.
+    names: Vec<&'static str>,
     owner: Span,
+    /// What keys that are complained of were meant to be.
+    meant: Vec<Meant<'a>>,
+    /// What a complaint has told to write, so that it need not be missed as well.
+    told: Vec<&'static str>,
+}
+
+/// A key that is wrong, and the name of the right one.
+#[derive(Debug)]
+struct Meant<'a> {
+    entry: &'a Entry,
+    name: &'static str,
+    /// Whether the value is what belongs there, so that what is wrong in it is worth telling.
+    is_sure: bool,
 }
 
 impl<'a> Keys<'a> {
     fn new(entries: &'a [Entry], owner: Span) -> Self {
-        Self { entries, known: Vec::new(), owner }
+        Self { entries, names: Vec::new(), owner, meant: Vec::new(), told: Vec::new() }
     }
 
     /// Reads the value of a key; without it, `default`'s, or a complaint when there is none.
@@ -332,17 +456,26 @@ impl<'a> Keys<'a> {
         default: Option<fn() -> T>,
         d: &mut Decoder,
     ) -> T {
-        self.known.push(key);
-        let found = self.entries.iter().find(|e| e.key.value == key);
-        match (found, default) {
-            (Some(e), _) => d.under(key, e.key.span, |d| T::read(&e.value, limit, d)),
-            (None, Some(default)) => default(),
-            (None, None) => {
+        let exact = self.entries.iter().find(|e| e.key.value == key);
+        if let Some(e) = exact.filter(|_| !self.meant.iter().any(|m| m.name == key)) {
+            return d.under(key, e.key.span, |d| T::read(&e.value, limit, d));
+        }
+        if let Some(Meant { entry: e, is_sure, .. }) = self.meant.iter().find(|m| m.name == key) {
+            let read = |d: &mut Decoder| d.under(key, e.key.span, |d| T::read(&e.value, limit, d));
+            return if *is_sure { read(d) } else { d.quietly(read) };
+        }
+        default.map_or_else(
+            || {
+                let quoted = format!("`{key}`");
+                if self.told.iter().any(|text| text.contains(&quoted)) {
+                    return T::blank();
+                }
                 let message = format!("`{}` needs `{key}`", d.key());
                 d.push(Diagnostic::error(self.owner, message.replace("`the scene`", "the scene")));
                 T::blank()
-            }
-        }
+            },
+            |default| default(),
+        )
     }
 
     /// Where the value of a key stands, or the whole when the key is absent.
@@ -360,26 +493,121 @@ impl<'a> Keys<'a> {
         self.owner
     }
 
-    fn complain_of_unknown(&self, d: &mut Decoder) {
-        let is_absent = |k: &&str| !self.entries.iter().any(|e| e.key.value == **k);
-        let absent: Vec<&str> = self.known.iter().copied().filter(is_absent).collect();
-        for entry in self.entries {
-            let key = entry.key.value.as_str();
-            if self.known.contains(&key) {
+    fn complain_of_unknown(&mut self, d: &mut Decoder) {
+        let mut rest = self.entries;
+        while let [entry, after @ ..] = rest {
+            rest = after;
+            // A list without brackets, `center: 1, 2, 3`, is a key with the first number and then numbers that look like keys.
+            let loose = after.iter().take_while(|e| is_loose_number(e)).count();
+            if loose > 0 && remedy::begins_list(&entry.value) {
+                rest = &after[loose..];
+                let name = self.called(&entry.key.value, d.key());
+                d.push(without_brackets(name.unwrap_or(&entry.key.value), entry, &after[..loose], d));
+                self.meant.extend(name.map(|name| Meant { entry, name, is_sure: false }));
                 continue;
             }
-            let shown = suggest::brief(key);
-            let message =
-                format!("unknown key `{shown}` in `{}`", d.key()).replace("`the scene`", "the scene");
-            let near = d.help(key, &absent, "the keys are", &self.known);
-            let complaint = if d.strictness.lenient {
-                Diagnostic::warning(entry.key.span, message)
+            if self.names.contains(&entry.key.value.as_str()) {
+                continue;
+            }
+            let (complaint, meant, told) = self.unknown(entry, d);
+            // Two keys that are told by one, such as `width` and `height`, need one complaint.
+            if told.is_some_and(|text| self.told.contains(&text)) {
+                continue;
+            }
+            self.told.extend(told);
+            // A guess must not become part of a scene that is rendered.
+            if d.strictness.lenient {
+                d.push(Diagnostic { severity: Severity::Warning, ..complaint });
             } else {
-                Diagnostic::error(entry.key.span, message)
-            };
-            d.push(complaint.maybe_help(near));
+                self.meant.extend(meant);
+                d.push(complaint);
+            }
         }
     }
+
+    /// The name of the key that a word is, or is meant to be.
+    fn called(&self, word: &str, owner: &str) -> Option<&'static str> {
+        let own = self.names.iter().copied().find(|n| suggest::is_same(n, word));
+        own.or_else(|| match alias::of_key(word, owner, &self.names) {
+            Some(Here::Called(name)) => Some(name),
+            _ => None,
+        })
+    }
+
+    /// What is said of a key that nobody knows, what it was meant to be, and what to write in place of it.
+    fn unknown(
+        &self,
+        entry: &'a Entry,
+        d: &Decoder,
+    ) -> (Diagnostic, Option<Meant<'a>>, Option<&'static str>) {
+        let (key, span) = (entry.key.value.as_str(), entry.key.span);
+        let shown = suggest::brief(key);
+        let is_free = |name: &str| {
+            !self.entries.iter().any(|e| e.key.value == name) && !self.meant.iter().any(|m| m.name == name)
+        };
+        let meant = |name: &'static str, is_sure| is_free(name).then_some(Meant { entry, name, is_sure });
+        let instead = |name: &str| {
+            if let Some(other) = self.meant.iter().find(|m| m.name == name) {
+                let other = suggest::brief(&other.entry.key.value);
+                return format!("`{other}` is as well: one `{name}` says both");
+            }
+            if !is_free(name) {
+                return format!("`{name}` is there already: leave one of them out");
+            }
+            // What begins on a line of its own would read badly.
+            let between = Span { start: span.end, end: entry.value.span.start, ..span };
+            let joined = !d.diagnostics.sources.quote(between).contains('\n');
+            match d.quoted(entry.value.span) {
+                Some(value) if joined && entry.value.value != Datum::Null => {
+                    format!("write `{name}: {value}`")
+                }
+                _ => format!("write `{name}` in its place"),
+            }
+        };
+        if let Some(name) = self.names.iter().find(|n| suggest::is_same(n, key)) {
+            let complaint = Diagnostic::error(span, format!("`{shown}` is written `{name}`"));
+            return (complaint.help(instead(name)), meant(name, true), None);
+        }
+        let message = format!("unknown key `{shown}` in `{}`", d.key()).replace("`the scene`", "the scene");
+        match alias::of_key(key, d.key(), &self.names) {
+            Some(Here::Called(name)) => {
+                let complaint = Diagnostic::error(span, format!("`{shown}` is called `{name}` here"));
+                return (complaint.help(instead(name)), meant(name, false), None);
+            }
+            Some(Here::Write(what)) => {
+                return (Diagnostic::error(span, message).help(to_write(what)), None, Some(what));
+            }
+            Some(Here::NotYet(what)) => return (not_yet(span, &shown, what), None, None),
+            None => {}
+        }
+        // What is inside is worth reading, a lone value isn't.
+        let has_parts = matches!(entry.value.value, Datum::Mapping(_) | Datum::Sequence(_));
+        let absent: Vec<&'static str> = self.names.iter().copied().filter(|n| is_free(n)).collect();
+        let near = suggest::nearest(key, absent.iter().copied());
+        let name = near.and_then(|near| absent.iter().copied().find(|n| *n == near));
+        let help = d.help(key, &absent, "the keys are", &self.names);
+        (
+            Diagnostic::error(span, message).maybe_help(help),
+            name.and_then(|name| meant(name, has_parts)),
+            None,
+        )
+    }
+}
+
+/// A key that is a number, perhaps with the end of a bracket, and nothing after it.
+fn is_loose_number(entry: &Entry) -> bool {
+    entry.value.value == Datum::Null && remedy::loose_number(&entry.key.value).is_some()
+}
+
+/// The complaint of a list whose brackets are missing.
+fn without_brackets(name: &str, entry: &Entry, rest: &[Entry], d: &Decoder) -> Diagnostic {
+    let (key, name) = (suggest::brief(&entry.key.value), suggest::brief(name));
+    let span = rest.last().map_or(entry.value.span, |last| entry.value.span.to(last.key.span));
+    // As it was written: a number that is there twice is one key.
+    let text = d.quoted(span).unwrap_or_default();
+    let numbers = text.rsplit(['<', '(']).next().unwrap_or_default().trim_end_matches(['>', ')', ' ']);
+    Diagnostic::error(span, format!("the numbers of `{key}` need brackets around them"))
+        .help(format!("write `{name}: [{numbers}]`"))
 }
 
 /// Reads a scene and checks it as a whole. The scene is only of use when there are no errors among the complaints;
@@ -398,7 +626,12 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
     };
     let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
     let shows_a_chart = matches!(scene.integrator, Integrator::SineProduct);
-    if nothing && !lit_by_all && !shows_a_chart {
+    // A key that is called otherwise here may be what the world was meant to be.
+    let mut names = Vec::new();
+    Scene::names(&mut names);
+    let is_known = |e: &Entry| names.contains(&e.key.value.as_str());
+    let all_known = !matches!(&tree.value, Datum::Mapping(entries) if !entries.iter().all(is_known));
+    if nothing && all_known && !lit_by_all && !shows_a_chart {
         let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
         diagnostics.push(Diagnostic::error(at, "the world is empty: there is nothing to see").help(help));
     }

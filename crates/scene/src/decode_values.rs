@@ -6,14 +6,16 @@ use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Describe};
 use crate::desc::{
-    ColorIn, Formula, Index, Material, MaterialRef, Measured, Spectrum, Step, Transform, check,
+    AxisAngle, ColorIn, Coordinate, Formula, Index, Material, MaterialRef, Measured, Rotation, Spectrum,
+    Step, Transform, check,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
+use crate::remedy;
 use crate::schema::{self, Definitions};
 use crate::span::{Span, Spanned};
 use crate::suggest;
-use crate::tree::{Datum, Tree};
+use crate::tree::{Datum, Entry, Tree};
 use crate::value::{Axis, Color, Depth, Factors, Matrix, Named, Value};
 
 impl Describe for f64 {
@@ -65,7 +67,7 @@ impl Describe for bool {
         match &tree.value {
             Datum::Bool(b) => *b,
             _ => {
-                d.expected("`true` or `false`", tree);
+                d.expected_or("`true` or `false`", tree, remedy::truth(tree));
                 Self::blank()
             }
         }
@@ -130,7 +132,10 @@ impl<T: Describe> Describe for Vec<T> {
         if tree.value == Datum::Null {
             return Self::new();
         }
-        let items = d.list(tree, "a list").unwrap_or(&[]);
+        let Datum::Sequence(items) = &tree.value else {
+            d.expected_or("a list", tree, remedy::list(tree));
+            return Self::new();
+        };
         items.iter().map(|item| T::read(item, limit, d)).collect()
     }
     fn blank() -> Self {
@@ -152,7 +157,7 @@ impl<T: Describe, const N: usize> Describe for [T; N] {
                 std::array::from_fn(|i| T::read(&items[i], limit, d))
             }
             _ => {
-                d.expected(&what, tree);
+                d.expected_or(&what, tree, remedy::several::<N>(tree));
                 Self::blank()
             }
         }
@@ -175,7 +180,7 @@ impl Describe for DVec3 {
                 Self::from_array(std::array::from_fn(|i| f64::read(&items[i], limit, d)))
             }
             _ => {
-                d.expected("three numbers `[x, y, z]`", tree);
+                d.expected_or("three numbers `[x, y, z]`", tree, remedy::vector(tree));
                 Self::blank()
             }
         }
@@ -191,14 +196,32 @@ impl Describe for DVec3 {
     }
 }
 
+/// A point of which it matters where it was said.
+impl Describe for Spanned<DVec3> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        Self::new(DVec3::read(tree, limit, d), tree.span)
+    }
+    fn blank() -> Self {
+        DVec3::blank().into()
+    }
+    fn write(&self) -> Json {
+        self.value.write()
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        DVec3::schema(limit, defs)
+    }
+}
+
 impl Describe for Color {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
-            Datum::Number(_) => Self::grey(f64::read(tree, limit, d)),
-            Datum::Sequence(items) if items.len() == 3 => {
-                Self(std::array::from_fn(|i| f64::read(&items[i], limit, d)))
-            }
-            Datum::String(s) if Self::from_hex(s).is_some() => Self::from_hex(s).unwrap_or_default(),
+            Datum::Number(_) => Self::grey(components([tree], tree, limit, d).map_or(1.0, |[v]| v)),
+            Datum::Sequence(items) => match items.as_slice() {
+                [r, g, b] => components([r, g, b], tree, limit, d).map_or_else(Self::blank, Self),
+                _ => Self::not_one(tree, d),
+            },
+            Datum::String(s) => Self::from_hex(s).unwrap_or_else(|| Self::not_one(tree, d)),
+            Datum::Mapping(_) if remedy::colour(tree).is_some() => Self::not_one(tree, d),
             Datum::Mapping(_) => {
                 let before = d.diagnostics.errors();
                 let given = ColorIn::read(tree, limit, d);
@@ -211,17 +234,11 @@ impl Describe for Color {
             }
             Datum::Null => {
                 let message = format!("`{}` must be a colour, found nothing", d.key());
-                let help = "put '#rrggbb' in quotes: without them `#` begins a comment";
+                let help = "write '#rrggbb' in quotes, `[r, g, b]`, or a number for a grey";
                 d.push(Diagnostic::error(d.place(tree), message).help(help));
                 Self::blank()
             }
-            _ => {
-                d.expected(
-                    "a colour (a number, `[r, g, b]`, '#rrggbb' or a form such as `{ xyz: [x, y, z] }`)",
-                    tree,
-                );
-                Self::blank()
-            }
+            Datum::Bool(_) => Self::not_one(tree, d),
         }
     }
     fn blank() -> Self {
@@ -244,9 +261,45 @@ impl Describe for Color {
     }
 }
 
+impl Color {
+    fn not_one(tree: &Tree, d: &mut Decoder) -> Self {
+        let forms = "a colour (a number, `[r, g, b]`, '#rrggbb' or a form such as `{ xyz: [x, y, z] }`)";
+        d.expected_or(forms, tree, remedy::colour(tree));
+        Self::blank()
+    }
+}
+
+/// The numbers of a colour, or `None` after one complaint about all of them.
+fn components<const N: usize>(
+    items: [&Tree; N],
+    whole: &Tree,
+    limit: Limit,
+    d: &mut Decoder,
+) -> Option<[f64; N]> {
+    let mut values = [0.0; N];
+    for (v, item) in values.iter_mut().zip(items) {
+        let Datum::Number(n) = item.value else {
+            d.number(item, limit);
+            return None;
+        };
+        *v = n;
+    }
+    let wrong = (0..N).find(|&i| !limit.allows(values[i]));
+    let Some(i) = wrong else { return Some(values) };
+    let v = values[i];
+    let is_bright = limit.max == 1.0 && v > 1.0 && v.is_finite();
+    let message = limit.complaint(d.key(), v);
+    let help = is_bright.then(|| remedy::too_bright(&values, d.diagnostics.sources.quote(whole.span)));
+    d.push(Diagnostic::error(items[i].span, message).maybe_help(help));
+    None
+}
+
 impl Describe for Spectrum {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
+            Datum::String(s) if illuminant::by_name(s).is_none() && remedy::colour(tree).is_some() => {
+                Self::Rgb(Color::read(tree, limit, d))
+            }
             Datum::String(s) if !s.starts_with('#') => {
                 let name = Spanned::new(s.clone(), tree.span);
                 let found = illuminant::by_name(s).is_some();
@@ -346,7 +399,10 @@ impl<T: Describe> Describe for Named<T> {
                 }
             }
             Datum::Null => {}
-            _ => d.expected("a mapping of names to descriptions", tree),
+            _ => {
+                d.expected_or("a mapping of names to descriptions", tree, remedy::named(tree));
+                out = Self::unreadable();
+            }
         }
         out
     }
@@ -486,6 +542,63 @@ impl Describe for Matrix {
     }
 }
 
+/// `{ axis: y, degrees: 30 }`, or `{ y: 30 }` in short.
+impl Describe for Rotation {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Mapping(entries) => {
+                if let [Entry { key, value }] = entries.as_slice()
+                    && let Some(axis) = Coordinate::KINDS.iter().find(|k| **k == key.value)
+                {
+                    let degrees = d.under(axis, key.span, |d| f64::read(value, limit, d));
+                    return Self { axis: Axis(axis_of(axis)), degrees };
+                }
+                // Several axes, or axes in other letters.
+                if let Some(help) = remedy::turn(tree) {
+                    let message = format!("`{}` turns about one axis", d.key());
+                    d.push(Diagnostic::error(tree.span, message).help(help));
+                    return Self::blank();
+                }
+                let AxisAngle { axis, degrees } = AxisAngle::read(tree, limit, d);
+                Self { axis, degrees }
+            }
+            _ => {
+                d.expected_or("an axis and an angle, such as `{ y: 30 }`", tree, remedy::turn(tree));
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self { axis: Axis::blank(), degrees: 0.0 }
+    }
+    fn write(&self) -> Json {
+        AxisAngle { axis: self.axis, degrees: self.degrees }.write()
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        let long = AxisAngle::schema(limit, defs);
+        defs.refer("Rotation", |_| {
+            let mut choices = schema::Choices::default();
+            for (axis, docs) in [
+                ("x", "About the x axis, in degrees."),
+                ("y", "About the y axis, in degrees."),
+                ("z", "About the z axis, in degrees."),
+            ] {
+                choices.payload(axis, &[docs], schema::number("number", limit), false);
+            }
+            choices.or(long, "About any axis.");
+            choices.into_schema(&["A turn, counter-clockwise seen from the axis' tip."])
+        })
+    }
+}
+
+fn axis_of(name: &str) -> DVec3 {
+    match name {
+        "x" => DVec3::X,
+        "y" => DVec3::Y,
+        _ => DVec3::Z,
+    }
+}
+
 impl Describe for Transform {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         let before = d.diagnostics.errors();
@@ -497,6 +610,10 @@ impl Describe for Transform {
                 entries.first().map(|_| Step::read(tree, limit, d)).into_iter().collect()
             }
             Datum::Mapping(entries) => {
+                if entries.iter().all(|e| !Step::KINDS.iter().any(|k| suggest::is_same(k, &e.key.value))) {
+                    Step::read(tree, limit, d);
+                    return Self::default();
+                }
                 let message = "the steps of a transform have an order, so they must be a list";
                 d.push(
                     Diagnostic::error(entries[1].key.span, message)
@@ -537,7 +654,8 @@ impl Describe for MaterialRef {
             Datum::Mapping(_) => Self::Inline(Material::read(tree, limit, d)),
             _ => {
                 let kinds = suggest::list(Material::KINDS.iter().copied());
-                d.expected(&format!("the name of a material, or one of {kinds}"), tree);
+                let help = remedy::choice(tree, Material::KINDS);
+                d.expected_or(&format!("the name of a material, or one of {kinds}"), tree, help);
                 Self::blank()
             }
         }

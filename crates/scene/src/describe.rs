@@ -27,6 +27,11 @@ macro_rules! describe {
         describe!(@default $T { $( $f $(= $default)?, )* } { $( $flat: $Flat )? });
 
         impl $crate::decode::Fields for $T {
+            fn names(out: &mut Vec<&'static str>) {
+                out.extend([$( stringify!($f) ),*]);
+                $( <$Flat as $crate::decode::Fields>::names(out); )?
+            }
+
             fn read_fields(keys: &mut $crate::decode::Keys<'_>, d: &mut $crate::decode::Decoder) -> Self {
                 Self {
                     $( $f: keys.field(

@@ -91,6 +91,14 @@ impl Diagnostic {
     }
 }
 
+/// How much was complained of at some time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mark {
+    list: usize,
+    dropped: usize,
+    errors: usize,
+}
+
 /// Complaints and the texts they point into.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
@@ -117,6 +125,17 @@ impl Diagnostics {
         } else {
             self.dropped += 1;
         }
+    }
+
+    /// How much was complained of so far, for [`Diagnostics::rewind`].
+    pub(crate) fn mark(&self) -> Mark {
+        Mark { list: self.list.len(), dropped: self.dropped, errors: self.errors }
+    }
+
+    /// Forgets what was complained of since.
+    pub(crate) fn rewind(&mut self, mark: Mark) {
+        self.list.truncate(mark.list);
+        (self.dropped, self.errors) = (mark.dropped, mark.errors);
     }
 
     /// Whether further complaints are only counted, so that help with them is wasted.

@@ -105,7 +105,7 @@ pub fn count(scene: &Scene, assets: &Assets) -> Contents {
         kept: walk.kept,
         visible,
         spaces: walk.spaces,
-        mesh_files: once(assets.meshes.values().map(|a| &a.mesh)).map(|mesh| mesh_bytes(mesh)).sum(),
+        mesh_files: once(assets.meshes.values().map(|a| &a.mesh)).map(mesh_bytes).sum(),
         image_files: once(assets.images.values()).map(|image| 12 * image.pixels.len() as u64).sum(),
         surroundings,
         description: description_bytes(scene),

@@ -4,7 +4,9 @@
 //! from a tree of spanned values and checked by one piece of code that collects every complaint and goes on.
 #![forbid(unsafe_code)]
 
+mod alias;
 pub mod assets;
+mod css;
 pub mod decode;
 mod decode_values;
 pub mod desc;
@@ -15,6 +17,7 @@ pub mod image;
 pub mod limit;
 pub mod memory;
 pub mod mesh;
+mod remedy;
 pub mod schema;
 pub mod span;
 pub mod suggest;
@@ -22,6 +25,7 @@ pub mod tree;
 pub mod validate;
 pub mod value;
 
+pub use alias::is_of_a_scene;
 pub use assets::{Assets, MeshAsset, PartMaterial};
 pub use desc::Scene;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};

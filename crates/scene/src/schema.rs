@@ -82,6 +82,11 @@ impl Choices {
         self.list.push(described(docs, one));
     }
 
+    /// Adds a choice that is described elsewhere.
+    pub fn or(&mut self, schema: Json, docs: &str) {
+        self.list.push(described(&[docs], schema));
+    }
+
     /// The schema of the enum.
     pub fn into_schema(self, docs: &[&str]) -> Json {
         described(docs, json!({ "oneOf": self.list }))

@@ -101,7 +101,10 @@ impl Sources {
     /// Keeps a text under the name by which messages call it.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
         let text = text.into();
-        let starts = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| clamp(i + 1));
+        // A line ends in a line feed, a carriage return or both.
+        let bytes = text.as_bytes();
+        let ends = |i: usize| bytes[i] == b'\n' || bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n');
+        let starts = (0..bytes.len()).filter(|&i| ends(i)).map(|i| clamp(i + 1));
         let lines = std::iter::once(0).chain(starts).collect();
         self.files.push(File { name: name.into(), text, lines });
         FileId(clamp(self.files.len() - 1))

@@ -25,6 +25,11 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.map(|b| b.1)
 }
 
+/// Whether two words differ in case, `-` and `_` only.
+pub fn is_same(a: &str, b: &str) -> bool {
+    fold(a).eq(fold(b))
+}
+
 /// "did you mean `x`?" for the nearest candidate.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     nearest(word, candidates).map(|c| format!("did you mean `{}`?", brief(c)))
@@ -51,7 +56,7 @@ pub fn brief(word: &str) -> Cow<'_, str> {
 }
 
 /// Case, `-` and `_` don't tell words apart.
-fn fold(word: &str) -> impl Iterator<Item = char> {
+pub(crate) fn fold(word: &str) -> impl Iterator<Item = char> {
     word.chars().filter(|c| !matches!(c, '_' | '-' | ' ')).flat_map(char::to_lowercase)
 }
 

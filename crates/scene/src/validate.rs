@@ -2,6 +2,8 @@
 
 use straal_math::{Affine, Transform as Rounded};
 
+use crate::alias::{self, Here};
+use crate::css;
 use crate::desc::{
     Environment, Group, Instance, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Surface,
     Transform,
@@ -9,7 +11,7 @@ use crate::desc::{
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{FileRef, Name, Value};
+use crate::value::{Color, FileRef, Name, Value};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -200,7 +202,8 @@ impl Walk<'_> {
 
     fn instance(&mut self, of: &Name) {
         // What couldn't be read has been complained of.
-        if of.is_empty() || self.scene.objects.get(of).is_some() {
+        let objects = &self.scene.objects;
+        if of.is_empty() || objects.is_unreadable() || objects.get(of).is_some() {
             return;
         }
         let names = || self.scene.objects.iter().map(|(n, _)| n.value.as_str());
@@ -210,13 +213,35 @@ impl Walk<'_> {
     }
 
     fn material(&mut self, name: &Name) {
-        if name.is_empty() || self.scene.materials.get(name).is_some() {
+        let materials = &self.scene.materials;
+        if name.is_empty() || materials.is_unreadable() || materials.get(name).is_some() {
             return;
         }
         let names = || self.scene.materials.iter().map(|(n, _)| n.value.as_str());
         let help = self.near(name, names()).unwrap_or_else(|| {
             if Material::KINDS.contains(&name.value.as_str()) {
                 format!("to use a material without naming it, write `material: {{ {}: {{}} }}`", name.value)
+            } else if let Some(code) = css::code(name) {
+                format!(
+                    "for one of that colour write `material: {{ diffuse: {{ reflectance: '#{code:06x}' }} }}`"
+                )
+            } else if Color::from_hex(name).is_some() {
+                format!(
+                    "for one of that colour write `material: {{ diffuse: {{ reflectance: '{}' }} }}`",
+                    name.value
+                )
+            } else if let Some(here) = alias::of_kind(name, Material::KINDS) {
+                match here {
+                    Here::Called(kind) => format!(
+                        "`{name}` is called `{kind}` here: write `material: {{ {kind}: {{}} }}`",
+                        name = name.value
+                    ),
+                    Here::Write(what) if what.starts_with('`') => {
+                        format!("write `material: {{ ... }}` with {what}")
+                    }
+                    Here::Write(what) => what.to_owned(),
+                    Here::NotYet(what) => format!("not supported yet: {what}"),
+                }
             } else {
                 available("materials", names())
             }
@@ -336,7 +361,14 @@ impl Walk<'_> {
     /// Placements must have an inverse together with all the groups around them.
     fn placement(&mut self, node: &Node, outer: &Affine) {
         // What is wrong by itself has been complained of.
-        let Some(own) = node.transform().affine() else { return };
+        let Some(local) = node.transform().affine() else { return };
+        let Some(own) = node.placement() else {
+            if let (Some(_), Some(target)) = (Rounded::new(&local), node.look_at()) {
+                let message = "`look_at` is where this stands, so there is no direction to look in";
+                self.d.push(Diagnostic::error(target.span, message));
+            }
+            return;
+        };
         let all = own.then(outer);
         if Rounded::new(&all).is_none() {
             let message = "together with the groups around it, this transform is singular or leaves the range of numbers";

@@ -107,15 +107,26 @@ pub enum Depth {
 pub struct Named<T> {
     entries: Vec<(Name, T)>,
     index: BTreeMap<String, usize>,
+    unreadable: bool,
 }
 
 impl<T> Default for Named<T> {
     fn default() -> Self {
-        Self { entries: Vec::new(), index: BTreeMap::new() }
+        Self { entries: Vec::new(), index: BTreeMap::new(), unreadable: false }
     }
 }
 
 impl<T> Named<T> {
+    /// What stands in for things that were complained of as a whole: that one isn't there is no complaint of its own.
+    pub(crate) fn unreadable() -> Self {
+        Self { unreadable: true, ..Self::default() }
+    }
+
+    /// Whether it stands in for things that couldn't be read.
+    pub(crate) fn is_unreadable(&self) -> bool {
+        self.unreadable
+    }
+
     /// Adds a thing; one of the same name is replaced.
     pub fn insert(&mut self, name: Name, thing: T) {
         if let Some(&i) = self.index.get(&name.value) {

@@ -3,9 +3,11 @@
 use crate::focus::{self, Blur, NoBlur};
 use crate::look::{Bits, Gamma, Look, Negative, to_screen};
 use crate::picture::{ERROR, Format, LOOK, Picture, SaveError, with_look, write_png};
+use std::borrow::Cow;
+use std::io;
 use std::path::Path;
 use straal_color::{RgbSpace, Tone};
-use straal_formats::image::exr::{self, Layer, Window};
+use straal_formats::image::exr::{self, Layer};
 use straal_formats::image::{self, Faults, Photo, hdr, pfm, png};
 use straal_formats::{Limits, ReadError, atomic};
 use straal_scene::Image;
@@ -66,8 +68,9 @@ impl Plate {
         picture.data_window = photo.part;
         picture.space = Some(photo.space_or_srgb());
         picture.layers.push(Layer::from_rgb("", &photo.pixels));
-        // The fingerprint is of the film, from which a screen's picture or another layer was made.
-        photo.story.retain(|(key, _)| key != FILM_HASH);
+        // The fingerprint is of the film, from which a screen's picture or another layer was made, and of other layers nothing is left.
+        let is_of_others = |key: &str| [FILM_HASH, ERROR].contains(&key) || exr::is_spectral_attribute(key);
+        photo.story.retain(|(key, _)| !is_of_others(key));
         if photo.format == image::Format::Png {
             // What was done to the light before stays told, but is not to be done again.
             photo.story.retain(|(key, _)| key != DEVELOPED);
@@ -167,38 +170,36 @@ impl Plate {
     /// keeps all layers, HDR and PFM have linear sRGB.
     pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
         let format = Format::of(path)?;
-        let mut story = with_look(&self.picture.metadata, look);
-        if format == Format::Exr {
-            atomic::write(path, |mut file| {
-                exr::write(&mut file, &exr::Picture { metadata: story, ..self.picture.clone() })
-            })?;
-            return Ok(());
-        }
-        let (image, at) = self.shown();
-        let Image { width, height, pixels } = &image;
-        atomic::write(path, |mut file| {
-            if format == Format::Png {
-                story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
-                let negative = Negative { pixels, width: *width, at, space: self.space() };
-                return write_png(&mut file, &negative, look, &story);
-            }
-            let matrix = to_screen(&self.space());
-            let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));
-            let image = Image { width: *width, height: *height, pixels: pixels.iter().map(srgb).collect() };
-            if format == Format::Hdr { hdr::write(&mut file, &image) } else { pfm::write(&mut file, &image) }
-        })?;
+        atomic::write(path, |file| self.write(file, format, look))?;
         Ok(())
     }
 
-    /// What a format without windows shows, and where its first pixel lies in the whole: a crop of straal by itself, as a render writes
-    /// it, and any other picture as its frame.
-    fn shown(&self) -> (Image, [u32; 2]) {
-        let Photo { part: Window { x, y, width, height }, ref pixels, size, .. } = self.photo;
-        if self.photo.is_crop() {
-            let image = Image { width, height, pixels: pixels.clone() };
-            return (image, [x as u32, y as u32]);
+    /// Writes the picture in that format to what takes bytes, such as a pipe.
+    pub fn write(&self, out: &mut dyn io::Write, format: Format, look: &Look) -> io::Result<()> {
+        let mut story = with_look(&self.picture.metadata, look);
+        if format == Format::Exr {
+            return exr::write(out, &exr::Picture { metadata: story, ..self.picture.clone() });
         }
-        (image::framed(pixels, self.photo.part, size), [0, 0])
+        let (pixels, [width, height], at) = self.shown();
+        if format == Format::Png {
+            story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
+            let negative = Negative { pixels: &pixels, width, at, space: self.space() };
+            return write_png(out, &negative, look, &story);
+        }
+        let matrix = to_screen(&self.space());
+        let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));
+        let image = Image { width, height, pixels: pixels.iter().map(srgb).collect() };
+        if format == Format::Hdr { hdr::write(out, &image) } else { pfm::write(out, &image) }
+    }
+
+    /// What a format without windows shows, its size, and where its first pixel lies in the whole: a crop of straal by itself, as a render
+    /// writes it, and any other picture as its frame.
+    fn shown(&self) -> (Cow<'_, [[f32; 3]]>, [usize; 2], [u32; 2]) {
+        let Photo { part, ref pixels, size, .. } = self.photo;
+        if self.photo.is_crop() || self.photo.is_whole() {
+            return (Cow::Borrowed(pixels), [part.width, part.height], [part.x as u32, part.y as u32]);
+        }
+        (Cow::Owned(image::framed(pixels, part, size).pixels), size, [0, 0])
     }
 }
 

@@ -548,6 +548,7 @@ impl Plan {
             noise,
             error: wish.error.unwrap_or(true),
             layers: wish.layers.unwrap_or(true),
+            signed: !splat && scene.film.filter.is_signed(),
             splat,
             threads: wish.threads.unwrap_or(0),
             batch: wish.batch.unwrap_or(1024),

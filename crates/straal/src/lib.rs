@@ -35,7 +35,7 @@ pub use look::{Bits, Gamma, Look};
 pub use picture::{CostMeasure, Picture};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
-pub use straal_formats::load::{Loaded, Options as LoadOptions, is_mesh, load, load_str};
+pub use straal_formats::load::{Loaded, Options as LoadOptions, is_mesh, load, load_str, load_stream};
 pub use straal_formats::studio::{self, Studio};
 pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};

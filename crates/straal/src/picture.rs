@@ -95,6 +95,19 @@ pub enum Format {
 }
 
 impl Format {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Exr, Self::Png, Self::Hdr, Self::Pfm];
+
+    /// The name's extension.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Exr => "exr",
+            Self::Png => "png",
+            Self::Hdr => "hdr",
+            Self::Pfm => "pfm",
+        }
+    }
+
     /// By the name's extension.
     pub fn of(path: &Path) -> Result<Self, SaveError> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
@@ -122,11 +135,17 @@ impl Picture {
     /// tells the look in its story, so that it can be developed again.
     pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
         let format = Format::of(path)?;
-        atomic::write(path, |mut file| match format {
+        atomic::write(path, |file| self.write(file, format, look))?;
+        Ok(())
+    }
+
+    /// Writes the picture in that format to what takes bytes, such as a pipe.
+    pub fn write(&self, out: &mut dyn io::Write, format: Format, look: &Look) -> io::Result<()> {
+        match format {
             Format::Exr => {
                 let picture = self.to_exr();
                 let metadata = with_look(&picture.metadata, look);
-                exr::write(&mut file, &exr::Picture { metadata, ..picture })
+                exr::write(out, &exr::Picture { metadata, ..picture })
             }
             Format::Png => {
                 let negative = Negative {
@@ -135,12 +154,11 @@ impl Picture {
                     at: self.crop.min,
                     space: self.space,
                 };
-                write_png(&mut file, &negative, look, &with_look(&self.story, look))
+                write_png(out, &negative, look, &with_look(&self.story, look))
             }
-            Format::Hdr => hdr::write(&mut file, &self.to_srgb()),
-            Format::Pfm => pfm::write(&mut file, &self.to_srgb()),
-        })?;
-        Ok(())
+            Format::Hdr => hdr::write(out, &self.to_srgb()),
+            Format::Pfm => pfm::write(out, &self.to_srgb()),
+        }
     }
 
     /// Writes what the searches cost as a PNG in false colours with a legend.

@@ -147,6 +147,10 @@ impl Kept {
         if !about.is_file() {
             return Err(wrong("it is not a plain file".into()));
         }
+        // Files of the kernel tell no length either, and some of them wait for ever.
+        if about.len() == 0 {
+            return Err(wrong("the file is empty".into()));
+        }
         let file = File::open(path).map_err(failed)?;
         let cut = |e: io::Error| match e.kind() {
             io::ErrorKind::UnexpectedEof => {
@@ -308,12 +312,16 @@ impl std::fmt::Display for Stamp {
             let numbers: Vec<String> = self.held.mean_squares.iter().map(f64::to_string).collect();
             writeln!(f, "mean_squares {}", numbers.join(" "))?;
         }
+        if let Some(weight) = self.held.weight {
+            writeln!(f, "weight {weight}")?;
+        }
         let held = &self.held;
         for (key, is_held) in [
             ("splats", held.splats),
             ("batches", held.batches),
             ("squares", held.squares),
             ("guides", held.guides),
+            ("halves", held.halves),
             ("midway", self.is_midway),
         ] {
             if is_held {
@@ -389,6 +397,11 @@ impl Stamp {
             batches: fact("batches").is_some(),
             squares: fact("squares").is_some(),
             guides: fact("guides").is_some(),
+            weight: match fact("weight") {
+                None => None,
+                Some(value) => Some(value.parse().ok().filter(|w: &f64| w.is_finite() && *w >= 1.0)?),
+            },
+            halves: fact("halves").is_some(),
             mean_squares,
         };
         let error = match fact("error") {

@@ -82,6 +82,9 @@ fn snippet(page: &str, of: &str) -> Result<String, Failure> {
         None => text.lines().filter(|l| !l.trim().starts_with("# ANCHOR")).collect(),
     };
     let language = file.rsplit('.').next().unwrap_or_default();
+    let indent = |l: &&str| l.len() - l.trim_start().len();
+    let common = part.iter().filter(|l| !l.trim().is_empty()).map(indent).min().unwrap_or(0);
+    let part: Vec<&str> = part.iter().map(|l| l.get(common..).unwrap_or_default()).collect();
     Ok(format!("```{language}\n{}\n```\n", part.join("\n").trim_end()))
 }
 

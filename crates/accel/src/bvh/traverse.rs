@@ -161,6 +161,32 @@ pub(super) fn take(mask: &mut u32) -> usize {
     lane
 }
 
+impl Bvh {
+    /// The hit of each ray of the world, searched together; `hits` is as long as `rays`.
+    #[inline(always)]
+    pub(crate) fn closest_many<K: Kernel>(
+        &self,
+        q: &mut Query<'_, K, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        hits: &mut [Hit],
+    ) {
+        self.slice::<K, false>(q, group, rays, |i, hit| hits[i] = hit);
+    }
+
+    /// Whether each ray of the world hits anything, searched together; `blocked` is as long as `rays`.
+    #[inline(always)]
+    pub(crate) fn occluded_many<K: Kernel>(
+        &self,
+        q: &mut Query<'_, K, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        blocked: &mut [bool],
+    ) {
+        self.slice::<K, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
+    }
+}
+
 impl Search for Bvh {
     #[inline(always)]
     fn closest<K: Kernel, const COUNT: bool>(
@@ -231,28 +257,6 @@ impl Search for Bvh {
             }
             child = stack.pop();
         }
-    }
-
-    #[inline(always)]
-    fn closest_many<K: Kernel>(
-        &self,
-        q: &mut Query<'_, K, false>,
-        group: &GroupData,
-        rays: &[Ray],
-        hits: &mut [Hit],
-    ) {
-        self.slice::<K, false>(q, group, rays, |i, hit| hits[i] = hit);
-    }
-
-    #[inline(always)]
-    fn occluded_many<K: Kernel>(
-        &self,
-        q: &mut Query<'_, K, false>,
-        group: &GroupData,
-        rays: &[Ray],
-        blocked: &mut [bool],
-    ) {
-        self.slice::<K, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
     }
 
     fn memory_bytes(&self) -> usize {

@@ -35,7 +35,7 @@ use crate::{
     query::Query,
     scene::Scene,
     slab,
-    structure::{Place, Search, each},
+    structure::{Place, Searcher},
 };
 use descent::Descent;
 use lines::Lines;
@@ -468,12 +468,13 @@ fn occluded_one_by_one<K: Kernel>(
     }
 }
 
-/// `Kernel::closest_slice` without the change of instruction set.
+/// `Kernel::closest_slice` without the change of instruction set. The textbook's structures search one ray after the other.
 #[inline(always)]
 fn closest_rays<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
     let group = &scene.groups[0];
+    let Searcher::Bvh(bvh) = &group.searcher else { return kernel.closest_each(scene, shapes, rays, hits) };
     let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
-    each!(&group.searcher, s => s.closest_many(&mut q, group, rays, hits));
+    bvh.closest_many(&mut q, group, rays, hits);
 }
 
 /// `Kernel::occluded_slice` without the change of instruction set.
@@ -486,8 +487,11 @@ fn occluded_rays<K: Kernel>(
     blocked: &mut [bool],
 ) {
     let group = &scene.groups[0];
+    let Searcher::Bvh(bvh) = &group.searcher else {
+        return kernel.occluded_each(scene, shapes, rays, blocked);
+    };
     let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
-    each!(&group.searcher, s => s.occluded_many(&mut q, group, rays, blocked));
+    bvh.occluded_many(&mut q, group, rays, blocked);
 }
 
 #[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]

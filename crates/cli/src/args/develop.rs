@@ -1,11 +1,14 @@
 //! What `straal develop` takes.
 
 use super::LookArgs;
+use super::heading::TALK;
+use super::parsers::picture_format;
 use crate::exit;
 use crate::quantity;
 use clap::Args;
 use std::path::PathBuf;
 use straal::focus::Lens;
+use straal::picture::Format;
 
 pub(super) const DEVELOP_ABOUT: &str = "\
 Develops a picture again, without rendering: exposure, tone curve, gamut, gamma and dithering of a PNG. PICTURE is an EXR, \
@@ -26,12 +29,16 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = DEVELOP_EXAMPLES, after_long_help = format!("{DEVELOP_EXAMPLES}\n\n{}", exit::TABLE))]
 pub struct DevelopArgs {
-    /// The picture to develop
+    /// The picture to develop; - for standard input
     pub picture: PathBuf,
 
-    /// Where the developed picture goes: .png, .exr, .hdr or .pfm; may be given several times
+    /// Where the developed picture goes: .png, .exr, .hdr or .pfm, or - for standard output; may be given several times
     #[arg(short, long = "output", value_name = "PICTURE", required = true)]
     pub output: Vec<PathBuf>,
+
+    /// The format of what goes to standard output; png when absent
+    #[arg(long, value_name = "FORMAT", value_parser = picture_format())]
+    pub format: Option<Format>,
 
     /// Develop this layer of an EXR as if it were the picture, and leave out the others: its name, or the last part of it
     #[arg(long, value_name = "NAME", conflicts_with = "depth_of_field")]
@@ -52,6 +59,10 @@ pub struct DevelopArgs {
     pub fov: Option<f64>,
 
     /// Say nothing but errors
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = TALK)]
     pub quiet: bool,
+
+    /// Print one JSON object on standard output at the end
+    #[arg(long, help_heading = TALK)]
+    pub json: bool,
 }

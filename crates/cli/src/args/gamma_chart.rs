@@ -16,4 +16,8 @@ pub struct GammaChartArgs {
     /// Where the chart goes, a PNG
     #[arg(short, long, value_name = "PICTURE", default_value = "gamma-chart.png")]
     pub output: PathBuf,
+
+    /// Print one JSON object on standard output at the end
+    #[arg(long)]
+    pub json: bool,
 }

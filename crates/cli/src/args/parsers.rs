@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::marker::PhantomData;
 use std::str::FromStr;
+use straal::picture::Format;
 use straal::{CostMeasure, search};
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::Observer;
@@ -91,6 +92,10 @@ pub(super) fn build() -> impl TypedValueParser<Value = Build> {
 
 pub(super) fn measure() -> impl TypedValueParser<Value = CostMeasure> {
     named(CostMeasure::ALL.map(|m| (m.name(), m)).to_vec())
+}
+
+pub(super) fn picture_format() -> impl TypedValueParser<Value = Format> {
+    named(Format::ALL.map(|f| (f.name(), f)).to_vec())
 }
 
 pub(super) fn isa() -> impl TypedValueParser<Value = Isa> {

@@ -1,13 +1,14 @@
 //! What `straal render` takes.
 
 use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
-use super::parsers::{StructureParser, build, isa, measure, pattern};
+use super::parsers::{StructureParser, build, isa, measure, pattern, picture_format};
 use super::{LookArgs, StudioArgs};
 use crate::exit;
 use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
+use straal::picture::Format;
 use straal::{CostMeasure, Recording};
 use straal_accel::{Build, Isa, Structure};
 use straal_math::lowdisc::PatternKind;
@@ -35,6 +36,7 @@ Examples:
   straal render scene.yaml --spp 4 --size 320x180 --crop 100,50,200,120
   straal render scene.yaml -o a.exr --resume    goes on where it was cut off
   straal render scene.yaml --json --quiet | jq .film_hash
+  make-scene | straal render - -o - > a.png     from standard input, to standard output
   straal render scene.yaml -o a.exr --spp 16 --replicates 16
                                                 a picture that knows its own variance, for `straal diff`";
 
@@ -42,14 +44,18 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = RENDER_EXAMPLES, after_long_help = format!("{RENDER_EXAMPLES}\n\n{}", exit::TABLE))]
 pub struct RenderArgs {
-    /// The scene or mesh; an embedded scene when absent
+    /// The scene or mesh; - for standard input, an embedded scene when absent
     pub scene: Option<PathBuf>,
 
     /// Where the picture goes: .exr (linear, all layers), .png, .hdr or .pfm; may be given several times
     ///
-    /// When absent, the scene's name with .png in the current folder.
+    /// When absent, the scene's name with .png in the current folder; - is standard output.
     #[arg(short, long = "output", value_name = "PICTURE", help_heading = PICTURE)]
     pub output: Vec<PathBuf>,
+
+    /// The format of what goes to standard output, for -o -; png when absent
+    #[arg(long, value_name = "FORMAT", value_parser = picture_format(), hide_short_help = true, help_heading = PICTURE)]
+    pub format: Option<Format>,
 
     /// Width and height of the whole picture, such as 640x360
     #[arg(long, value_name = "WxH", value_parser = quantity::size, help_heading = PICTURE)]

@@ -47,7 +47,7 @@ pub struct SamplerArgs {
     #[arg(long, value_name = "SHAPE", default_value = "square", value_parser = quantity::shape)]
     pub map: Shape,
 
-    /// Print one JSON array on standard output instead
+    /// Print one JSON object on standard output instead
     #[arg(long)]
     pub json: bool,
 }

@@ -286,6 +286,7 @@ mod tests {
                 "no option `--samples-per-pixel`",
                 "called `--spp` here",
             ),
+            ("straal render a.yaml --samples 64", "samples per pixel are `--spp 64`", "`--help` tells more"),
             ("straal render a.yaml --width 640", "no option `--width`", "`--size 640x360`"),
             ("straal render a.yaml -w 640", "no option `-w`", "`--size 640x360`"),
             ("straal render a.yaml --outfile a.png", "no option `--outfile`", "`--output picture.png`"),

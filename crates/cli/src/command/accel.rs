@@ -1,6 +1,6 @@
 //! `straal accel`
 
-use super::{print, refused};
+use super::{load, print, refused};
 use crate::args::AccelArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -23,7 +23,7 @@ pub fn run(args: &AccelArgs, start: Instant) -> Result<Exit, Failure> {
         memory: request.memory,
         ..LoadOptions::default()
     };
-    let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
+    let loaded = load(&args.scene, &options)?;
     refuse_inputs(args.html.as_deref(), &loaded.files)?;
     if !args.quiet {
         out::say(&complaint::show(&loaded.warnings, out::has_colours()));

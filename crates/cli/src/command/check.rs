@@ -1,6 +1,6 @@
 //! `straal check`
 
-use super::{print, refused, warn};
+use super::{load, print, refused, warn};
 use crate::args::CheckArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -17,7 +17,7 @@ pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
     let wish = overrides(args)?;
     let options =
         LoadOptions { lenient: args.lenient, root: args.root.clone(), memory, ..LoadOptions::default() };
-    let loaded = straal::load(&args.scene, &options).map_err(Failure::scene)?;
+    let loaded = load(&args.scene, &options)?;
     let mut warnings = loaded.warnings.clone();
     let needs = straal::forecast(&loaded, &wish).map_err(|e| refused(e, &warnings))?;
     let shortage = needs.refuse(memory);

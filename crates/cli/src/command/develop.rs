@@ -1,10 +1,11 @@
 //! `straal develop`
 
-use super::{Writing, read_bytes};
+use super::{Writing, print, read_picture};
 use crate::args::{DevelopArgs, LookArgs};
 use crate::exit::{Exit, Failure};
 use crate::out;
-use crate::places::{check_output, refuse_inputs, refuse_twins};
+use crate::places::{check_pictures, format_of, refuse_inputs, refuse_twins};
+use serde_json::json;
 use std::path::PathBuf;
 use straal::develop::Plate;
 use straal::focus::Blur;
@@ -24,12 +25,9 @@ fn warn(args: &DevelopArgs, plate: &Plate) {
 
 /// Develops a picture again.
 pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
-    let mut has_png = false;
-    for path in &args.output {
-        let format = Format::of(path).map_err(|e| Failure::input(e.to_string()))?;
-        has_png |= matches!(format, Format::Png | Format::Exr);
-        check_output(path)?;
-    }
+    let stream = check_pictures(&args.output, args.format, args.json)?;
+    let shows = |o: &PathBuf| matches!(format_of(o, stream), Some(Format::Png | Format::Exr));
+    let has_png = args.output.iter().any(shows);
     let outputs = || args.output.iter().map(PathBuf::as_path);
     refuse_twins(outputs())?;
     refuse_inputs(outputs(), std::slice::from_ref(&args.picture))?;
@@ -37,7 +35,7 @@ pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
         out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
     }
     let name = args.picture.display();
-    let bytes = read_bytes(&args.picture)?;
+    let bytes = read_picture(&args.picture)?;
     let limits = super::picture_limits();
     let plate = match &args.layer {
         Some(layer) => Plate::read_layer(&bytes, &limits, layer),
@@ -60,12 +58,17 @@ pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
     let look = args.look.over(plate.look());
     let mut writing = Writing::default();
     for path in &args.output {
-        writing.note(path, plate.save(path, &look));
+        writing.picture(path, |to| plate.write(to, stream, &look), |path| plate.save(path, &look));
     }
     writing.end()?;
     if !args.quiet {
         let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
         out::say(&format!("wrote {}\n", names.join(", ")));
+    }
+    if args.json {
+        let names: Vec<_> = args.output.iter().map(|p| p.to_string_lossy()).collect();
+        let report = json!({ "pictures": names, "size": plate.size(), "look": look.to_string(), "notes": plate.notes() });
+        print(&format!("{report:#}\n"))?;
     }
     Ok(Exit::Fine)
 }

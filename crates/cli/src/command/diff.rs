@@ -1,9 +1,10 @@
 //! `straal diff`
 
-use super::{print, read_bytes};
+use super::{print, read_picture};
 use crate::args::DiffArgs;
 use crate::exit::{Exit, Failure};
 use crate::out;
+use crate::quantity::grouped;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
@@ -32,14 +33,17 @@ pub fn run(args: &DiffArgs) -> Result<Exit, Failure> {
     b.bring_to(a.photo.space_or_srgb());
     let tails = if args.heavy_tails { Tails::Heavy } else { Tails::Light };
     let (sheet_a, sheet_b) = (a.cut(region), b.cut(region));
+    let identical = sheet_a.is_same(&sheet_b);
     let found =
         compare(sheet_a.estimate(), sheet_b.estimate(), tails).map_err(|e| Failure::input(e.to_string()))?;
     if args.json {
-        print(&format!("{:#}\n", as_json(&found, region)))?;
+        print(&format!("{:#}\n", as_json(&found, identical, region)))?;
+    } else if identical {
+        print(&(told_region(region) + &tell_identical(&found)))?;
     } else {
         print(&(told_region(region) + &tell(&found)))?;
     }
-    Ok(if found.differs { Exit::Differ } else { Exit::Fine })
+    Ok(if found.differs && !identical { Exit::Differ } else { Exit::Fine })
 }
 
 /// A picture as it is compared.
@@ -104,7 +108,7 @@ fn cut(photo: &Photo, region: Option<Window>) -> Image {
 
 impl Picture {
     fn read(path: &Path) -> Result<Self, Failure> {
-        let bytes = read_bytes(path)?;
+        let bytes = read_picture(path)?;
         Self::from_bytes(&bytes).map_err(|e| Failure::input(format!("can't read {}: {e}", path.display())))
     }
 
@@ -132,6 +136,11 @@ impl Picture {
             notes.push(format!(
                 "it was developed (exposure {exposure}, tone {tone}): it is compared as it is shown"
             ));
+        }
+        if self.photo.encoding.as_ref().is_some_and(|encoding| encoding.bits < 16) {
+            notes.push(
+                "it has 8 bits a channel: its light is rounded, by up to half a 255th of the signal".into(),
+            );
         }
         notes
     }
@@ -168,6 +177,13 @@ impl Picture {
 }
 
 impl Sheet {
+    /// Whether the pixels are the same to the last bit, those that are no numbers as well.
+    fn is_same(&self, o: &Self) -> bool {
+        let bits = |p: &[f32; 3]| p.map(f32::to_bits);
+        let size = |s: &Self| (s.image.width, s.image.height);
+        size(self) == size(o) && self.image.pixels.iter().map(bits).eq(o.image.pixels.iter().map(bits))
+    }
+
     fn estimate(&self) -> Estimate<'_> {
         Estimate { dof: self.dof, ..Estimate::new(&self.image, self.variance.as_ref()) }
     }
@@ -227,6 +243,17 @@ fn tell(c: &Comparison) -> String {
     text
 }
 
+/// For people, of pictures that have nothing to compare.
+fn tell_identical(c: &Comparison) -> String {
+    let [width, height] = c.size;
+    let wrong = match c.non_finite {
+        0 => String::new(),
+        1 => "; 1 pixel is infinite or not a number, in both".to_owned(),
+        n => format!("; {} pixels are infinite or not a number, in both", grouped(n as u64)),
+    };
+    format!("the pictures are identical: all {width} x {height} pixels are the same to the last bit{wrong}\n")
+}
+
 fn tell_tally(t: &Tally) -> String {
     if t.tested == 0 {
         return "none with noise".into();
@@ -240,7 +267,7 @@ fn tell_tally(t: &Tally) -> String {
 }
 
 /// For scripts. Numbers that are infinite or NaN become `null`.
-fn as_json(c: &Comparison, region: Option<Window>) -> Json {
+fn as_json(c: &Comparison, identical: bool, region: Option<Window>) -> Json {
     let tally = |t: &Tally| {
         json!({
             "tested": t.tested, "beyond": t.beyond, "worst_t": t.worst_t, "worst_at": t.worst_at,
@@ -248,8 +275,9 @@ fn as_json(c: &Comparison, region: Option<Window>) -> Json {
         })
     };
     json!({
-        "differ": c.differs,
-        "reasons": c.reasons,
+        "differ": c.differs && !identical,
+        "identical": identical,
+        "reasons": if identical { &[] } else { c.reasons.as_slice() },
         "size": c.size,
         "part": region.map(|w| json!([w.x, w.y, w.width, w.height])),
         "means": c.means,

@@ -1,9 +1,11 @@
 //! `straal gamma-chart`
 
+use super::print;
 use crate::args::GammaChartArgs;
 use crate::exit::{Exit, Failure};
 use crate::out;
 use crate::places::check_output;
+use serde_json::json;
 use straal::gamma_chart;
 use straal::picture::{Format, SaveError};
 
@@ -19,5 +21,8 @@ pub fn run(args: &GammaChartArgs) -> Result<Exit, Failure> {
     let saved: Result<(), SaveError> = gamma_chart::chart().save(path, &[]);
     saved.map_err(|e| Failure::system(e.to_string()))?;
     out::say(&format!("wrote {}\n", path.display()));
+    if args.json {
+        print(&format!("{:#}\n", json!({ "pictures": [path.to_string_lossy()] })))?;
+    }
     Ok(Exit::Fine)
 }

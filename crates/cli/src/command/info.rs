@@ -1,6 +1,6 @@
 //! `straal info`
 
-use super::{print, read_bytes};
+use super::{print, read_picture};
 use crate::args::InfoArgs;
 use crate::exit::{Exit, Failure};
 use serde_json::{Map, Value as Json, json};
@@ -97,7 +97,7 @@ pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
     if sums::is_named(&args.picture) {
         return tell_sums(args);
     }
-    let bytes = read_bytes(&args.picture)?;
+    let bytes = read_picture(&args.picture)?;
     let story =
         read(&bytes).map_err(|e| Failure::input(format!("can't read {}: {e}", args.picture.display())))?;
     if args.json {
@@ -330,6 +330,8 @@ mod tests {
         let want = "\
 picture           2 x 1 pixels
 colours           linear RGB; the file doesn't say of which primaries
+note              a number of the pixel 1, 0 is no number (NaN)
+note              a number of the pixel 1, 0 is infinite
 B                 2.0000e-5 .. 2.0000e-5, mean 2.0000e-5, 1 infinite
 G                 1 .. 1, mean 1, 1 NaN
 R                 0.25 .. 0.75, mean 0.5

@@ -1,6 +1,6 @@
 //! `straal metamer`
 
-use super::{print, read_bytes};
+use super::{not_read, print};
 use crate::args::MetamerArgs;
 use crate::exit::{Exit, Failure};
 use crate::places::refuse_inputs;
@@ -8,7 +8,7 @@ use serde_json::{Map, Value as Json, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use straal_color::spectrum::{Bins, FIRST, Quantity, illuminant, metamer, refraction, uplift::Uplift};
-use straal_formats::{atomic, spd};
+use straal_formats::{atomic, files, spd};
 use straal_scene::suggest::{did_you_mean, list};
 use straal_scene::value::Color;
 
@@ -81,7 +81,7 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
         );
         return Err(Failure::input(format!("there is no spectrum {typed}")).help(near.unwrap_or(forms)));
     }
-    let bytes = read_bytes(path)?;
+    let bytes = files::read(path, spd::MOST_BYTES).map_err(|refusal| not_read(path, refusal))?;
     let spectrum = spd::read(&bytes).map_err(|e| Failure::input(format!("can't read {typed}: {e}")))?;
     let bins = spectrum.bins(Quantity::Reflectance);
     if spectrum.peak() > 1.0 {

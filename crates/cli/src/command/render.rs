@@ -1,6 +1,6 @@
 //! `straal render`
 
-use super::{Writing, print, refused, warn};
+use super::{Writing, load, print, refused, warn};
 use crate::args::RenderArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -25,7 +25,7 @@ use straal_formats::atomic;
 /// Renders a scene; `start` is when the command began.
 pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
-    let loaded = load(&settings)?;
+    let loaded = scene(&settings)?;
     refuse_inputs(settings.written(), &loaded.files)?;
     let scene = settings.write_scene.is_some().then(|| scene_text(&loaded, &settings)).transpose()?;
     let mut warnings = loaded.warnings.clone();
@@ -68,7 +68,14 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         writing.note(path, done);
     }
     for path in &settings.outputs {
-        writing.note(path, interrupt.whole(|| outcome.picture.save(path, &look)));
+        let picture = &outcome.picture;
+        interrupt.whole(|| {
+            writing.picture(
+                path,
+                |to| picture.write(to, settings.format, &look),
+                |path| picture.save(path, &look),
+            );
+        });
     }
     if let Some((path, of)) = &settings.cost_picture {
         writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
@@ -98,7 +105,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
     Ok(if interrupted.is_some() { Exit::Interrupted } else { Exit::Fine })
 }
 
-fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
+fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
     let options = LoadOptions {
         lenient: settings.lenient,
         root: settings.root.clone(),
@@ -107,10 +114,10 @@ fn load(settings: &RenderSettings) -> Result<Loaded, Failure> {
         ..LoadOptions::default()
     };
     match &settings.scene {
-        Some(path) => straal::load(path, &options),
-        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options),
+        Some(path) => load(path, &options),
+        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options)
+            .map_err(Failure::scene),
     }
-    .map_err(Failure::scene)
 }
 
 /// The scene as a file of its own, with all that was said on the command line.
@@ -150,7 +157,8 @@ fn render(
         limit: settings.time.map(|t| t.saturating_sub(rendering - start).as_secs_f64()),
         ..Pace::default()
     };
-    let mut teller = Teller::new(rendering, pace, settings.quiet);
+    let teller = Teller::new(rendering, pace, settings.quiet);
+    let mut teller = if settings.replicates.is_some() { teller.of_replicates() } else { teller };
     interrupt.render_begins(teller.announcer());
     teller.announcer().say(&begins(job));
     if let Some(noise) = job.settings.noise {

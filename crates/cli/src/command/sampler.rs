@@ -49,7 +49,7 @@ pub fn run(args: &SamplerArgs) -> Result<Exit, Failure> {
     }
     if args.json {
         let all: Vec<Json> = found.iter().map(|(kind, f)| as_json(*kind, args.count, f)).collect();
-        print(&format!("{:#}\n", json!(all)))?;
+        print(&format!("{:#}\n", json!({ "patterns": all })))?;
     } else {
         print(&tell(args.count, &found))?;
     }

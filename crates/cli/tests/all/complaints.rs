@@ -62,7 +62,7 @@ fn a_good_scene_is_forecast() {
     assert_eq!(folder.names(), ["scene.yaml"]);
     let memory = folder.json("check scene.yaml")["memory_bytes"].clone();
     let bytes = |key: &str| memory[key].as_u64().unwrap();
-    let parts = ["program", "scene", "geometry", "search", "images", "film", "layers", "threads"].map(bytes);
+    let parts = ["program", "geometry", "search", "images", "film", "layers", "threads"].map(bytes);
     assert!(parts.iter().sum::<u64>() <= bytes("total") + bytes("building"));
     assert!(bytes("film") >= 24 * 16 * 64);
     let film =

@@ -15,3 +15,4 @@ mod places;
 mod render;
 mod sampler;
 mod studio;
+mod words;

@@ -9,6 +9,7 @@
 pub mod bands;
 pub mod illuminant;
 mod interpolation;
+pub mod metal;
 pub mod metamer;
 pub mod observer;
 pub mod refraction;

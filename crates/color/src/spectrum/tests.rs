@@ -128,8 +128,7 @@ fn daylight_by_formula_is_that_of_the_tables() {
     }
 }
 
-/// Chromaticities of fluorescent lamps as CIE 15:2018 prints them: summed every 5 nm, which lines of mercury feel. Of FL10
-/// it prints x of FL8, 0.3458; its own table gives 0.3461, and the printed y.
+/// Chromaticities of fluorescent lamps as CIE 15:2018 prints them: summed every 5 nm, which lines of mercury feel.
 #[test]
 fn fluorescent_lamps_are_the_cies() {
     let printed = [
@@ -142,7 +141,7 @@ fn fluorescent_lamps_are_the_cies() {
         ("FL7", [0.3129, 0.3292]),
         ("FL8", [0.3458, 0.3586]),
         ("FL9", [0.3741, 0.3727]),
-        ("FL10", [0.3461, 0.3588]),
+        ("FL10", [0.3458, 0.3588]),
         ("FL11", [0.3805, 0.3769]),
         ("FL12", [0.4370, 0.4042]),
     ];
@@ -375,5 +374,38 @@ fn metals_have_their_colours() {
     };
     assert!(reflected("gold", 650.0) > 0.95 && reflected("Gold", 450.0) < 0.45);
     assert!(reflected("silver", 450.0) > 0.95 && reflected("copper", 650.0) > 0.9);
+    // By optical constants: electron-loss data have tungsten as bright as silver.
+    assert!((reflected("tungsten", 589.0) - 0.51).abs() < 0.01);
+    assert!((reflected("platinum", 589.0) - 0.74).abs() < 0.01);
     assert!(refraction::metal("unobtainium").is_none());
+}
+
+/// Single values of CIE 15:2018, table 6, which other tables that go round have otherwise.
+#[test]
+fn fluorescent_lamps_have_the_values_of_the_cie() {
+    for (name, nm, want) in [
+        ("FL10", 605.0, 8.31),
+        ("FL10", 385.0, 0.80),
+        ("FL5", 690.0, 1.48),
+        ("FL6", 625.0, 8.95),
+        ("FL9", 530.0, 10.78),
+        ("FL12", 390.0, 0.40),
+    ] {
+        let lamp = illuminant::by_name(name).unwrap();
+        // Scaled to a luminance of 1: the table is told by a value beside it.
+        let scale = at_400(name) / lamp.at(400.0, Quantity::Emission);
+        let got = lamp.at(nm, Quantity::Emission) * scale;
+        assert!((got - want).abs() < 1e-9, "{name} at {nm} nm: {got}");
+    }
+}
+
+/// Relative power at 400 nm by the same table.
+fn at_400(name: &str) -> f64 {
+    match name {
+        "FL5" => 5.10,
+        "FL6" => 3.11,
+        "FL9" => 2.59,
+        "FL10" => 1.48,
+        _ => 1.19,
+    }
 }

@@ -115,7 +115,7 @@ impl Picture {
         let (pixels, space) = match choice.kind {
             Kind::Rgb => (triples()?, self.space),
             Kind::Xyz => (triples()?, Some(RgbSpace::XYZ)),
-            Kind::Chroma => (self.from_chroma(triples()?), self.space),
+            Kind::Chroma => (self.chroma_as_rgb(triples()?), self.space),
             Kind::Grey => {
                 let channel = choice.channels.first().and_then(|name| layer().ok()?.channel(name));
                 (channel.ok_or_else(missing)?.iter().map(|&y| [y; 3]).collect(), self.space)
@@ -131,7 +131,7 @@ impl Picture {
 
     /// Luminance Y and the differences RY = R / Y - 1 and BY = B / Y - 1 as R, G and B, by how bright each of the file's primaries
     /// is (OpenEXR, *Technical Introduction*, 'Luminance/Chroma Images').
-    fn from_chroma(&self, mut pixels: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
+    fn chroma_as_rgb(&self, mut pixels: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
         let [red, green, blue] = self.space.unwrap_or(Space::Srgb.rgb()).luminance();
         for pixel in &mut pixels {
             let [y, ry, by] = pixel.map(f64::from);

@@ -177,7 +177,8 @@ impl Header {
                 let at = |k: usize| Chromaticity { x: told[2 * k], y: told[2 * k + 1] };
                 let all = RgbSpace { primaries: [0, 1, 2].map(at), white: at(3) };
                 space = Some(all.recognised()).filter(RgbSpace::is_sound);
-                if space.is_none() {
+                // Many files of panoramas have noughts there, which say nothing.
+                if space.is_none() && told != [0.0; 8] {
                     notes.push("its PRIMARIES make no sense: those of sRGB are taken".into());
                 }
             } else if let Some(value) = line.strip_prefix(b"GAMMA=")

@@ -74,6 +74,8 @@ impl Header {
         /// Enough for nearly every file, and for those with a small picture in their header.
         const STEPS: [u64; 2] = [1 << 16, 1 << 24];
         let told = |e: std::io::Error| ReadError::file(e.to_string());
+        // A pipe, or a file of the kernel, would keep its readers waiting.
+        crate::files::size(path, limits.max_bytes).map_err(|refusal| ReadError::file(refusal.problem))?;
         let mut file = File::open(path).map_err(told)?;
         let mut bytes = Vec::new();
         for (i, most) in STEPS.into_iter().enumerate() {

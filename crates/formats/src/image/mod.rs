@@ -10,8 +10,11 @@ pub mod png;
 pub use header::{Format, Header, header};
 pub use photo::{Fault, Faults, Photo, framed, surroundings};
 
+use std::path::Path;
+
 use straal_scene::Image;
 
+use crate::files::{self, Refusal};
 use crate::{Limits, ReadError};
 
 /// Reads a picture as linear RGB with the primaries of sRGB: the whole of it, black where it has no pixels. The format is told
@@ -20,4 +23,11 @@ use crate::{Limits, ReadError};
 /// What was guessed or couldn't be honoured is in the notes of a [`Photo`]; this is its picture alone.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
     Ok(Photo::read(bytes, limits)?.to_srgb())
+}
+
+/// The bytes of a file that begins as a picture does; of any other no more than its beginning is read.
+pub fn bytes(path: &Path, limits: &Limits) -> Result<Vec<u8>, Refusal> {
+    files::read_if(path, limits.max_bytes, |head| {
+        Format::of(head).map(|_| ()).map_err(|e| Refusal::new(e.to_string()))
+    })
 }

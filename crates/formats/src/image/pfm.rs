@@ -26,12 +26,15 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
     };
     let decode = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
     let rows = body.as_chunks::<4>().0[..samples].chunks_exact(width * channels).rev();
-    let pixels = if channels == 3 {
-        rows.flat_map(|row| row.as_chunks::<3>().0).map(|pixel| pixel.map(decode)).collect()
-    } else {
-        rows.flatten().map(|&grey| [decode(grey); 3]).collect()
-    };
-    Ok(Image { width, height, pixels })
+    let mut light = Vec::with_capacity(pixels);
+    for row in rows {
+        if channels == 3 {
+            light.extend(row.as_chunks::<3>().0.iter().map(|pixel| pixel.map(decode)));
+        } else {
+            light.extend(row.iter().map(|&grey| [decode(grey); 3]));
+        }
+    }
+    Ok(Image { width, height, pixels: light })
 }
 
 /// What the header promises.

@@ -137,9 +137,17 @@ fn told(error: png::DecodingError) -> ReadError {
     ReadError::file(format!("the PNG file is damaged: {error}"))
 }
 
+/// Keywords and texts, as much of them as anybody reads: some can be unpacked to a thousand times the file.
 fn texts(info: &png::Info<'_>) -> Vec<(String, String)> {
-    let texts = info.utf8_text.iter();
-    texts.filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?))).collect()
+    let mut left: usize = 1 << 24;
+    let mut text = |chunk: &png::text_metadata::ITXtChunk| {
+        let mut chunk = chunk.clone();
+        chunk.decompress_text_with_limit(left).ok()?;
+        let text = chunk.get_text().ok()?;
+        left = left.checked_sub(text.len())?;
+        Some((chunk.keyword, text))
+    };
+    info.utf8_text.iter().filter_map(&mut text).collect()
 }
 
 /// How the codes of a PNG become light.

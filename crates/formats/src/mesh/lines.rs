@@ -24,18 +24,24 @@ impl<'a> Lines<'a> {
         Self { rest, number: 0, is_trusted: false, has_painted: false }
     }
 
-    fn next_raw(&mut self) -> Option<&'a [u8]> {
+    /// The next line, and whether there is a `#` in it.
+    fn next_raw(&mut self) -> Option<(&'a [u8], bool)> {
         if self.rest.is_empty() {
             return None;
         }
-        let length = memchr::memchr2(b'\n', b'\r', self.rest).unwrap_or(self.rest.len());
+        let mut length = memchr::memchr3(b'\n', b'\r', b'#', self.rest).unwrap_or(self.rest.len());
+        let has_hash = self.rest.get(length) == Some(&b'#');
+        if has_hash {
+            let behind = &self.rest[length..];
+            length += memchr::memchr2(b'\n', b'\r', behind).unwrap_or(behind.len());
+        }
         let (line, rest) = self.rest.split_at(length);
         self.rest = match rest {
             [b'\r', b'\n', rest @ ..] | [_, rest @ ..] => rest,
             [] => rest,
         };
         self.number += 1;
-        Some(line.trim_ascii())
+        Some((line.trim_ascii(), has_hash))
     }
 }
 
@@ -43,28 +49,31 @@ impl<'a> Iterator for Lines<'a> {
     type Item = Statement<'a>;
 
     fn next(&mut self) -> Option<Statement<'a>> {
+        let end_of_code =
+            |line: &[u8], has_hash: bool| if has_hash { number::comment(line) } else { line.len() };
         loop {
-            let mut line = Cow::Borrowed(self.next_raw()?);
+            let (line, has_hash) = self.next_raw()?;
             let number = self.number;
             if line.is_empty() || line[0] == b'#' {
                 self.has_painted |= line.starts_with(b"#MRGB ");
                 continue;
             }
-            let mut code = number::comment(&line);
+            let mut line = Cow::Borrowed(line);
+            let mut code = end_of_code(&line, has_hash);
             // A backslash in a comment, such as that of a path, joins nothing.
             while line.last() == Some(&b'\\') && code == line.len() {
                 let joined = line.to_mut();
                 joined.pop();
                 joined.push(b' ');
                 code = joined.len();
-                let Some(more) = self.next_raw() else { break };
+                let Some((more, has_hash)) = self.next_raw() else { break };
                 joined.extend(more);
-                code += number::comment(more);
+                code += end_of_code(more, has_hash);
             }
             let (text, code) = match line {
-                Cow::Borrowed(line) => match String::from_utf8_lossy(line) {
-                    Cow::Borrowed(text) => (Cow::Borrowed(text), code),
-                    Cow::Owned(text) => owned(text),
+                Cow::Borrowed(line) => match std::str::from_utf8(line) {
+                    Ok(text) => (Cow::Borrowed(text), code),
+                    Err(_) => owned(String::from_utf8_lossy(line).into_owned()),
                 },
                 Cow::Owned(line) => owned(String::from_utf8_lossy(&line).into_owned()),
             };

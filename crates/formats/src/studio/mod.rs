@@ -106,7 +106,7 @@ pub enum Background {
 }
 
 /// What the paper of the sweep reflects.
-const PAPER: f64 = 0.75;
+const PAPER: f64 = 0.62;
 
 /// The scene around a mesh, which goes by `name` in its assets, and what was guessed; what is wrong when there is nothing to see.
 pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Vec<Diagnostic>), String> {
@@ -169,7 +169,13 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
     });
     let mesh = if has_own {
         let material = named(finish.name());
-        Node::Group(Group { material, children: vec![mesh], transform: Transform::default(), name: None })
+        Node::Group(Group {
+            material,
+            children: vec![mesh],
+            transform: Transform::default(),
+            look_at: None,
+            name: None,
+        })
     } else {
         mesh
     };
@@ -192,6 +198,7 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
         transform: Transform { steps: vec![turn], ..Transform::default() },
         material: named("paper").filter(|_| wish.background != Background::Nothing),
         children: set,
+        look_at: None,
         name: None,
     });
     let sky = Light::Environment(Environment {
@@ -289,8 +296,8 @@ fn lamps() -> Vec<Node> {
         Viewpoint { eye: DVec3::new(0.0, 6.5, -3.0), target: DVec3::new(0.0, 1.5, -9.0), up: DVec3::Y };
     vec![
         lamp(DVec3::new(-3.8, 4.4, 2.4), [1.6, 1.6], 9.5),
-        lamp(DVec3::new(4.8, 2.2, 2.8), [1.4, 2.2], 0.9),
-        lamp(DVec3::new(2.2, 4.0, -3.4), [1.8, 0.7], 12.0),
+        lamp(DVec3::new(4.8, 2.2, 2.8), [1.4, 2.2], 0.6),
+        lamp(DVec3::new(2.2, 4.0, -3.4), [1.8, 0.7], 11.0),
         softbox(wall, [5.0, 0.5], 7.0),
     ]
 }

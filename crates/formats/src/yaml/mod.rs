@@ -3,13 +3,16 @@
 //! Broken syntax ends the reading at the first error. What is well formed but has no place in a scene (a key twice,
 //! a tag, a merge key) is complained of and passed over.
 
+mod other;
 mod scalar;
 mod write;
 
+pub(crate) use other::is_of_another_program;
 pub use scalar::resolve;
 pub use write::write;
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use saphyr_parser::{Event, Parser, ScalarStyle, Span as Marks, Tag};
 use straal_scene::diagnostic::start_of;
@@ -38,6 +41,10 @@ pub fn read(file: FileId, limits: &Limits, d: &mut Diagnostics) -> Option<Tree> 
         let span = span(file, at, at + c.len_utf8());
         let message = format!("the control character U+{:04X} has no place in a text file", c as u32);
         d.push(Diagnostic::error(span, message));
+        return None;
+    }
+    if let Some(complaint) = other::program(file, &text) {
+        d.push(complaint);
         return None;
     }
     let mut builder = Builder {
@@ -74,7 +81,12 @@ pub fn read(file: FileId, limits: &Limits, d: &mut Diagnostics) -> Option<Tree> 
                 let at = span(file, at, end);
                 // The parser looks ahead, and has a limit of its own.
                 let deep = e.info().contains("recursion limit");
-                builder.d.push(if deep { too_deep(at, limits) } else { syntax(at, e.info()) });
+                builder.d.push(match comment_for_colour(&text[..end]) {
+                    _ if deep => too_deep(at, limits),
+                    // It takes away what would have closed a bracket.
+                    Some(colour) => in_quotes(span(file, colour.start, colour.end), &text[colour]),
+                    None => syntax(at, e.info()),
+                });
                 return None;
             }
         }
@@ -91,6 +103,34 @@ fn span(file: FileId, start: usize, end: usize) -> Span {
 /// What YAML 1.2 (5.1) leaves out of its character set, as far as it is a control character.
 fn is_forbidden(c: char) -> bool {
     c.is_control() && !matches!(c, '\t' | '\n' | '\r' | '\u{85}')
+}
+
+/// The last `#rrggbb` of a text that stands where a value should, but begins a comment.
+fn comment_for_colour(text: &str) -> Option<Range<usize>> {
+    let mut found = None;
+    for (i, _) in text.match_indices('#') {
+        let before = text[..i].trim_end_matches([' ', '\t']);
+        if before.len() < i
+            && before.ends_with([':', ',', '[', '-'])
+            && let Some(colour) = colour_at(text, i)
+        {
+            found = Some(colour);
+        }
+    }
+    found
+}
+
+/// A `#` with three, four, six or eight hexadecimal digits and nothing joined to them.
+fn colour_at(text: &str, at: usize) -> Option<Range<usize>> {
+    let digits = text.get(at..)?.strip_prefix('#')?;
+    let count = digits.bytes().take_while(u8::is_ascii_hexdigit).count();
+    let joined = digits[count..].starts_with(|c: char| c.is_alphanumeric());
+    ([3, 4, 6, 8].contains(&count) && !joined).then_some(at..at + 1 + count)
+}
+
+fn in_quotes(at: Span, colour: &str) -> Diagnostic {
+    let message = format!("`{colour}` is not read: `#` begins a comment");
+    Diagnostic::error(at, message).help(format!("write '{colour}', in quotes"))
 }
 
 fn too_deep(at: Span, limits: &Limits) -> Diagnostic {
@@ -157,8 +197,16 @@ enum Inside {
     Mapping { entries: Vec<Entry>, seen: HashMap<String, Span>, key: Option<Key> },
 }
 
-/// A key whose value has not come; one that is complained of has none.
-type Key = Option<Spanned<String>>;
+/// A key whose value has not come.
+enum Key {
+    /// It is new to its mapping.
+    Good(Spanned<String>),
+    /// It was complained of.
+    Bad,
+    /// It is a number that is there already, with the complaint that this may deserve: `0, 0, 1` without brackets is three keys,
+    /// of which whoever reads the mapping will complain.
+    Again(Stop),
+}
 
 /// What ends the reading.
 type Stop = Box<Diagnostic>;
@@ -185,7 +233,10 @@ impl Builder<'_> {
                 let at = self.span(marks);
                 let nodes = 1 + text.len() / 32;
                 self.spend(nodes, at)?;
-                let value = self.scalar(text.into_owned(), style, tag.as_deref(), at);
+                let value = match self.lost_colour(&text, style, at) {
+                    Some(colour) => Datum::String(colour),
+                    None => self.scalar(text.into_owned(), style, tag.as_deref(), at),
+                };
                 self.value(Tree { value, span: at }, anchor, nodes)
             }
             Event::SequenceStart(anchor, tag) => {
@@ -289,8 +340,9 @@ impl Builder<'_> {
             Inside::Sequence(items) => items.push(tree),
             Inside::Mapping { entries, seen, key } => match key.take() {
                 None => *key = Some(key_of(tree, seen, self.d, self.offsets.text.as_str())),
-                Some(None) => {}
-                Some(Some(key)) => entries.push(Entry { key, value: tree }),
+                Some(Key::Good(key)) => entries.push(Entry { key, value: tree }),
+                Some(Key::Again(complaint)) if tree.value != Datum::Null => self.d.push(*complaint),
+                Some(Key::Again(_) | Key::Bad) => {}
             },
         }
         Ok(())
@@ -315,13 +367,48 @@ impl Builder<'_> {
         value
     }
 
+    /// A colour that became a comment, after a complaint: nothing stands where it was meant to.
+    fn lost_colour(&mut self, text: &str, style: ScalarStyle, at: Span) -> Option<String> {
+        if !text.is_empty() || style != ScalarStyle::Plain {
+            return None;
+        }
+        let all = self.offsets.text.as_str();
+        let start = match &self.open.last()?.inside {
+            Inside::Mapping { key: Some(Key::Good(key)), .. } => {
+                let rest = &all[key.span.end as usize..];
+                rest.trim_start_matches(['"', '\'']).starts_with(':').then(|| all.len() - rest.len())?
+            }
+            Inside::Mapping { .. } => return None,
+            // An item that is nothing has its place where the next thing begins.
+            Inside::Sequence(_) => all[..at.start as usize].trim_end().rfind('-')?,
+        };
+        let line = all[start..].lines().next()?;
+        let colour = comment_for_colour(line)?;
+        let is_alone =
+            line[..colour.start].trim().trim_start_matches(['"', '\'', ':', '-', ' ', '\t']).is_empty();
+        let (colour, written) = (colour.start + start..colour.end + start, &line[colour]);
+        if !is_alone {
+            return None;
+        }
+        // With an alpha it would be complained of again.
+        let kept = match written.len() {
+            5 => 4,
+            9 => 7,
+            whole => whole,
+        };
+        let (kept, complaint) =
+            (written[..kept].to_owned(), in_quotes(span(self.file, colour.start, colour.end), written));
+        self.d.push(complaint);
+        Some(kept)
+    }
+
     fn tag(&mut self, tag: &str, at: Span) {
         let message = format!("the tag `{}` has no place here", suggest::brief(tag));
         self.d.push(Diagnostic::error(at, message).help("leave the tag out"));
     }
 }
 
-/// What the value of a mapping's key is to be called; `None` after a complaint.
+/// What the value of a mapping's key is to be called; [`Key::Bad`] after a complaint.
 fn key_of(tree: Tree, seen: &mut HashMap<String, Span>, d: &mut Diagnostics, text: &str) -> Key {
     let at = tree.span;
     let written = || text.get(at.start as usize..at.end as usize).unwrap_or("").to_owned();
@@ -329,29 +416,31 @@ fn key_of(tree: Tree, seen: &mut HashMap<String, Span>, d: &mut Diagnostics, tex
         Datum::String(s) if s == "<<" && written() == "<<" => {
             let help = "write the keys out, or give the whole mapping an alias";
             d.push(Diagnostic::error(at, "merge keys are not part of YAML 1.2").help(help));
-            return None;
+            return Key::Bad;
         }
         Datum::String(s) => s,
         // Names may look like numbers: `materials: { 1: ... }`.
         Datum::Number(_) | Datum::Bool(_) | Datum::Null if !written().is_empty() => written(),
         Datum::Null => {
             d.push(Diagnostic::error(at, "a key is missing before this `:`"));
-            return None;
+            return Key::Bad;
         }
         _ => {
             d.push(Diagnostic::error(at, "a key must be a word, not a list or mapping"));
-            return None;
+            return Key::Bad;
         }
     };
     if let Some(&first) = seen.get(&key) {
-        d.push(
-            Diagnostic::error(at, format!("duplicate key `{}`", suggest::brief(&key)))
-                .related(first, "the first is here"),
-        );
-        return None;
+        let complaint = Diagnostic::error(at, format!("duplicate key `{}`", suggest::brief(&key)));
+        let complaint = complaint.related(first, "the first is here");
+        if key.parse::<f64>().is_ok() {
+            return Key::Again(Box::new(complaint));
+        }
+        d.push(complaint);
+        return Key::Bad;
     }
     seen.insert(key.clone(), at);
-    Some(Spanned::new(key, at))
+    Key::Good(Spanned::new(key, at))
 }
 
 /// Lists and mappings inside one another.

@@ -89,6 +89,33 @@ fn surroundings_are_the_picture_of_a_file_with_layers() {
     assert_eq!((first, told.contains("`a.right` and `left`: `a.right` is taken")), (7.0, true), "{told}");
 }
 
+/// Files with a part for each layer are read by the same meaning.
+#[test]
+fn surroundings_are_the_picture_of_a_file_with_parts() {
+    use ::exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Vec2, WritableImage,
+    };
+    let read = |names: &[&str]| {
+        let part = |(i, name): (usize, &&str)| {
+            let value = |channel: &str| AnyChannel::new(channel, FlatSamples::F32(vec![i as f32 + 1.0; 2]));
+            let channels =
+                if name.contains("Depth") { vec![value("Z")] } else { ["R", "G", "B"].map(value).into() };
+            let channels = AnyChannels::sort(channels.into_iter().collect());
+            Layer::new(Vec2(2, 1), LayerAttributes::named(*name), Encoding::UNCOMPRESSED, channels)
+        };
+        let layers: Vec<_> = names.iter().enumerate().map(part).collect();
+        let window = ::exr::prelude::IntegerBounds::new((0, 0), (2, 1));
+        let image = Image::from_layers(::exr::prelude::ImageAttributes::new(window), layers);
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image.write().to_buffered(&mut bytes).unwrap();
+        let photo = Photo::read(bytes.get_ref(), &Limits::default()).unwrap();
+        (photo.pixels[0][0] as u8, photo.notes.len())
+    };
+    assert_eq!(read(&["ViewLayer.Depth", "ViewLayer.AO", "ViewLayer.Combined"]), (3, 0));
+    assert_eq!(read(&["albedo", "RGBA", "normal"]), (2, 0));
+    assert_eq!(read(&["key", "fill", "Depth"]), (1, 1));
+}
+
 /// A few thousand bytes can't make the machine allocate gigabytes, whatever the format.
 #[test]
 fn a_promise_beyond_the_limits_is_refused_before_it_is_kept() {

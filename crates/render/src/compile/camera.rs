@@ -6,17 +6,24 @@ use crate::camera::{
     Camera, CubeLayout, CubeMap, Eyes, Fisheye, Iris, Moving, Orthographic, Panorama, Perspective,
     Projection, Rows, Stand, Stereo, StereoLayout, ThinLens, View, Window,
 };
+use straal_math::DVec3;
 use straal_scene::Scene;
 use straal_scene::desc::{self, LensProfile, Moment};
 
-/// The scene's camera for a picture of `size` pixels; `seen` finds what it is focused on.
-pub(super) fn camera(scene: &Scene, size: [u32; 2], seen: &Seen<'_>) -> Result<Camera, CompileError> {
+/// The scene's camera for a picture of `size` pixels; `seen` finds what it is focused on, `centre` of the description is the
+/// world's origin.
+pub(super) fn camera(
+    scene: &Scene,
+    size: [u32; 2],
+    seen: &Seen<'_>,
+    centre: DVec3,
+) -> Result<Camera, CompileError> {
     let observer = scene.camera.observer();
     let nowhere = || {
         CompileError::new("the camera looks nowhere: `eye` and `look_at` coincide, or `up` is along the view")
     };
     let moments = observer.moments();
-    let way: Vec<(f64, Stand)> = moments.iter().map(|m| (m.time, stand(m))).collect();
+    let way: Vec<(f64, Stand)> = moments.iter().map(|m| (m.time, stand(m, centre))).collect();
     let views: Option<Vec<View>> = way.iter().map(|(_, stand)| stand.view()).collect();
     let view = *views.as_deref().and_then(<[View]>::first).ok_or_else(nowhere)?;
     if way.len() == 1 {
@@ -28,8 +35,8 @@ pub(super) fn camera(scene: &Scene, size: [u32; 2], seen: &Seen<'_>) -> Result<C
     Ok(Camera::Moving(Box::new(moving)))
 }
 
-fn stand(m: &Moment) -> Stand {
-    Stand { eye: m.eye, look_at: m.look_at, up: m.up, roll: m.roll }
+fn stand(m: &Moment, centre: DVec3) -> Stand {
+    Stand { eye: m.eye - centre, look_at: m.look_at - centre, up: m.up, roll: m.roll }
 }
 
 /// The frame in which a camera is made, and that in which it stands in the world at time 0.

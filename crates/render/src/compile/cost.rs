@@ -26,11 +26,12 @@ const OBJECT: usize = 48;
 /// A shape apart from the list: four times three numbers and more, in double precision.
 const LARGE_SHAPE: usize = 160;
 
-/// A surface that glows, between the walk over the scene and its emitter.
-const GLOWING: usize = 64;
+/// A surface that glows, between the walk over the scene and its emitter, the weights that it is chosen by, and what lists that grow
+/// leave behind: measured on 100,000 and 279,936 lights.
+const GLOWING: usize = 140;
 
-/// A place, a sum of normals and its share of a search tree.
-const SMOOTHED: usize = 40;
+/// Per vertex, of which there is one for two faces: edges, corners, their sets and their means.
+const SMOOTHED: usize = 160;
 
 /// What a tally takes.
 pub fn cost(t: &Tally) -> Cost {

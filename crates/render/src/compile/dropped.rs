@@ -13,22 +13,23 @@ pub(super) fn tell(
     nodes: &[Option<&Node>],
     objects: &BTreeMap<&str, u32>,
 ) -> Vec<Dropped> {
+    let names: BTreeMap<u32, &str> = objects.iter().map(|(name, group)| (*group, *name)).collect();
     let mut sums: BTreeMap<Source, (Span, [usize; 2])> = BTreeMap::new();
     for d in dropped {
+        let node = match d.from {
+            DroppedFrom::Geometry(geometry) => nodes.get(geometry as usize).copied().flatten(),
+            DroppedFrom::Instance { .. } => None,
+        };
         let (source, span) = match d.from {
-            DroppedFrom::Geometry(geometry) => match nodes.get(geometry as usize).copied().flatten() {
-                // Patches that meet in a point, as in the lid of the teapot, give triangles without area by rights.
-                Some(Node::Bezier(_)) => continue,
-                node => source(node),
-            },
+            DroppedFrom::Geometry(_) => source(node),
             DroppedFrom::Instance { group } => {
-                let name = objects.iter().find(|(_, g)| **g == group).map_or("", |(name, _)| name);
-                (Source::Instance(name.to_owned()), Span::NONE)
+                (Source::Instance(names.get(&group).copied().unwrap_or_default().to_owned()), Span::NONE)
             }
         };
         let (_, [not_finite, empty]) = sums.entry(source).or_insert((span, [0, 0]));
         *not_finite += d.not_finite;
-        *empty += d.empty;
+        // Patches that meet in a point, as in the lid of the teapot, give triangles without area by rights.
+        *empty += if matches!(node, Some(Node::Bezier(_))) { 0 } else { d.empty };
     }
     let each = sums.into_iter().flat_map(|(source, (span, [not_finite, empty]))| {
         let told = |count: usize, is_finite: bool| {

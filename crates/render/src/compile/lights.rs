@@ -24,20 +24,28 @@ pub(super) struct Lights {
     pub environments: Vec<u32>,
 }
 
+/// What lights shine on.
+pub(super) struct Around<'a> {
+    pub geometry: &'a Geometry,
+    pub search: &'a accel::Scene,
+    /// What of the description lies at the origin.
+    pub centre: DVec3,
+}
+
 /// The glowing surfaces come first, so that their indices are those that the walk over the world gave them.
 pub(super) fn gather(
     scene: &Scene,
     paint: &mut Paint<'_>,
-    geometry: &Geometry,
+    around: Around<'_>,
     glowing: Vec<Glowing>,
-    search: &accel::Scene,
 ) -> Result<Lights, CompileError> {
+    let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
     for g in &glowing {
         emitters.push(area(g, geometry));
     }
     for light in &scene.lights {
-        emitters.push(emitter(light, paint)?);
+        emitters.push(emitter(light, paint, centre)?);
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
@@ -61,14 +69,14 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
     Emitter::Area(AreaLight { surface, radiance: g.radiance.into(), sides })
 }
 
-fn emitter(light: &Light, paint: &mut Paint<'_>) -> Result<Emitter, CompileError> {
+fn emitter(light: &Light, paint: &mut Paint<'_>, centre: DVec3) -> Result<Emitter, CompileError> {
     Ok(match light {
         Light::Point(l) => Emitter::Point(PointLight {
-            position: l.position.as_vec3(),
+            position: (l.position - centre).as_vec3(),
             intensity: paint.emission(l.intensity.get())?.into(),
         }),
         Light::Directional(l) => Emitter::Directional(
-            DirectionalLight::new(l.direction.as_vec3(), paint.emission(l.irradiance.get())?)
+            DirectionalLight::new(l.axis().as_vec3(), paint.emission(l.irradiance.get())?)
                 .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))?,
         ),
         Light::Spot(l) => {
@@ -81,7 +89,8 @@ fn emitter(light: &Light, paint: &mut Paint<'_>) -> Result<Emitter, CompileError
                     desc::Falloff::Smooth => Falloff::Smooth,
                 },
             };
-            let spot = SpotLight::new(l.position.as_vec3(), paint.emission(l.intensity.get())?, &cone);
+            let spot =
+                SpotLight::new((l.position - centre).as_vec3(), paint.emission(l.intensity.get())?, &cone);
             Emitter::Spot(spot.ok_or_else(|| CompileError::new("the axis of a spot light has no length"))?)
         }
         Light::Environment(l) => environment(l, paint)?,

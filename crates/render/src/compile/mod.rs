@@ -6,6 +6,7 @@
 
 mod camera;
 pub mod cost;
+mod doubts;
 mod dropped;
 mod focus;
 mod lights;
@@ -20,6 +21,7 @@ use crate::shape::CustomShape;
 use crate::world::World;
 use std::sync::Arc;
 use straal_accel as accel;
+use straal_math::DVec3;
 use straal_scene::desc;
 use straal_scene::span::Span;
 use straal_scene::{Assets, Scene};
@@ -86,8 +88,25 @@ pub enum Detail {
 
 /// Makes the world of a description.
 pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
+    let mut world = compile_about(request, DVec3::ZERO)?;
+    // A program's own shapes stand where they stand.
+    if let Some(centre) = doubts::far_away(world.accel.bounds()).filter(|_| request.custom.shapes.is_empty())
+    {
+        drop(world);
+        world = compile_about(request, centre)?;
+    }
+    let mut notes = std::mem::take(&mut world.notes);
+    let eye = request.scene.camera.observer().moments().first().map_or(DVec3::ZERO, |m| m.eye);
+    doubts::depth(world.accel.bounds(), eye - world.centre, &mut notes);
+    doubts::lights_behind_glass(&world, &mut notes);
+    world.notes = notes;
+    Ok(world)
+}
+
+/// The same with a place of the description at the origin.
+fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileError> {
     let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
-    let mut build = place::Build::new(scene, assets, custom, (spectral, detail))?;
+    let mut build = place::Build::new(scene, assets, custom, (spectral, detail))?.about(centre);
     build.world()?;
     build.custom_shapes(custom)?;
     let place::Built {
@@ -105,11 +124,16 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
     } = build.finish();
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
-    let camera = camera::camera(scene, size, &seen)?;
+    let camera = camera::camera(scene, size, &seen, centre)?;
     let accel =
         accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
     let dropped = dropped::tell(accel.dropped(), &nodes, &objects);
-    let lights = lights::gather(scene, &mut paint, &geometry, glowing, &accel)?;
+    let lights = lights::gather(
+        scene,
+        &mut paint,
+        lights::Around { geometry: &geometry, search: &accel, centre },
+        glowing,
+    )?;
     paint.palette.record(recording, scene.color.space.space());
     Ok(World {
         camera,
@@ -124,6 +148,7 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
         instance_materials,
         top_level,
         environments: lights.environments,
+        centre,
         notes: paint.notes,
         dropped,
     })

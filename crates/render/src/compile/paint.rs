@@ -3,8 +3,11 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use straal_color::spectrum::{Bins, COUNT, Observer, Quantity, Spectrum, illuminant, refraction, uplift};
+use straal_color::spectrum::{
+    Bins, COUNT, Observer, Quantity, Spectrum, illuminant, metal, refraction, uplift,
+};
 use straal_color::{Light, Matrix3, Space};
+use straal_math::ops;
 use straal_scene::desc;
 use straal_scene::span::Span;
 use straal_scene::value::{self, Color};
@@ -47,6 +50,12 @@ fn content(m: &desc::Measured) -> Content {
     let is_smooth = m.interpolation.as_ref().map(|i| *i == desc::Interpolation::Smooth);
     ([text(&m.name), text(&m.file)], is_smooth, numbers.collect())
 }
+
+/// So many pixels are tried whether they are of a colour that light can have.
+const MOST_TRIED: usize = 4096;
+
+/// A pixel's channel is off by more than this part of the strongest where no light has its colour.
+const OFF: f32 = 0.01;
 
 /// Nobody reads more.
 const MOST_NOTES: usize = 20;
@@ -104,7 +113,21 @@ impl<'a> Paint<'a> {
         // Where wavelengths end.
         let to_edge = spectral.then(|| Space::Srgb.to(Space::AcesCg)).or(self.to_work);
         let held = |p: &[f32; 3]| to_edge.map_or(*p, |m| m.apply_f32(*p));
-        let lost = image.pixels.iter().filter(|p| is_lost(held(p).map(f64::from))).count();
+        let mut near_primaries = 0;
+        let mut beyond = |p: &[f32; 3]| {
+            let q = held(p);
+            let most = q.iter().copied().fold(0.0, ops::max);
+            // Of the edge itself, only what is next to a primary is no light.
+            let pure = spectral && most > 0.0 && q.iter().filter(|v| **v < 0.1 * most).count() == 2;
+            near_primaries += usize::from(pure);
+            let got =
+                if pure && near_primaries <= MOST_TRIED { self.palette.colour_of_pixel(*p) } else { None };
+            got.is_some_and(|got| {
+                let got = held(&got.map(|v| v as f32));
+                (0..3).any(|c| (got[c] - q[c]).abs() > OFF * most)
+            })
+        };
+        let lost = image.pixels.iter().filter(|p| is_lost(held(p).map(f64::from)) || beyond(p)).count();
         if lost > 0 {
             let (name, all) = (&file.value, image.pixels.len());
             let what = if spectral {
@@ -209,12 +232,30 @@ impl<'a> Paint<'a> {
         let matrix = uplift::rgb_from_xyz(self.space);
         let rgb = match of {
             Quantity::Reflectance => matrix.apply(Observer::Cie1931.surface(&bins, &illuminant::d65())),
-            Quantity::Emission => matrix.apply(Observer::Cie1931.light(&bins)),
-            Quantity::Index => {
-                let mean = |part: &Bins| part.iter().zip(&bins).map(|(a, b)| a * b).sum();
-                uplift::positive_parts(self.space).each_ref().map(mean)
-            }
+            Quantity::Emission | Quantity::Index => matrix.apply(Observer::Cie1931.light(&bins)),
         };
+        self.tell_if_lost(rgb, what);
+        let most = if of == Quantity::Reflectance { 1.0 } else { f64::MAX };
+        let held = |v: f64| if v > 0.0 { if v < most { v } else { most } } else { 0.0 };
+        let mut colour = Colour::from(Light::rgb(rgb.map(|v| held(v) as f32)));
+        if self.uplift.is_some() && bins.iter().any(|v| *v > 0.0) {
+            colour.spectrum = self.table(table_of(spectrum, of));
+            if colour.strength == 0.0 {
+                colour.strength = (bins.iter().sum::<f64>() / COUNT as f64) as f32;
+            }
+        }
+        Ok(colour)
+    }
+
+    /// Where the palette has a table, which is added unless it is there.
+    fn table(&mut self, table: [f32; COUNT]) -> u32 {
+        let palette = &mut self.palette;
+        let bits = table.iter().map(|v| v.to_bits()).collect();
+        *self.tables.entry(bits).or_insert_with(|| palette.add(table))
+    }
+
+    /// In RGB, says which colour the work space doesn't hold.
+    fn tell_if_lost(&mut self, rgb: [f64; 3], what: &str) {
         if self.uplift.is_none() && is_lost(rgb) {
             let (space, rgb) = (self.space.name(), told(rgb));
             let help = self.clipped();
@@ -222,19 +263,6 @@ impl<'a> Paint<'a> {
                 format!("{what} has the colour {rgb}, which the work space `{space}` doesn't hold: {help}");
             note(&mut self.notes, told);
         }
-        let most = if of == Quantity::Reflectance { 1.0 } else { f64::MAX };
-        let held = |v: f64| if v > 0.0 { if v < most { v } else { most } } else { 0.0 };
-        let mut colour = Colour::from(Light::rgb(rgb.map(|v| held(v) as f32)));
-        if self.uplift.is_some() && bins.iter().any(|v| *v > 0.0) {
-            let table = table_of(spectrum, of);
-            let palette = &mut self.palette;
-            let bits = table.iter().map(|v| v.to_bits()).collect();
-            colour.spectrum = *self.tables.entry(bits).or_insert_with(|| palette.add(table));
-            if colour.strength == 0.0 {
-                colour.strength = (bins.iter().sum::<f64>() / COUNT as f64) as f32;
-            }
-        }
-        Ok(colour)
     }
 
     /// What a surface is made of.
@@ -251,7 +279,7 @@ impl<'a> Paint<'a> {
             },
             desc::Material::Dielectric(d) => self.dielectric(d)?,
             desc::Material::Conductor(d) => {
-                let [eta, k] = self.known_metal(d)?;
+                let [eta, k] = self.metal(d)?;
                 Material::Conductor {
                     eta: eta.into(),
                     k: k.into(),
@@ -284,31 +312,47 @@ impl<'a> Paint<'a> {
         Ok(Material::Prism { eta, reflectance, transmittance })
     }
 
-    fn known_metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
-        let Some(name) = &d.metal else { return self.metal(d) };
-        if let Some(known) = self.metals.get(&name.value) {
-            return Ok(*known);
-        }
-        let metal = self.metal(d)?;
-        self.metals.insert(name.value.clone(), metal);
-        Ok(metal)
-    }
-
     fn metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
         if let Some(name) = &d.metal {
-            let [n, k] = refraction::metal(name).ok_or_else(|| {
+            let key = name.value.to_ascii_lowercase();
+            if let Some(known) = self.metals.get(&key) {
+                return Ok(*known);
+            }
+            let parts = refraction::metal(&name.value).ok_or_else(|| {
                 CompileError::at(format!("there is no metal named `{}`", name.value), name.span)
             })?;
-            let mut colour = |s: &Spectrum| {
-                self.measured(s, (Quantity::Index, "a metal"))
-                    .map_err(|message| CompileError::at(message, name.span))
-            };
-            return Ok([colour(&n)?, colour(&k)?]);
+            let found = self.index(&parts.map(|s| s.means(Quantity::Index)), &key);
+            self.metals.insert(key, found);
+            return Ok(found);
         }
         let (Some(eta), Some(k)) = (&d.eta, &d.k) else {
             return Err(CompileError::new("a conductor needs `metal`, or `eta` and `k`"));
         };
-        Ok([self.colour(eta.get(), Quantity::Index)?, self.colour(k.get(), Quantity::Index)?])
+        let parts = [eta.get(), k.get()];
+        if let [desc::Spectrum::Rgb(eta), desc::Spectrum::Rgb(k)] = parts {
+            return Ok([self.rgb(*eta, Quantity::Index), self.rgb(*k, Quantity::Index)]);
+        }
+        let mut bins = [[0.0; COUNT]; 2];
+        for (bins, part) in bins.iter_mut().zip(parts) {
+            *bins = match part {
+                desc::Spectrum::Rgb(Color(rgb)) => index_between(*rgb),
+                desc::Spectrum::Measured(m) => self.spectrum(m)?.0.means(Quantity::Index),
+            };
+        }
+        Ok(self.index(&bins, "a metal"))
+    }
+
+    /// An index of refraction by wavelength, and in RGB the one that looks like it.
+    fn index(&mut self, [eta, k]: &[Bins; 2], what: &str) -> [Colour; 2] {
+        let fit = metal::in_rgb(eta, k, self.space);
+        self.tell_if_lost(fit.facing, what);
+        let mut colours = [fit.eta, fit.k].map(|rgb| Colour::from(Light::rgb(rgb.map(|v| v as f32))));
+        if self.uplift.is_some() {
+            for (colour, bins) in colours.iter_mut().zip([eta, k]) {
+                colour.spectrum = self.table(bins.map(|v| v as f32));
+            }
+        }
+        colours
     }
 }
 
@@ -367,17 +411,20 @@ fn lift(uplift: &uplift::Uplift, Color(rgb): Color, of: Quantity) -> Lifted {
             let nearest = || uplift.rgb_of_reflectance(&bins).map(|v| v * scale);
             Lifted { table, nearest: found.is_err().then(nearest) }
         }
-        Quantity::Index => {
-            // Red, green and blue each where they see most of the light, and between them what lies between.
-            let parts = uplift::positive_parts(Space::Srgb);
-            let mut last = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
-            exact(std::array::from_fn(|i| {
-                let sum: f64 = parts.iter().map(|p| p[i]).sum();
-                if sum > 0.0 {
-                    last = (0..3).map(|c| rgb[c] * parts[c][i]).sum::<f64>() / sum;
-                }
-                last as f32
-            }))
-        }
+        Quantity::Index => exact(index_between(rgb).map(|v| v as f32)),
     }
+}
+
+/// An index of refraction of which red, green and blue are known: each where it sees most of the light, and between them what
+/// lies between.
+fn index_between(rgb: [f64; 3]) -> Bins {
+    let parts = uplift::positive_parts(Space::Srgb);
+    let mut last = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
+    std::array::from_fn(|i| {
+        let sum: f64 = parts.iter().map(|p| p[i]).sum();
+        if sum > 0.0 {
+            last = (0..3).map(|c| rgb[c] * parts[c][i]).sum::<f64>() / sum;
+        }
+        last
+    })
 }

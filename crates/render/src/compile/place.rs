@@ -63,6 +63,8 @@ pub(super) struct Build<'a> {
     /// What the camera is to be focused on, if that has a name.
     focus: Option<&'a str>,
     named: Vec<TopLevel>,
+    /// From the description's space.
+    to_world: Affine,
     detail: Detail,
     /// Within what the camera is focused on.
     in_focus: bool,
@@ -127,17 +129,23 @@ impl<'a> Build<'a> {
             top_level: Vec::new(),
             focus: scene.camera.focus_on().map(|name| name.value.as_str()),
             named: Vec::new(),
+            to_world: Affine::IDENTITY,
         })
     }
 
+    /// With this place of the description at the world's origin.
+    pub fn about(self, centre: DVec3) -> Self {
+        Self { to_world: Affine::translate(-centre), ..self }
+    }
+
     pub fn world(&mut self) -> Result<(), CompileError> {
-        let mut place = Place { transform: Affine::IDENTITY, material: 0, group: 0, dissolved: false };
+        let mut place = Place { transform: self.to_world, material: 0, group: 0, dissolved: false };
         // Down to what `Scene::top_level` gives.
         let mut nodes = self.scene.world.as_slice();
         let mut is_all_named = false;
         while let [node @ Node::Group(g)] = nodes {
             is_all_named |= self.focus.is_some_and(|name| node.goes_by(name));
-            place = self.step_into(&g.transform, g.material.as_ref(), place)?;
+            place = self.step_into(node, g.material.as_ref(), place)?;
             nodes = &g.children;
         }
         for node in nodes {
@@ -209,16 +217,24 @@ impl<'a> Build<'a> {
         self.node = Some(node);
         match node {
             Node::Group(g) => {
-                let inner = self.step_into(&g.transform, g.material.as_ref(), place)?;
+                let inner = self.step_into(node, g.material.as_ref(), place)?;
                 g.children.iter().try_for_each(|child| self.node(child, inner))
             }
-            Node::Instance(i) => self.instance(i, place),
-            Node::Sphere(s) => {
-                let m = shape_transform(&s.surface, place)?;
-                self.shape(&s.surface, place, sphere(s, &m)?, s.surface.flip)
+            Node::Instance(i) => {
+                let inner = self.step_into(node, i.material.as_ref(), place)?;
+                self.instance(i, place.group, inner)
             }
+            shape => self.one_shape(shape, Place { transform: placed(shape, place)?, ..place }),
+        }
+    }
+
+    /// A node that is a shape; `place` is that of its own coordinates.
+    fn one_shape(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
+        let m = place.transform;
+        match node {
+            Node::Group(_) | Node::Instance(_) => Ok(()),
+            Node::Sphere(s) => self.shape(&s.surface, place, sphere(s, &m)?, s.surface.flip),
             Node::Plane(s) => {
-                let m = shape_transform(&s.surface, place)?;
                 let inverse = m.inverse().ok_or_else(singular)?;
                 let normal = unit(inverse.normal_by_inverse(s.normal))?;
                 let normal = if s.surface.flip { -normal } else { normal };
@@ -227,7 +243,6 @@ impl<'a> Build<'a> {
                 self.shape(&s.surface, place, plane, false)
             }
             Node::Disc(s) => {
-                let m = shape_transform(&s.surface, place)?;
                 let (a, b) = tangents(unit(s.normal)?);
                 let (mut a, mut b) = (m.vector(a * s.radius), m.vector(b * s.radius));
                 if s.surface.flip != (m.determinant() < 0.0) {
@@ -237,7 +252,6 @@ impl<'a> Build<'a> {
                 self.shape(&s.surface, place, Shape::Disc(Box::new(disc)), false)
             }
             Node::Rectangle(s) => {
-                let m = shape_transform(&s.surface, place)?;
                 let (mut a, mut b) = (m.vector(s.edges[0]), m.vector(s.edges[1]));
                 if s.surface.flip != (m.determinant() < 0.0) {
                     (a, b) = (b, a);
@@ -268,28 +282,24 @@ impl<'a> Build<'a> {
 
     fn step_into(
         &mut self,
-        transform: &desc::Transform,
+        node: &Node,
         material: Option<&'a desc::MaterialRef>,
         place: Place,
     ) -> Result<Place, CompileError> {
-        let local = transform
-            .affine()
-            .ok_or_else(|| CompileError::at("this transform is singular", transform.span))?;
         Ok(Place {
-            transform: local.then(&place.transform),
+            transform: placed(node, place)?,
             material: self.materials.of(material, place.material)?,
             ..place
         })
     }
 
-    fn instance(&mut self, i: &'a desc::Instance, place: Place) -> Result<(), CompileError> {
+    /// An instance in a group; `inner` is the place of the object's own coordinates.
+    fn instance(&mut self, i: &'a desc::Instance, outer: u32, inner: Place) -> Result<(), CompileError> {
         let object = self
             .scene
             .objects
             .get(&i.of)
             .ok_or_else(|| CompileError::at(format!("there is no object `{}`", i.of.value), i.of.span))?;
-        let inner = self.step_into(&i.transform, i.material.as_ref(), place)?;
-
         if self.glows(object, 0) {
             self.dissolved += 1;
             if self.dissolved > MAX_DISSOLVED {
@@ -316,12 +326,12 @@ impl<'a> Build<'a> {
             }
         };
         let transform = Transform::new(&inner.transform).ok_or_else(singular)?;
-        self.input.groups[place.group as usize].instances.push(accel::Instance {
+        self.input.groups[outer as usize].instances.push(accel::Instance {
             group,
             transform,
             mask: u32::MAX,
         });
-        self.group_materials[place.group as usize].push(inner.material);
+        self.group_materials[outer as usize].push(inner.material);
         Ok(())
     }
 
@@ -353,7 +363,7 @@ impl<'a> Build<'a> {
     }
 
     fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) -> Result<(), CompileError> {
-        let m = shape_transform(&s.surface, place)?;
+        let m = place.transform;
         let axis = s.to - s.from;
         let (a, b) = tangents(unit(axis)?);
         let (a, b) = (a * s.radius, b * s.radius);
@@ -454,7 +464,7 @@ impl<'a> Build<'a> {
         if !mesh.is_whole() {
             return Err(CompileError::new("a triangle names a vertex that isn't there"));
         }
-        let m = shape_transform(surface, place)?;
+        let m = place.transform;
         let mut mesh = if m.is_identity() { mesh } else { mesh.transformed(&m).ok_or_else(singular)? };
         if surface.flip {
             mesh.flip = !mesh.flip;
@@ -569,10 +579,10 @@ fn unit(v: DVec3) -> Result<DVec3, CompileError> {
     v.try_normalize().ok_or_else(|| CompileError::new("a direction has no length"))
 }
 
-fn shape_transform(surface: &desc::Surface, place: Place) -> Result<Affine, CompileError> {
-    let own = &surface.transform;
-    let local = own.affine().ok_or_else(|| CompileError::at("this transform is singular", own.span))?;
-    Ok(local.then(&place.transform))
+/// The place of a node's own coordinates.
+fn placed(node: &Node, place: Place) -> Result<Affine, CompileError> {
+    let singular = || CompileError::at("this transform is singular", node.transform().span);
+    Ok(node.placement().ok_or_else(singular)?.then(&place.transform))
 }
 
 /// Two unit vectors that make a right-handed frame with `n`.

@@ -6,7 +6,6 @@
 //! more even still, and batches avoid one another: the mean is better than the differences tell, never worse. What two or
 //! three numbers tell of a single pixel has as much chance in it as they have: one or two degrees of freedom.
 
-use super::Pixel;
 use super::fixed::Value;
 use straal_math::lowdisc::PatternKind;
 
@@ -63,6 +62,11 @@ impl<T: Copy + From<Value>> Marks<T> {
 }
 
 impl Marks {
+    /// Takes note of sums that a batch ends with.
+    pub(super) fn end(&mut self, sums: [f64; 3]) {
+        self.0 = [self.0[1], sums];
+    }
+
     /// Goes on with what was noted of later samples, without the sums `before` them; how often there was something to note.
     pub(super) fn follow(&mut self, before: &[Value; 3], later: &Marks<Value>, notes: usize) {
         let all = |part: &[Value; 3]| -> [f64; 3] {
@@ -75,19 +79,19 @@ impl Marks {
         }
     }
 
-    /// The variance of a channel's mean by the means of batches; 0 for a single sample.
-    pub(super) fn variance(&self, p: &Pixel, channel: usize) -> f64 {
+    /// The variance of a channel's mean, of `count` samples that sum to `sum`, by the means of batches; 0 for a single sample.
+    pub(super) fn variance(&self, count: u32, sum: f64, channel: usize) -> f64 {
         let [at_half, at_whole] = self.0.map(|sums| sums[channel]);
-        let whole = p.count.next_power_of_two() / 2;
+        let whole = count.next_power_of_two() / 2;
         if whole == 0 {
             return 0.0;
         }
         let (half, whole) = ((whole / 2, at_half), (whole, at_whole));
-        let end = (p.count, p.value[channel].to_f64());
+        let end = (count, sum);
         // The last batch, of all that is left, has as many samples as the first, or more.
-        if p.count == 2 * whole.0 {
+        if count == 2 * whole.0 {
             variance_of_batches([whole, end])
-        } else if p.count < whole.0 + half.0 {
+        } else if count < whole.0 + half.0 {
             variance_of_batches([half, end])
         } else {
             variance_of_batches([half, whole, end])
@@ -122,7 +126,7 @@ mod tests {
         let mut told = Vec::new();
         for (i, v) in samples.enumerate() {
             tile.add([0, 0], i as u32, &Sample { rgb: [v; 3], ..Sample::default() }, &[]);
-            told.push(tile.marks[0].variance(&tile.pixels[0], 1));
+            told.push(tile.variance_of_mean(0, 1));
         }
         told
     }

@@ -1,6 +1,6 @@
 //! Fixed-point sums: a float is rounded once, then integers are added, which is associative.
 
-use std::ops::AddAssign;
+use std::ops::{AddAssign, Sub};
 
 /// A sample of this size or more is dropped and counted, like NaN.
 pub const MAX_VALUE: f32 = 4_294_967_296.0; // 2^32
@@ -34,6 +34,22 @@ impl Value {
 impl From<Value> for f64 {
     fn from(v: Value) -> Self {
         v.to_f64()
+    }
+}
+
+impl Sub for Value {
+    type Output = Self;
+
+    fn sub(self, o: Self) -> Self {
+        Self(self.0.wrapping_sub(o.0))
+    }
+}
+
+impl Sub for Square {
+    type Output = Self;
+
+    fn sub(self, o: Self) -> Self {
+        Self(self.0.wrapping_sub(o.0))
     }
 }
 

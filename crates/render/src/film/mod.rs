@@ -4,6 +4,7 @@
 //! (ARCHITECTURE.md, "Same bits"): each sample's numbers are rounded once to fixed point and added as integers.
 
 mod adaptive;
+mod control;
 mod evidence;
 mod fixed;
 mod hash;
@@ -21,8 +22,9 @@ pub use sums::{Held, Joined, Span};
 
 use crate::filter::Filter;
 use crate::settings::Region;
-use adaptive::Sampled;
 pub(crate) use adaptive::next_look;
+use adaptive::{Halves, Sampled};
+use control::Control;
 use evidence::Marks;
 use fixed::{Guide, Square, Value};
 use straal_color::spectrum::Bands;
@@ -42,6 +44,8 @@ pub struct Sample {
     pub normal: [f32; 3],
     /// Distance from the camera to the first surface in metres; 0 when nothing was met.
     pub depth: f32,
+    /// Whether the filter gave its light a negative weight.
+    pub negative: bool,
 }
 
 /// Sums of one pixel that every film holds.
@@ -147,6 +151,16 @@ pub struct FilmTile {
     marks: Vec<Marks>,
     /// The same of samples that are not the first of their pixel.
     ends: Vec<Marks<Value>>,
+    /// By pixel; empty unless the filter has negative lobes.
+    controls: Vec<Control>,
+    /// By pixel and band, what samples of negative weight brought; empty unless there are bands and controls.
+    negative_bands: Vec<Value>,
+    /// Size of the samples' weights, see [`Control`].
+    weight: f64,
+    /// By pixel; empty unless blocks end by themselves.
+    halves: Vec<Halves>,
+    /// Whether the noise of halves is told by batches.
+    by_batches: bool,
 }
 
 impl FilmTile {
@@ -165,6 +179,11 @@ impl FilmTile {
             first: 0,
             marks: Vec::new(),
             ends: Vec::new(),
+            controls: Vec::new(),
+            negative_bands: Vec::new(),
+            weight: 1.0,
+            halves: Vec::new(),
+            by_batches: false,
         }
     }
 
@@ -192,17 +211,66 @@ impl FilmTile {
         self.marks = vec![Marks::default(); self.pixels.len()];
     }
 
+    /// Makes ready for samples that weigh plus or minus `weight`; bands, if any, are held before.
+    fn control(&mut self, weight: f64) {
+        self.controls = vec![Control::default(); self.pixels.len()];
+        self.negative_bands = vec![Value::default(); self.bands.len()];
+        self.weight = weight;
+    }
+
+    /// The sums of a pixel, or of a part of its samples.
+    fn sums_of(&self, p: &Pixel, control: Option<&Control>) -> [f64; 3] {
+        match control {
+            Some(control) => std::array::from_fn(|c| control.sum(p, c, self.weight)),
+            None => p.value.map(Value::to_f64),
+        }
+    }
+
+    /// The mean of a channel of pixel `k`.
+    fn mean(&self, k: usize, channel: usize) -> f64 {
+        let p = &self.pixels[k];
+        match self.mean_of_halves(k, channel, false).filter(|_| !self.is_even(k)) {
+            Some((mean, _)) => mean,
+            None => self.sums_of(p, self.controls.get(k))[channel] / f64::from(p.count.max(1)),
+        }
+    }
+
     /// The variance of the mean of a channel of pixel `k`, by what the film has to tell it.
     fn variance_of_mean(&self, k: usize, channel: usize) -> f64 {
+        if let Some((_, variance)) = self.mean_of_halves(k, channel, self.by_batches) {
+            return variance;
+        }
         match self.marks.get(k) {
-            Some(marks) => marks.variance(&self.pixels[k], channel),
+            Some(marks) => {
+                let p = &self.pixels[k];
+                marks.variance(p.count, p.value[channel].to_f64(), channel)
+            }
             None => self.variance_by_spread(k, channel),
         }
     }
 
     /// The same by the spread of samples; 0 where the film has no squares.
     fn variance_by_spread(&self, k: usize, channel: usize) -> f64 {
-        self.squares.get(k).map_or(0.0, |squares| self.pixels[k].variance(squares, channel))
+        let Some(squares) = self.squares.get(k) else { return 0.0 };
+        if let Some((_, variance)) = self.mean_of_halves(k, channel, false).filter(|_| !self.is_even(k)) {
+            return variance;
+        }
+        let p = &self.pixels[k];
+        match self.controls.get(k) {
+            Some(control) => control.variance((p, squares), channel, self.weight),
+            None => p.variance(squares, channel),
+        }
+    }
+
+    /// The sum of a band of pixel `k`, of `of_each` bands.
+    fn band_sum(&self, k: usize, band: usize, of_each: usize) -> f64 {
+        let i = k * of_each + band;
+        match (self.controls.get(k), self.negative_bands.get(i)) {
+            (Some(control), Some(negative)) => {
+                control.sum_of(&self.pixels[k], [self.bands[i], *negative], self.weight)
+            }
+            _ => self.bands[i].to_f64(),
+        }
     }
 
     /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some. False
@@ -210,6 +278,9 @@ impl FilmTile {
     pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) -> bool {
         let i = self.index(pixel);
         let of_each = self.bands.len() / self.pixels.len();
+        if !self.halves.is_empty() {
+            self.note_half(i, index);
+        }
         let p = &mut self.pixels[i];
         if let Some(marks) = self.marks.get_mut(i) {
             marks.note(p.count, &p.value);
@@ -240,6 +311,15 @@ impl FilmTile {
         }
         for b in bands {
             self.bands[i * of_each + usize::from(b.band)].add(b.value);
+        }
+        if let Some(control) = self.controls.get_mut(i).filter(|_| sample.negative) {
+            control.add(sample.rgb);
+            for b in bands {
+                self.negative_bands[i * of_each + usize::from(b.band)].add(b.value);
+            }
+        }
+        if !self.halves.is_empty() {
+            self.add_to_half(i, index, (sample.rgb, sample.negative));
         }
         true
     }
@@ -286,6 +366,10 @@ pub struct Extent {
     pub layers: bool,
     /// Whether costs are counted.
     pub cost: bool,
+    /// Whether samples are drawn by a filter that has negative lobes.
+    pub signed: bool,
+    /// Whether blocks end by themselves.
+    pub adapts: bool,
 }
 
 /// Samples that a film refused.
@@ -411,6 +495,11 @@ impl Film {
         }
     }
 
+    /// Makes ready for a filter's samples of plus or minus some weight; bands, if any, are held before.
+    pub(crate) fn control(&mut self, weight: f64) {
+        self.tiles.iter_mut().for_each(|tile| tile.control(weight));
+    }
+
     /// Makes room for costs; `timed` says whether they come with their time.
     pub(crate) fn count_costs(&mut self, timed: bool) {
         self.costs = if timed { Costs::TestsAndTime } else { Costs::Tests };
@@ -450,7 +539,9 @@ impl Film {
         size_of::<Pixel>()
             + held(of.squares || of.layers, size_of::<[Square; 3]>())
             + held(of.layers, size_of::<Guides>())
-            + held(of.batches, size_of::<Marks>())
+            + held(of.batches && !of.adapts, size_of::<Marks>())
+            + held(of.adapts, size_of::<Halves>())
+            + held(of.signed, size_of::<Control>() + bands * size_of::<Value>())
             + held(of.cost, size_of::<CostSample>())
             + bands * size_of::<Value>()
     }
@@ -507,7 +598,7 @@ impl Film {
                 let i = y * w + x;
                 let count = f64::from(p.count.max(1));
                 for c in 0..3 {
-                    out.rgb[i][c] = p.mean(c) as f32;
+                    out.rgb[i][c] = tile.mean(k, c) as f32;
                     if let Some(error) = &mut out.error {
                         error.rgb[i][c] = (tile.variance_of_mean(k, c) as f32).sqrt();
                     }
@@ -522,9 +613,9 @@ impl Film {
                     out.samples[i] = p.count;
                 }
                 if let Some(out) = &mut out.bands {
-                    let sums = &tile.bands[k * out.bands.count()..];
-                    for (plane, sum) in out.planes.iter_mut().zip(sums) {
-                        plane[i] = (sum.to_f64() / count) as f32;
+                    let of_each = out.bands.count();
+                    for (band, plane) in out.planes.iter_mut().enumerate() {
+                        plane[i] = (tile.band_sum(k, band, of_each) / count) as f32;
                     }
                 }
                 if let (Some(out), Some(sum)) = (&mut out.cost, tile.costs.get(k)) {

@@ -4,6 +4,8 @@
 //! and, for the ends of batches, doubles, all little-endian and of fixed size. A film is written pixel by pixel, row by
 //! row from the top, whatever its tiles; what several tiles have splatted onto a pixel is added up before.
 
+use super::adaptive::Halves;
+use super::control::Control;
 use super::evidence::Marks;
 use super::fixed::{Square, Value};
 use super::splat::Splat;
@@ -27,6 +29,10 @@ pub struct Held {
     pub squares: bool,
     /// What the other layers are made of.
     pub guides: bool,
+    /// Size of the samples' weights where the filter has negative lobes.
+    pub weight: Option<f64>,
+    /// What pixels whose blocks end by themselves keep of their halves.
+    pub halves: bool,
     /// Mean squares of the filter's height by distance in pixels, where samples are splatted.
     pub mean_squares: Vec<f64>,
 }
@@ -37,12 +43,15 @@ struct Record {
     pixel: Pixel,
     squares: [Square; 3],
     guides: Guides,
-    /// 1 where the pixel needs no further samples.
+    /// A bit for each half of the pixel that needs no further samples.
     ended: u8,
     cost: CostSample,
     bands: Vec<Value>,
     splat: Splat,
     splat_bands: Vec<Value>,
+    control: Control,
+    negative_bands: Vec<Value>,
+    halves: Halves,
     marks: Marks<f64>,
     ends: Marks<Value>,
 }
@@ -73,7 +82,9 @@ enum Part {
 impl Record {
     fn empty(held: &Held) -> Self {
         let bands = vec![Value::default(); held.bands.as_ref().map_or(0, Bands::count)];
-        Self { splat_bands: if held.splats { bands.clone() } else { Vec::new() }, bands, ..Self::default() }
+        let some = |is: bool| if is { bands.clone() } else { Vec::new() };
+        let (splat_bands, negative_bands) = (some(held.splats), some(held.weight.is_some()));
+        Self { splat_bands, negative_bands, bands, ..Self::default() }
     }
 
     /// Every number of a part, in the order of the file.
@@ -100,6 +111,21 @@ impl Record {
                     see(Number::Cost(&mut self.cost.nanoseconds));
                 }
                 self.bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
+                if held.weight.is_some() {
+                    see_control(&mut self.control, see);
+                    self.negative_bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
+                }
+                if held.halves {
+                    let h = &mut self.halves;
+                    see(Number::Count(&mut h.count));
+                    h.value.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
+                    h.square.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
+                    see_control(&mut h.control, see);
+                    h.marks
+                        .iter_mut()
+                        .flat_map(|m| m.0.as_flattened_mut())
+                        .for_each(|v| see(Number::Double(v)));
+                }
             }
             Part::Splat if held.splats => {
                 self.splat.values().for_each(|v| see(Number::Sum(v)));
@@ -111,6 +137,11 @@ impl Record {
             Part::Ends => self.ends.0.iter_mut().flatten().for_each(|v| see(Number::Sum(&mut v.0))),
         }
     }
+}
+
+fn see_control(control: &mut Control, see: &mut impl FnMut(Number<'_>)) {
+    see(Number::Count(&mut control.count));
+    control.negative.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
 }
 
 /// The parts of which a film's records are made, its samples being those from `first` on.
@@ -155,6 +186,16 @@ impl Held {
         let bands = self.bands.as_ref().map_or(0, Bands::count);
         if bands > 0 {
             names += &format!(" bands:{bands}xi128");
+        }
+        if self.weight.is_some() {
+            names += " negative_count:u32 negative:3xi128";
+            if bands > 0 {
+                names += &format!(" negative_bands:{bands}xi128");
+            }
+        }
+        if self.halves {
+            names += " second_count:u32 second_value:3xi128 second_square:3xi128 second_negative_count:u32 \
+                      second_negative:3xi128 halves_batch_ends:12xf64";
         }
         if self.splats {
             let [values, weights] = Splat::NUMBERS;
@@ -208,6 +249,8 @@ impl Film {
             splats: self.tiles.first().is_some_and(|t| t.splats.is_some()),
             batches: self.tiles.first().is_some_and(|t| !t.marks.is_empty() || !t.ends.is_empty()),
             squares: self.keep.squares || self.keep.layers,
+            weight: self.tiles.first().filter(|t| !t.controls.is_empty()).map(|t| t.weight),
+            halves: self.tiles.first().is_some_and(|t| !t.halves.is_empty()),
             guides: self.keep.layers,
             mean_squares: self.mean_squares.clone(),
         }
@@ -314,7 +357,12 @@ impl Film {
         record.pixel = tile.pixels[k];
         record.squares = tile.squares.get(k).copied().unwrap_or_default();
         record.guides = tile.guides.get(k).copied().unwrap_or_default();
-        record.ended = u8::from(!tile.sampled().contains(pixel));
+        record.ended = tile.ended(pixel);
+        record.control = tile.controls.get(k).copied().unwrap_or_default();
+        if held.weight.is_some() {
+            record.negative_bands.copy_from_slice(&tile.negative_bands[k * count..][..count]);
+        }
+        record.halves = tile.halves.get(k).copied().unwrap_or_default();
         record.cost = tile.costs.get(k).copied().unwrap_or_default();
         record.bands.copy_from_slice(&tile.bands[k * count..][..count]);
         record.marks = tile.marks.get(k).copied().unwrap_or_default();
@@ -351,8 +399,13 @@ impl Film {
         if let Some(guides) = tile.guides.get_mut(k) {
             *guides = record.guides;
         }
-        if record.ended != 0 {
-            tile.end_half_of(pixel);
+        tile.end_halves(pixel, record.ended);
+        if let Some(control) = tile.controls.get_mut(k) {
+            *control = record.control;
+            tile.negative_bands[k * count..][..count].copy_from_slice(&record.negative_bands);
+        }
+        if let Some(halves) = tile.halves.get_mut(k) {
+            *halves = record.halves;
         }
         if let Some(cost) = tile.costs.get_mut(k) {
             *cost = record.cost;
@@ -429,6 +482,12 @@ impl Joined {
             for tile in &mut film.tiles {
                 tile.splats = Some(Splats::alone(tile.region, held.bands.as_ref().map_or(0, Bands::count)));
             }
+        }
+        if let Some(weight) = held.weight {
+            film.control(weight);
+        }
+        if held.halves {
+            film.adapt(error == Some(Evidence::Batches));
         }
         if held.batches {
             film.hold_batches();
@@ -544,7 +603,9 @@ mod tests {
                 for i in samples[0]..samples[1] {
                     let v = number(pixel, i);
                     let rgb = if i == 13 && pixel[0] % 7 == 3 { [f32::NAN; 3] } else { [v, v * v, 7.0 * v] };
-                    let sample = Sample { rgb, albedo: [v; 3], normal: [-v, 0.5, v], depth: 10.0 * v };
+                    let guides =
+                        Sample { albedo: [v; 3], normal: [-v, 0.5, v], depth: 10.0 * v, ..Sample::default() };
+                    let sample = Sample { rgb, negative: v < 0.1, ..guides };
                     let bands = [BandSample { band: (i % 3) as u16, value: v }];
                     let taken = tile.add(pixel, i, &sample, &bands);
                     tile.add_cost(pixel, &CostSample { nodes: i.into(), primitives: 2, nanoseconds: 3 });

@@ -3,7 +3,8 @@
 use super::{Integrator, ShadowRay, Wave};
 use crate::film::Sample;
 use crate::lanes::Lanes;
-use crate::material::{Bsdf, Transport};
+use crate::light::Receiver;
+use crate::material::{Bsdf, Shaded, Transport};
 use crate::shape::offset::End;
 use crate::stopwatch::Phase;
 use crate::world::World;
@@ -40,8 +41,8 @@ pub struct State<L> {
     lanes: L,
     /// Share of the light at the ray's end that reaches the film.
     beta: Light,
-    /// The previous vertex.
-    from: Vec3,
+    /// The previous vertex, as light sampling saw it.
+    from: Receiver,
     /// Density by which the ray's direction was drawn there, in solid angle; unused after a delta lobe.
     pdf: f32,
     /// Whether that was a delta lobe (or the camera), which light sampling can't reach.
@@ -60,9 +61,22 @@ struct Vertex<'w> {
     end: End,
     /// About the shading normal.
     frame: Frame,
-    bsdf: Bsdf<'w>,
+    shaded: Shaded<'w>,
     /// Direction back along the path, in the frame.
     wo: Vec3,
+}
+
+impl Vertex<'_> {
+    /// Where light arrives: on the side that is seen, where it can't come through.
+    #[inline]
+    fn receiver(&self) -> Receiver {
+        let n = match self.shaded.bsdf {
+            Bsdf::Custom(_) => Vec3::ZERO,
+            _ if self.wo.z < 0.0 => -self.frame.n,
+            _ => self.frame.n,
+        };
+        Receiver { p: self.end.p, n }
+    }
 }
 
 impl Integrator for PathTracer {
@@ -72,7 +86,7 @@ impl Integrator for PathTracer {
         State {
             lanes,
             beta: lanes.full(),
-            from: Vec3::ZERO,
+            from: Receiver { p: Vec3::ZERO, n: Vec3::ZERO },
             pdf: 0.0,
             delta: true,
             depth: 1,
@@ -123,7 +137,7 @@ impl PathTracer {
                     (environment.radiance_from(ray.d, &reading), 1.0)
                 } else {
                     let (radiance, pdf) = environment.radiance_pdf_from(ray.d, &reading);
-                    (radiance, balance(state.pdf, world.lights.pmf(emitter) * pdf))
+                    (radiance, balance(state.pdf, world.lights.pmf(emitter, &state.from) * pdf))
                 };
                 sample.light += state.beta * radiance * weight;
             }
@@ -139,7 +153,7 @@ impl PathTracer {
                 let weight = if state.delta {
                     1.0
                 } else {
-                    let p = world.light_pdf(emitter, state.from, hit, &surface);
+                    let p = world.light_pdf(emitter, &state.from, hit, &surface);
                     balance(state.pdf, p)
                 };
                 sample.light += state.beta * radiance * weight;
@@ -155,36 +169,36 @@ impl PathTracer {
                 albedo: world.albedo(&surface),
                 normal: surface.point.n.to_array(),
                 depth: hit.t,
+                ..Sample::default()
             };
         }
         if state.depth >= self.max_depth || matches!(bsdf, Bsdf::Black) {
             return None;
         }
-        Some(Vertex { path: index, end: End::from(&surface.point), frame: surface.frame, bsdf, wo })
+        let shaded = Shaded { bsdf, ng: surface.ng };
+        Some(Vertex { path: index, end: End::from(&surface.point), frame: surface.frame, shaded, wo })
     }
 
     /// Next-event estimation: asks for a shadow ray to a point on a light.
     #[inline]
     fn light<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
-        if vertex.bsdf.is_delta() {
+        if vertex.shaded.bsdf.is_delta() {
             return;
         }
         let path = &wave.paths[vertex.path as usize];
 
-        // A light, and a point on it.
-        let (pick, u) = match world.lights.only() {
-            Some(only) => (Some(only), wave.pattern.d2(&path.name, Purpose::LightPoint)),
-            None => {
-                let [u, v, choice] = wave.pattern.d3(&path.name, Purpose::LightPoint);
-                (world.lights.pick(choice), [u, v])
-            }
+        // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
+        // beside them.
+        let [u, v] = wave.pattern.d2(&path.name, Purpose::LightPoint);
+        let Some(pick) = world.lights.pick(u, &vertex.receiver()) else { return };
+        let at = vertex.end.p;
+        let Some(light) = world.sample_light(pick.index, at, [pick.rest, v], path.state.lanes) else {
+            return;
         };
-        let Some(pick) = pick else { return };
-        let Some(light) = world.sample_light(pick.index, vertex.end.p, u, path.state.lanes) else { return };
 
         // What it would bring, weighed against the chance that the BSDF finds it.
         let wi = vertex.frame.to_local(light.wi);
-        let (value, pdf) = vertex.bsdf.eval_pdf(vertex.wo, wi, Transport::Radiance);
+        let (value, pdf) = vertex.shaded.eval_pdf(vertex.wo, wi, Transport::Radiance);
         if value.is_black() {
             return;
         }
@@ -205,13 +219,13 @@ impl PathTracer {
     fn scatter<L: Lanes>(&self, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
         let path = &mut wave.paths[vertex.path as usize];
 
-        let (u, lobe) = if vertex.bsdf.chooses_lobe() {
+        let (u, lobe) = if vertex.shaded.bsdf.chooses_lobe() {
             let [u, v, lobe] = wave.pattern.d3(&path.name, Purpose::Direction);
             ([u, v], lobe)
         } else {
             (wave.pattern.d2(&path.name, Purpose::Direction), 0.0)
         };
-        let Some(s) = vertex.bsdf.sample(vertex.wo, lobe, u, Transport::Radiance) else { return };
+        let Some(s) = vertex.shaded.sample(vertex.wo, lobe, u, Transport::Radiance) else { return };
         let mut beta = path.state.beta * s.weight;
         let eta_squared = path.state.eta_squared * s.eta * s.eta;
 
@@ -239,7 +253,7 @@ impl PathTracer {
             // A direction of a single wavelength: the others end here, and their lanes are 0.
             lanes: if s.wavelength > 0.0 { lanes.only(s.wavelength) } else { lanes },
             beta,
-            from: vertex.end.p,
+            from: vertex.receiver(),
             pdf: s.pdf,
             delta: s.delta,
             depth: path.state.depth + 1,

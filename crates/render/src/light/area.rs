@@ -78,7 +78,7 @@ fn at(point: &SurfacePoint) -> TexturePoint {
 
 impl AreaLight {
     /// The most that any point sends: black only when all are.
-    fn strongest(&self) -> Colour {
+    pub(super) fn strongest(&self) -> Colour {
         let Value::Constant(radiance) = self.radiance;
         radiance
     }

@@ -20,6 +20,16 @@ impl DirectionalLight {
         Some(Self { wi: (-direction).try_normalize()?, irradiance: irradiance.into() })
     }
 
+    /// Unit vector towards it.
+    pub(super) fn wi(&self) -> Vec3 {
+        self.wi
+    }
+
+    /// Its irradiance.
+    pub(super) fn strongest(&self) -> Colour {
+        self.irradiance.eval(&TexturePoint::default())
+    }
+
     /// See [`super::Emitter::sample`].
     pub fn sample<L: Lanes>(&self, reading: &Reading<'_, L>) -> Option<LightSample> {
         let radiance = reading.light(&self.irradiance.eval(&TexturePoint::default()));

@@ -21,7 +21,7 @@ impl ConstantEnvironment {
         reading.light(&self.colour())
     }
 
-    fn colour(&self) -> Colour {
+    pub(super) fn colour(&self) -> Colour {
         self.radiance.eval(&TexturePoint::default())
     }
 
@@ -73,6 +73,8 @@ pub struct ImageEnvironment {
     axes: [Vec3; 3],
     /// Integral of the strongest lane over all directions.
     total: f64,
+    /// Of that lane, roughly what falls on surfaces that face +x, -x, +y, -y, +z and -z of the world; 0 only where all is black.
+    irradiance: [f32; 6],
 }
 
 /// No pixel is brighter, so that sums of pixels are finite.
@@ -120,18 +122,35 @@ impl ImageEnvironment {
             (0..height).map(|j| ops::sin_cos_degrees(180.0 * j as f64 / (height - 1) as f64).1).collect();
         let lane = |x: usize, y: usize| f64::from(Light::rgb(pixels[y * width + x % width]).max_lane());
         let mut weights = Vec::with_capacity(width * (height - 1));
+        let mut irradiance = [0.0; 6];
+        // Across: where the middle of a cell lies.
+        let around: Vec<DVec3> = (0..width)
+            .map(|i| {
+                let (s, c) = ops::sin_cos_degrees(360.0 * (i + 1) as f64 / width as f64);
+                x * s - z * c
+            })
+            .collect();
         for j in 0..height - 1 {
             let band = cosines[j] - cosines[j + 1];
+            let up = 0.5 * (cosines[j] + cosines[j + 1]);
+            let out = (1.0 - up * up).sqrt();
             for i in 0..width {
                 let sum = lane(i, j) + lane(i + 1, j) + lane(i, j + 1) + lane(i + 1, j + 1);
-                weights.push(0.25 * sum * band * (2.0 * std::f64::consts::PI / width as f64));
+                let weight = 0.25 * sum * band * (2.0 * std::f64::consts::PI / width as f64);
+                weights.push(weight);
+                let d = (around[i] * out + y * up) * weight;
+                for (axis, v) in [d.x, d.y, d.z].into_iter().enumerate() {
+                    irradiance[2 * axis + usize::from(v < 0.0)] += v.abs();
+                }
             }
         }
-        let total = weights.iter().sum();
+        let total: f64 = weights.iter().sum();
+        // A quarter of the mean over all sides: between six directions a small sun must not be forgotten.
+        let irradiance = irradiance.map(|v: f64| (0.75 * v + 0.0625 * total) as f32);
         let most = weights.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
         let relative: Vec<f32> = weights.iter().map(|w| (w / most) as f32).collect();
         let cells = Table2::new(width, height - 1, &relative);
-        Some(Self { width, height, pixels, cells, cosines, axes, total })
+        Some(Self { width, height, pixels, cells, cosines, axes, total, irradiance })
     }
 
     /// See [`super::Emitter::radiance_from`].
@@ -182,6 +201,11 @@ impl ImageEnvironment {
     /// What falls on the scene's disc from all sides.
     pub fn power(&self, disc: f64) -> f64 {
         disc * self.total
+    }
+
+    /// Roughly what falls on surfaces that face +x, -x, +y, -y, +z and -z.
+    pub(super) fn irradiance(&self) -> [f32; 6] {
+        self.irradiance
     }
 
     /// A density over the unit square, in a row of cells, as density by solid angle: the square's (height - 1) equal

@@ -26,6 +26,7 @@ pub(crate) mod cube;
 pub mod directional;
 pub mod environment;
 pub mod point;
+mod reach;
 pub mod spot;
 pub mod table;
 
@@ -33,6 +34,7 @@ pub use area::{AreaLight, LitSurface, Sides};
 pub use directional::DirectionalLight;
 pub use environment::{ConstantEnvironment, ImageEnvironment};
 pub use point::PointLight;
+pub use reach::Receiver;
 pub use spot::{Falloff, SpotLight};
 pub use table::{LightTable, Pick};
 

@@ -28,9 +28,14 @@ impl PointLight {
         towards(self.position, p, |_| reading.light(&self.intensity.eval(&self.place())))
     }
 
+    /// Its intensity.
+    pub(super) fn strongest(&self) -> Colour {
+        self.intensity.eval(&self.place())
+    }
+
     /// See [`super::Emitter::power`].
     pub fn power(&self) -> f64 {
-        4.0 * std::f64::consts::PI * strength(self.intensity.eval(&self.place()))
+        4.0 * std::f64::consts::PI * strength(self.strongest())
     }
 }
 

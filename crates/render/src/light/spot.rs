@@ -2,7 +2,7 @@
 
 use crate::lanes::{Colour, Lanes, Reading};
 use crate::material::{TexturePoint, Value};
-use straal_math::{Vec3, ops};
+use straal_math::{Frame, Vec3, ops, warp};
 
 use super::{LightSample, point::towards, strength};
 
@@ -48,6 +48,18 @@ impl SpotLight {
         TexturePoint { uv: [0.0; 2], p: self.position }
     }
 
+    /// Where it is.
+    pub fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    /// A direction within its cone, evenly.
+    pub fn direction(&self, u: [f32; 2]) -> Vec3 {
+        // A cone of no width is an axis.
+        let spread = ops::max(1.0 - self.cos_cutoff, f32::MIN_POSITIVE);
+        Frame::from_normal(self.axis).to_world(warp::uniform_cone(u, spread))
+    }
+
     /// A spot of an intensity (on its axis, in W/sr); `None` when the axis has no direction. A beam wider than the
     /// cutoff is cut off.
     pub fn new(position: Vec3, intensity: impl Into<Value<Colour>>, cone: &Cone) -> Option<Self> {
@@ -71,8 +83,8 @@ impl SpotLight {
         towards(self.position, p, |wi| reading.light(&self.intensity.eval(&self.place())) * self.share(-wi))
     }
 
-    /// How much of the full intensity goes in direction `w`.
-    fn share(&self, w: Vec3) -> f32 {
+    /// How much of the full intensity goes in direction `w`, of any length.
+    pub(super) fn share(&self, w: Vec3) -> f32 {
         // By its tangent: near the axis the cosine has lost the angle.
         let angle = ops::atan2(self.axis.cross(w).length(), self.axis.dot(w));
         if angle <= self.beam {
@@ -91,9 +103,14 @@ impl SpotLight {
         }
     }
 
+    /// Its intensity on the axis.
+    pub(super) fn strongest(&self) -> Colour {
+        self.intensity.eval(&self.place())
+    }
+
     /// The full beam, and half of what is between it and the cutoff.
     pub fn power(&self) -> f64 {
         let cosines = 0.5 * (f64::from(self.cos_beam) + f64::from(self.cos_cutoff));
-        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(self.intensity.eval(&self.place()))
+        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(self.strongest())
     }
 }

@@ -278,7 +278,7 @@ fn strange_pictures_are_refused_or_read_as_black() {
     assert!(new(&Image::default()).is_none());
     assert!(new(&Image { width: 3, height: 2, pixels: vec![[1.0; 3]; 5] }).is_none());
     assert!(new(&Image { width: usize::MAX, height: 2, pixels: vec![[1.0; 3]; 5] }).is_none());
-    let odd = image(4, 3, |x, _| [f32::NAN, -1.0, if x == 2 { f32::INFINITY } else { 0.0 }]);
+    let odd = image(4, 3, |x, _| [f32::NAN, -1.0, if x == 2 { f32::NEG_INFINITY } else { 0.0 }]);
     let e = new(&odd).unwrap();
     assert_eq!(e.radiance(Vec3::X, &in_rgb()), Light::ZERO);
     assert_eq!((e.sample([0.5; 2], &in_rgb()), e.pdf(Vec3::X), e.power(1.0)), (None, 0.0, 0.0));
@@ -383,7 +383,8 @@ fn black_lights_are_never_sampled() {
         }
         assert_eq!(entry.emitter.power(&entry.geometry, 1.0), 0.0);
         let table = LightTable::new(std::slice::from_ref(&entry.emitter), &entry.geometry, 1.0);
-        assert_eq!((table.pick(0.5), table.pmf(0)), (None, 0.0));
+        let at = Receiver { p: VIEWS[0], n: Vec3::ZERO };
+        assert_eq!((table.pick(0.5, &at), table.pmf(0, &at)), (None, 0.0));
         for p in VIEWS {
             assert_eq!(
                 entry.emitter.sample(&entry.geometry, p, [0.4, 0.6], &in_rgb()),
@@ -430,30 +431,116 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
 }
 
 #[test]
-fn lights_are_picked_by_power_and_evenly() {
+fn many_lights_are_picked_by_power_and_evenly() {
     let at =
         |i: f32| Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into() });
-    let emitters = [at(1.0), at(0.0), at(3.0), at(f32::NAN), at(4.0)];
+    let mut emitters = vec![at(1.0), at(0.0), at(3.0), at(f32::NAN), at(4.0)];
+    // So many that they are not weighed by the place.
+    emitters.extend((0..20).map(|_| at(1.0)));
     let geometry = Geometry::default();
     let table = LightTable::new(&emitters, &geometry, 1.0);
-    let want = [0.5 / 3.0 + 0.5 / 8.0, 0.0, 0.5 / 3.0 + 1.5 / 8.0, 0.0, 0.5 / 3.0 + 2.0 / 8.0];
+    let half = |i: f64| 0.5 / 23.0 + 0.5 * i / 28.0;
+    let want = [half(1.0), 0.0, half(3.0), 0.0, half(4.0)];
+    let here = Receiver { p: Vec3::ONE, n: Vec3::X };
     let mut rng = Rng(71);
-    let (mut counts, mut rests) = ([0_u32; 5], 0.0);
+    let (mut counts, mut rests) = ([0_u32; 25], 0.0);
     for _ in 0..100_000 {
-        let pick = table.pick(rng.f()).unwrap();
-        assert_eq!(pick.pmf, table.pmf(pick.index));
+        let pick = table.pick(rng.f(), &here).unwrap();
+        assert_eq!(pick.pmf, table.pmf(pick.index, &here));
         counts[pick.index as usize] += 1;
         rests += f64::from(pick.rest);
     }
     for (i, want) in want.into_iter().enumerate() {
-        assert!((f64::from(table.pmf(i as u32)) - want).abs() < 1e-6);
+        assert!((f64::from(table.pmf(i as u32, &here)) - want).abs() < 1e-6);
         let share = f64::from(counts[i]) / 1e5;
         // Five standard deviations of a binomial.
         assert!((share - want).abs() <= 5.0 * (want / 1e5).sqrt(), "{i}: {share}");
     }
     assert!((rests / 1e5 - 0.5).abs() < 5.0 * 0.289 / 1e5_f64.sqrt());
-    assert_eq!(table.only(), None);
-    assert_eq!(LightTable::new(&[], &geometry, 1.0).pick(0.0), None);
+    assert_eq!(LightTable::new(&[], &geometry, 1.0).pick(0.0, &here), None);
     let one = LightTable::new(&emitters[1..3], &geometry, 1.0);
-    assert_eq!(one.only().map(|p| (p.index, p.pmf)), one.pick(0.3).map(|p| (p.index, p.pmf)));
+    assert_eq!(one.pick(0.3, &here), Some(Pick { index: 1, pmf: 1.0, rest: 0.3 }));
+}
+
+#[test]
+fn few_lights_are_picked_by_what_they_bring() {
+    let point =
+        |position, i: f32| Emitter::Point(PointLight { position, intensity: Light::rgb([i; 3]).into() });
+    let sun = DirectionalLight::new(-Vec3::Z, Light::rgb([1.0; 3])).unwrap();
+    let sky = ConstantEnvironment { radiance: Light::rgb([0.5; 3]).into() };
+    let emitters = [
+        point(Vec3::new(0.0, 0.0, 2.0), 4.0),
+        point(Vec3::new(0.0, 0.0, -2.0), 4.0),
+        Emitter::Directional(sun),
+        Emitter::Constant(sky),
+    ];
+    let geometry = Geometry::default();
+    let table = LightTable::new(&emitters, &geometry, 10.0);
+    for n in [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, 0.8), Vec3::ZERO] {
+        for p in [Vec3::ZERO, Vec3::new(1.0, 2.0, 0.5), Vec3::new(0.0, 0.0, 1.9)] {
+            let at = Receiver { p, n };
+            let cos = |d: Vec3| if n == Vec3::ZERO { 1.0 } else { ops::max(d.normalize().dot(n), 0.0) };
+            let from = |q: Vec3| 4.0 * cos(q - p) / (q - p).length_squared();
+            let around = if n == Vec3::ZERO { 4.0 } else { 1.0 };
+            let brought = [
+                from(Vec3::new(0.0, 0.0, 2.0)),
+                from(Vec3::new(0.0, 0.0, -2.0)),
+                cos(Vec3::Z),
+                0.5 * around * std::f32::consts::PI,
+            ];
+            let total: f32 = brought.iter().sum();
+            let lit = brought.iter().filter(|v| **v > 0.0).count() as f32;
+            let mut first = 0.0;
+            for (i, brought) in brought.into_iter().enumerate() {
+                let pmf = table.pmf(i as u32, &at);
+                let want = if brought > 0.0 { (1.0 + (16.0 - lit) * brought / total) / 16.0 } else { 0.0 };
+                assert!(
+                    (pmf - want).abs() <= 1.0 / 16.0 && (pmf > 0.0) == (want > 0.0),
+                    "{i} {at:?}: {pmf} {want}"
+                );
+                assert_eq!((pmf * 16.0).fract(), 0.0);
+                // The same probability is drawn, and what is left of the number is even again.
+                for k in 0..5 {
+                    let rest = k as f32 / 8.0;
+                    if pmf > 0.0 {
+                        assert_eq!(
+                            table.pick(first + rest * pmf, &at),
+                            Some(Pick { index: i as u32, pmf, rest })
+                        );
+                    }
+                }
+                first += pmf;
+            }
+            assert_eq!(first, 1.0);
+        }
+    }
+    // Where nothing shines there is nothing to pick.
+    let below = LightTable::new(&[emitters[0].clone(), emitters[2].clone()], &geometry, 1.0);
+    assert_eq!(below.pick(0.3, &Receiver { p: Vec3::ZERO, n: -Vec3::Z }), None);
+}
+
+/// What is never picked never shines there, and no light that brings most of it is forgotten.
+#[test]
+fn estimates_are_near_what_lights_bring() {
+    let mut rng = Rng(72);
+    for entry in registry() {
+        let Some(reach) = super::reach::Reach::of(&entry.emitter, &entry.geometry) else { continue };
+        for p in VIEWS {
+            for n in [Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z, (-p).try_normalize().unwrap_or(Vec3::X)]
+            {
+                let rounds = 2000;
+                let mut sum = 0.0;
+                for _ in 0..rounds {
+                    if let Some(s) = entry.emitter.sample(&entry.geometry, p, rng.square(), &in_rgb()) {
+                        sum += s.radiance.max_lane() * ops::max(s.wi.dot(n), 0.0) / s.pdf;
+                    }
+                }
+                let brought = sum / rounds as f32;
+                let estimate = reach.estimate(&Receiver { p, n });
+                assert!(brought == 0.0 || estimate > 0.0, "{} at {p:?}, {n:?}: {brought}", entry.name);
+                let whole = reach.estimate(&Receiver { p, n: Vec3::ZERO });
+                assert!(brought <= 8.0 * whole, "{} at {p:?}: {brought} {whole}", entry.name);
+            }
+        }
+    }
 }

@@ -5,7 +5,7 @@
 //! goes (towards the camera on a camera path) and given, `wi` is where it comes from. A BSDF
 //!
 //! - has values f(wo, wi), told multiplied by |cos| of `wi`: [`Bsdf::eval`] is f |wi.z|. It knows nothing of geometric
-//!   normals;
+//!   normals: [`shaded`] sees to it that no light goes through an opaque surface;
 //! - draws directions with [`Bsdf::sample`]: `weight` is f |cos| / pdf, for the density `pdf` that [`Bsdf::pdf`]
 //!   tells of the same pair (per solid angle, cosine not divided out). `None` is a draw without value: absorbed,
 //!   below the surface, seen from behind;
@@ -35,6 +35,7 @@ pub mod fresnel;
 mod ggx;
 mod mirror;
 mod prism;
+pub mod shaded;
 #[cfg(test)]
 mod tests;
 mod value;
@@ -44,6 +45,7 @@ pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use mirror::Mirror;
 pub use prism::Prism;
+pub use shaded::Shaded;
 pub use value::{TexturePoint, Value};
 
 /// What a path carries from the surface on: radiance is traced from the camera, importance from a light.

@@ -16,6 +16,7 @@ use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::span::Span;
 use crate::suggest;
+use crate::tree::shown;
 use crate::value::Name;
 
 /// The names that `bezier: { builtin: ... }` knows.
@@ -353,7 +354,26 @@ fn one_of(owner: &str, first: (&str, bool), second: (&str, bool), keys: &Keys<'_
 }
 
 pub(super) fn directional(l: &DirectionalLight, keys: &Keys<'_>, d: &mut Decoder) {
-    direction(l.direction, "direction", keys, d);
+    let ways = (("direction", l.direction.is_some()), ("from", l.from.is_some()));
+    if !one_of("directional", ways.0, ways.1, keys, d) {
+        return;
+    }
+    if let (Some(v), Some(_)) = (l.direction, l.look_at) {
+        let message = "`look_at` means nothing beside `direction`";
+        let help = format!("give `from` and `look_at`, or `direction: {}` alone", shown_vector(v));
+        d.push(Diagnostic::error(keys.key_span("look_at"), message).help(help));
+    } else if l.axis() == DVec3::ZERO {
+        let (key, message) = match l.direction {
+            Some(_) => ("direction", "`direction` has no direction: all three numbers are 0"),
+            None => ("from", "`from` is the point that the light shines on, so there is no direction"),
+        };
+        d.push(Diagnostic::error(keys.span(key), message));
+    }
+}
+
+fn shown_vector(v: DVec3) -> String {
+    let [x, y, z] = v.to_array().map(shown);
+    format!("[{x}, {y}, {z}]")
 }
 
 pub(super) fn spot(l: &SpotLight, keys: &Keys<'_>, d: &mut Decoder) {

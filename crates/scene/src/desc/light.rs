@@ -46,10 +46,14 @@ describe! {
 }
 
 describe! {
-    /// Parallel light, like the sun's.
+    /// Parallel light, like the sun's, along `direction` or as from `from` to `look_at`.
     pub struct DirectionalLight [check::directional] {
-        /// The direction in which the light travels.
-        direction: DVec3,
+        /// The direction in which the light travels; give this or `from`.
+        direction: Option<DVec3> = None,
+        /// A point that the light comes from the direction of, as if it stood infinitely far behind; give this or `direction`.
+        from: Option<DVec3> = None,
+        /// The point that it shines on; the origin when only `from` is given.
+        look_at: Option<DVec3> = None,
         /// Irradiance on a surface that faces the light, in W/m^2.
         irradiance: Value<Spectrum> [Limit::NON_NEGATIVE] = Value::Constant(Spectrum::grey(1.0)),
     }
@@ -72,6 +76,17 @@ describe! {
         beam: Option<f64> [Limit::within(0.0, 180.0)] = None,
         /// How intensity falls from `beam` to `cutoff`.
         falloff: Falloff = Falloff::Linear,
+    }
+}
+
+impl DirectionalLight {
+    /// The direction in which the light travels, not of unit length.
+    pub fn axis(&self) -> DVec3 {
+        match (self.direction, self.from) {
+            (Some(d), _) => d,
+            (None, Some(from)) => self.look_at.unwrap_or(DVec3::ZERO) - from,
+            (None, None) => -DVec3::Y,
+        }
     }
 }
 

@@ -37,7 +37,7 @@ pub use shape::{
     Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
-pub use transform::{Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint};
+pub use transform::{AxisAngle, Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint, facing};
 pub use way::{Moment, Pose, Way};
 
 use crate::describe::describe;

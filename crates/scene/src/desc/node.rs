@@ -1,9 +1,12 @@
 //! The tree of the world.
 
+use straal_math::{Affine, DVec3};
+
 use crate::desc::material::MaterialRef;
 use crate::desc::shape::{Bezier, Cuboid, Cylinder, Disc, Plane, Rectangle, Sphere, Triangle, TriangleMesh};
-use crate::desc::transform::Transform;
+use crate::desc::transform::{Transform, facing};
 use crate::describe::describe;
+use crate::span::Spanned;
 use crate::value::Name;
 
 describe! {
@@ -39,6 +42,8 @@ describe! {
     pub struct Group {
         /// Places the children; nested groups add up from the inside out.
         transform: Transform = Transform::default(),
+        /// A point that its +z is turned towards, after `transform` and about where that puts its origin.
+        look_at: Option<Spanned<DVec3>> = None,
         /// Material of children that have none of their own.
         material: Option<MaterialRef> = None,
         /// The nodes.
@@ -55,9 +60,70 @@ describe! {
         of: Name,
         /// Places the copy.
         transform: Transform = Transform::default(),
+        /// A point that its +z is turned towards, after `transform` and about where that puts its origin.
+        look_at: Option<Spanned<DVec3>> = None,
         /// Material of what has none of its own in the object.
         material: Option<MaterialRef> = None,
         /// What the camera's `focus_on` calls it, besides the name of the object.
         name: Option<Name> = None,
     }
+}
+
+impl Node {
+    /// Where the node stands: its transform, and the turn towards what it looks at. `None` when the transform is singular, or when
+    /// it stands where it looks.
+    pub fn placement(&self) -> Option<Affine> {
+        let local = self.transform().affine()?;
+        let Some(target) = self.look_at() else { return Some(local) };
+        let (middle, front) = self.front();
+        let inverse = local.inverse()?;
+        // A flat shape's front is a normal, which a transform leaves at right angles; what has an inside has an axis.
+        let (front, is_normal) = match front {
+            Front::Normal(n) => (inverse.normal_by_inverse(n), true),
+            Front::Axis => (local.vector(DVec3::Z), false),
+        };
+        // A normal doesn't tell a mirror image from a turn, and a mirror image of a front is a front.
+        let flip = is_normal && self.surface().is_some_and(|s| s.flip);
+        let front = if flip { -front } else { front };
+        Some(local.then(&facing(local.point(middle), front, target.value)?))
+    }
+
+    /// What its front is turned towards.
+    pub fn look_at(&self) -> Option<&Spanned<DVec3>> {
+        match self {
+            Self::Group(g) => g.look_at.as_ref(),
+            Self::Instance(i) => i.look_at.as_ref(),
+            _ => self.surface().and_then(|s| s.look_at.as_ref()),
+        }
+    }
+
+    /// Its middle and what is its front, in its own coordinates.
+    fn front(&self) -> (DVec3, Front) {
+        match self {
+            Self::Sphere(s) => (s.center, Front::Axis),
+            Self::Plane(s) => (s.point, Front::Normal(s.normal)),
+            Self::Disc(s) => (s.center, Front::Normal(s.normal)),
+            Self::Rectangle(s) => {
+                let [a, b] = s.edges;
+                (s.corner + (a + b) * 0.5, Front::Normal(a.cross(b)))
+            }
+            Self::Box(s) => ((s.min + s.max) * 0.5, Front::Axis),
+            Self::Cylinder(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Triangle(s) => {
+                let [a, b, c] = s.vertices;
+                ((a + b + c) / 3.0, Front::Normal((b - a).cross(c - a)))
+            }
+            Self::Mesh(_) | Self::Bezier(_) | Self::Group(_) | Self::Instance(_) => {
+                (DVec3::ZERO, Front::Axis)
+            }
+        }
+    }
+}
+
+/// What of a node is turned towards what it looks at.
+enum Front {
+    /// A flat shape's.
+    Normal(DVec3),
+    /// Its +z.
+    Axis,
 }

@@ -100,6 +100,11 @@ impl Filter {
             Self::Lanczos(f) => f.radius,
         }
     }
+
+    /// Whether it may be below 0 somewhere.
+    pub const fn is_signed(&self) -> bool {
+        matches!(self, Self::Mitchell(_) | Self::Lanczos(_))
+    }
 }
 
 describe! {

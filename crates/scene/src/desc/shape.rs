@@ -8,6 +8,7 @@ use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
+use crate::span::Spanned;
 use crate::value::{FileRef, Name, Value};
 
 describe! {
@@ -21,6 +22,9 @@ describe! {
         two_sided_emission: bool = false,
         /// Places the shape.
         transform: Transform = Transform::default(),
+        /// A point that the front is turned towards, after `transform` and about the middle of the shape; the front of a shape that
+        /// isn't flat is along its +z.
+        look_at: Option<Spanned<DVec3>> = None,
         /// Swaps front and back.
         flip: bool = false,
         /// What the camera's `focus_on` calls it.

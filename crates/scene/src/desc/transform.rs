@@ -34,12 +34,45 @@ impl Transform {
     }
 }
 
+/// The turn about `pivot` that brings the direction `front` to `target`, first about the vertical and then up or down, so that what
+/// stands upright stays so; `None` when there is no direction.
+pub fn facing(pivot: DVec3, front: DVec3, target: DVec3) -> Option<Affine> {
+    let (front, wanted) = (front.try_normalize()?, (target - pivot).try_normalize()?);
+    let level = |v: DVec3| DVec3::new(v.x, 0.0, v.z).try_normalize();
+    let yaw = match (level(front), level(wanted)) {
+        (Some(a), Some(b)) => turn(DVec3::Y, a.dot(b), DVec3::Y.dot(a.cross(b))),
+        // Straight up or down has no place around the vertical.
+        _ => Affine::IDENTITY,
+    };
+    let front = yaw.vector(front);
+    let hinge = level(front).or_else(|| level(wanted)).map_or(DVec3::X, |level| DVec3::Y.cross(level));
+    let pitch = turn(hinge, front.dot(wanted), hinge.dot(front.cross(wanted)));
+    let around = Affine::translate(-pivot).then(&yaw).then(&pitch);
+    Some(around.then(&Affine::translate(pivot)))
+}
+
+/// The turn about a unit vector by the angle of that cosine and sine (Rodrigues).
+fn turn(axis: DVec3, cos: f64, sin: f64) -> Affine {
+    // The two come from rounded unit vectors: together they must be one.
+    let length = (cos * cos + sin * sin).sqrt();
+    let (c, s) = if length > 0.0 { (cos / length, sin / length) } else { (1.0, 0.0) };
+    let DVec3 { x, y, z } = axis;
+    let t = 1.0 - c;
+    Affine {
+        rows: [
+            [t * x * x + c, t * x * y - s * z, t * x * z + s * y, 0.0],
+            [t * x * y + s * z, t * y * y + c, t * y * z - s * x, 0.0],
+            [t * x * z - s * y, t * y * z + s * x, t * z * z + c, 0.0],
+        ],
+    }
+}
+
 describe! {
     /// One step of a transform.
     pub enum Step {
         /// Moves by a vector.
         "translate" => Translate(DVec3),
-        /// Turns about an axis through the origin.
+        /// Turns about an axis through the origin, as in `rotate: { y: 30 }`.
         "rotate" => Rotate(Rotation),
         /// Scales about the origin: one factor, or one for each axis.
         "scale" => Scale(Factors),
@@ -81,9 +114,18 @@ impl Step {
     }
 }
 
+/// A turn, counter-clockwise seen from the axis' tip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rotation {
+    /// What it turns about.
+    pub axis: Axis,
+    /// The angle in degrees.
+    pub degrees: f64,
+}
+
 describe! {
-    /// A turn, counter-clockwise seen from the axis' tip.
-    pub struct Rotation {
+    /// A turn about any axis, counter-clockwise seen from its tip.
+    pub struct AxisAngle {
         /// `x`, `y`, `z` or a vector.
         axis: Axis,
         /// The angle in degrees.
@@ -145,5 +187,36 @@ impl Coordinate {
             Self::Y => 1,
             Self::Z => 2,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_faces_something_faces_it_and_stands_upright() {
+        let pivot = DVec3::new(1.0, 2.0, 3.0);
+        for front in [DVec3::Z, -DVec3::Z, DVec3::X, DVec3::Y, -DVec3::Y, DVec3::new(0.3, -0.8, 0.1)] {
+            for way in [DVec3::Z, -DVec3::Z, DVec3::Y, -DVec3::Y, DVec3::new(3.0, -1.0, -2.0)] {
+                let turned = facing(pivot, front, pivot + way * 2.5).unwrap();
+                let found = turned.vector(front.try_normalize().unwrap());
+                assert!(
+                    (found - way.try_normalize().unwrap()).length() < 1e-12,
+                    "{front:?} to {way:?}: {found:?}"
+                );
+                assert!(
+                    (turned.point(pivot) - pivot).length() < 1e-12
+                        && (turned.determinant() - 1.0).abs() < 1e-12
+                );
+            }
+        }
+        // What looks level at something level keeps its head up.
+        let up = facing(DVec3::ZERO, DVec3::Z, DVec3::new(1.0, 0.0, -2.0)).unwrap().vector(DVec3::Y);
+        assert!((up - DVec3::Y).length() < 1e-12);
+        // What looks up at something leans back, not to a side.
+        let side = facing(DVec3::ZERO, DVec3::Z, DVec3::new(1.0, 4.0, -2.0)).unwrap().vector(DVec3::X);
+        assert!(side.y.abs() < 1e-12, "{side:?}");
+        assert!(facing(pivot, DVec3::Z, pivot).is_none());
     }
 }

@@ -26,7 +26,14 @@ pub(super) fn needs(structure: &Structure, triangles: u64, objects: u64) -> Need
         // A number, padded to where it says of what.
         Structure::Brute => (8.0, 0.0),
         Structure::Volumes(_) => (REFERENCE, 0.0),
-        Structure::Bvh(p) => (wide(p), wide_building(p)),
+        Structure::Bvh(p) => {
+            // Objects are leaves each by itself, eight to a node, where eight triangles are one.
+            let [t, o] = [triangles, objects].map(|count| count as f64);
+            let share = |of_triangles: f64, of_objects: f64| {
+                if n > 0.0 { (of_triangles * t + of_objects * o) / n } else { 0.0 }
+            };
+            (share(wide(p), OBJECT), share(wide_building(p), OBJECT_BUILDING))
+        }
         Structure::Bvh2(p) => (binary(p), 50.0),
         Structure::Grid(p) => (grid(p, n), 160.0),
         Structure::Kd(p) => (kd(p), 110.0),
@@ -38,6 +45,12 @@ pub(super) fn needs(structure: &Structure, triangles: u64, objects: u64) -> Need
     };
     Needs { kept: (n * each) as u64, building: (n * (PRIMITIVE + building)) as u64 }
 }
+
+/// A shape or instance in the wide tree: its part of a node of 256 bytes.
+const OBJECT: f64 = 42.0;
+
+/// The same while the tree is built: a reference, two nodes of the binary tree, and a part of a node once more.
+const OBJECT_BUILDING: f64 = 32.0 + 80.0 + 42.0;
 
 /// A primitive's box, from which all structures are built.
 const PRIMITIVE: f64 = 32.0;

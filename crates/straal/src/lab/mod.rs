@@ -203,6 +203,9 @@ fn compare(
         ..Overrides::default()
     };
     let job = Job::of(loaded, &wish, &Custom::default())?;
+    for dropped in &job.world.dropped {
+        say(&format!("warning: {}", dropped.message));
+    }
     let input = job.world.accel.input();
     let objects = objects(loaded.scene.top_level(), &job.world, &input);
     // A wrong name is told before anything takes its time.

@@ -192,3 +192,35 @@ fn splats_and_noise_exclude_each_other() {
     let error = Job::new(loaded.expect("a scene"), wish).err().expect("an error").to_string();
     assert!(error.contains("weigh more in their neighbours"), "{error}");
 }
+
+/// Surroundings of radiance 1 and nothing else are 1 in every pixel, whatever the filter, the sampler and the number of samples.
+#[test]
+fn even_light_is_even_whatever_the_filter() {
+    let scene = |filter: &str| {
+        format!(
+            "camera: {{ perspective: {{ eye: [0, 0, 5], look_at: [0, 0, 0] }} }}\n\
+             film: {{ size: [16, 16], filter: {{ {filter} }} }}\nworld: []\n\
+             lights: [ {{ environment: {{ radiance: 1 }} }} ]\n"
+        )
+    };
+    for filter in ["mitchell: {}", "lanczos: {}", "mitchell: { b: 0, c: 0.5 }", "lanczos: { radius: 2 }"] {
+        for (pattern, spp) in [(PatternKind::Sobol, 64), (PatternKind::Random, 48), (PatternKind::Sobol, 3)] {
+            for noise in [None, Some(0.02)] {
+                let wish =
+                    Overrides { pattern: Some(pattern), spp: Some(spp), noise, ..Overrides::default() };
+                let layers = render(&scene(filter), wish).layers;
+                let off = layers
+                    .rgb
+                    .iter()
+                    .flatten()
+                    .map(|v| (v - 1.0).abs())
+                    .fold(0.0, |a: f32, b| if b > a { b } else { a });
+                assert!(off < 1e-5, "{filter} {pattern} {spp}: {off}");
+                assert!(layers.variance.iter().flatten().all(|v| *v < 1e-9), "{filter}");
+                // A batch of one sample has nothing to be told by.
+                let error = layers.error.expect("the layer `error`");
+                assert!(spp < 8 || error.rgb.iter().flatten().all(|v| *v < 1e-4), "{filter}");
+            }
+        }
+    }
+}

@@ -104,7 +104,12 @@ impl Light {
                 let v = code as f64 / most;
                 // 16 and 235 of 255, or 4096 and 60160 of 65,535.
                 let narrow = (v * most / (codes / 256) as f64 - 16.0) / 219.0;
-                if self.is_narrow { narrow.clamp(0.0, 1.0) } else { v }
+                match narrow {
+                    _ if !self.is_narrow => v,
+                    narrow if narrow > 1.0 => 1.0,
+                    narrow if narrow > 0.0 => narrow,
+                    _ => 0.0,
+                }
             };
             (0..codes).map(|code| response.light(signal(code)) as f32).collect()
         };

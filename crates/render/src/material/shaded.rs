@@ -1,0 +1,292 @@
+//! A BSDF on a surface whose shading normal is not its geometric one.
+//!
+//! Meshes of few triangles look round because light is reckoned about a *shading normal*, interpolated between the corners,
+//! while rays meet the flat triangle. Where the two normals differ a BSDF, which knows of the shading normal alone, takes light
+//! from behind the surface, and sends some into it. Both are false; cut off without more ado, they leave black slivers where a
+//! ball turns away.
+//!
+//! So the geometric normal says what is in front: what is reflected stays on the side that it came from, what is transmitted
+//! leaves on the other. Nothing gets lost by it, and all that a BSDF conserves is conserved:
+//!
+//! - a diffuse lobe about a normal n has the share (1 + n.ng) / 2 of its light above the surface. This part alone is taken,
+//!   divided by the share;
+//! - every other lobe is mirrored by the surface where it dips below: to a direction comes what the BSDF has for it and for
+//!   its mirror image. A reflection that would end in the surface is continued above it, as off a flat mirror (after the
+//!   second bounce of Schüssler et al. 2017, "Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing").
+//!
+//! And a shading normal that is seen from behind while the surface is seen from the front is bent, see [`shading_normal`].
+
+use super::{Bsdf, BsdfSample, Transport};
+use straal_color::Light;
+use straal_math::Vec3;
+
+/// A BSDF with the normals that it is used with. Directions are those of [`Bsdf`], about the shading normal.
+#[derive(Clone, Copy, Debug)]
+pub struct Shaded<'w> {
+    /// What it does about the shading normal.
+    pub bsdf: Bsdf<'w>,
+    /// The unit geometric normal on the shading normal's side; `None` where it is the shading normal.
+    pub ng: Option<Vec3>,
+}
+
+/// A shading normal is bent where its cosine to the viewer is less than this part of the geometric normal's.
+const LEAST: f32 = 0.5;
+
+/// The shading normal for a viewer in the direction `wo`, and the geometric one on its side, where that differs.
+///
+/// The shading normal `n` says which side of the surface is outside, the geometric `ng` on which side the viewer is. Bent
+/// towards the geometric one, just enough, is a shading normal that the viewer would see at a much flatter angle, or from behind: the
+/// result doesn't jump.
+#[inline]
+pub fn shading_normal(n: Vec3, ng: Vec3, wo: Vec3) -> (Vec3, Option<Vec3>) {
+    if n == ng || n == -ng {
+        return (n, None);
+    }
+    let ng = if n.dot(ng) < 0.0 { -ng } else { ng };
+    let seen = wo.dot(ng);
+    let lack = LEAST - wo.dot(n) / seen;
+    // Seen edge-on the quotient may be anything.
+    if lack > 0.0 || lack.is_nan() {
+        // By so much more its length grows that the part is LEAST / (1 + LEAST) at the least.
+        return ((n + ng * (lack * (1.0 + LEAST))).try_normalize().unwrap_or(ng), Some(ng));
+    }
+    (n, Some(ng))
+}
+
+impl Shaded<'_> {
+    /// [`Bsdf::eval_pdf`] with no light through an opaque surface.
+    #[inline]
+    pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
+        let Some(ng) = self.ng else { return self.bsdf.eval_pdf(wo, wi, transport) };
+        self.eval_pdf_leaning(ng, [wo, wi], transport)
+    }
+
+    fn eval_pdf_leaning(&self, ng: Vec3, [wo, wi]: [Vec3; 2], transport: Transport) -> (Light, f32) {
+        let (mut value, mut pdf) = (Light::ZERO, 0.0);
+        if goes_on(ng, wo, wi) {
+            (value, pdf) = self.bsdf.eval_pdf(wo, wi, transport);
+        }
+        if matches!(self.bsdf, Bsdf::Diffuse(_)) {
+            return (value * made_whole(ng), pdf);
+        }
+        let image = mirrored(wi, ng);
+        if !goes_on(ng, wo, image) {
+            let (v, p) = self.bsdf.eval_pdf(wo, image, transport);
+            value += v;
+            pdf += p;
+        }
+        (value, pdf)
+    }
+
+    /// [`Bsdf::sample`], in accordance with [`Self::eval_pdf`].
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
+        let drawn = self.bsdf.sample(wo, u_lobe, u, transport)?;
+        let Some(ng) = self.ng else { return Some(drawn) };
+        self.sample_leaning(ng, wo, drawn, transport)
+    }
+
+    fn sample_leaning(
+        &self,
+        ng: Vec3,
+        wo: Vec3,
+        drawn: BsdfSample,
+        transport: Transport,
+    ) -> Option<BsdfSample> {
+        let kept = goes_on(ng, wo, drawn.wi);
+        if matches!(self.bsdf, Bsdf::Diffuse(_)) {
+            return kept.then(|| BsdfSample { weight: drawn.weight * made_whole(ng), ..drawn });
+        }
+        let image = mirrored(drawn.wi, ng);
+        let wi = if kept { drawn.wi } else { image };
+        if drawn.delta {
+            return Some(BsdfSample { wi, ..drawn });
+        }
+        if kept && goes_on(ng, wo, image) {
+            return Some(drawn);
+        }
+        // The direction may have been drawn in either of two ways.
+        let (value, pdf) = self.eval_pdf_leaning(ng, [wo, wi], transport);
+        let weight = value * (1.0 / pdf);
+        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight, pdf, ..drawn })
+    }
+}
+
+/// Whether a direction that is reflected by the shading normal is reflected by the surface as well, or transmitted by both.
+#[inline]
+fn goes_on(ng: Vec3, wo: Vec3, wi: Vec3) -> bool {
+    ((wi.z > 0.0) == (wo.z > 0.0)) == ((wi.dot(ng) > 0.0) == (wo.dot(ng) > 0.0))
+}
+
+/// By a plane mirror on the surface.
+#[inline]
+fn mirrored(w: Vec3, ng: Vec3) -> Vec3 {
+    w - ng * (2.0 * w.dot(ng))
+}
+
+/// 1 over the share of a cosine lobe about z that lies on the side of a unit vector with z >= 0.
+#[inline]
+fn made_whole(ng: Vec3) -> f32 {
+    2.0 / (1.0 + ng.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Dielectric, Diffuse, Metal, Mirror, RoughConductor};
+    use super::*;
+    use crate::testing::{ChiSquare, SphereGrid};
+    use straal_math::lowdisc::{Pattern, Purpose, SampleName};
+    use straal_math::{ops, warp};
+
+    const WHITE: Light = Light([1.0, 1.0, 1.0, 0.0]);
+
+    fn opaque() -> Vec<Bsdf<'static>> {
+        let lossless = Metal { eta: Light::ZERO, k: Light::ZERO, reflectance: WHITE };
+        vec![
+            Bsdf::Diffuse(Diffuse { reflectance: WHITE, two_sided: true }),
+            Bsdf::RoughConductor(RoughConductor::new(lossless, 0.3)),
+            Bsdf::RoughConductor(RoughConductor::new(lossless, 1.0)),
+            Bsdf::Mirror(Mirror { reflectance: WHITE, two_sided: true }),
+        ]
+    }
+
+    /// `f` with surfaces whose normals differ by some degrees, seen from many sides of both.
+    fn for_all(mut f: impl FnMut(Shaded<'_>, Vec3)) {
+        for bsdf in opaque() {
+            for lean in [10.0, 37.0, 53.0, 85.0] {
+                let (sin, cos) = ops::sin_cos_degrees(lean);
+                let ng = Vec3::new(sin as f32, 0.0, cos as f32);
+                for (theta, phi) in
+                    [(0.0, 0.0), (50.0, 180.0), (80.0, 90.0), (75.0, 10.0), (75.0, 170.0), (130.0, 20.0)]
+                {
+                    let ((s, c), (sp, cp)) = (ops::sin_cos_degrees(theta), ops::sin_cos_degrees(phi));
+                    let away = Vec3::new((s * cp) as f32, (s * sp) as f32, c as f32);
+                    // About the bent normal.
+                    let (n, ng) = shading_normal(Vec3::Z, ng, away);
+                    let frame = straal_math::Frame::from_normal(n);
+                    f(Shaded { bsdf, ng: ng.map(|ng| frame.to_local(ng)) }, frame.to_local(away));
+                }
+            }
+        }
+    }
+
+    fn numbers(i: u32) -> [f32; 4] {
+        Pattern::Random.d4(&SampleName::new(5, [0, 0], i), Purpose::Custom)
+    }
+
+    #[test]
+    fn directions_are_drawn_by_their_density() {
+        for_all(|shaded, wo| {
+            if shaded.bsdf.is_delta() {
+                return;
+            }
+            let grid = SphereGrid { axis: shaded.ng.unwrap(), focus: 1, rings: 20, sectors: 24 };
+            let outcome = ChiSquare { grid, samples: 20_000, seed: 4, tests: 72 }.run(
+                |u| Some(shaded.sample(wo, u[0], [u[1], u[2]], Transport::Radiance)?.wi),
+                |wi| shaded.eval_pdf(wo, wi, Transport::Radiance).1,
+            );
+            if let Err(e) = outcome.verdict() {
+                panic!("{shaded:?}, seen from {wo:?}: {e}");
+            }
+        });
+    }
+
+    #[test]
+    fn no_light_goes_through() {
+        for_all(|shaded, wo| {
+            let ng = shaded.ng.unwrap();
+            let front = wo.dot(ng) > 0.0;
+            for i in 0..2000 {
+                let u = numbers(i);
+                let wi = warp::uniform_sphere([u[0], u[1]]);
+                let (value, pdf) = shaded.eval_pdf(wo, wi, Transport::Radiance);
+                assert!(
+                    (wi.dot(ng) > 0.0) == front || (value.is_black() && pdf == 0.0),
+                    "{shaded:?} {wo:?} {wi:?}"
+                );
+                let Some(s) = shaded.sample(wo, u[0], [u[1], u[2]], Transport::Radiance) else { continue };
+                assert!(
+                    (s.wi.dot(ng) > 0.0) == front && (s.wi.length() - 1.0).abs() < 1e-5,
+                    "{shaded:?} {s:?}"
+                );
+                if !s.delta {
+                    let (value, pdf) = shaded.eval_pdf(wo, s.wi, Transport::Radiance);
+                    assert!((pdf / s.pdf - 1.0).abs() < 1e-3, "{shaded:?} {s:?} {pdf}");
+                    assert!((value / pdf - s.weight).max_lane().abs() < 1e-3, "{shaded:?} {s:?}");
+                }
+            }
+        });
+    }
+
+    /// In a white furnace, what a BSDF sends back it sends back whatever the geometric normal.
+    #[test]
+    fn nothing_gets_lost() {
+        for_all(|shaded, wo| {
+            let n = 20_000_u32;
+            let alone = Shaded { ng: None, ..shaded };
+            let mean = |of: &Shaded<'_>, first: u32| {
+                let (mut sum, mut squares) = (0.0, 0.0);
+                for i in 0..n {
+                    let u = numbers(first + i);
+                    let drawn = of.sample(wo, u[0], [u[1], u[2]], Transport::Radiance);
+                    let weight = drawn.map_or(0.0, |s| f64::from(s.weight[0]));
+                    sum += weight;
+                    squares += weight * weight;
+                }
+                let mean = sum / f64::from(n);
+                (mean, (squares / f64::from(n) - mean * mean) / f64::from(n))
+            };
+            let (with, without) = (mean(&shaded, 0), mean(&alone, n));
+            let error = (with.1 + without.1).abs().sqrt() + 1e-6;
+            assert!(
+                (with.0 - without.0).abs() < 4.5 * error,
+                "{shaded:?}, seen from {wo:?}: {with:?} {without:?}"
+            );
+        });
+    }
+
+    #[test]
+    fn glass_stays_glass() {
+        let bsdf = Bsdf::Dielectric(Dielectric { eta: 1.5, reflectance: WHITE, transmittance: WHITE });
+        let ng = Vec3::new(0.6, 0.0, 0.8);
+        let shaded = Shaded { bsdf, ng: Some(ng) };
+        for i in 0..2000 {
+            let u = numbers(i);
+            let wo = warp::uniform_sphere([u[0], u[1]]);
+            if (wo.z > 0.0) != (wo.dot(ng) > 0.0) {
+                continue;
+            }
+            let s = shaded.sample(wo, u[2], [u[3]; 2], Transport::Radiance).unwrap();
+            assert_eq!(s.transmitted, (s.wi.dot(ng) > 0.0) != (wo.dot(ng) > 0.0), "{wo:?} {s:?}");
+        }
+    }
+
+    #[test]
+    fn shading_normals_face_whoever_sees_the_surface() {
+        let ng = Vec3::new(0.6, 0.0, 0.8);
+        for i in 0..5000 {
+            let u = numbers(i);
+            let wo = warp::uniform_sphere([u[0], u[1]]);
+            let (n, turned) = shading_normal(Vec3::Z, ng, wo);
+            assert_eq!(turned, Some(ng));
+            let (seen, face) = (wo.dot(ng), wo.dot(n));
+            assert!(face * seen >= 0.0 && (face / seen > 0.33 || seen.abs() < 1e-3), "{wo:?}: {n:?}");
+            assert!(n.dot(ng) >= 0.8 - 1e-6 && (n.length() - 1.0).abs() < 1e-6);
+            if wo.z / seen > LEAST {
+                assert_eq!(n, Vec3::Z);
+            }
+            // Flipped normals are as good, and flat surfaces stay as they are.
+            assert_eq!(shading_normal(Vec3::Z, -ng, wo), (n, Some(ng)));
+            assert_eq!(shading_normal(ng, ng, wo), (ng, None));
+        }
+        // It doesn't jump, from one edge of the surface's front to the other.
+        let mut last = None;
+        for i in 0..=20_000 {
+            let (s, c) = ops::sin_cos_degrees(f64::from(i) * 179.9 / 20_000.0 - 36.8);
+            let (n, _) = shading_normal(Vec3::Z, ng, Vec3::new(c as f32, 0.1, s as f32).normalize());
+            let step = last.map_or(0.0, |l: Vec3| (n - l).length());
+            assert!(step < 0.02, "{i}: {n:?}");
+            last = Some(n);
+        }
+    }
+}
