@@ -69,7 +69,15 @@ impl<'a> Keeping<'a> {
         interrupt: &'a Interrupt,
         is_quiet: bool,
     ) -> Result<(Self, Option<Kept>), Failure> {
-        let places: Vec<PathBuf> = results.iter().chain(&wish.sums).map(|r| checkpoint_of(r)).collect();
+        let places: Vec<PathBuf> = results
+            .iter()
+            .chain(&wish.sums)
+            .filter(|r| r.as_os_str() != "-")
+            .map(|r| checkpoint_of(r))
+            .collect();
+        if places.is_empty() && wish.resume {
+            return Err(Failure::input("--resume needs a picture in a file, beside which the checkpoint is"));
+        }
         let found = places.iter().find(|p| p.exists());
         let path = found.or(places.first()).cloned().unwrap_or_default();
         let mut this = Self {
@@ -119,10 +127,15 @@ impl<'a> Keeping<'a> {
         self.wish.every.is_some() || self.wish.sums.is_some()
     }
 
+    /// How often a checkpoint is written; beside standard output there is no place for one.
+    fn every(&self) -> Option<Duration> {
+        self.wish.every.filter(|_| !self.path.as_os_str().is_empty())
+    }
+
     /// Whether a checkpoint is due in the middle of a pass: when its time has come, and when a signal did, since who sent it may
     /// not wait for the pass to end.
     pub fn pause(&self) -> Option<Pause> {
-        let every = milliseconds(self.wish.every?);
+        let every = milliseconds(self.every()?);
         let (began, due, is_safe) = (self.began, self.due.clone(), self.is_safe.clone());
         let (interrupt, is_said) = (self.interrupt.clone(), self.wish.is_said);
         Some(Arc::new(move || {
@@ -138,7 +151,7 @@ impl<'a> Keeping<'a> {
         if let (true, Some(path)) = (snapshot.is_last, &self.wish.sums) {
             self.sums = Some(self.write(path, snapshot));
         }
-        let Some(every) = self.wish.every else { return };
+        let Some(every) = self.every() else { return };
         let now = milliseconds(self.began.elapsed());
         let is_asked = self.interrupt.asked().is_some();
         let is_due = if snapshot.is_last || is_asked {
