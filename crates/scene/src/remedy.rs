@@ -170,6 +170,10 @@ pub fn main_key(tree: &Tree, owner: &str, value: &str) -> Option<String> {
         Datum::String(name) => css::code(name),
         _ => None,
     };
+    let is_number = ["size", "spp", "max_depth", "radius", "position", "direction"].contains(&key);
+    if is_number && matches!(tree.value, Datum::String(_)) {
+        return None;
+    }
     match colour {
         Some(code) if matches!(key, "reflectance" | "radiance") => {
             Some(format!("write `{owner}: {{ {key}: '#{code:06x}' }}`"))
