@@ -427,6 +427,8 @@ pub struct Keys<'a> {
     entries: &'a [Entry],
     /// All that may be there.
     names: Vec<&'static str>,
+    /// Those of them that are there, once it is asked which.
+    present: Vec<&'static str>,
     owner: Span,
     /// What keys that are complained of were meant to be.
     meant: Vec<Meant<'a>>,
@@ -445,7 +447,7 @@ struct Meant<'a> {
 
 impl<'a> Keys<'a> {
     fn new(entries: &'a [Entry], owner: Span) -> Self {
-        Self { entries, names: Vec::new(), owner, meant: Vec::new(), told: Vec::new() }
+        Self { entries, names: Vec::new(), present: Vec::new(), owner, meant: Vec::new(), told: Vec::new() }
     }
 
     /// Reads the value of a key; without it, `default`'s, or a complaint when there is none.
@@ -494,12 +496,18 @@ impl<'a> Keys<'a> {
     }
 
     fn complain_of_unknown(&mut self, d: &mut Decoder) {
+        // Looked up once: a mapping may have a hundred thousand keys that nobody knows.
+        let is_there = |name: &&str| self.entries.iter().any(|e| e.key.value == *name);
+        self.present = self.names.iter().copied().filter(is_there).collect();
         let mut rest = self.entries;
         while let [entry, after @ ..] = rest {
             rest = after;
             // A list without brackets, `center: 1, 2, 3`, is a key with the first number and then numbers that look like keys.
-            let loose = after.iter().take_while(|e| is_loose_number(e)).count();
-            if loose > 0 && remedy::begins_list(&entry.value) {
+            let loose = match remedy::begins_list(&entry.value) {
+                true => after.iter().take_while(|e| is_loose_number(e)).count(),
+                false => 0,
+            };
+            if loose > 0 {
                 rest = &after[loose..];
                 let name = self.called(&entry.key.value, d.key());
                 d.push(without_brackets(name.unwrap_or(&entry.key.value), entry, &after[..loose], d));
@@ -507,6 +515,12 @@ impl<'a> Keys<'a> {
                 continue;
             }
             if self.names.contains(&entry.key.value.as_str()) {
+                continue;
+            }
+            if d.diagnostics.is_full() {
+                // Only counted.
+                let severity = if d.strictness.lenient { Severity::Warning } else { Severity::Error };
+                d.push(Diagnostic { severity, ..Diagnostic::error(entry.key.span, "unknown key") });
                 continue;
             }
             let (complaint, meant, told) = self.unknown(entry, d);
@@ -543,7 +557,7 @@ impl<'a> Keys<'a> {
         let (key, span) = (entry.key.value.as_str(), entry.key.span);
         let shown = suggest::brief(key);
         let is_free = |name: &str| {
-            !self.entries.iter().any(|e| e.key.value == name) && !self.meant.iter().any(|m| m.name == name)
+            !self.present.iter().any(|n| *n == name) && !self.meant.iter().any(|m| m.name == name)
         };
         let meant = |name: &'static str, is_sure| is_free(name).then_some(Meant { entry, name, is_sure });
         let instead = |name: &str| {

@@ -196,7 +196,7 @@ mod tests {
                 "`brute` takes nothing, found a mapping of keys to values: write only `brute`",
             ),
             ("bvh:build=quick", "unknown `quick` in `build`: it can be `fast`, `default`, `best`"),
-            ("bvh:compact=yes", "`compact` must be `true` or `false`, found the text `yes`"),
+            ("bvh:compact=yes", "`compact` must be `true` or `false`, found the text `yes`: write `true`"),
             ("octree:max_depth=25", "`max_depth` must be from 0 to 24, found 25"),
             ("bvh:compact", "`compact` is no parameter: expected key=value, with commas between"),
             ("bvh:", "nothing follows the colon: expected key=value, with commas between"),
