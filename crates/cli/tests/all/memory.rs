@@ -70,7 +70,7 @@ fn grey(width: usize, height: usize) -> Vec<u8> {
     pfm
 }
 
-/// Balls of light, ten thousand of them by instances in instances.
+/// Balls of light, a quarter of a million of them by instances in instances.
 fn lights() -> String {
     let mut text = format!(
         "{CAMERA}film: {{ size: [64, 32] }}\nobjects:\n  a0: {{ sphere: {{ radius: 0.01, emission: 1 }} }}\n"
@@ -84,7 +84,7 @@ fn lights() -> String {
                 f64::from(i) * step
             )
         };
-        let children: Vec<String> = (0..10).map(of).collect();
+        let children: Vec<String> = (0..12).map(of).collect();
         let _ = writeln!(text, "  a{level}: {{ group: {{ children: [{}] }} }}", children.join(", "));
     }
     text + "world: [instance: { of: a5 }]\n"
