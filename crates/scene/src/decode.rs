@@ -557,7 +557,7 @@ impl<'a> Keys<'a> {
         let (key, span) = (entry.key.value.as_str(), entry.key.span);
         let shown = suggest::brief(key);
         let is_free = |name: &str| {
-            !self.present.iter().any(|n| *n == name) && !self.meant.iter().any(|m| m.name == name)
+            !self.present.contains(&name) && !self.meant.iter().any(|m| m.name == name)
         };
         let meant = |name: &'static str, is_sure| is_free(name).then_some(Meant { entry, name, is_sure });
         let instead = |name: &str| {
