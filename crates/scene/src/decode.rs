@@ -556,9 +556,8 @@ impl<'a> Keys<'a> {
     ) -> (Diagnostic, Option<Meant<'a>>, Option<&'static str>) {
         let (key, span) = (entry.key.value.as_str(), entry.key.span);
         let shown = suggest::brief(key);
-        let is_free = |name: &str| {
-            !self.present.contains(&name) && !self.meant.iter().any(|m| m.name == name)
-        };
+        let is_free =
+            |name: &str| !self.present.contains(&name) && !self.meant.iter().any(|m| m.name == name);
         let meant = |name: &'static str, is_sure| is_free(name).then_some(Meant { entry, name, is_sure });
         let instead = |name: &str| {
             if let Some(other) = self.meant.iter().find(|m| m.name == name) {
