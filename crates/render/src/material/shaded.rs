@@ -6,12 +6,12 @@
 //! ball turns away.
 //!
 //! So the geometric normal says what is in front: what is reflected stays on the side that it came from, what is transmitted
-//! leaves on the other. Nothing gets lost by it, and all that a BSDF conserves is conserved:
+//! leaves on the other:
 //!
-//! - a diffuse lobe about a normal n has the share (1 + n.ng) / 2 of its light above the surface. This part alone is taken,
-//!   divided by the share;
+//! - of a diffuse lobe the part above the surface is taken. What lies below, (1 - n.ng) / 2 of it, is lost, as it is in other
+//!   renderers, where it ends within a closed mesh: a smooth ball of 80 triangles reflects one to two hundredths less than a round one;
 //! - every other lobe is mirrored by the surface where it dips below: to a direction comes what the BSDF has for it and for
-//!   its mirror image. A reflection that would end in the surface is continued above it, as off a flat mirror (after the
+//!   its mirror image, so that nothing is lost. A reflection that would end in the surface is continued above it, as off a flat mirror (after the
 //!   second bounce of Schüssler et al. 2017, "Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing").
 //!
 //! And a shading normal that is seen from behind while the surface is seen from the front is bent, see [`shading_normal`].
@@ -67,7 +67,7 @@ impl Shaded<'_> {
             (value, pdf) = self.bsdf.eval_pdf(wo, wi, transport);
         }
         if matches!(self.bsdf, Bsdf::Diffuse(_)) {
-            return (value * made_whole(ng), pdf);
+            return (value, pdf);
         }
         let image = mirrored(wi, ng);
         if !goes_on(ng, wo, image) {
@@ -95,7 +95,7 @@ impl Shaded<'_> {
     ) -> Option<BsdfSample> {
         let kept = goes_on(ng, wo, drawn.wi);
         if matches!(self.bsdf, Bsdf::Diffuse(_)) {
-            return kept.then(|| BsdfSample { weight: drawn.weight * made_whole(ng), ..drawn });
+            return kept.then_some(drawn);
         }
         let image = mirrored(drawn.wi, ng);
         let wi = if kept { drawn.wi } else { image };
@@ -122,12 +122,6 @@ fn goes_on(ng: Vec3, wo: Vec3, wi: Vec3) -> bool {
 #[inline]
 fn mirrored(w: Vec3, ng: Vec3) -> Vec3 {
     w - ng * (2.0 * w.dot(ng))
-}
-
-/// 1 over the share of a cosine lobe about z that lies on the side of a unit vector with z >= 0.
-#[inline]
-fn made_whole(ng: Vec3) -> f32 {
-    2.0 / (1.0 + ng.z)
 }
 
 #[cfg(test)]
@@ -218,9 +212,10 @@ mod tests {
         });
     }
 
-    /// In a white furnace, what a BSDF sends back it sends back whatever the geometric normal.
+    /// In a white furnace, what a BSDF sends back it sends back whatever the geometric normal; a diffuse one, the part of it above
+    /// the surface.
     #[test]
-    fn nothing_gets_lost() {
+    fn nothing_gets_lost_but_what_diffuse_surfaces_send_into_themselves() {
         for_all(|shaded, wo| {
             let n = 20_000_u32;
             let alone = Shaded { ng: None, ..shaded };
@@ -238,8 +233,13 @@ mod tests {
             };
             let (with, without) = (mean(&shaded, 0), mean(&alone, n));
             let error = (with.1 + without.1).abs().sqrt() + 1e-6;
+            // Of a cosine lobe about z, what lies on the side of a unit vector with z >= 0.
+            let above = match shaded.bsdf {
+                Bsdf::Diffuse(_) => 0.5 * (1.0 + f64::from(shaded.ng.unwrap().z)),
+                _ => 1.0,
+            };
             assert!(
-                (with.0 - without.0).abs() < 4.5 * error,
+                (with.0 - above * without.0).abs() < 4.5 * error,
                 "{shaded:?}, seen from {wo:?}: {with:?} {without:?}"
             );
         });

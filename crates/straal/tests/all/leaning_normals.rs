@@ -40,12 +40,12 @@ fn lamps_behind_a_surface_do_not_light_it() {
             assert!(dark.layers.rgb.iter().flatten().all(|v| *v == 0.0), "{material} {lamp}");
         }
     }
-    // And one in front does, as the shading normal says: 0.8 / pi E cos, and all of it above the surface.
+    // And one in front does, as the shading normal says: 0.8 / pi E cos.
     let lit = render(&quad(
         "{ diffuse: { reflectance: 0.8 } }",
         "directional: { direction: [0, 0, -1], irradiance: 3.14159265 }",
     ));
-    let want = 0.8 * 0.6 * 2.0 / (1.0 + 0.6);
+    let want = 0.8 * 0.6;
     assert!(lit.layers.rgb.iter().flatten().all(|v| (v - want).abs() < 1e-4), "{:?}", lit.layers.rgb[0]);
 }
 
@@ -108,9 +108,8 @@ fn smooth_balls_of_few_triangles_have_no_black_rims() {
             }
         }
         let (ratio, i) = worst;
-        assert!(ratio > 0.9, "{material}: {:?} for {:?} at {i}", smooth.rgb[i], flat.rgb[i]);
-        if material.contains("diffuse") {
-            assert!(smooth.rgb.iter().flatten().all(|v| (v - 1.0).abs() < 0.15), "{ratio}");
-        }
+        // At a corner of an icosahedron, the normals' cosine is 0.795, and a tenth of a diffuse lobe ends in the surface.
+        let least = if material.contains("diffuse") { 0.85 } else { 0.9 };
+        assert!(ratio > least, "{material}: {:?} for {:?} at {i}", smooth.rgb[i], flat.rgb[i]);
     }
 }
