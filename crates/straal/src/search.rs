@@ -201,7 +201,7 @@ mod tests {
             ("bvh:compact", "`compact` is no parameter: expected key=value, with commas between"),
             ("bvh:", "nothing follows the colon: expected key=value, with commas between"),
             ("bvh:compact=true,", "there is a comma too many: expected key=value, with commas between"),
-            ("bsp:straddle_cost=-1", "`straddle_cost` must be from 0 to 1000000, found -1"),
+            ("bsp:straddle_cost=-1", "`straddle_cost` must be from 0 to 1,000,000, found -1"),
             ("grid:factor=-1", "`factor` must be between 0 and 64, neither included, found -1"),
             ("bvh:compact=true,compact=false", "`compact` is given twice"),
         ] {
