@@ -9,7 +9,7 @@
 //! leaves on the other:
 //!
 //! - of a diffuse lobe the part above the surface is taken. What lies below, (1 - n.ng) / 2 of it, is lost, as it is in other
-//!   renderers, where it ends within a closed mesh: a smooth ball of 80 triangles reflects one to two hundredths less than a round one;
+//!   renderers, where it ends within a closed mesh;
 //! - every other lobe is mirrored by the surface where it dips below: to a direction comes what the BSDF has for it and for
 //!   its mirror image, so that nothing is lost. A reflection that would end in the surface is continued above it, as off a flat mirror (after the
 //!   second bounce of Schüssler et al. 2017, "Microfacet-based Normal Mapping for Robust Monte Carlo Path Tracing").
