@@ -3,6 +3,7 @@
 use crate::camera::FilmPoint;
 use crate::film::{BandSample, Film, FilmTile, Flying, MAX_SAMPLES, next_look};
 use crate::filter::{Filter, FilterSample};
+use crate::footprint::PackedFootprint;
 use crate::integrator::{Integrator, Path, Pending, ShadowRay, Wave};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, CostMeter, Plain, Probe};
@@ -384,12 +385,16 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             }
             // Where nothing is seen there is no path, and the sample is black.
             let Some(ray) = world.camera.ray(&at) else { continue };
+            let mut footprint = PackedFootprint::NONE;
+            if world.materials.vary() {
+                footprint = world.camera.footprint(&at).packed();
+            }
             self.rays.push(ray);
             self.paths.push(Path {
                 name,
                 sample: k as u32,
                 alive: true,
-                state: self.integrator.start(lanes),
+                state: self.integrator.start(lanes, footprint),
             });
         }
         self.stopwatch.lap(Phase::Camera);

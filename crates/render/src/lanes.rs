@@ -14,6 +14,7 @@ use straal_color::{Adaptation, Light, Matrix3, RgbSpace, Space};
 use straal_math::{ops, table::Table1};
 
 use crate::film::{BandSample, Recording};
+use crate::texture::Texture;
 
 /// A colour of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,6 +279,8 @@ pub struct Reading<'w, L> {
     pub palette: &'w Palette,
     /// The lanes.
     pub lanes: L,
+    /// What values that differ from point to point are read off.
+    pub textures: &'w [Texture],
 }
 
 impl<L: Lanes> Reading<'_, L> {
@@ -292,17 +295,33 @@ impl<L: Lanes> Reading<'_, L> {
     pub fn radiance_of_rgb(&self, rgb: Light) -> Light {
         self.lanes.radiance_of_rgb(self.palette, rgb)
     }
+
+    /// Shares of light of linear sRGB. What the work space doesn't hold is cut off.
+    pub fn reflectance_of_srgb(&self, rgb: [f32; 3]) -> Light {
+        self.lanes.reflectance_of_rgb(self.palette, self.edge(rgb))
+    }
+
+    /// Light of linear sRGB. What the work space doesn't hold is cut off.
+    pub fn emission_of_srgb(&self, rgb: [f32; 3]) -> Light {
+        self.lanes.radiance_of_rgb(self.palette, self.edge(rgb))
+    }
+
+    /// In the work space where lanes are its red, green and blue; as it is where it becomes a spectrum.
+    fn edge(&self, rgb: [f32; 3]) -> Light {
+        let Some(to_work) = &self.palette.to_work else { return Light::rgb(rgb) };
+        Light::rgb(to_work.apply_f32(rgb).map(|v| if v > 0.0 { v } else { 0.0 }))
+    }
 }
 
 /// What a material of the library's user reads its colours by.
 pub trait ReadRgb {
-    /// The reflectance of linear RGB, from 0 to 1, as light.
+    /// The reflectance of linear sRGB, from 0 to 1, as light.
     fn reflectance(&self, rgb: [f32; 3]) -> Light;
 }
 
 impl<L: Lanes> ReadRgb for Reading<'_, L> {
     fn reflectance(&self, rgb: [f32; 3]) -> Light {
-        self.lanes.reflectance_of_rgb(self.palette, Light::rgb(rgb))
+        self.reflectance_of_srgb(rgb)
     }
 }
 
@@ -322,6 +341,8 @@ pub struct Palette {
     to_film: Option<Matrix3>,
     /// In which numbers the film takes light.
     recording: Recording,
+    /// From linear sRGB to the work space, where that is another and lanes are RGB.
+    to_work: Option<Matrix3>,
     /// D65.
     white: Vec<f32>,
     /// Spectra of pixels.
@@ -368,6 +389,11 @@ impl Palette {
         };
         palette.film = palette.response(&uplift::rgb_from_xyz(space));
         palette
+    }
+
+    /// Tables for rendering in RGB: nothing but the way from linear sRGB to the work space, where that is another.
+    pub(crate) fn in_rgb(to_work: Option<Matrix3>) -> Self {
+        Self { to_work, ..Self::default() }
     }
 
     /// By nanometre: what one lane of 1 adds to a matrix times X, Y and Z.

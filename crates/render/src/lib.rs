@@ -10,6 +10,7 @@ pub mod compile;
 pub mod driver;
 pub mod film;
 pub mod filter;
+pub mod footprint;
 pub mod integrator;
 pub mod lanes;
 pub mod light;
@@ -21,4 +22,5 @@ pub mod stopwatch;
 pub mod surface;
 #[doc(hidden)]
 pub mod testing;
+pub mod texture;
 pub mod world;

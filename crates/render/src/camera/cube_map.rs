@@ -1,7 +1,8 @@
 //! Cube maps: all directions on six square faces.
 
 use super::view::Axes;
-use super::{FilmPoint, View};
+use super::{FilmPoint, View, turned};
+use crate::footprint::Footprint;
 use straal_math::{DVec3, Ray, Vec3};
 
 /// Where in the picture the faces are. Each is what a pinhole of 90 degrees sees from the middle of the cube, those to the
@@ -75,12 +76,25 @@ impl CubeMap {
 
     #[inline]
     pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        let (_, d) = self.direction(at)?;
+        Some(Ray { time: at.time, ..Ray::new(self.eye, d.normalize()) })
+    }
+
+    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let Some((face, d)) = self.direction(at) else { return Footprint::NONE };
+        let pixel = 2.0 / self.side as f32;
+        Footprint { d: turned(d, face.right * pixel, face.up * -pixel), ..Footprint::NONE }
+    }
+
+    /// The face that is looked through, and the direction, not of unit length.
+    #[inline]
+    fn direction(&self, at: &FilmPoint) -> Option<(&Axes, Vec3)> {
         let [column, row] = at.pixel.map(|n| n / self.side);
         let face = &self.faces[self.layout.face(column, row)?];
         // From -1 to 1 over the face; a little more where a filter reaches over its edge.
         let within = |position: f32, first: u32| 2.0 * (position - first as f32) / self.side as f32 - 1.0;
         let x = within(at.position[0], column * self.side);
         let y = -within(at.position[1], row * self.side);
-        Some(Ray { time: at.time, ..Ray::new(self.eye, face.direction(x, y, 1.0).normalize()) })
+        Some((face, face.direction(x, y, 1.0)))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::view::Axes;
 use super::{FilmPoint, View};
+use crate::footprint::Footprint;
 use straal_math::{Ray, ops};
 
 /// How the angle a to the view follows from the distance r from the middle, both relative to those of the circle's edge.
@@ -70,5 +71,37 @@ impl Fisheye {
         let across = if r > 0.0 { sin / r } else { 0.0 };
         let d = self.axes.direction(x * across, y * across, cos);
         Some(Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) })
+    }
+
+    /// Outwards the angle a to the view grows by da/dr, and about the view a step is as long as sin a / r.
+    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let x = (at.position[0] - self.middle[0]) * self.scale;
+        let y = (self.middle[1] - at.position[1]) * self.scale;
+        let r = (x * x + y * y).sqrt();
+        if r > 1.0 {
+            return Footprint::NONE;
+        }
+        let q = r * self.edge;
+        // At the edge of half a sphere, or of a whole one, the angle grows without bound.
+        let rest = ops::max(1.0 - q * q, 1e-6).sqrt();
+        let (growth, sin, cos) = match self.projection {
+            Projection::Equidistant => {
+                let (sin, cos) = ops::sin_cos(q);
+                (1.0, sin, cos)
+            }
+            Projection::Equisolid => (2.0 / rest, 2.0 * q * rest, 1.0 - 2.0 * q * q),
+            Projection::Orthographic => (1.0 / rest, q, rest),
+            Projection::Stereographic => {
+                let n = 1.0 / (1.0 + q * q);
+                (2.0 * n, 2.0 * q * n, (1.0 - q * q) * n)
+            }
+        };
+        let outwards = growth * self.edge * self.scale;
+        let (out, about) =
+            if r > 0.0 { (([x / r, y / r]), sin / r * self.scale) } else { ([1.0, 0.0], outwards) };
+        let radial = self.axes.direction(out[0] * cos, out[1] * cos, -sin) * outwards;
+        let round = self.axes.direction(-out[1], out[0], 0.0) * about;
+        let d = [radial * out[0] - round * out[1], -(radial * out[1] + round * out[0])];
+        Footprint { d, ..Footprint::NONE }
     }
 }

@@ -10,6 +10,7 @@
 //!   light, and its guides are 0.
 //! - The place may be outside of the pixel, where a filter is wider than that. Where a picture is put together from several
 //!   (two eyes, six faces), the pixel says which of them it belongs to, so that none bleeds into another.
+//! - [`Camera::footprint`] is the ray's derivative by the place on the film: what a pixel sees, to first order.
 //! - It is a pure function of what it is given, of plain operations in a fixed order.
 
 mod cube_map;
@@ -39,7 +40,8 @@ pub use stereo::{Eyes, Stereo, StereoLayout};
 pub use thin_lens::ThinLens;
 pub use view::View;
 
-use straal_math::Ray;
+use crate::footprint::Footprint;
+use straal_math::{Ray, Vec3};
 
 /// What a camera ray is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +61,13 @@ impl FilmPoint {
     pub fn at(position: [f32; 2]) -> Self {
         Self { pixel: position.map(|v| v as u32), position, lens: [0.5; 2], time: 0.0 }
     }
+}
+
+/// How the unit vector along `d` changes from pixel to pixel when `d`, not of unit length, changes by `across` and `down`.
+fn turned(d: Vec3, across: Vec3, down: Vec3) -> [Vec3; 2] {
+    let square = d.length_squared();
+    let length = square.sqrt();
+    [across, down].map(|change| (change - d * (d.dot(change) / square)) / length)
 }
 
 /// What a camera makes use of, known before the first ray.
@@ -106,6 +115,21 @@ impl Camera {
             Self::CubeMap(c) => c.ray(at),
             Self::Stereo(c) => c.ray(at),
             Self::Moving(c) => c.ray(at),
+        }
+    }
+
+    /// How the ray changes from the pixel to its neighbours, moment and place on the lens staying the same;
+    /// [`Footprint::NONE`] where nothing is seen.
+    pub fn footprint(&self, at: &FilmPoint) -> Footprint {
+        match self {
+            Self::Perspective(c) => c.footprint(at),
+            Self::ThinLens(c) => c.footprint(at),
+            Self::Orthographic(c) => c.footprint(),
+            Self::Fisheye(c) => c.footprint(at),
+            Self::Panorama(c) => c.footprint(at),
+            Self::CubeMap(c) => c.footprint(at),
+            Self::Stereo(c) => c.footprint(at),
+            Self::Moving(c) => c.footprint(at),
         }
     }
 

@@ -1,7 +1,8 @@
 //! A camera that moves while the shutter is open.
 
 use super::{Camera, FilmPoint, View};
-use straal_math::{DVec3, Ray};
+use crate::footprint::Footprint;
+use straal_math::{DVec3, Ray, Vec3};
 
 /// Where a camera stands and looks at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,8 +73,19 @@ impl Moving {
     pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
         let local = self.still.ray(at)?;
         let view = self.view(at.time)?;
-        let carried = |x: DVec3| view.right * x.x + view.up * x.y - view.forward * x.z;
-        let o = (view.eye + carried(local.o.as_dvec3())).as_vec3();
-        Some(Ray { o, d: carried(local.d.as_dvec3()).as_vec3(), ..local })
+        let o = (view.eye + carried(&view, local.o.as_dvec3())).as_vec3();
+        Some(Ray { o, d: carried(&view, local.d.as_dvec3()).as_vec3(), ..local })
     }
+
+    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let local = self.still.footprint(at);
+        let Some(view) = self.view(at.time) else { return Footprint::NONE };
+        let carried = |v: Vec3| carried(&view, v.as_dvec3()).as_vec3();
+        Footprint { o: local.o.map(carried), d: local.d.map(carried) }
+    }
+}
+
+/// A displacement in the camera's own frame, in the world.
+fn carried(view: &View, v: DVec3) -> DVec3 {
+    view.right * v.x + view.up * v.y - view.forward * v.z
 }

@@ -1,6 +1,7 @@
 //! A camera at infinity.
 
 use super::{FilmPoint, View};
+use crate::footprint::Footprint;
 use straal_math::{Ray, Vec3};
 
 /// Parallel rays: a point of the film is a point of a plane through the eye.
@@ -29,5 +30,9 @@ impl Orthographic {
     pub(super) fn ray(&self, at: &FilmPoint) -> Ray {
         let [x, y] = at.position;
         Ray { time: at.time, ..Ray::new(self.corner + self.dx * x + self.dy * y, self.forward) }
+    }
+
+    pub(super) fn footprint(&self) -> Footprint {
+        Footprint { o: [self.dx, self.dy], ..Footprint::NONE }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::view::Axes;
 use super::{FilmPoint, View};
+use crate::footprint::Footprint;
 use straal_math::{Ray, ops};
 
 /// Where in the picture the ends of the latitudes are.
@@ -53,5 +54,14 @@ impl Panorama {
         let (sin_b, cos_b) = ops::sin_cos(self.top - self.down * y);
         let d = self.axes.direction(sin_l * cos_b, sin_b, cos_l * cos_b);
         Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) }
+    }
+
+    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let [x, y] = at.position;
+        let (sin_l, cos_l) = ops::sin_cos(self.left + self.across * x);
+        let (sin_b, cos_b) = ops::sin_cos(self.top - self.down * y);
+        let across = self.axes.direction(cos_l, 0.0, -sin_l) * (cos_b * self.across);
+        let down = self.axes.direction(-sin_l * sin_b, cos_b, -cos_l * sin_b) * -self.down;
+        Footprint { d: [across, down], ..Footprint::NONE }
     }
 }

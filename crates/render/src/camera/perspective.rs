@@ -1,6 +1,7 @@
 //! An ideal pinhole.
 
-use super::{FilmPoint, View};
+use super::{FilmPoint, View, turned};
+use crate::footprint::Footprint;
 use straal_math::{Ray, Vec3};
 
 /// The part of the view plane that the film sees, the plane being at distance 1 from the eye.
@@ -51,8 +52,8 @@ pub struct Perspective {
 pub(super) struct ViewPlane {
     /// Through the picture's upper left corner, and the change with each pixel.
     corner: Vec3,
-    dx: Vec3,
-    dy: Vec3,
+    pub dx: Vec3,
+    pub dy: Vec3,
     pub window: Window,
 }
 
@@ -83,5 +84,10 @@ impl Perspective {
     #[inline]
     pub(super) fn ray(&self, at: &FilmPoint) -> Ray {
         Ray { time: at.time, ..Ray::new(self.eye, self.plane.direction(at.position).normalize()) }
+    }
+
+    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let plane = &self.plane;
+        Footprint { d: turned(plane.direction(at.position), plane.dx, plane.dy), ..Footprint::NONE }
     }
 }

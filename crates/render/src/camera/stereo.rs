@@ -1,6 +1,7 @@
 //! Two eyes.
 
 use super::{Camera, FilmPoint, Needs, View, Window};
+use crate::footprint::Footprint;
 use straal_math::Ray;
 
 /// Where two eyes are and what they look at.
@@ -67,12 +68,23 @@ impl Stereo {
     }
 
     pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        let (eye, own) = self.eye(at)?;
+        eye.ray(&own)
+    }
+
+    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+        self.eye(at).map_or(Footprint::NONE, |(eye, own)| eye.footprint(&own))
+    }
+
+    /// The eye that sees a point, and the point in its own picture.
+    #[inline]
+    fn eye(&self, at: &FilmPoint) -> Option<(&Camera, FilmPoint)> {
         let (half, crossed) = match self.layout {
             StereoLayout::Anaglyph => {
                 let eye = usize::from(at.lens[0] >= 0.5);
                 // What is left of the number is as good as before, for the lens.
                 let lens = [2.0 * at.lens[0] - eye as f32, at.lens[1]];
-                return self.eyes[eye].ray(&FilmPoint { lens, ..*at });
+                return Some((&self.eyes[eye], FilmPoint { lens, ..*at }));
             }
             StereoLayout::Parallel => (at.pixel[0] / self.width, 0),
             StereoLayout::Crossed => (at.pixel[0] / self.width, 1),
@@ -81,7 +93,7 @@ impl Stereo {
         let [x, y] = at.position;
         let own =
             FilmPoint { pixel: [at.pixel[0] - first, at.pixel[1]], position: [x - first as f32, y], ..*at };
-        self.eyes.get((half ^ crossed) as usize).filter(|_| half < 2)?.ray(&own)
+        Some((self.eyes.get((half ^ crossed) as usize).filter(|_| half < 2)?, own))
     }
 
     pub(super) fn taken(&self, at: &FilmPoint) -> [f32; 3] {

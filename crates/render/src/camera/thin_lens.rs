@@ -1,7 +1,8 @@
 //! A thin lens.
 
 use super::perspective::ViewPlane;
-use super::{FilmPoint, Iris, View, Window};
+use super::{FilmPoint, Iris, View, Window, turned};
+use crate::footprint::Footprint;
 use straal_math::{Ray, Vec3};
 
 /// A lens without thickness or faults: of all light that leaves a point of the plane in focus, every place on the lens sends
@@ -51,5 +52,13 @@ impl ThinLens {
         let place = self.right * x + self.up * y;
         let towards = self.plane.direction(at.position) * self.focus - place;
         Ray { time: at.time, ..Ray::new(self.middle + place, towards.normalize()) }
+    }
+
+    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let [x, y] = self.iris.sample(at.lens);
+        let place = self.right * x + self.up * y;
+        let towards = self.plane.direction(at.position) * self.focus - place;
+        let [dx, dy] = [self.plane.dx, self.plane.dy].map(|d| d * self.focus);
+        Footprint { d: turned(towards, dx, dy), ..Footprint::NONE }
     }
 }

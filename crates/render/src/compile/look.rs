@@ -21,15 +21,14 @@ impl<'a> Materials<'a> {
     pub fn new(scene: &'a Scene, custom: &Custom, mut paint: Paint<'a>) -> Result<Self, CompileError> {
         let grey = paint.reflectance(&desc::Spectrum::grey(0.5))?.into();
         let default = Material::Diffuse { reflectance: grey, two_sided: true };
-        let mut list = material::Materials { list: vec![default], custom: vec![] };
+        let mut list = material::Materials::default();
+        list.push(default);
         for (_, m) in scene.materials.iter() {
-            list.list.push(paint.material(m)?);
+            list.push(paint.material(m)?);
         }
         let mut names = BTreeMap::new();
-        for (i, (name, m)) in custom.materials.iter().enumerate() {
-            names.insert(name.clone(), list.list.len() as u32);
-            list.list.push(Material::Custom(i as u32));
-            list.custom.push(m.clone());
+        for (name, m) in &custom.materials {
+            names.insert(name.clone(), list.push_custom(m.clone()));
         }
         Ok(Self { scene, paint, list, custom: names })
     }
@@ -64,10 +63,7 @@ impl<'a> Materials<'a> {
     /// A material that has no name here; equal ones share a place.
     pub fn add(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
         let m = self.paint.material(m)?;
-        let known = self.list.list.iter().position(|other| *other == m);
-        Ok(known.unwrap_or_else(|| {
-            self.list.list.push(m);
-            self.list.list.len() - 1
-        }) as u32)
+        let known = self.list.iter().position(|other| *other == m).map(|i| i as u32);
+        Ok(known.unwrap_or_else(|| self.list.push(m)))
     }
 }

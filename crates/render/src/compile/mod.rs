@@ -141,6 +141,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         geometry,
         accel,
         materials,
+        textures: Vec::new(),
         palette: paint.palette,
         emitters: lights.emitters,
         lights: lights.table,

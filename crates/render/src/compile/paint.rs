@@ -15,7 +15,8 @@ use straal_scene::{Assets, Image, Scene};
 
 use super::CompileError;
 use crate::lanes::{Colour, EtaTable, Palette, table_of};
-use crate::material::{Material, Value};
+use crate::material::Material;
+use crate::texture::Value;
 
 /// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
 pub(super) struct Paint<'a> {
@@ -64,8 +65,8 @@ impl<'a> Paint<'a> {
     pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
         let space = scene.color.space.space();
         let uplift = spectral.then(uplift::Uplift::new);
-        let palette = if spectral { Palette::spectral(space) } else { Palette::default() };
         let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
+        let palette = if spectral { Palette::spectral(space) } else { Palette::in_rgb(to_work) };
         Self {
             assets,
             space,

@@ -12,6 +12,7 @@ pub use path::PathTracer;
 pub use sine_product::SineProduct;
 
 use crate::film::Sample;
+use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::stopwatch::Stopwatch;
 use crate::world::World;
@@ -25,8 +26,8 @@ pub trait Integrator: Sync {
     /// What a path carries from one vertex to the next, besides its ray.
     type State<L: Lanes>: Copy + Send;
 
-    /// The state of a path that leaves the camera.
-    fn start<L: Lanes>(&self, lanes: L) -> Self::State<L>;
+    /// The state of a path that leaves the camera; its footprint is none in a world where nothing asks for it.
+    fn start<L: Lanes>(&self, lanes: L, footprint: PackedFootprint) -> Self::State<L>;
 
     /// One bounce of every path of a wave.
     fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, Self::State<L>>);

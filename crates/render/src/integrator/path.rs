@@ -2,9 +2,10 @@
 
 use super::{Integrator, ShadowRay, Wave};
 use crate::film::Sample;
+use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
-use crate::material::{Bsdf, Shaded, Transport};
+use crate::material::{Bsdf, BsdfSample, Shaded, Transport};
 use crate::shape::offset::End;
 use crate::stopwatch::Phase;
 use crate::world::World;
@@ -39,6 +40,8 @@ impl Default for PathTracer {
 pub struct State<L> {
     /// By what it reads colours.
     lanes: L,
+    /// What of a surface its ray stands for; none in a world where nothing asks for it.
+    footprint: PackedFootprint,
     /// Share of the light at the ray's end that reaches the film.
     beta: Light,
     /// The previous vertex, as light sampling saw it.
@@ -82,9 +85,10 @@ impl Vertex<'_> {
 impl Integrator for PathTracer {
     type State<L: Lanes> = State<L>;
 
-    fn start<L: Lanes>(&self, lanes: L) -> State<L> {
+    fn start<L: Lanes>(&self, lanes: L, footprint: PackedFootprint) -> State<L> {
         State {
             lanes,
+            footprint,
             beta: lanes.full(),
             from: Receiver { p: Vec3::ZERO, n: Vec3::ZERO },
             pdf: 0.0,
@@ -107,7 +111,7 @@ impl Integrator for PathTracer {
             }
             wave.stopwatch.lap(Phase::Lights);
             for vertex in vertices.iter().flatten() {
-                self.scatter(wave, vertex);
+                self.scatter(world, wave, vertex);
             }
             wave.stopwatch.lap(Phase::Shading);
         }
@@ -145,7 +149,7 @@ impl PathTracer {
         }
 
         // Emission of the surface.
-        let surface = world.surface(ray, hit);
+        let surface = world.surface(ray, hit, &state.footprint);
         if let Some(emitter) = surface.emitter {
             let light = &world.emitters[emitter as usize];
             let radiance = light.radiance_at(&surface.point, -ray.d, &reading);
@@ -216,7 +220,7 @@ impl PathTracer {
 
     /// Draws the next direction, or ends the path.
     #[inline]
-    fn scatter<L: Lanes>(&self, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
+    fn scatter<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
         let path = &mut wave.paths[vertex.path as usize];
 
         let (u, lobe) = if vertex.shaded.bsdf.chooses_lobe() {
@@ -246,12 +250,18 @@ impl PathTracer {
 
         let wi = vertex.frame.to_world(s.wi);
         let ray = &mut wave.rays[vertex.path as usize];
+        let mut footprint = path.state.footprint;
+        if world.materials.vary() {
+            let hit = &wave.hits[vertex.path as usize];
+            footprint = world.footprint_beyond(&footprint, (ray, hit), &BsdfSample { wi, ..s });
+        }
         *ray = Ray { o: vertex.end.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
         path.name = path.name.child(0);
         let lanes = path.state.lanes;
         path.state = State {
             // A direction of a single wavelength: the others end here, and their lanes are 0.
             lanes: if s.wavelength > 0.0 { lanes.only(s.wavelength) } else { lanes },
+            footprint,
             beta,
             from: vertex.receiver(),
             pdf: s.pdf,

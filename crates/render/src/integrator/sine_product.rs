@@ -1,6 +1,7 @@
 //! The course's test of aliasing: no light at all, but a function whose waves get ever finer.
 
 use super::{Integrator, Wave};
+use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::world::World;
 use straal_color::Light;
@@ -14,7 +15,7 @@ pub struct SineProduct;
 impl Integrator for SineProduct {
     type State<L: Lanes> = L;
 
-    fn start<L: Lanes>(&self, lanes: L) -> L {
+    fn start<L: Lanes>(&self, lanes: L, _: PackedFootprint) -> L {
         lanes
     }
 

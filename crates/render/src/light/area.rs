@@ -1,14 +1,14 @@
 //! Surfaces that shine.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::{Vec3, table::Table1};
 
 use super::{LightSample, Target, strength};
 use crate::shape::{Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
-/// A surface that sends the same radiance from every point in every direction on its lit side.
+/// A surface that sends the same radiance in every direction on its lit side.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// What shines.
@@ -71,18 +71,13 @@ impl Sides {
     }
 }
 
-/// Where the radiance of a point is looked up.
-fn at(point: &SurfacePoint) -> TexturePoint {
-    TexturePoint { uv: point.uv, p: point.p }
+/// Where the radiance of a point is looked up. Without a footprint, which a point that is sampled has not: both ways to find
+/// light must find the same.
+fn at(point: &SurfacePoint) -> ShadingPoint {
+    ShadingPoint::of(point.uv, point.p)
 }
 
 impl AreaLight {
-    /// The most that any point sends: black only when all are.
-    pub(super) fn strongest(&self) -> Colour {
-        let Value::Constant(radiance) = self.radiance;
-        radiance
-    }
-
     /// See [`super::Emitter::sample`].
     #[inline]
     pub fn sample<L: Lanes>(
@@ -92,7 +87,7 @@ impl AreaLight {
         u: [f32; 2],
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        if self.strongest().is_black() {
+        if self.radiance.most() == 0.0 {
             return None;
         }
         let s = match &self.surface {
@@ -109,19 +104,19 @@ impl AreaLight {
             return None;
         }
         let target = Target::Point((&s.point).into());
-        let radiance = reading.light(&self.radiance.eval(&at(&s.point)));
+        let radiance = reading.eval(&self.radiance, &at(&s.point));
         Some(LightSample { wi: s.wi, radiance, pdf: s.pdf, delta: false, target })
     }
 
     /// See [`super::Emitter::radiance_at`].
     #[inline]
     pub fn radiance<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
-        if self.sides.lit(hit.ng, wo) { reading.light(&self.radiance.eval(&at(hit))) } else { Light::ZERO }
+        if self.sides.lit(hit.ng, wo) { reading.eval(&self.radiance, &at(hit)) } else { Light::ZERO }
     }
 
     /// See [`super::Emitter::pdf_at`].
     pub fn pdf(&self, geometry: &Geometry, p: Vec3, primitive: u32, hit: &SurfacePoint) -> f32 {
-        if self.strongest().is_black() || !self.sides.lit(hit.ng, p - hit.p) {
+        if self.radiance.most() == 0.0 || !self.sides.lit(hit.ng, p - hit.p) {
             return 0.0;
         }
         match &self.surface {
@@ -142,6 +137,6 @@ impl AreaLight {
             LitSurface::Mesh { area, .. } => *area,
         };
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
-        sides * std::f64::consts::PI * area * strength(self.strongest())
+        sides * std::f64::consts::PI * area * strength(&self.radiance)
     }
 }

@@ -1,7 +1,7 @@
 //! Parallel light.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_math::Vec3;
 
 use super::{LightSample, Target, strength};
@@ -26,13 +26,13 @@ impl DirectionalLight {
     }
 
     /// Its irradiance.
-    pub(super) fn strongest(&self) -> Colour {
-        self.irradiance.eval(&TexturePoint::default())
+    pub(super) fn irradiance(&self) -> &Value<Colour> {
+        &self.irradiance
     }
 
     /// See [`super::Emitter::sample`].
     pub fn sample<L: Lanes>(&self, reading: &Reading<'_, L>) -> Option<LightSample> {
-        let radiance = reading.light(&self.irradiance.eval(&TexturePoint::default()));
+        let radiance = reading.eval(&self.irradiance, &ShadingPoint::NOWHERE);
         (!radiance.is_black()).then_some(LightSample {
             wi: self.wi,
             radiance,
@@ -44,6 +44,6 @@ impl DirectionalLight {
 
     /// What falls on the scene's disc.
     pub fn power(&self, disc: f64) -> f64 {
-        disc * strength(self.irradiance.eval(&TexturePoint::default()))
+        disc * strength(&self.irradiance)
     }
 }

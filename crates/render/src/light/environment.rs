@@ -1,7 +1,7 @@
 //! Light from all around: one radiance, or a picture.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::{Affine, DVec3, Vec3, ops, table::Table2, warp};
 use straal_scene::Image;
@@ -18,11 +18,7 @@ pub struct ConstantEnvironment {
 impl ConstantEnvironment {
     /// See [`super::Emitter::radiance_from`].
     pub fn light<L: Lanes>(&self, reading: &Reading<'_, L>) -> Light {
-        reading.light(&self.colour())
-    }
-
-    pub(super) fn colour(&self) -> Colour {
-        self.radiance.eval(&TexturePoint::default())
+        reading.eval(&self.radiance, &ShadingPoint::NOWHERE)
     }
 
     /// See [`super::Emitter::sample`].
@@ -39,12 +35,12 @@ impl ConstantEnvironment {
 
     /// See [`super::Emitter::pdf_from`].
     pub fn pdf(&self) -> f32 {
-        if self.colour().is_black() { 0.0 } else { warp::uniform_sphere_pdf() }
+        if self.radiance.most() == 0.0 { 0.0 } else { warp::uniform_sphere_pdf() }
     }
 
     /// What falls on the scene's disc from all sides.
     pub fn power(&self, disc: f64) -> f64 {
-        4.0 * std::f64::consts::PI * disc * strength(self.colour())
+        4.0 * std::f64::consts::PI * disc * strength(&self.radiance)
     }
 }
 

@@ -15,6 +15,7 @@
 //! and mesh ids are those of its [`Geometry`].
 
 use crate::lanes::{Colour, Lanes, Reading};
+use crate::texture::Value;
 use straal_color::Light;
 use straal_math::{Ray, Vec3};
 
@@ -183,9 +184,9 @@ impl Emitter {
     }
 }
 
-/// The strongest lane, in double precision.
-fn strength(colour: Colour) -> f64 {
-    f64::from(colour.strength)
+/// The strongest lane anywhere, in double precision.
+fn strength(value: &Value<Colour>) -> f64 {
+    f64::from(value.most())
 }
 
 #[cfg(test)]

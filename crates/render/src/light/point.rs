@@ -1,7 +1,7 @@
 //! The point light.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::Vec3;
 
@@ -19,23 +19,18 @@ pub struct PointLight {
 
 impl PointLight {
     /// Where its intensity is looked up.
-    fn place(&self) -> TexturePoint {
-        TexturePoint { uv: [0.0; 2], p: self.position }
+    fn place(&self) -> ShadingPoint {
+        ShadingPoint::of([0.0; 2], self.position)
     }
 
     /// See [`super::Emitter::sample`].
     pub fn sample<L: Lanes>(&self, p: Vec3, reading: &Reading<'_, L>) -> Option<LightSample> {
-        towards(self.position, p, |_| reading.light(&self.intensity.eval(&self.place())))
-    }
-
-    /// Its intensity.
-    pub(super) fn strongest(&self) -> Colour {
-        self.intensity.eval(&self.place())
+        towards(self.position, p, |_| reading.eval(&self.intensity, &self.place()))
     }
 
     /// See [`super::Emitter::power`].
     pub fn power(&self) -> f64 {
-        4.0 * std::f64::consts::PI * strength(self.strongest())
+        4.0 * std::f64::consts::PI * strength(&self.intensity)
     }
 }
 

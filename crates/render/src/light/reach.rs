@@ -54,13 +54,13 @@ pub(super) struct Lamp {
 impl Reach {
     /// `None` for a light that isn't sampled.
     pub fn of(emitter: &Emitter, geometry: &Geometry) -> Option<Self> {
-        let at = |colour| strength(colour) as f32;
+        let at = |value| strength(value) as f32;
         Some(match emitter {
-            Emitter::Point(l) => Self::Point { position: l.position, intensity: at(l.strongest()) },
-            Emitter::Spot(l) => Self::Spot { spot: *l, intensity: at(l.strongest()) },
-            Emitter::Directional(l) => Self::Parallel { wi: l.wi(), irradiance: at(l.strongest()) },
+            Emitter::Point(l) => Self::Point { position: l.position, intensity: at(&l.intensity) },
+            Emitter::Spot(l) => Self::Spot { spot: *l, intensity: at(l.intensity()) },
+            Emitter::Directional(l) => Self::Parallel { wi: l.wi(), irradiance: at(l.irradiance()) },
             Emitter::Area(l) => Self::Surface(Lamp::of(l, geometry)?),
-            Emitter::Constant(l) => Self::Around([std::f32::consts::PI * at(l.colour()); 6]),
+            Emitter::Constant(l) => Self::Around([std::f32::consts::PI * at(&l.radiance); 6]),
             Emitter::Image(l) => Self::Around(l.irradiance()),
         })
     }
@@ -150,7 +150,7 @@ impl Lamp {
             facing,
             flatness,
             both_sides: light.sides == Sides::Both,
-            flux: strength(light.strongest()) as f32 * area,
+            flux: strength(&light.radiance) as f32 * area,
             spread: area * std::f32::consts::FRAC_1_PI,
         };
         lamp.flux.is_finite().then_some(lamp)

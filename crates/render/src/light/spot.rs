@@ -1,7 +1,7 @@
 //! The spot light.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_math::{Frame, Vec3, ops, warp};
 
 use super::{LightSample, point::towards, strength};
@@ -44,8 +44,8 @@ pub struct Cone {
 
 impl SpotLight {
     /// Where its intensity is looked up.
-    fn place(&self) -> TexturePoint {
-        TexturePoint { uv: [0.0; 2], p: self.position }
+    fn place(&self) -> ShadingPoint {
+        ShadingPoint::of([0.0; 2], self.position)
     }
 
     /// Where it is.
@@ -80,7 +80,7 @@ impl SpotLight {
 
     /// See [`super::Emitter::sample`].
     pub fn sample<L: Lanes>(&self, p: Vec3, reading: &Reading<'_, L>) -> Option<LightSample> {
-        towards(self.position, p, |wi| reading.light(&self.intensity.eval(&self.place())) * self.share(-wi))
+        towards(self.position, p, |wi| reading.eval(&self.intensity, &self.place()) * self.share(-wi))
     }
 
     /// How much of the full intensity goes in direction `w`, of any length.
@@ -104,13 +104,13 @@ impl SpotLight {
     }
 
     /// Its intensity on the axis.
-    pub(super) fn strongest(&self) -> Colour {
-        self.intensity.eval(&self.place())
+    pub(super) fn intensity(&self) -> &Value<Colour> {
+        &self.intensity
     }
 
     /// The full beam, and half of what is between it and the cutoff.
     pub fn power(&self) -> f64 {
         let cosines = 0.5 * (f64::from(self.cos_beam) + f64::from(self.cos_cutoff));
-        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(self.strongest())
+        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(&self.intensity)
     }
 }

@@ -172,7 +172,7 @@ fn what_is_sampled_is_what_is_hit() {
 }
 
 fn blank() -> SurfacePoint {
-    SurfacePoint { p: Vec3::ZERO, p_err: Vec3::ZERO, ng: Vec3::Z, n: Vec3::Z, uv: [0.0; 2], dpdu: Vec3::X }
+    SurfacePoint { p: Vec3::ZERO, p_err: Vec3::ZERO, ng: Vec3::Z, n: Vec3::Z, uv: [0.0; 2] }
 }
 
 /// Irradiance (first lane) at `p` on a surface facing `n`, with nothing in the way.

@@ -25,6 +25,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::lanes::{Colour, EtaTable, Lanes, ReadRgb, Reading};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::Vec3;
 
@@ -38,7 +39,6 @@ mod prism;
 pub mod shaded;
 #[cfg(test)]
 mod tests;
-mod value;
 
 pub use conductor::{Conductor, Metal, RoughConductor};
 pub use dielectric::Dielectric;
@@ -46,7 +46,6 @@ pub use diffuse::Diffuse;
 pub use mirror::Mirror;
 pub use prism::Prism;
 pub use shaded::Shaded;
-pub use value::{TexturePoint, Value};
 
 /// What a path carries from the surface on: radiance is traced from the camera, importance from a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -237,21 +236,115 @@ pub enum Material {
     Custom(u32),
 }
 
+impl Material {
+    /// What it must know of a point; of a user's, his material says it.
+    fn wants(&self) -> Wants {
+        let point = match self {
+            Self::Diffuse { reflectance, .. } | Self::Mirror { reflectance, .. } => reflectance.varies(),
+            Self::Dielectric { eta, eta_outside, reflectance, transmittance } => {
+                eta.varies() || eta_outside.varies() || reflectance.varies() || transmittance.varies()
+            }
+            Self::Prism { reflectance, transmittance, .. } => reflectance.varies() || transmittance.varies(),
+            Self::Conductor { eta, k, roughness, reflectance, .. } => {
+                eta.varies() || k.varies() || roughness.varies() || reflectance.varies()
+            }
+            Self::Custom(_) => false,
+        };
+        Wants { point, tangent: false }
+    }
+}
+
 /// All materials of a world.
 #[derive(Clone, Debug, Default)]
 pub struct Materials {
     /// What surfaces refer to by index.
-    pub list: Vec<Material>,
+    list: Vec<Material>,
+    /// What each wants to know of a point.
+    wants: Vec<Wants>,
+    /// Whether any wants anything.
+    vary: bool,
     /// What [`Material::Custom`] refers to.
-    pub custom: Vec<Arc<dyn CustomMaterial>>,
+    custom: Vec<Arc<dyn CustomMaterial>>,
+}
+
+/// What a material must know of a point. What none wants isn't computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wants {
+    /// Where it is, and what a pixel sees there: a [`ShadingPoint`].
+    pub point: bool,
+    /// Besides, that the frame in which it scatters has a tangent that follows the texture's u, as anisotropic
+    /// scattering must.
+    pub tangent: bool,
 }
 
 impl Materials {
+    /// Adds a material; gives its index.
+    pub fn push(&mut self, material: Material) -> u32 {
+        self.list.push(material);
+        self.wants.push(Wants::default());
+        let index = (self.list.len() - 1) as u32;
+        self.note(index);
+        index
+    }
+
+    /// Adds a user's material; gives its index.
+    pub fn push_custom(&mut self, material: Arc<dyn CustomMaterial>) -> u32 {
+        self.custom.push(material);
+        self.push(Material::Custom((self.custom.len() - 1) as u32))
+    }
+
+    /// Puts another material in the place of one that is there.
+    pub fn replace(&mut self, index: u32, material: Material) {
+        self.list[index as usize] = material;
+        self.note(index);
+    }
+
+    fn note(&mut self, index: u32) {
+        let wants = match &self.list[index as usize] {
+            Material::Custom(i) => self.custom.get(*i as usize).map_or(Wants::default(), |m| m.wants()),
+            material => material.wants(),
+        };
+        self.wants[index as usize] = wants;
+        self.vary = self.wants.iter().any(|w| w.point);
+    }
+
+    /// How many.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Those in the list.
+    pub fn iter(&self) -> std::slice::Iter<'_, Material> {
+        self.list.iter()
+    }
+
+    /// Material `index`.
+    pub fn get(&self, index: usize) -> Option<&Material> {
+        self.list.get(index)
+    }
+
+    /// Whether any differs from point to point.
+    #[inline(always)]
+    pub fn vary(&self) -> bool {
+        self.vary
+    }
+
+    /// What material `index` must know of a point.
+    pub fn wants(&self, index: u32) -> Wants {
+        self.wants.get(index as usize).copied().unwrap_or_default()
+    }
+
     /// How material `index` scatters at a point. Black when there is no such material.
     #[inline]
-    pub fn bsdf<'w, L: Lanes>(&'w self, index: u32, at: &TexturePoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+    pub fn bsdf<'w, L: Lanes>(&'w self, index: u32, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         let black = Bsdf::Black;
-        let light = |value: &Value<Colour>| reading.light(&value.eval(at));
+        let light = |value: &Value<Colour>| reading.eval(value, at);
         match self.list.get(index as usize) {
             None => black,
             Some(Material::Diffuse { reflectance, two_sided }) => {
@@ -266,7 +359,7 @@ impl Materials {
             }
             Some(Material::Dielectric { eta, eta_outside, reflectance, transmittance }) => {
                 Bsdf::Dielectric(Dielectric {
-                    eta: eta.eval(at) / eta_outside.eval(at),
+                    eta: reading.eval(eta, at) / reading.eval(eta_outside, at),
                     reflectance: light(reflectance),
                     transmittance: light(transmittance),
                 })
@@ -280,7 +373,7 @@ impl Materials {
             }),
             Some(Material::Conductor { eta, k, roughness, reflectance, two_sided }) => {
                 let metal = Metal { eta: light(eta), k: light(k), reflectance: light(reflectance) };
-                let (alpha, two_sided) = (roughness.eval(at), *two_sided);
+                let (alpha, two_sided) = (reading.eval(roughness, at), *two_sided);
                 if alpha > 0.0 {
                     let rough = RoughConductor::new(metal, alpha);
                     Bsdf::RoughConductor(if two_sided { rough } else { rough.one_sided() })
@@ -296,7 +389,11 @@ impl Materials {
 /// A material that a user of the library brings. It is pure: the same input gives the same bits.
 pub trait CustomMaterial: fmt::Debug + Send + Sync {
     /// How it scatters at a point: one of the built-in BSDFs, or [`Bsdf::Custom`]. Colours become light through `read`.
-    fn bsdf(&self, at: &TexturePoint, read: &dyn ReadRgb) -> Bsdf<'_>;
+    fn bsdf(&self, at: &ShadingPoint, read: &dyn ReadRgb) -> Bsdf<'_>;
+    /// What it must know of a point: where it is, unless it says otherwise.
+    fn wants(&self) -> Wants {
+        Wants { point: true, tangent: false }
+    }
     /// A number that differs when the material does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
 }

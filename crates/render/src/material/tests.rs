@@ -524,7 +524,7 @@ fn extremes_give_nothing_or_finite_numbers() {
 struct Halves;
 
 impl CustomMaterial for Halves {
-    fn bsdf(&self, at: &TexturePoint, _: &dyn ReadRgb) -> Bsdf<'_> {
+    fn bsdf(&self, at: &ShadingPoint, _: &dyn ReadRgb) -> Bsdf<'_> {
         if at.uv[0] < 0.5 {
             Bsdf::Custom(CustomBsdf { scattering: &Varnish, parameters: [Light::ONE; 2] })
         } else {
@@ -547,30 +547,33 @@ fn materials_become_the_bsdfs_they_describe() {
         reflectance: grey,
         two_sided: true,
     };
-    let materials = Materials {
-        list: vec![
-            Material::Diffuse { reflectance: grey, two_sided: true },
-            Material::Diffuse { reflectance: Light::ZERO.into(), two_sided: true },
-            Material::Mirror { reflectance: grey, two_sided: true },
-            Material::Dielectric {
-                eta: 1.5.into(),
-                eta_outside: 1.2.into(),
-                reflectance: grey,
-                transmittance: grey,
-            },
-            metal(0.0),
-            metal(0.1),
-            Material::Custom(0),
-            Material::Custom(7),
-        ],
-        custom: vec![Arc::new(Halves)],
-    };
-    let at = TexturePoint { uv: [0.2, 0.3], p: Vec3::ZERO };
+    let mut materials = Materials::default();
+    let list = [
+        Material::Diffuse { reflectance: grey, two_sided: true },
+        Material::Diffuse { reflectance: Light::ZERO.into(), two_sided: true },
+        Material::Mirror { reflectance: grey, two_sided: true },
+        Material::Dielectric {
+            eta: 1.5.into(),
+            eta_outside: 1.2.into(),
+            reflectance: grey,
+            transmittance: grey,
+        },
+        metal(0.0),
+        metal(0.1),
+    ];
+    for material in list {
+        materials.push(material);
+    }
+    assert!(!materials.vary());
+    materials.push_custom(Arc::new(Halves));
+    materials.push(Material::Custom(7));
+    assert!(materials.vary() && materials.wants(6).point && !materials.wants(0).point);
+    let at = ShadingPoint::of([0.2, 0.3], Vec3::ZERO);
     let arms: Vec<usize> = (0..9).map(|i| arm(&materials.bsdf(i, &at, &in_rgb()))).collect();
     assert_eq!(arms, [1, 0, 2, 3, 4, 5, 6, 0, 0]);
     let Bsdf::Dielectric(glass) = materials.bsdf(3, &at, &in_rgb()) else { panic!("not glass") };
     assert!((glass.eta - 1.25).abs() < 1e-6);
-    let other = TexturePoint { uv: [0.7, 0.3], ..at };
+    let other = ShadingPoint { uv: [0.7, 0.3], ..at };
     assert_eq!(materials.bsdf(6, &other, &in_rgb()).albedo(), Light::rgb([0.3; 3]));
     // Small enough to be handed around by value.
     assert!(std::mem::size_of::<Bsdf>() <= 80);

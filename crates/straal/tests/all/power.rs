@@ -6,6 +6,7 @@ use straal::compare::{Estimate, Tails, compare};
 use straal::{Control, Overrides, Picture};
 use straal_math::lowdisc::{PatternKind, Purpose};
 use straal_render::driver::Render;
+use straal_render::footprint::PackedFootprint;
 use straal_render::integrator::{Integrator, PathTracer, Wave};
 use straal_render::lanes::Lanes;
 use straal_render::world::World;
@@ -76,8 +77,8 @@ struct Forgetful(PathTracer);
 impl Integrator for Forgetful {
     type State<L: Lanes> = <PathTracer as Integrator>::State<L>;
 
-    fn start<L: Lanes>(&self, lanes: L) -> Self::State<L> {
-        self.0.start(lanes)
+    fn start<L: Lanes>(&self, lanes: L, footprint: PackedFootprint) -> Self::State<L> {
+        self.0.start(lanes, footprint)
     }
 
     fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, Self::State<L>>) {

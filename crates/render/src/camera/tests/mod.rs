@@ -3,6 +3,7 @@
 mod all_around;
 mod course;
 mod eyes_and_motion;
+mod footprints;
 mod lens;
 
 use super::*;
