@@ -16,6 +16,7 @@ use crate::suggest;
 use crate::tree::{Datum, Entry, Tree, shown};
 use crate::validate;
 use crate::value::Color;
+use crate::visit::Visitor;
 
 /// A type of the scene language.
 ///
@@ -38,6 +39,9 @@ pub trait Describe: Sized {
     fn may_be_empty() -> bool {
         false
     }
+
+    /// Shows what is in it to a visitor; nothing, unless it says otherwise. `limit` is what its numbers must be within.
+    fn show<'a>(&'a self, _limit: Limit, _visitor: &mut dyn Visitor<'a>) {}
 }
 
 /// A type that is read from the keys of a mapping, perhaps beside another's.
@@ -59,6 +63,9 @@ pub trait Fields: Sized {
 
     /// Whether all of its keys have defaults.
     fn all_optional() -> bool;
+
+    /// Shows what is in its keys to a visitor.
+    fn show_fields<'a>(&'a self, visitor: &mut dyn Visitor<'a>);
 }
 
 /// How to read.

@@ -24,6 +24,7 @@ pub mod suggest;
 pub mod tree;
 pub mod validate;
 pub mod value;
+pub mod visit;
 
 pub use alias::is_of_a_scene;
 pub use assets::{Assets, MeshAsset, PartMaterial};
