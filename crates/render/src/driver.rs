@@ -58,7 +58,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
         let region = settings.rendered(f64::from(world.filter.radius()));
         let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
-        if let Some(bands) = world.palette.recording().bands() {
+        if let Some(bands) = world.sensor.recording().bands() {
             film.hold_bands(*bands);
         }
         if settings.splat {
@@ -135,7 +135,7 @@ impl<'w, I: Integrator> Render<'w, I> {
 
     /// The same, each worker asking what rays hit through a probe of its own; gives the probes back.
     pub fn advance_through<P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
-        if self.world.palette.is_spectral() {
+        if self.world.tables.is_spectral() {
             self.advance_by::<Wavelengths, P>(samples, probe)
         } else {
             self.advance_by::<Rgb, P>(samples, probe)
@@ -330,10 +330,10 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             for (k, (&(pixel, index), s)) in self.names.iter().zip(&self.samples).enumerate() {
                 let mut sample = s.guides;
                 sample.negative = self.weights[k] < 0.0;
-                let light = self.lanes[k].film(&self.world.palette, s.light);
+                let light = self.world.sensor.take(self.lanes[k], s.light);
                 sample.rgb = std::array::from_fn(|i| light[i] * self.weights[k] * s.taken[i]);
                 self.bands.clear();
-                self.lanes[k].bands(&self.world.palette, s.light * self.weights[k], &mut self.bands);
+                self.world.sensor.bands(self.lanes[k], s.light * self.weights[k], &mut self.bands);
                 let taken = tile.add(pixel, index, &sample, &self.bands);
                 if let Some(splats) = tile.splats() {
                     let (offset, sample) = (self.offsets[k], taken.then_some(&sample));
@@ -376,7 +376,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
             let at = FilmPoint { pixel, position, lens, time };
             let u = if L::DRAWN { settings.pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
-            let lanes = L::drawn(&world.palette, u);
+            let lanes = L::drawn(&world.tables, u);
             self.weights.push(weight);
             self.offsets.push(offset);
             self.lanes.push(lanes);

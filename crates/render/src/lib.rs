@@ -8,6 +8,7 @@
 pub mod camera;
 pub mod compile;
 pub mod driver;
+mod error;
 pub mod film;
 pub mod filter;
 pub mod footprint;
@@ -15,6 +16,7 @@ pub mod integrator;
 pub mod lanes;
 pub mod light;
 pub mod material;
+mod paint;
 pub mod probe;
 pub mod settings;
 pub mod shape;

@@ -1,9 +1,10 @@
 //! The world: a scene ready for rays. Flat arrays and indices, read-only while rays fly.
 
 use crate::camera::Camera;
+use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
-use crate::lanes::{Lanes, Palette, Reading, Rgb};
+use crate::lanes::{Lanes, Reading, Rgb, SpectralTables};
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
@@ -66,7 +67,9 @@ pub struct World {
     /// What their values are read off.
     pub textures: Vec<Texture>,
     /// Spectra of the colours, when light is computed by wavelengths.
-    pub palette: Palette,
+    pub tables: SpectralTables,
+    /// What the film sees of light.
+    pub sensor: Sensor,
     /// All that emits light.
     pub emitters: Vec<Emitter>,
     /// Which emitter to sample.
@@ -254,7 +257,7 @@ impl World {
     /// How a path reads colours.
     #[inline(always)]
     pub fn reading<L: Lanes>(&self, lanes: L) -> Reading<'_, L> {
-        Reading { palette: &self.palette, lanes, textures: &self.textures }
+        Reading { tables: &self.tables, lanes, textures: &self.textures }
     }
 
     /// Number of groups of [`World::material_group`] without the last, that of misses.

@@ -1,7 +1,6 @@
 //! Lights: those of the scene's list, and the surfaces that glow.
 
 use super::CompileError;
-use super::paint::Paint;
 use super::place::Glowing;
 use crate::camera::CubeLayout;
 use crate::light::cube::latitude_longitude;
@@ -10,6 +9,7 @@ use crate::light::{
     AreaLight, ConstantEnvironment, DirectionalLight, Emitter, Falloff, ImageEnvironment, LightTable,
     LitSurface, PointLight, Sides, SpotLight,
 };
+use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::world::Kind;
 use straal_accel as accel;
@@ -66,17 +66,17 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
         (false, true) => Sides::Back,
         (false, false) => Sides::Front,
     };
-    Emitter::Area(AreaLight { surface, radiance: g.radiance.into(), sides })
+    Emitter::Area(AreaLight { surface, radiance: g.radiance, sides })
 }
 
 fn emitter(light: &Light, paint: &mut Paint<'_>, centre: DVec3) -> Result<Emitter, CompileError> {
     Ok(match light {
         Light::Point(l) => Emitter::Point(PointLight {
             position: (l.position - centre).as_vec3(),
-            intensity: paint.emission(l.intensity.get())?.into(),
+            intensity: paint.emission(&l.intensity)?,
         }),
         Light::Directional(l) => Emitter::Directional(
-            DirectionalLight::new(l.axis().as_vec3(), paint.emission(l.irradiance.get())?)
+            DirectionalLight::new(l.axis().as_vec3(), paint.emission(&l.irradiance)?)
                 .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))?,
         ),
         Light::Spot(l) => {
@@ -89,8 +89,7 @@ fn emitter(light: &Light, paint: &mut Paint<'_>, centre: DVec3) -> Result<Emitte
                     desc::Falloff::Smooth => Falloff::Smooth,
                 },
             };
-            let spot =
-                SpotLight::new((l.position - centre).as_vec3(), paint.emission(l.intensity.get())?, &cone);
+            let spot = SpotLight::new((l.position - centre).as_vec3(), paint.emission(&l.intensity)?, &cone);
             Emitter::Spot(spot.ok_or_else(|| CompileError::new("the axis of a spot light has no length"))?)
         }
         Light::Environment(l) => environment(l, paint)?,

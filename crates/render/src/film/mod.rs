@@ -9,6 +9,7 @@ mod evidence;
 mod fixed;
 mod hash;
 mod recording;
+mod sensor;
 mod splat;
 mod sums;
 
@@ -17,6 +18,7 @@ pub use evidence::Evidence;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
 pub use recording::Recording;
+pub use sensor::Sensor;
 pub use splat::{Flying, Splats, reach};
 pub use sums::{Held, Joined, Span};
 

@@ -176,7 +176,7 @@ impl PathTracer {
                 ..Sample::default()
             };
         }
-        if state.depth >= self.max_depth || matches!(bsdf, Bsdf::Black) {
+        if state.depth >= self.max_depth || matches!(bsdf, Bsdf::Black(_)) {
             return None;
         }
         let shaded = Shaded { bsdf, ng: surface.ng };

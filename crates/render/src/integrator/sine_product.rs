@@ -29,7 +29,7 @@ impl Integrator for SineProduct {
             if xy.is_finite() {
                 let value = (0.5 + 0.5 * ops::sin_cos_d(xy * xy).0) as f32;
                 wave.samples[path.sample as usize].light +=
-                    path.state.radiance_of_rgb(&world.palette, Light::rgb([value; 3]));
+                    path.state.radiance_of_rgb(&world.tables, Light::rgb([value; 3]));
             }
         }
     }

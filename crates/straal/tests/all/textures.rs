@@ -8,7 +8,7 @@ use straal_render::camera::FilmPoint;
 use straal_render::compile::Custom;
 use straal_render::footprint::PackedFootprint;
 use straal_render::lanes::{ReadRgb, Rgb};
-use straal_render::material::{Bsdf, CustomMaterial, Material, Wants};
+use straal_render::material::{Black, Bsdf, CustomMaterial, DiffuseMaterial, Material, Wants};
 use straal_render::texture::{CustomTexture, ShadingPoint, Texture, TextureKind, TextureRef, Use, Value};
 
 /// One colour all over; writes down where it is read.
@@ -42,7 +42,7 @@ fn textured(job: &mut Job, rgb: [f32; 3]) -> Arc<Plain> {
     world.textures.push(Texture { kind: TextureKind::Custom(texture.clone()), of: Use::Reflectance });
     let most = rgb.into_iter().fold(0.0, |a: f32, b| if b > a { b } else { a });
     let reflectance = Value::Texture(TextureRef { id, most });
-    world.materials.replace(1, Material::Diffuse { reflectance, two_sided: true });
+    world.materials.replace(1, Material::Diffuse(DiffuseMaterial { reflectance, two_sided: true }));
     texture
 }
 
@@ -161,7 +161,7 @@ struct Brushed;
 
 impl CustomMaterial for Brushed {
     fn bsdf(&self, _: &ShadingPoint, _: &dyn ReadRgb) -> Bsdf<'_> {
-        Bsdf::Black
+        Bsdf::Black(Black)
     }
 
     fn wants(&self) -> Wants {
