@@ -3,7 +3,7 @@
 use straal_math::Vec3;
 
 use super::area::Sides;
-use super::{AreaLight, Emitter, LitSurface, SpotLight, strength};
+use super::{AreaLight, LitSurface, SpotLight, strength};
 use crate::shape::{Geometry, Shape};
 
 /// Where light is to arrive.
@@ -52,19 +52,6 @@ pub(super) struct Lamp {
 }
 
 impl Reach {
-    /// `None` for a light that isn't sampled.
-    pub fn of(emitter: &Emitter, geometry: &Geometry) -> Option<Self> {
-        let at = |value| strength(value) as f32;
-        Some(match emitter {
-            Emitter::Point(l) => Self::Point { position: l.position, intensity: at(&l.intensity) },
-            Emitter::Spot(l) => Self::Spot { spot: *l, intensity: at(l.intensity()) },
-            Emitter::Directional(l) => Self::Parallel { wi: l.wi(), irradiance: at(l.irradiance()) },
-            Emitter::Area(l) => Self::Surface(Lamp::of(l, geometry)?),
-            Emitter::Constant(l) => Self::Around([std::f32::consts::PI * at(&l.radiance); 6]),
-            Emitter::Image(l) => Self::Around(l.irradiance()),
-        })
-    }
-
     /// The irradiance, or what goes with it; 0 only where no light arrives.
     #[inline]
     pub fn estimate(&self, at: &Receiver) -> f32 {
@@ -104,7 +91,7 @@ impl Reach {
 }
 
 impl Lamp {
-    fn of(light: &AreaLight, geometry: &Geometry) -> Option<Self> {
+    pub fn of(light: &AreaLight, geometry: &Geometry) -> Option<Self> {
         let bounds;
         let (mut facing, area);
         match &light.surface {
