@@ -1,9 +1,11 @@
 //! Fisheyes: pictures of up to all directions in a circle.
 
 use super::view::Axes;
-use super::{FilmPoint, View};
+use super::{Camera, Facts, FilmPoint, Sees, Setup, View};
+use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::{Ray, ops};
+use straal_scene::desc;
 
 /// How the angle a to the view follows from the distance r from the middle, both relative to those of the circle's edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,8 +51,22 @@ impl Fisheye {
         }
     }
 
+    /// Of what a scene says.
+    pub(super) fn of(c: &desc::Fisheye, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+        let projection = match c.projection {
+            desc::FisheyeProjection::Equidistant => Projection::Equidistant,
+            desc::FisheyeProjection::Equisolid => Projection::Equisolid,
+            desc::FisheyeProjection::Orthographic => Projection::Orthographic,
+            desc::FisheyeProjection::Stereographic => Projection::Stereographic,
+        };
+        let diameter = c.fov_axis.extent(setup.size.map(f64::from));
+        Ok(Camera::Fisheye(Self::new(&setup.view, (projection, c.fov), diameter, setup.size)))
+    }
+}
+
+impl Sees for Fisheye {
     #[inline]
-    pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
         let x = (at.position[0] - self.middle[0]) * self.scale;
         let y = (self.middle[1] - at.position[1]) * self.scale;
         let r = (x * x + y * y).sqrt();
@@ -74,7 +90,7 @@ impl Fisheye {
     }
 
     /// Outwards the angle a to the view grows by da/dr, and about the view a step is as long as sin a / r.
-    pub(super) fn footprint(&self, at: &FilmPoint) -> Footprint {
+    fn footprint(&self, at: &FilmPoint) -> Footprint {
         let x = (at.position[0] - self.middle[0]) * self.scale;
         let y = (self.middle[1] - at.position[1]) * self.scale;
         let r = (x * x + y * y).sqrt();
@@ -103,5 +119,21 @@ impl Fisheye {
         let round = self.axes.direction(-out[1], out[0], 0.0) * about;
         let d = [radial * out[0] - round * out[1], -(radial * out[1] + round * out[0])];
         Footprint { d, ..Footprint::NONE }
+    }
+
+    fn facts(&self) -> Facts {
+        Facts::plain("fisheye")
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        let fisheye =
+            |projection, degrees| Camera::Fisheye(Self::new(view, (projection, degrees), 100.0, size));
+        vec![
+            ("equidistant", fisheye(Projection::Equidistant, 360.0)),
+            ("equisolid", fisheye(Projection::Equisolid, 360.0)),
+            ("orthographic fisheye", fisheye(Projection::Orthographic, 180.0)),
+            ("stereographic", fisheye(Projection::Stereographic, 300.0)),
+        ]
     }
 }

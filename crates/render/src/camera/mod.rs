@@ -12,11 +12,15 @@
 //!   (two eyes, six faces), the pixel says which of them it belongs to, so that none bleeds into another.
 //! - [`Camera::footprint`] is the ray's derivative by the place on the film: what a pixel sees, to first order.
 //! - It is a pure function of what it is given, of plain operations in a fixed order.
+//!
+//! To add one: its file, which implements [`Sees`] and gives examples to be tested; its line in the list below; its keys in the
+//! description.
 
 mod cube_map;
 mod facts;
 mod fisheye;
 mod iris;
+mod list;
 mod moving;
 mod orthographic;
 mod panorama;
@@ -40,8 +44,11 @@ pub use stereo::{Eyes, Stereo, StereoLayout};
 pub use thin_lens::ThinLens;
 pub use view::View;
 
+use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::{Ray, Vec3};
+use straal_scene::desc;
+use straal_scene::value::Name;
 
 /// What a camera ray is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,89 +88,66 @@ pub struct Needs {
     pub taken: bool,
 }
 
-/// A camera of a picture of known size.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Camera {
+list::cameras! {
     /// All rays start at one point.
-    Perspective(Perspective),
+    Perspective of Perspective,
     /// Rays start on a lens and meet, pixel by pixel, in a plane.
-    ThinLens(Box<ThinLens>),
+    ThinLens,
     /// All rays are parallel.
-    Orthographic(Orthographic),
+    Orthographic of Orthographic,
     /// The angle to the view depends on the distance from the middle.
-    Fisheye(Box<Fisheye>),
+    Fisheye of Fisheye,
     /// Longitude and latitude.
-    Panorama(Box<Panorama>),
+    Panorama of Panorama,
     /// Six faces.
-    CubeMap(Box<CubeMap>),
+    CubeMap of CubeMap,
     /// Two eyes.
-    Stereo(Box<Stereo>),
+    Stereo,
     /// One of the others, carried along.
-    Moving(Box<Moving>),
+    Moving,
 }
 
-impl Camera {
-    /// The ray through a point of the film; `None` where nothing is seen.
-    #[inline]
-    pub fn ray(&self, at: &FilmPoint) -> Option<Ray> {
-        match self {
-            Self::Perspective(c) => Some(c.ray(at)),
-            Self::ThinLens(c) => Some(c.ray(at)),
-            Self::Orthographic(c) => Some(c.ray(at)),
-            Self::Fisheye(c) => c.ray(at),
-            Self::Panorama(c) => Some(c.ray(at)),
-            Self::CubeMap(c) => c.ray(at),
-            Self::Stereo(c) => c.ray(at),
-            Self::Moving(c) => c.ray(at),
-        }
+/// What a kind of camera does, by [the contract](self).
+trait Sees {
+    /// See [`Camera::ray`].
+    fn ray(&self, at: &FilmPoint) -> Option<Ray>;
+
+    /// See [`Camera::footprint`].
+    fn footprint(&self, at: &FilmPoint) -> Footprint;
+
+    /// See [`Camera::facts`].
+    fn facts(&self) -> Facts;
+
+    /// See [`Camera::needs`].
+    fn needs(&self) -> Needs {
+        Needs::default()
     }
 
-    /// How the ray changes from the pixel to its neighbours, moment and place on the lens staying the same;
-    /// [`Footprint::NONE`] where nothing is seen.
-    pub fn footprint(&self, at: &FilmPoint) -> Footprint {
-        match self {
-            Self::Perspective(c) => c.footprint(at),
-            Self::ThinLens(c) => c.footprint(at),
-            Self::Orthographic(c) => c.footprint(),
-            Self::Fisheye(c) => c.footprint(at),
-            Self::Panorama(c) => c.footprint(at),
-            Self::CubeMap(c) => c.footprint(at),
-            Self::Stereo(c) => c.footprint(at),
-            Self::Moving(c) => c.footprint(at),
-        }
+    /// See [`Camera::taken`].
+    fn taken(&self, _at: &FilmPoint) -> [f32; 3] {
+        [1.0; 3]
     }
 
-    /// How much of a sample's red, green and blue the film takes. All of it, unless glasses are worn: this is said where
-    /// light has become RGB, so that along the ray it stays four numbers of any meaning.
-    pub fn taken(&self, at: &FilmPoint) -> [f32; 3] {
-        match self {
-            Self::Stereo(c) => c.taken(at),
-            Self::Moving(c) => c.still().taken(at),
-            _ => [1.0; 3],
-        }
+    /// See [`Camera::focal_pixels`].
+    fn focal_pixels(&self) -> Option<f64> {
+        None
     }
 
-    /// Pixels to which a length on a plane at distance 1 is magnified, for cameras that magnify by distance alone.
-    pub fn focal_pixels(&self) -> Option<f64> {
-        match self {
-            Self::Perspective(c) => Some(c.plane.window.focal_pixels()),
-            Self::ThinLens(c) => Some(c.plane.window.focal_pixels()),
-            Self::Moving(c) => c.still().focal_pixels(),
-            Self::Orthographic(_)
-            | Self::Fisheye(_)
-            | Self::Panorama(_)
-            | Self::CubeMap(_)
-            | Self::Stereo(_) => None,
-        }
-    }
+    /// Some for the tests of the contract, each with a name.
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)>;
+}
 
-    /// What of a sample's numbers it makes use of.
-    pub fn needs(&self) -> Needs {
-        match self {
-            Self::ThinLens(_) => Needs { lens: true, ..Needs::default() },
-            Self::Stereo(c) => c.needs(),
-            Self::Moving(c) => Needs { time: true, ..c.still().needs() },
-            _ => Needs::default(),
-        }
-    }
+/// What a camera is made with, besides its own settings.
+pub(crate) struct Setup<'a> {
+    /// Where it stands in its own frame: in the world, unless it is carried along.
+    pub view: View,
+    /// Where it stands in the world when the shutter opens.
+    pub at_start: View,
+    /// Width and height of the picture that the scene describes, in pixels.
+    pub film: [u32; 2],
+    /// Those of the picture that is made.
+    pub size: [u32; 2],
+    /// Distance along a view to what goes by a name.
+    pub distance: &'a dyn Fn(&Name, &View) -> Result<f64, CompileError>,
 }
