@@ -15,6 +15,7 @@ mod forecast;
 mod hashes;
 mod lab;
 mod leaning_normals;
+mod light_tracing;
 mod power;
 mod resume;
 mod same_bits;
