@@ -3,7 +3,7 @@
 //!
 //! Plain structs: the order of every operation is written here and is the same on every processor.
 
-use crate::simd::{Double, Float};
+use crate::simd::{Double, Float, Mask};
 use std::ops::{Add, AddAssign, Div, Index, IndexMut, Mul, MulAssign, Neg, Sub, SubAssign};
 
 macro_rules! vec3 {
@@ -32,13 +32,14 @@ macro_rules! vec3 {
             /// The third axis.
             pub const Z: Self = Self::new(0.0, 0.0, 1.0);
 
+            /// Above this what a square loses to underflow is below the sum's rounding.
+            const LEAST_SQUARE: $t = <$t>::MIN_POSITIVE / <$t>::EPSILON;
+
             /// The vector divided by its length, or `None` when that is 0 or not finite.
             #[inline]
             pub fn try_normalize(self) -> Option<Self> {
-                // Above this what a square loses to underflow is below the sum's rounding.
-                const LEAST: $t = <$t>::MIN_POSITIVE / <$t>::EPSILON;
                 let square = self.length_squared();
-                if square > LEAST && square < 1.0 / LEAST {
+                if square > Self::LEAST_SQUARE && square < 1.0 / Self::LEAST_SQUARE {
                     return Some(self * (1.0 / square.sqrt()));
                 }
                 self.try_normalize_scaled()
@@ -163,6 +164,32 @@ macro_rules! vec3 {
             #[inline(always)]
             pub fn normalize(self) -> Self {
                 self * (F::ONE / self.length())
+            }
+
+            /// As [`Self::try_normalize`] of each lane, and in which there is a direction; in the others the vector is 0.
+            #[inline(always)]
+            pub fn normalize_checked(self) -> (Self, F::Mask) {
+                let square = self.length_squared();
+                let is_plain = square.gt(F::splat($name::LEAST_SQUARE))
+                    & square.lt(F::splat(1.0 / $name::LEAST_SQUARE));
+                let unit = self * (F::ONE / square.sqrt());
+                if is_plain.all() { (unit, is_plain) } else { Self::normalize_rest(self, unit, is_plain.to_bits()) }
+            }
+
+            /// Lanes that have to be scaled, one by one.
+            #[cold]
+            #[inline(never)]
+            fn normalize_rest(of: Self, unit: Self, plain: u32) -> (Self, F::Mask) {
+                let mut there = plain;
+                let unit = Self::from_fn(|i| {
+                    if plain >> i & 1 == 1 {
+                        return unit.lane(i);
+                    }
+                    let scaled = of.lane(i).try_normalize_scaled();
+                    there |= u32::from(scaled.is_some()) << i;
+                    scaled.unwrap_or($name::ZERO)
+                });
+                (unit, F::Mask::from_bits(there))
             }
 
             /// Componentwise minimum; `o`'s coordinate where the comparison fails (NaN).
@@ -344,9 +371,12 @@ mod tests {
     #[test]
     fn try_normalize_survives_extremes() {
         for s in [1e-38_f32, 1e-20, 1.0, 1e20, 3e38] {
-            let n = Vec3::new(s, 0.0, -s).try_normalize().unwrap();
+            let v = Vec3::new(s, 0.0, -s);
+            let n = v.try_normalize().unwrap();
+            assert_eq!(v.normalize_checked(), (n, true));
             assert!((n.length() - 1.0).abs() < 1e-6, "scale {s}");
         }
+        assert_eq!(Vec3::ZERO.normalize_checked(), (Vec3::ZERO, false));
         assert_eq!(Vec3::ZERO.try_normalize(), None);
         assert_eq!(Vec3::new(f32::NAN, 0.0, 0.0).try_normalize(), None);
         assert_eq!(Vec3::new(f32::INFINITY, 0.0, 0.0).try_normalize(), None);

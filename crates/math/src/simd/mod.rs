@@ -56,7 +56,10 @@
 //! ```
 //!
 //! A function that isn't inlined is compiled without the instruction set and slow, not wrong: hence `#[inline(always)]` all
-//! the way down. Where that would make a kernel too long, [`Float::vectorize`] puts a part of it into a function of its own.
+//! the way down. A closure that works on lanes needs it as well, where it is an argument (`f(#[inline(always)] |x| x * x)`), and can't have it
+//! where it is a variable; `array::map` and iterators aren't inlined for sure: write such steps out. Nothing was left out if the
+//! program has no function of that kind: `nm -C target/release/straal | grep core_arch::x86::avx` finds none. Where
+//! a kernel becomes too long, [`Float::vectorize`] puts a part of it into a function of its own.
 //!
 //! Data lie in memory as structures of arrays in blocks of [`BLOCK`] lanes, which every width divides.
 
@@ -95,7 +98,7 @@ pub trait Arithmetic<S>:
 {
 }
 
-/// Operations on the bits of lanes. Shifts are by less than a lane has bits.
+/// Operations on the bits of lanes. Shifts are by less than the bits of a lane.
 pub trait Bits<S>:
     Copy
     + Debug
@@ -179,6 +182,11 @@ pub trait Float: Arithmetic<f32> + sealed::Sealed + 'static {
 
     /// For each lane the number of a table that `index` tells: the last one for indices beyond, 0 if the table is empty.
     fn gather(table: &[f32], index: Self::Uint) -> Self;
+
+    /// Four numbers for each lane, as `row` gives them: the way from records in memory to lanes, by exchanges between registers.
+    fn from_rows(row: impl FnMut(usize) -> [f32; 4]) -> [Self; 4];
+    /// Four numbers of each lane: the way back.
+    fn to_rows(columns: [Self; 4], row: impl FnMut(usize, [f32; 4]));
 
     /// The correctly rounded square root.
     fn sqrt(self) -> Self;

@@ -99,6 +99,14 @@ impl Float for f32 {
         at(table, index)
     }
     #[inline(always)]
+    fn from_rows(mut row: impl FnMut(usize) -> [f32; 4]) -> [f32; 4] {
+        row(0)
+    }
+    #[inline(always)]
+    fn to_rows(columns: [f32; 4], mut row: impl FnMut(usize, [f32; 4])) {
+        row(0, columns);
+    }
+    #[inline(always)]
     fn mul_add(self, a: f32, b: f32) -> f32 {
         fused(self, a, b)
     }

@@ -171,6 +171,39 @@ mod raw {
         }
         fn bits_of_mask(m: M) -> u32 { _mm256_movemask_ps(_mm256_castsi256_ps(m)) as u32 }
 
+        /// Columns of 4 x 4 blocks that stand in the quarters of registers; done twice, it is undone.
+        fn transpose([a, b, c, d]: [F32; 4]) -> [F32; 4] {
+            let (p, q) = (_mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d));
+            let (r, s) = (_mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d));
+            [
+                _mm256_shuffle_ps::<0x44>(p, q), _mm256_shuffle_ps::<0xee>(p, q),
+                _mm256_shuffle_ps::<0x44>(r, s), _mm256_shuffle_ps::<0xee>(r, s),
+            ]
+        }
+        fn two(low: &[f32; 4], high: &[f32; 4]) -> F32 {
+            // SAFETY: four numbers are read from arrays of four.
+            unsafe { _mm256_loadu2_m128(high.as_ptr(), low.as_ptr()) }
+        }
+        fn columns(r: &[[f32; 4]; 8]) -> [[F32; 1]; 4] {
+            let [a, b, c, d] =
+                transpose([two(&r[0], &r[4]), two(&r[1], &r[5]), two(&r[2], &r[6]), two(&r[3], &r[7])]);
+            [[a], [b], [c], [d]]
+        }
+        fn rows([[a], [b], [c], [d]]: [[F32; 1]; 4]) -> [[f32; 4]; 8] {
+            let mut rows = [[0.0; 4]; 8];
+            let mut i = 0;
+            while i < 4 {
+                let two = transpose([a, b, c, d])[i];
+                // SAFETY: four numbers are written to arrays of four.
+                unsafe {
+                    _mm_storeu_ps(rows[i].as_mut_ptr(), _mm256_castps256_ps128(two));
+                    _mm_storeu_ps(rows[i + 4].as_mut_ptr(), _mm256_extractf128_ps::<1>(two));
+                }
+                i += 1;
+            }
+            rows
+        }
+
         fn look_up([index]: [U32; 1], table: &[u32; 8]) -> [U32; 1] {
             // SAFETY: eight numbers are read from an array of eight.
             let table = unsafe { _mm256_loadu_si256(table.as_ptr().cast()) };

@@ -134,6 +134,45 @@ mod raw {
         fn mask_of_bits(bits: u32) -> M { bits as M }
         fn bits_of_mask(m: M) -> u32 { m.into() }
 
+        /// Columns of 4 x 4 blocks that stand in the quarters of registers; done twice, it is undone.
+        fn transpose([a, b, c, d]: [F32; 4]) -> [F32; 4] {
+            let (p, q) = (_mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d));
+            let (r, s) = (_mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d));
+            [
+                _mm512_shuffle_ps::<0x44>(p, q), _mm512_shuffle_ps::<0xee>(p, q),
+                _mm512_shuffle_ps::<0x44>(r, s), _mm512_shuffle_ps::<0xee>(r, s),
+            ]
+        }
+        /// Every fourth row, in the quarters of a register.
+        fn four(rows: &[[f32; 4]; 16], first: usize) -> F32 {
+            // SAFETY: four numbers are read from arrays of four.
+            let quarter = |i: usize| unsafe { _mm_loadu_ps(rows[first + i].as_ptr()) };
+            let x = _mm512_castps128_ps512(quarter(0));
+            let x = _mm512_insertf32x4::<1>(x, quarter(4));
+            let x = _mm512_insertf32x4::<2>(x, quarter(8));
+            _mm512_insertf32x4::<3>(x, quarter(12))
+        }
+        fn columns(rows: &[[f32; 4]; 16]) -> [[F32; 1]; 4] {
+            let [a, b, c, d] = transpose([four(rows, 0), four(rows, 1), four(rows, 2), four(rows, 3)]);
+            [[a], [b], [c], [d]]
+        }
+        fn rows([[a], [b], [c], [d]]: [[F32; 1]; 4]) -> [[f32; 4]; 16] {
+            let mut rows = [[0.0; 4]; 16];
+            let mut i = 0;
+            while i < 4 {
+                let four = transpose([a, b, c, d])[i];
+                // SAFETY: four numbers are written to arrays of four.
+                unsafe {
+                    _mm_storeu_ps(rows[i].as_mut_ptr(), _mm512_castps512_ps128(four));
+                    _mm_storeu_ps(rows[i + 4].as_mut_ptr(), _mm512_extractf32x4_ps::<1>(four));
+                    _mm_storeu_ps(rows[i + 8].as_mut_ptr(), _mm512_extractf32x4_ps::<2>(four));
+                    _mm_storeu_ps(rows[i + 12].as_mut_ptr(), _mm512_extractf32x4_ps::<3>(four));
+                }
+                i += 1;
+            }
+            rows
+        }
+
         fn look_up([index]: [U32; 1], table: &[u32; 8]) -> [U32; 1] {
             // SAFETY: eight numbers are read from an array of eight.
             let table = unsafe { _mm256_loadu_si256(table.as_ptr().cast()) };

@@ -179,6 +179,25 @@ mod raw {
     }
 
     functions! {
+        fn columns(rows: &[[f32; 4]; 8]) -> [[F32; 2]; 4] {
+            // SAFETY: sixteen numbers are read from each half of an array of eight times four.
+            let (a, b) = unsafe { {
+                let first: *const f32 = rows.as_ptr().cast();
+                (vld4q_f32(first), vld4q_f32(first.add(16)))
+            } };
+            [[a.0, b.0], [a.1, b.1], [a.2, b.2], [a.3, b.3]]
+        }
+        fn rows([a, b, c, d]: [[F32; 2]; 4]) -> [[f32; 4]; 8] {
+            let mut rows = [[0.0; 4]; 8];
+            let first: *mut f32 = rows.as_mut_ptr().cast();
+            // SAFETY: sixteen numbers are written to each half of an array of eight times four.
+            unsafe {
+                vst4q_f32(first, float32x4x4_t(a[0], b[0], c[0], d[0]));
+                vst4q_f32(first.add(16), float32x4x4_t(a[1], b[1], c[1], d[1]));
+            }
+            rows
+        }
+
         fn look_up([a, b]: [U32; 2], table: &[u32; 8]) -> [U32; 2] {
             let low = vdupq_n_u32(7);
             // SAFETY: three bits are within a table of eight.

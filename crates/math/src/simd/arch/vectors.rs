@@ -280,6 +280,28 @@ macro_rules! vector_types {
                 unsafe { Self::from_bits(Uints(raw::gather(table.as_ptr().cast(), index.0))) }
             }
             #[inline(always)]
+            fn from_rows(mut row: impl FnMut(usize) -> [f32; 4]) -> [Self; 4] {
+                let mut rows = [[0.0; 4]; $width];
+                let mut i = 0;
+                while i < $width {
+                    rows[i] = row(i);
+                    i += 1;
+                }
+                // SAFETY: see the head of `arch`.
+                let [a, b, c, d] = unsafe { raw::columns(&rows) };
+                [Self(a), Self(b), Self(c), Self(d)]
+            }
+            #[inline(always)]
+            fn to_rows([a, b, c, d]: [Self; 4], mut row: impl FnMut(usize, [f32; 4])) {
+                // SAFETY: see the head of `arch`.
+                let rows = unsafe { raw::rows([a.0, b.0, c.0, d.0]) };
+                let mut i = 0;
+                while i < $width {
+                    row(i, rows[i]);
+                    i += 1;
+                }
+            }
+            #[inline(always)]
             fn abs(self) -> Self {
                 Self::from_bits(self.to_bits() & i32::MAX as u32)
             }

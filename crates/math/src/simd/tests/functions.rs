@@ -135,6 +135,7 @@ fn vectors_frames_and_transforms() {
             v.max(w),
             v.abs(),
             v.normalize(),
+            v.normalize_checked().0,
             Vec3::select(a.lt(b), v, w),
             frame.s,
             frame.t,
@@ -152,6 +153,7 @@ fn vectors_frames_and_transforms() {
         }
         out.extend([v.dot(w), v.length(), v.length_squared(), v.max_element(), v.min_element()].map(bits));
         out.push(answer::<F>(v.is_finite()));
+        out.push(answer::<F>(v.normalize_checked().1));
         out
     });
 }

@@ -332,6 +332,15 @@ fn lanes_come_from_memory_and_go_back() {
                     && doubled.lane(F::WIDTH - 1) == doubled.to_array().as_ref()[F::WIDTH - 1]
             );
 
+            let row = |i: usize| [0, 1, 2, 3].map(|k| (10 * i + k) as f32);
+            let columns = F::from_rows(row);
+            for (k, column) in columns.into_iter().enumerate() {
+                assert!(column.eq(F::from_fn(|i| row(i)[k])).all());
+            }
+            let mut back = Vec::new();
+            F::to_rows(columns, |i, numbers| back.push((i, numbers)));
+            assert!(back.into_iter().eq((0..F::WIDTH).map(|i| (i, row(i)))));
+
             // Indices beyond the end.
             let index = F::Uint::from_fn(|i| if i % 3 == 2 { u32::MAX - i as u32 } else { 2 * i as u32 });
             let table = self.0.map(f32::to_bits);
