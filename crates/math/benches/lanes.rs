@@ -18,7 +18,12 @@ const RUNS: usize = 8;
 const ROUNDS: usize = 301;
 
 /// Three columns that are read and three that are written.
-type Columns = [Vec<f32>; 3];
+type Columns = [Box<Column>; 3];
+
+/// Registers are read and written within lines of the cache.
+#[derive(Clone)]
+#[repr(align(64))]
+struct Column([f32; N]);
 
 /// A line of the report: its name and what runs it.
 type Line = (&'static str, fn(Simd, &Columns, &mut Columns));
@@ -33,11 +38,11 @@ macro_rules! line {
                 let Work(from, to) = self;
                 for at in (0..N).step_by(F::WIDTH) {
                     let ($x, $y, $z) =
-                        (F::load(&from[0][at..]), F::load(&from[1][at..]), F::load(&from[2][at..]));
+                        (F::load(&from[0].0[at..]), F::load(&from[1].0[at..]), F::load(&from[2].0[at..]));
                     let result: Vec3<F> = $result;
-                    result.x.store(&mut to[0][at..]);
-                    result.y.store(&mut to[1][at..]);
-                    result.z.store(&mut to[2][at..]);
+                    result.x.store(&mut to[0].0[at..]);
+                    result.y.store(&mut to[1].0[at..]);
+                    result.z.store(&mut to[2].0[at..]);
                 }
             }
         }
@@ -68,6 +73,10 @@ fn lines() -> Vec<Line> {
             let weights: Vec<f32> = (0..512 * 256).map(|i| 1.0 + (i * i % 97) as f32).collect();
             Table2::new(512, 256, &weights).unwrap()
         })
+    }
+    static RECORDS: OnceLock<Vec<[f32; 4]>> = OnceLock::new();
+    fn records() -> &'static [[f32; 4]] {
+        RECORDS.get_or_init(|| (0..N as u32).map(|i| [0, 1, 2, 3].map(|k| (4 * i + k) as f32)).collect())
     }
     vec![
         line!("copy", |x, y, z| Vec3::new(x, y, z)),
@@ -105,6 +114,25 @@ fn lines() -> Vec<Line> {
             Frame::from_normal(v).to_world(Vec3::new(y, z, x))
         }),
         line!("fused multiply-add", |x, y, z| Vec3::new(x.mul_add(y, z), y.mul_add(z, x), z.mul_add(x, y))),
+        line!("diffuse vertex", |x, y, z| {
+            // Number, frame, direction and pdf, as a step of a path has them.
+            let [u, v, w] = Pattern::Sobol.d3(&name(x), Purpose::Direction);
+            let wi = warp::cosine_hemisphere([u, v]);
+            let n = Vec3::new(x, y, z).normalize();
+            Frame::from_normal(n).to_world(wi) * (warp::cosine_hemisphere_pdf(wi.z) * w)
+        }),
+        line!("records by rows", |x, _, _| {
+            let index = (x * N as f32).to_uint();
+            let records = records();
+            let [a, b, c, d] = F::from_rows(|i| records[index.lane(i) as usize % N]);
+            Vec3::new(a, b, c + d)
+        }),
+        line!("records by gathers", |x, _, _| {
+            let index = (x * N as f32).to_uint() << 2;
+            let flat = records().as_flattened();
+            let c = F::gather(flat, index | 2) + F::gather(flat, index | 3);
+            Vec3::new(F::gather(flat, index), F::gather(flat, index | 1), c)
+        }),
         line!("list of 1000", |x, _, _| {
             let c = list().samples(x);
             Vec3::new(F::from_bits(c.index), c.pmf, c.rest)
@@ -135,7 +163,8 @@ fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|w| !w.starts_with('-')).collect();
     let from: Columns = [1, 2, 3].map(|purpose| {
         let purpose = Purpose::ALL[purpose];
-        (0..N).map(|i| Pattern::Random.d1(&SampleName::new(3, [i as u32, 0], 0), purpose)).collect()
+        let number = |i| Pattern::Random.d1(&SampleName::new(3, [i as u32, 0], 0), purpose);
+        Box::new(Column(std::array::from_fn(number)))
     });
     let mut to = from.clone();
     let sets: Vec<Simd> =

@@ -33,26 +33,26 @@
 //! over the family. [`Simd::run`] enters it compiled for the instruction set, and everything that is `#[inline(always)]` becomes part of it:
 //!
 //! ```
-//! use straal_math::simd::{Float, Kernel, Simd};
+//! use straal_math::simd::{BLOCK, Block, Float, Kernel, Simd};
 //!
 //! struct Roots<'a> {
-//!     of: &'a [f32; 16],
-//!     out: &'a mut [f32; 16],
+//!     of: &'a Block<f32>,
+//!     out: &'a mut Block<f32>,
 //! }
 //!
 //! impl Kernel for Roots<'_> {
 //!     type Output = ();
 //!     #[inline(always)]
 //!     fn run<F: Float>(self) {
-//!         for at in (0..16).step_by(F::WIDTH) {
+//!         for at in (0..BLOCK).step_by(F::WIDTH) {
 //!             F::load(&self.of[at..]).sqrt().store(&mut self.out[at..]);
 //!         }
 //!     }
 //! }
 //!
-//! let mut out = [0.0; 16];
-//! Simd::best().run(Roots { of: &[9.0; 16], out: &mut out });
-//! assert_eq!(out, [3.0; 16]);
+//! let mut out = Block::default();
+//! Simd::best().run(Roots { of: &Block([9.0; BLOCK]), out: &mut out });
+//! assert_eq!(out.0, [3.0; BLOCK]);
 //! ```
 //!
 //! A function that isn't inlined is compiled without the instruction set and slow, not wrong: hence `#[inline(always)]` all
@@ -61,7 +61,7 @@
 //! program has no function of that kind: `nm -C target/release/straal | grep core_arch::x86::avx` finds none. Where
 //! a kernel becomes too long, [`Float::vectorize`] puts a part of it into a function of its own.
 //!
-//! Data lie in memory as structures of arrays in blocks of [`BLOCK`] lanes, which every width divides.
+//! Data lie in memory as structures of arrays in a [`Block`] each, whose [`BLOCK`] lanes every width divides.
 
 mod arch;
 mod isa;
@@ -78,6 +78,32 @@ use std::ops::{
 
 /// Lanes of a block in memory: every [`Float::WIDTH`] divides it.
 pub const BLOCK: usize = 16;
+
+/// What the lanes of a block have in memory, in one line of the cache if it has 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(align(64))]
+pub struct Block<T>(pub [T; BLOCK]);
+
+impl<T: Default> Default for Block<T> {
+    fn default() -> Self {
+        Self(std::array::from_fn(|_| T::default()))
+    }
+}
+
+impl<T> std::ops::Deref for Block<T> {
+    type Target = [T; BLOCK];
+    #[inline(always)]
+    fn deref(&self) -> &[T; BLOCK] {
+        &self.0
+    }
+}
+
+impl<T> std::ops::DerefMut for Block<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [T; BLOCK] {
+        &mut self.0
+    }
+}
 
 /// Arithmetic between lanes, and of lanes with a number that is the same for all.
 pub trait Arithmetic<S>:
