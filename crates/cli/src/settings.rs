@@ -9,8 +9,9 @@ use crate::places::{check_output, check_pictures, format_of, is_stream, refuse_i
 use crate::quantity::{Every, count};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use straal::picture::{Format, SaveError};
-use straal::{CostMeasure, Look, Overrides};
+use straal::picture::Format;
+use straal::{Look, Overrides};
+use straal_study::{SaveError, cost};
 
 /// What is lost at most when a render that writes an EXR is killed.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
@@ -33,7 +34,7 @@ pub struct RenderSettings {
     /// What is kept of it besides pictures.
     pub keep: Wish,
     /// Where the picture of the searches' costs goes, and which cost it shows.
-    pub cost_picture: Option<(PathBuf, CostMeasure)>,
+    pub cost_picture: Option<(PathBuf, cost::Measure)>,
     /// Where the scene goes as a file.
     pub write_scene: Option<PathBuf>,
     /// How a bare mesh is shown.

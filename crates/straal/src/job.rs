@@ -238,7 +238,7 @@ impl Job {
     }
 
     /// The same of a scene that is needed further.
-    pub(crate) fn of(loaded: &Loaded, wish: &Overrides, custom: &Custom) -> Result<Self, Error> {
+    pub fn of(loaded: &Loaded, wish: &Overrides, custom: &Custom) -> Result<Self, Error> {
         Self::made(loaded, wish, custom, Detail::Whole)
     }
 

@@ -8,10 +8,11 @@ use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
+use straal::Recording;
 use straal::picture::Format;
-use straal::{CostMeasure, Recording};
 use straal_accel::{Build, Isa, Structure};
 use straal_math::lowdisc::PatternKind;
+use straal_study::cost;
 
 pub(super) const RENDER_ABOUT: &str = "\
 Renders a scene to a picture.
@@ -195,7 +196,7 @@ pub struct RenderArgs {
         long, value_name = "COST", value_parser = measure(), default_value = "nodes", requires = "cost_picture",
         hide_short_help = true, help_heading = COST
     )]
-    pub cost_of: CostMeasure,
+    pub cost_of: cost::Measure,
 
     /// Worker threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]

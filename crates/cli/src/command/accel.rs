@@ -9,10 +9,10 @@ use crate::places::{check_output, refuse_inputs};
 use std::io::Write;
 use std::sync::Arc;
 use std::time::Instant;
-use straal::lab::{self, Request};
 use straal::{Clock, LoadOptions};
 use straal_formats::atomic;
 use straal_scene::Diagnostics;
+use straal_study::lab::{self, Request};
 
 /// Compares search structures on a scene's rays; the exit says whether their hits differ.
 pub fn run(args: &AccelArgs, start: Instant) -> Result<Exit, Failure> {

@@ -21,6 +21,7 @@ use straal::sums::{Kept, Snapshot};
 use straal::written;
 use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
 use straal_formats::atomic;
+use straal_study::cost;
 
 /// Renders a scene; `start` is when the command began.
 pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
@@ -78,7 +79,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         });
     }
     if let Some((path, of)) = &settings.cost_picture {
-        writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
+        writing.note(path, interrupt.whole(|| cost::save(&outcome.picture, path, *of)));
     }
     let written = writing.end();
     let kept = keeping.end(&job, written.is_ok());
