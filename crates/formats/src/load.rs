@@ -1,10 +1,11 @@
 //! From a path to a scene with everything it names.
 
 use std::collections::BTreeMap;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use straal_scene::decode::{Describe, Strictness, read_scene};
+use straal_scene::decode::{Strictness, read_scene, write_json};
 use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
 use straal_scene::forecast::{description_bytes, mesh_bytes};
@@ -125,10 +126,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let mut reader =
         Reader { limits: &options.files, finder, hashes: BTreeMap::new(), files, ledger, d: &mut d };
     let assets = reader.assets(&scene, &paths);
-    let mut ledger = reader.ledger;
+    let ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
-    // To be hashed, the scene is written again.
-    ledger.pass(length + tree_bytes);
     let files = reader.files;
     let needs_light = matches!(scene.integrator, Integrator::Path(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
@@ -434,10 +433,13 @@ impl Reader<'_> {
     }
 }
 
-/// What the scene says, and the bytes of its files in the order of their names.
+/// What the scene says, as JSON that is hashed while it is written, and the bytes of its files in the order of their names.
 fn hash(scene: &Scene, files: &BTreeMap<String, [u8; 32]>) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(scene.write().to_string().as_bytes());
+    let mut pieces = BufWriter::with_capacity(1 << 14, &mut hasher);
+    // A hasher refuses nothing.
+    let _ = write_json(scene, &mut pieces).and_then(|()| pieces.flush());
+    drop(pieces);
     for (name, hash) in files {
         hasher.update(&[0]).update(name.as_bytes()).update(&[0]).update(hash);
     }

@@ -1,8 +1,10 @@
 //! From a spanned tree to typed values: every complaint is noted and reading goes on.
 
 use std::borrow::Cow;
+use std::io;
 
-use serde_json::{Map, Value as Json};
+use serde_core::ser::{Serialize, SerializeMap, Serializer};
+use serde_json::Value as Json;
 use straal_color::Space;
 
 use crate::alias::{self, Here};
@@ -28,8 +30,14 @@ pub trait Describe: Sized {
     /// What stands in for a value that couldn't be read.
     fn blank() -> Self;
 
-    /// The value as [`Describe::read`] would take it.
-    fn write(&self) -> Json;
+    /// Writes the value as [`Describe::read`] would take it, piece by piece: no more of it is held than what takes it keeps.
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error>;
+
+    /// The same as a tree.
+    fn write(&self) -> Json {
+        // Trees hold all that is written: keys are texts.
+        serde_json::to_value(Written(self)).unwrap_or(Json::Null)
+    }
 
     /// The JSON Schema of the values that [`Describe::read`] takes.
     fn schema(limit: Limit, defs: &mut Definitions) -> Json;
@@ -52,13 +60,27 @@ pub trait Fields: Sized {
     fn blank_fields() -> Self;
 
     /// Writes the keys that differ from their defaults.
-    fn write_fields(&self, out: &mut Map<String, Json>);
+    fn write_fields<M: SerializeMap>(&self, out: &mut M) -> Result<(), M::Error>;
 
     /// Adds its keys to a schema.
     fn schema_fields(out: &mut Properties, defs: &mut Definitions);
 
     /// Whether all of its keys have defaults.
     fn all_optional() -> bool;
+}
+
+/// What writes a value wherever serde's serializers lead: to a tree, or as text to a file or a hash.
+pub struct Written<'a, T>(pub &'a T);
+
+impl<T: Describe> Serialize for Written<'_, T> {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.0.write_to(out)
+    }
+}
+
+/// Writes a value as one line of JSON, piece by piece.
+pub fn write_json<T: Describe>(value: &T, out: impl io::Write) -> io::Result<()> {
+    serde_json::to_writer(out, &Written(value)).map_err(io::Error::from)
 }
 
 /// How to read.

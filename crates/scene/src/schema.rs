@@ -1,8 +1,9 @@
 //! The JSON Schema (draft 2020-12) of the scene language, made from the same definitions as its reading.
 
+use serde_core::ser::Serializer;
 use serde_json::{Map, Value as Json, json};
 
-use crate::decode::Describe;
+use crate::decode::{Describe, Written};
 use crate::desc::Scene;
 use crate::limit::Limit;
 
@@ -104,13 +105,6 @@ pub fn described(docs: &[&str], schema: Json) -> Json {
     Json::Object(map)
 }
 
-/// A choice and its payload as a mapping of one key.
-pub fn tagged(key: &str, payload: Json) -> Json {
-    let mut map = Map::new();
-    map.insert(key.to_owned(), payload);
-    Json::Object(map)
-}
-
 /// A number's schema.
 pub fn number(kind: &str, limit: Limit) -> Json {
     let mut map = Map::new();
@@ -128,8 +122,13 @@ pub fn number(kind: &str, limit: Limit) -> Json {
 
 /// A number without `.0` when it is whole.
 pub fn short(v: f64) -> Json {
+    serde_json::to_value(Written(&v)).unwrap_or(Json::Null)
+}
+
+/// The same, written.
+pub fn write_number<S: Serializer>(v: f64, out: S) -> Result<S::Ok, S::Error> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
-    if v.floor() == v && v.abs() <= EXACT { json!(v as i64) } else { json!(v) }
+    if v.floor() == v && v.abs() <= EXACT { out.serialize_i64(v as i64) } else { out.serialize_f64(v) }
 }
 
 /// The JSON Schema of a scene file.
