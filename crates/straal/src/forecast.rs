@@ -7,7 +7,7 @@
 
 mod search;
 
-use crate::job::{Error, Overrides, Plan};
+use crate::resolve::{Error, Overrides, Plan};
 use straal_accel::Structure;
 use straal_formats::load::Loaded;
 use straal_render::compile::cost::{self, Cost};

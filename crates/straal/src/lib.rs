@@ -22,14 +22,16 @@ pub mod job;
 pub mod look;
 pub mod picture;
 pub mod replicates;
+pub mod resolve;
 pub mod search;
 pub mod sums;
 pub mod written;
 
 pub use forecast::{Forecast, forecast};
-pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};
+pub use job::{Blocks, Control, Job, Outcome, Progress, Snapshot, Verdict};
 pub use look::{Bits, Gamma, Look};
 pub use picture::Picture;
+pub use resolve::{Error, Overrides};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{Loaded, Options as LoadOptions, is_mesh, load, load_str, load_stream};

@@ -1,7 +1,8 @@
 //! Replicates: the same picture from independent seeds, so that its variance is measured and not modelled.
 
-use crate::job::{Control, Error, Job, Outcome};
+use crate::job::{Control, Job, Outcome};
 use crate::picture::Picture;
+use crate::resolve::Error;
 use straal_color::spectrum::Bands;
 use straal_render::film::{BandLayers, CostLayers, Dropped, ErrorLayer, Evidence, Layers};
 use straal_render::stopwatch::Times;

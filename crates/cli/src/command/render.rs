@@ -16,10 +16,9 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
-use straal::job::Verdict;
-use straal::sums::{Kept, Snapshot};
+use straal::sums::Kept;
 use straal::written;
-use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
+use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Look, Outcome, Progress, Snapshot, Verdict};
 use straal_formats::atomic;
 use straal_study::cost;
 
@@ -123,7 +122,7 @@ fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
 
 /// The scene as a file of its own, with all that was said on the command line.
 fn scene_text(loaded: &Loaded, settings: &RenderSettings) -> Result<String, Failure> {
-    let look = settings.look(written::look(loaded));
+    let look = settings.look(Look::of(&loaded.scene.film));
     let scene =
         written::scene(loaded, &settings.overrides, &look).map_err(|e| refused(e, &loaded.warnings))?;
     if settings.scene.is_none() && scene == loaded.scene {
