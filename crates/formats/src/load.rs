@@ -8,7 +8,6 @@ use std::sync::Arc;
 use straal_scene::decode::{Strictness, read_scene, write_json};
 use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
-use straal_scene::forecast::{description_bytes, mesh_bytes};
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::FileRef;
 use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
@@ -114,8 +113,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let length = bytes.len() as u64;
     let mut ledger = Ledger::new(options.memory);
     ledger.keep(2 * length);
-    ledger.pass(length + tree_bytes + description_bytes(&scene));
-    ledger.keep(description_bytes(&scene));
+    ledger.pass(length + tree_bytes + scene.heap_bytes());
+    ledger.keep(scene.heap_bytes());
     let mut finder = finder(options)?;
     let paths = locate(&scene, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
@@ -370,7 +369,7 @@ impl Reader<'_> {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
                 }
-                let own = mesh_bytes(&asset.mesh);
+                let own = asset.mesh.heap_bytes();
                 self.ledger.pass(length + own);
                 self.ledger.keep(own);
                 (asset, hash)
@@ -473,7 +472,7 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let read =
         mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
     let libraries = read.libraries.clone();
-    ledger.pass(length + mesh_bytes(&read.asset.mesh));
+    ledger.pass(length + read.asset.mesh.heap_bytes());
     let loaded = in_studio(path, read, &options.studio)?;
     let files = std::iter::once(path.to_path_buf()).chain(libraries).collect();
     Ok(Loaded { files, peak_bytes: ledger.most(), ..loaded })

@@ -1,6 +1,6 @@
 //! The files a scene names, read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::desc::Material;
@@ -38,6 +38,16 @@ pub struct Assets {
 }
 
 impl Assets {
+    /// Bytes that all of them take, each once, however many names it goes by.
+    pub fn heap_bytes(&self) -> u64 {
+        fn once<'a, T: 'a>(all: impl Iterator<Item = &'a Arc<T>>, bytes: impl Fn(&T) -> u64) -> u64 {
+            let mut seen = BTreeSet::new();
+            all.filter(|thing| seen.insert(Arc::as_ptr(thing))).map(|thing| bytes(thing)).sum()
+        }
+        once(self.meshes.values().map(|asset| &asset.mesh), Mesh::heap_bytes)
+            + once(self.images.values(), Image::heap_bytes)
+    }
+
     /// The mesh of a file; `None` when it was never read.
     pub fn mesh(&self, file: &FileRef) -> Option<&MeshAsset> {
         self.meshes.get(&file.value)

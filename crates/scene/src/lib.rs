@@ -6,13 +6,13 @@
 
 mod alias;
 pub mod assets;
+pub mod count;
 mod css;
 pub mod decode;
 mod decode_values;
 pub mod desc;
 mod describe;
 pub mod diagnostic;
-pub mod forecast;
 pub mod image;
 pub mod limit;
 pub mod memory;

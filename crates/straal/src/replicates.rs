@@ -24,7 +24,8 @@ impl Job {
                     .into(),
             ));
         }
-        self.check_replicates()?;
+        let pixels = self.settings.crop.area() as u64;
+        self.check_room(pixels.saturating_mul(Sums::bytes_a_pixel(self.settings.layers)))?;
         let mut progress = self.progress();
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;
@@ -99,6 +100,13 @@ struct Sums {
 }
 
 impl Sums {
+    /// Bytes that they take for each pixel, of colours alone or with the other layers and the spread of colours.
+    fn bytes_a_pixel(layers: bool) -> u64 {
+        let three = size_of::<[f64; 3]>();
+        let others = 3 * three + size_of::<f64>() + size_of::<u32>();
+        (three + if layers { others } else { 0 }) as u64
+    }
+
     fn new(frame: Picture) -> Self {
         let n = frame.crop.area();
         Self {

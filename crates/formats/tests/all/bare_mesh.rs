@@ -5,9 +5,9 @@ use std::path::Path;
 use straal_formats::studio::{Background, Finish, Studio, Up, View};
 use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
 use straal_math::{Affine, DVec3, ops};
+use straal_scene::count::count;
 use straal_scene::decode::Describe;
 use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, TriangleMesh};
-use straal_scene::forecast::count;
 use straal_scene::value::Color;
 
 /// The mesh node and what material it is given, and that everything its camera should see is in view.

@@ -184,9 +184,9 @@ impl Job {
         .collect()
     }
 
-    /// Refuses to sum up replicates where that takes more memory than may be used.
-    pub(crate) fn check_replicates(&self) -> Result<(), Error> {
-        let shortage = self.forecast.with_replicates(&self.settings).refuse(self.memory);
+    /// Refuses what takes so many bytes besides the job itself, where that is more than may be used.
+    pub(crate) fn check_room(&self, bytes: u64) -> Result<(), Error> {
+        let shortage = self.forecast.with(bytes).refuse(self.memory);
         shortage.map_or(Ok(()), |shortage| Err(shortage.into()))
     }
 }
