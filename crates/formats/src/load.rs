@@ -5,12 +5,14 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use straal_scene::decode::{Strictness, read_scene, write_json};
+use straal_scene::decode::{Strictness, write_json};
 use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::FileRef;
-use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
+use straal_scene::{
+    Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, read_scene, suggest,
+};
 
 use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, MeshFile};

@@ -8,7 +8,6 @@ use serde_json::Value as Json;
 use straal_color::Space;
 
 use crate::alias::{self, Here};
-use crate::desc::{Integrator, Light, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::limit::Limit;
 use crate::remedy;
@@ -16,7 +15,6 @@ use crate::schema::{Definitions, Properties};
 use crate::span::Span;
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree, shown};
-use crate::validate;
 use crate::value::Color;
 
 /// A type of the scene language.
@@ -130,7 +128,7 @@ impl Decoder {
 
     /// Complains of noted colours that the work space doesn't hold: light can't be below 0, nor a surface reflect more
     /// than falls on it.
-    fn check_wide(&mut self, space: Space) {
+    pub(crate) fn check_wide(&mut self, space: Space) {
         for Wide { span, key, color, limit } in std::mem::take(&mut self.wide) {
             // Conversions round: this much is no fault of the scene's.
             const SLACK: f64 = 1e-6;
@@ -643,33 +641,4 @@ fn without_brackets(name: &str, entry: &Entry, rest: &[Entry], d: &Decoder) -> D
     let numbers = text.rsplit(['<', '(']).next().unwrap_or_default().trim_end_matches(['>', ')', ' ']);
     Diagnostic::error(span, format!("the numbers of `{key}` need brackets around them"))
         .help(format!("write `{name}: [{numbers}]`"))
-}
-
-/// Reads a scene and checks it as a whole. The scene is only of use when there are no errors among the complaints;
-/// it is given all the same, so that the files it names can be looked for too.
-pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness) -> (Scene, Diagnostics) {
-    let mut decoder = Decoder::new(diagnostics, strictness);
-    let scene = Scene::read(tree, Limit::FINITE, &mut decoder);
-    decoder.check_wide(scene.color.space.space());
-    let mut diagnostics = decoder.diagnostics;
-    let (at, nothing) = match tree.entry("world") {
-        Some(e) => (e.key.span, e.value.value == Datum::Null || e.value.value == Datum::Sequence(Vec::new())),
-        None => (
-            Span { end: tree.span.start, ..tree.span },
-            matches!(tree.value, Datum::Mapping(_) | Datum::Null),
-        ),
-    };
-    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
-    let shows_a_chart = matches!(scene.integrator, Integrator::SineProduct);
-    // A key that is called otherwise here may be what the world was meant to be.
-    let mut names = Vec::new();
-    Scene::names(&mut names);
-    let is_known = |e: &Entry| names.contains(&e.key.value.as_str());
-    let all_known = !matches!(&tree.value, Datum::Mapping(entries) if !entries.iter().all(is_known));
-    if nothing && all_known && !lit_by_all && !shows_a_chart {
-        let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
-        diagnostics.push(Diagnostic::error(at, "the world is empty: there is nothing to see").help(help));
-    }
-    validate::validate(&scene, &mut diagnostics);
-    (scene, diagnostics)
 }

@@ -15,6 +15,7 @@ mod man;
 mod merge;
 mod metamer;
 mod parsers;
+mod reading;
 mod render;
 mod sampler;
 mod studio;
@@ -31,6 +32,7 @@ pub use look::LookArgs;
 pub use man::ManArgs;
 pub use merge::MergeArgs;
 pub use metamer::MetamerArgs;
+pub use reading::{MemoryArgs, ReadingArgs};
 pub use render::RenderArgs;
 pub use sampler::SamplerArgs;
 pub use studio::StudioArgs;
@@ -167,7 +169,7 @@ mod tests {
         assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
         assert_eq!(a.look.exposure, Some(Exposure::stops(-1.5)));
         assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), cost::Measure::Time));
-        assert!(a.quiet && a.json && a.lenient && a.replicates.is_none());
+        assert!(a.quiet && a.json && a.reading.lenient && a.replicates.is_none());
     }
 
     #[test]

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use straal::sums::Kept;
 use straal::written;
-use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Look, Outcome, Progress, Snapshot, Verdict};
+use straal::{Control, EMBEDDED_SCENE, Job, Loaded, Look, Outcome, Progress, Snapshot, Verdict};
 use straal_formats::atomic;
 use straal_study::cost;
 
@@ -106,16 +106,10 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
 }
 
 fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options = LoadOptions {
-        lenient: settings.lenient,
-        root: settings.root.clone(),
-        memory: settings.memory,
-        studio: settings.studio.studio(settings.overrides.size),
-        ..LoadOptions::default()
-    };
+    let options = &settings.reading;
     match &settings.scene {
-        Some(path) => load(path, &options),
-        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options)
+        Some(path) => load(path, options),
+        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), options)
             .map_err(Failure::scene),
     }
 }
