@@ -9,7 +9,7 @@ use straal_scene::decode::{Strictness, write_json};
 use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
 use straal_scene::memory::{Ledger, Shortage};
-use straal_scene::value::FileRef;
+use straal_scene::value::{Asset, FileRef};
 use straal_scene::{
     Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, read_scene, suggest,
 };
@@ -241,7 +241,9 @@ fn locate(
     d: &mut Diagnostics,
 ) -> BTreeMap<String, PathBuf> {
     let mut paths = BTreeMap::new();
-    for file in scene.mesh_files().into_iter().chain(scene.image_files()).chain(scene.spectrum_files()) {
+    let meshes = scene.mesh_files().into_iter().map(|asset| &asset.file);
+    let images = scene.image_files().into_iter().map(|asset| &asset.file);
+    for file in meshes.chain(images).chain(scene.spectrum_files()) {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
@@ -293,9 +295,9 @@ impl Reader<'_> {
         // The same file under two names is read once.
         let mut meshes: BTreeMap<PathBuf, (MeshAsset, [u8; 32])> = BTreeMap::new();
         let mut images: BTreeMap<PathBuf, (Arc<Image>, [u8; 32])> = BTreeMap::new();
-        for file in scene.mesh_files() {
+        for Asset { file, handle } in scene.mesh_files() {
             let Some(path) = paths.get(&file.value) else { continue };
-            if assets.meshes.contains_key(&file.value) {
+            if assets.meshes.get(*handle).is_some() {
                 continue;
             }
             let real = path.canonicalize().unwrap_or_else(|_| path.clone());
@@ -304,13 +306,13 @@ impl Reader<'_> {
                 meshes.insert(real.clone(), asset);
             }
             if let Some((asset, hash)) = meshes.get(&real) {
-                assets.meshes.insert(file.value.clone(), asset.clone());
+                assets.meshes.put(*handle, asset.clone());
                 self.hashes.insert(file.value.clone(), *hash);
             }
         }
-        for file in scene.image_files() {
+        for Asset { file, handle } in scene.image_files() {
             let Some(path) = paths.get(&file.value) else { continue };
-            if assets.images.contains_key(&file.value) {
+            if assets.images.get(*handle).is_some() {
                 continue;
             }
             let real = path.canonicalize().unwrap_or_else(|_| path.clone());
@@ -319,7 +321,7 @@ impl Reader<'_> {
                 images.insert(real.clone(), image);
             }
             if let Some((image, hash)) = images.get(&real) {
-                assets.images.insert(file.value.clone(), image.clone());
+                assets.images.put(*handle, image.clone());
                 self.hashes.insert(file.value.clone(), *hash);
             }
         }
@@ -405,7 +407,7 @@ impl Reader<'_> {
                     self.d.push(Diagnostic::warning(file.span, message));
                 }
                 self.ledger.pass(length.saturating_add(decoded));
-                self.ledger.keep(12 * image.pixels.len() as u64);
+                self.ledger.keep(image.heap_bytes());
                 (Arc::new(image), blake3::hash(&bytes).into())
             }
             Err(e) => {
@@ -452,9 +454,9 @@ fn gives_light(scene: &Scene, assets: &Assets) -> bool {
     scene.visit(|node| {
         lit |= node.surface().is_some_and(|s| s.emission.is_some());
         if let Node::Mesh(m) = node
-            && let Some(asset) = m.file.as_ref().and_then(|f| assets.mesh(f))
+            && let Some(asset) = &m.file
         {
-            lit |= asset.materials.values().any(|m| m.emission.is_some());
+            lit |= assets.mesh(asset.handle).materials.values().any(|m| m.emission.is_some());
         }
     });
     lit
@@ -483,15 +485,15 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
 /// A mesh with a studio around it.
 fn in_studio(path: &Path, read: MeshFile, studio: &studio::Studio) -> Result<Loaded, Diagnostics> {
     let name = path.display().to_string();
-    let (scene, told) = studio::around(&name, &read.asset, studio)
+    let mut assets = Assets::default();
+    let shown = Asset::new(name.clone(), assets.meshes.add(read.asset.clone()));
+    let (scene, told) = studio::around(&shown, &read.asset, studio)
         .map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
     told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }
-    let mut assets = Assets::default();
-    assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
     let peak_bytes = 0;

@@ -100,9 +100,9 @@ pub fn count(scene: &Scene, assets: &Assets) -> Contents {
     let mut surroundings = Vec::new();
     for light in &scene.lights {
         if let Light::Environment(l) = light
-            && let Some(image) = l.file.as_ref().and_then(|file| assets.image(file))
+            && let Some(file) = &l.file
         {
-            surroundings.push(image.pixels.len() as u64);
+            surroundings.push(assets.image(file.handle).pixels.len() as u64);
         }
     }
     Contents { kept: walk.kept, visible, spaces: walk.spaces, surroundings }
@@ -224,7 +224,7 @@ impl Walk<'_> {
             let computed = matches!(&m.shading, Shading::Smooth(s) if !has || s.recompute);
             if computed { vertices } else { 0 }
         };
-        let file = match m.source() {
+        let asset = match m.source() {
             MeshSource::Inline => {
                 let mut own = Tally::mesh(
                     m.triangles.len() as u64,
@@ -234,9 +234,8 @@ impl Walk<'_> {
                 own.smoothed = smoothed(!m.normals.is_empty(), own.vertices);
                 return lit_if(m.surface.emission.is_some(), own);
             }
-            MeshSource::File(file) => file,
+            MeshSource::Asset(asset) => self.assets.mesh(asset.handle),
         };
-        let Some(asset) = self.assets.mesh(file) else { return Found::default() };
         let mesh = &asset.mesh;
         let mut own = Tally::mesh(
             mesh.triangles.len() as u64,

@@ -9,6 +9,7 @@ use straal_color::Space;
 
 use crate::alias::{self, Here};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::handle::{Handle, Handles, Kind};
 use crate::limit::Limit;
 use crate::remedy;
 use crate::schema::{Definitions, Properties};
@@ -96,6 +97,8 @@ pub struct Decoder {
     strictness: Strictness,
     /// The keys on the way to the value being read, each with its place.
     path: Vec<(String, Span)>,
+    /// Handles of the meshes and pictures that were named.
+    handles: Handles,
     /// Colours that are told in another form than linear sRGB: a narrow work space may not hold them.
     wide: Vec<Wide>,
 }
@@ -118,6 +121,11 @@ impl Decoder {
     /// Notes a complaint.
     pub fn push(&mut self, d: Diagnostic) {
         self.diagnostics.push(d);
+    }
+
+    /// The handle of a mesh or picture that goes by a name.
+    pub fn handle<T: Kind>(&mut self, name: &str) -> Handle<T> {
+        self.handles.of(name)
     }
 
     /// Notes a colour that the scene's work space may not hold within `limit`.

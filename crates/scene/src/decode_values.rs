@@ -11,13 +11,14 @@ use crate::desc::{
     Step, Transform, check,
 };
 use crate::diagnostic::Diagnostic;
+use crate::handle::{Handle, Kind};
 use crate::limit::Limit;
 use crate::remedy;
 use crate::schema::{self, Definitions};
 use crate::span::{Span, Spanned};
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
-use crate::value::{Axis, Color, Depth, Factors, Matrix, Named, Value};
+use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Matrix, Named, Value};
 
 impl Describe for f64 {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
@@ -109,6 +110,24 @@ impl Describe for Spanned<String> {
     }
     fn schema(_: Limit, _: &mut Definitions) -> Json {
         json!({ "type": "string", "minLength": 1 })
+    }
+}
+
+/// Meshes and pictures, by the names of their files.
+impl<T: Kind> Describe for Asset<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let file = FileRef::read(tree, limit, d);
+        let handle = d.handle(&file);
+        Self { file, handle }
+    }
+    fn blank() -> Self {
+        Self::new(Spanned::blank(), Handle::new(0))
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.file.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        <Spanned<String>>::schema(limit, defs)
     }
 }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
 use straal_scene::count::{self, Tally};
-use straal_scene::desc::{self, Node, Shading};
+use straal_scene::desc::{self, MeshSource, Node, Shading};
 use straal_scene::{Assets, Mesh, Part, PartMaterial, Scene};
 
 /// Quads along a patch's edge in a draft.
@@ -356,7 +356,7 @@ impl<'a> Build<'a> {
             Node::Triangle(s) => &s.surface,
             Node::Bezier(s) => &s.surface,
             Node::Mesh(m) => {
-                let asset = m.file.as_ref().and_then(|f| self.assets.mesh(f));
+                let asset = m.file.as_ref().map(|asset| self.assets.mesh(asset.handle));
                 if asset.is_some_and(|a| a.materials.values().any(|p| p.emission.is_some())) {
                     return true;
                 }
@@ -428,10 +428,8 @@ impl<'a> Build<'a> {
     }
 
     fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) -> Result<(), CompileError> {
-        if let Some(file) = &m.file {
-            let asset = self.assets.mesh(file).ok_or_else(|| {
-                CompileError::at(format!("the mesh file `{}` was not read", file.value), file.span)
-            })?;
+        if let MeshSource::Asset(asset) = m.source() {
+            let asset = self.assets.mesh(asset.handle);
             let mesh = shaded(TriangleMesh::from(&*asset.mesh), &m.shading);
             let has_own = m.surface.material.is_some();
             let runs = runs(&mesh.indices, &asset.mesh.parts, &asset.materials, has_own);

@@ -397,7 +397,7 @@ fn word(node: &Node) -> String {
     let shown = match node {
         Node::Instance(i) => Some(i.of.value.clone()),
         Node::Mesh(m) => m.file.as_ref().and_then(|f| {
-            PathBuf::from(&f.value).file_stem().map(|stem| stem.to_string_lossy().into_owned())
+            PathBuf::from(&f.file.value).file_stem().map(|stem| stem.to_string_lossy().into_owned())
         }),
         Node::Bezier(b) => b.builtin.as_ref().map(|b| b.value.clone()),
         _ => None,
