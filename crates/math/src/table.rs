@@ -48,6 +48,9 @@ pub struct Table1 {
 }
 
 impl Table1 {
+    /// Bytes that an entry takes: its steps, and its place in the guide.
+    pub const BYTES: usize = 2 * size_of::<u32>();
+
     /// A table of weights, where negative, infinite and NaN ones count as 0. `None` if nothing is left to choose.
     pub fn new(weights: &[f32]) -> Option<Self> {
         let mut cdf = vec![0; weights.len() + 1];

@@ -39,6 +39,9 @@ pub(crate) struct Look {
     pub flip: bool,
 }
 
+/// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.
+pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<Look>();
+
 /// What a node at the top of the world became: ranges of what stands in the world's own group
 /// (`accel::Input::groups[0]`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -11,7 +11,8 @@ use crate::desc::{
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{Color, FileRef, Name, Value};
+use crate::value::{Asset, Color, FileRef, Name, Value};
+use crate::{Image, Mesh};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -114,7 +115,7 @@ impl Scene {
     }
 
     /// The mesh files that are named, with repetitions.
-    pub fn mesh_files(&self) -> Vec<&FileRef> {
+    pub fn mesh_files(&self) -> Vec<&Asset<Mesh>> {
         let mut files = Vec::new();
         self.visit(|node| {
             if let Node::Mesh(m) = node {
@@ -157,7 +158,7 @@ impl Scene {
     }
 
     /// The picture files that are named, with repetitions.
-    pub fn image_files(&self) -> Vec<&FileRef> {
+    pub fn image_files(&self) -> Vec<&Asset<Image>> {
         let environments = self.lights.iter().filter_map(|l| match l {
             Light::Environment(Environment { file, .. }) => file.as_ref(),
             _ => None,

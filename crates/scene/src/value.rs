@@ -1,9 +1,11 @@
 //! The small values that descriptions are made of.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use straal_math::{Affine, DVec3};
 
+use crate::handle::Handle;
 use crate::span::Spanned;
 
 /// A name said in the scene; equal to another when the text is.
@@ -11,6 +13,39 @@ pub type Name = Spanned<String>;
 
 /// A file as the scene names it: absolute, or relative to the scene's folder.
 pub type FileRef = Spanned<String>;
+
+/// A mesh or picture that a description has a handle to, and what it calls it: a file, or what a program made up.
+pub struct Asset<T> {
+    /// As the scene names it.
+    pub file: FileRef,
+    /// Which it is.
+    pub handle: Handle<T>,
+}
+
+impl<T> Asset<T> {
+    /// What goes by that handle, called so.
+    pub fn new(file: impl Into<FileRef>, handle: Handle<T>) -> Self {
+        Self { file: file.into(), handle }
+    }
+}
+
+impl<T> Clone for Asset<T> {
+    fn clone(&self) -> Self {
+        Self { file: self.file.clone(), handle: self.handle }
+    }
+}
+
+impl<T> PartialEq for Asset<T> {
+    fn eq(&self, o: &Self) -> bool {
+        self.file == o.file && self.handle == o.handle
+    }
+}
+
+impl<T> fmt::Debug for Asset<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} {:?}", self.handle, self.file.value)
+    }
+}
 
 /// A colour in linear RGB (Rec. 709 primaries, D65 white). What these primaries don't hold has components below 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

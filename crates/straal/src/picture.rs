@@ -1,6 +1,5 @@
 //! A finished picture: its layers, its story, and how it becomes a file.
 
-use crate::false_colour::{Chart, Scale};
 use crate::look::{self, Look, Negative};
 use std::io;
 use std::path::Path;
@@ -8,7 +7,7 @@ use straal_color::RgbSpace;
 use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{hdr, pfm, png};
-use straal_render::film::channel::{self, Source};
+use straal_render::film::channel::Source;
 pub use straal_render::film::hash_of as film_hash;
 use straal_render::film::{BandLayers, ChannelLayer, Film, Layers};
 use straal_render::settings::Region;
@@ -29,41 +28,6 @@ pub struct Picture {
     pub story: Vec<(String, String)>,
 }
 
-/// What a picture of the searches' costs shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CostMeasure {
-    /// Nodes opened, or cells entered, a sample.
-    #[default]
-    Nodes,
-    /// Primitives tested a sample.
-    Primitives,
-    /// Time spent in search a sample.
-    Time,
-}
-
-impl CostMeasure {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Nodes, Self::Primitives, Self::Time];
-
-    /// The name as it is typed.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Nodes => "nodes",
-            Self::Primitives => "primitives",
-            Self::Time => "time",
-        }
-    }
-
-    /// What a legend says.
-    const fn caption(self) -> &'static str {
-        match self {
-            Self::Nodes => "nodes a sample",
-            Self::Primitives => "primitives a sample",
-            Self::Time => "nanoseconds a sample",
-        }
-    }
-}
-
 /// Why a picture wasn't written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -71,12 +35,6 @@ pub enum SaveError {
     /// The name's extension is none that can be written.
     #[error("can't tell the format of {0}: the name must end in .exr, .png, .hdr or .pfm")]
     Format(String),
-    /// No costs were counted, or not this one.
-    #[error("the picture doesn't know its {} cost: it wasn't counted", .0.name())]
-    NotCounted(CostMeasure),
-    /// A false-colour picture's name must end in .png.
-    #[error("can't write {0}: pictures in false colours are PNG, so that the name must end in .png")]
-    NotPng(String),
     /// The disk refused.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -160,20 +118,6 @@ impl Picture {
             Format::Hdr => hdr::write(out, &self.to_srgb()),
             Format::Pfm => pfm::write(out, &self.to_srgb()),
         }
-    }
-
-    /// Writes what the searches cost as a PNG in false colours with a legend.
-    pub fn save_cost(&self, path: &Path, of: CostMeasure) -> Result<(), SaveError> {
-        let of_measure = match of {
-            CostMeasure::Nodes => &channel::NODES,
-            CostMeasure::Primitives => &channel::PRIMITIVES,
-            CostMeasure::Time => &channel::TIME,
-        };
-        let values = self.layers.channel(of_measure).map(|layer| &layer.values);
-        let values = values.ok_or(SaveError::NotCounted(of))?;
-        let scale = Scale::of(values);
-        let chart = Chart::of(values, self.layers.width, scale).with_legend(scale, of.caption());
-        chart.save(path, &self.story)
     }
 
     /// Linear RGB alone, with the primaries of sRGB: formats that can't say otherwise are taken to have them.

@@ -1,7 +1,8 @@
 //! Replicates: the same picture from independent seeds, so that its variance is measured and not modelled.
 
-use crate::job::{Control, Error, Job, Outcome};
+use crate::job::{Control, Job, Outcome};
 use crate::picture::Picture;
+use crate::resolve::Error;
 use straal_color::spectrum::Bands;
 use straal_render::film::{BandLayers, Channel, ChannelLayer, Dropped, ErrorLayer, Evidence, Layers};
 use straal_render::stopwatch::Times;
@@ -23,7 +24,8 @@ impl Job {
                     .into(),
             ));
         }
-        self.check_replicates()?;
+        let pixels = self.settings.crop.area() as u64;
+        self.check_room(pixels.saturating_mul(Sums::bytes_a_pixel(self.settings.layers)))?;
         let mut progress = self.progress();
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;
@@ -94,6 +96,13 @@ struct Sums {
 }
 
 impl Sums {
+    /// Bytes that they take for each pixel, of colours alone or with the other layers and the spread of colours.
+    fn bytes_a_pixel(layers: bool) -> u64 {
+        let three = size_of::<[f64; 3]>();
+        let others = 3 * three + size_of::<f64>() + size_of::<u32>();
+        (three + if layers { others } else { 0 }) as u64
+    }
+
     fn new(frame: Picture) -> Self {
         let n = frame.crop.area();
         Self {

@@ -14,8 +14,8 @@ use straal_scene::desc::{
     Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum,
     Step, Surface, Tone, Transform, TriangleMesh, Viewpoint,
 };
-use straal_scene::value::{Axis, Color, Factors, Named, Value};
-use straal_scene::{Diagnostic, MeshAsset, Span};
+use straal_scene::value::{Asset, Axis, Color, Factors, Named, Value};
+use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
 
 pub use frame::View;
 pub use up::Up;
@@ -108,8 +108,13 @@ pub enum Background {
 /// What the paper of the sweep reflects.
 const PAPER: f64 = 0.62;
 
-/// The scene around a mesh, which goes by `name` in its assets, and what was guessed; what is wrong when there is nothing to see.
-pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Vec<Diagnostic>), String> {
+/// The scene around a mesh, which goes by `shown`, and what was guessed; what is wrong when there is nothing to see.
+pub fn around(
+    shown: &Asset<Mesh>,
+    asset: &MeshAsset,
+    wish: &Studio,
+) -> Result<(Scene, Vec<Diagnostic>), String> {
+    let name = shown.file.value.as_str();
     let mut told = Vec::new();
     if asset.mesh.triangles.is_empty() {
         return Err("the mesh is empty: it has no triangles".to_owned());
@@ -158,7 +163,7 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
         None => Smoothing { crease: CREASE, recompute: false },
     };
     let mesh = Node::Mesh(TriangleMesh {
-        file: Some(name.to_owned().into()),
+        file: Some(shown.clone()),
         shading: Shading::Smooth(shading),
         surface: Surface {
             material: if has_own { None } else { named(finish.name()) },

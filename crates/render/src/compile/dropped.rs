@@ -52,7 +52,7 @@ enum Source {
 fn source(node: Option<&Node>) -> (Source, Span) {
     match node {
         Some(Node::Mesh(m)) => match &m.file {
-            Some(file) => (Source::File(file.value.clone()), file.span),
+            Some(asset) => (Source::File(asset.file.value.clone()), asset.file.span),
             None => (Source::Mesh, m.surface.transform.span),
         },
         Some(node) => (Source::Shape(node.kind()), node.surface().map_or(Span::NONE, |s| s.transform.span)),

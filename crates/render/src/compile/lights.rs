@@ -98,16 +98,13 @@ fn emitter(light: &Light, paint: &mut Paint<'_>, centre: DVec3) -> Result<Emitte
 }
 
 fn environment(l: &desc::Environment, paint: &mut Paint<'_>) -> Result<Emitter, CompileError> {
-    let Some(file) = &l.file else {
+    let Some(asset) = &l.file else {
         let black = desc::Spectrum::grey(0.0);
         let radiance = l.radiance.as_ref().map_or(&black, value::Value::get);
         let radiance = paint.emission_times(radiance, l.scale)?.into();
         return Ok(Emitter::Constant(ConstantEnvironment { radiance }));
     };
-    let image = paint
-        .assets()
-        .image(file)
-        .ok_or_else(|| CompileError::at(format!("the picture `{}` was not read", file.value), file.span))?;
+    let (file, image) = (&asset.file, paint.assets().image(asset.handle));
     let cube = match l.layout {
         desc::EnvironmentLayout::LatitudeLongitude => None,
         desc::EnvironmentLayout::Cross => Some(CubeLayout::Cross),

@@ -5,7 +5,6 @@
 //! glows, so that every light stands in world space.
 
 mod camera;
-pub mod cost;
 mod doubts;
 mod dropped;
 mod focus;
@@ -13,6 +12,8 @@ mod lights;
 mod look;
 mod paint;
 mod place;
+
+pub use place::GLOWING_BYTES;
 
 use crate::film::Recording;
 use crate::filter::{Filter, Profile, Separable};

@@ -4,6 +4,7 @@ use super::look::Materials;
 use super::paint::Paint;
 use super::{CompileError, Custom, Detail};
 use crate::lanes::Colour;
+use crate::light::LightTable;
 use crate::material;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
@@ -12,8 +13,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
-use straal_scene::desc::{self, Node, Shading};
-use straal_scene::forecast::{self, Tally};
+use straal_scene::count::{self, Tally};
+use straal_scene::desc::{self, MeshSource, Node, Shading};
 use straal_scene::{Assets, Mesh, Part, PartMaterial, Scene};
 
 /// Quads along a patch's edge in a draft.
@@ -29,6 +30,9 @@ pub(super) struct Glowing {
     pub two_sided: bool,
     pub flip: bool,
 }
+
+/// Bytes that a surface that glows takes while its world is made: itself, and the weights that it is chosen by.
+pub const GLOWING_BYTES: usize = size_of::<Glowing>() + LightTable::MAKING_BYTES;
 
 /// Where the walk is.
 #[derive(Clone, Copy)]
@@ -110,7 +114,7 @@ impl<'a> Build<'a> {
         custom: &Custom,
         (spectral, detail): (bool, Detail),
     ) -> Result<Self, CompileError> {
-        let (geometry, input, looks, glowing) = room(&forecast::count(scene, assets).kept);
+        let (geometry, input, looks, glowing) = room(&count::count(scene, assets).kept);
         Ok(Self {
             detail,
             in_focus: false,
@@ -352,7 +356,7 @@ impl<'a> Build<'a> {
             Node::Triangle(s) => &s.surface,
             Node::Bezier(s) => &s.surface,
             Node::Mesh(m) => {
-                let asset = m.file.as_ref().and_then(|f| self.assets.mesh(f));
+                let asset = m.file.as_ref().map(|asset| self.assets.mesh(asset.handle));
                 if asset.is_some_and(|a| a.materials.values().any(|p| p.emission.is_some())) {
                     return true;
                 }
@@ -424,10 +428,8 @@ impl<'a> Build<'a> {
     }
 
     fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) -> Result<(), CompileError> {
-        if let Some(file) = &m.file {
-            let asset = self.assets.mesh(file).ok_or_else(|| {
-                CompileError::at(format!("the mesh file `{}` was not read", file.value), file.span)
-            })?;
+        if let MeshSource::Asset(asset) = m.source() {
+            let asset = self.assets.mesh(asset.handle);
             let mesh = shaded(TriangleMesh::from(&*asset.mesh), &m.shading);
             let has_own = m.surface.material.is_some();
             let runs = runs(&mesh.indices, &asset.mesh.parts, &asset.materials, has_own);

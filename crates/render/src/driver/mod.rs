@@ -20,6 +20,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use worker::{Pass, Worker};
 
+pub use worker::thread_bytes;
+
 /// A render under way. Between calls of [`Render::advance`] the film is whole, unless it [pauses](Render::pause_when): every pixel
 /// that is still sampled has the same number of samples, and the sums are those of any other way to get there.
 pub struct Render<'w, I> {

@@ -8,11 +8,11 @@ use super::samples::{Pending, Samples};
 use super::sorting::Sorting;
 use super::stream::Stream;
 use crate::camera::{FilmPoint, Needs};
-use crate::film::channel::{FirstHit, see};
-use crate::film::{BandSample, FilmTile, Flying, Sample, TILE};
+use crate::film::channel::{FirstHit, Seen, see};
+use crate::film::{BandSample, FilmTile, Flying, LightSum, Sample, TILE};
 use crate::filter::{Filter, FilterSample};
-use crate::integrator::{Contribution, Integrator, Origin, Out, Path, Queue, Start, Target};
-use crate::lanes::Lanes;
+use crate::integrator::{Contribution, Integrator, Origin, Out, Path, PathTracer, Queue, Start, Target};
+use crate::lanes::{Lanes, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, Probe};
 use crate::settings::Settings;
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
@@ -29,6 +29,21 @@ const SAMPLES_A_PATH: usize = 4;
 
 /// The pool is filled when this part of it is free, so that camera rays are searched many at a time.
 const REFILL: usize = 4;
+
+/// Bytes that each thread keeps for its pool, in a path tracer.
+pub fn thread_bytes(settings: &Settings) -> u64 {
+    type State = <PathTracer as Integrator>::State<Wavelengths>;
+    let batch = settings.batch as u64;
+    // Paths and their rays, those that go on as well; what they hit, their order; shadow rays and what they bring. Twice, since buffers double.
+    let path = 2 * (2 * (size_of::<Path<State>>() + size_of::<Ray>()) + size_of::<Hit>() + 8)
+        + size_of::<Ray>()
+        + size_of::<Contribution>()
+        + size_of::<Light>()
+        + 1;
+    let seen = if settings.layers { size_of::<Seen>() } else { 0 };
+    let sample = size_of::<Option<Pending<Wavelengths>>>() + size_of::<LightSum>() + 4 + seen;
+    batch.saturating_mul(path as u64 + (SAMPLES_A_PATH * sample) as u64)
+}
 
 /// What the workers of a pass share.
 pub(super) struct Pass<'a, 'f> {

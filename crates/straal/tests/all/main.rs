@@ -13,7 +13,6 @@ mod film_channels;
 mod filters;
 mod forecast;
 mod hashes;
-mod lab;
 mod leaning_normals;
 mod light_tracing;
 mod power;
