@@ -7,6 +7,7 @@ use crate::material::{self, Material};
 use std::collections::BTreeMap;
 use straal_scene::Scene;
 use straal_scene::desc::{self, MaterialRef};
+use straal_scene::value::Name;
 
 /// The world's materials while it is built: the first is that of surfaces without one, then the scene's by their place in
 /// it, then a program's own, then those that are written where they are used.
@@ -15,6 +16,8 @@ pub(super) struct Materials<'a> {
     paint: Paint<'a>,
     list: material::Materials,
     custom: BTreeMap<String, u32>,
+    /// Where the scene's are; a program's own of the same name stands in for one.
+    scenes: Vec<u32>,
 }
 
 impl<'a> Materials<'a> {
@@ -31,7 +34,9 @@ impl<'a> Materials<'a> {
             list.list.push(Material::Custom(i as u32));
             list.custom.push(m.clone());
         }
-        Ok(Self { scene, paint, list, custom: names })
+        let place = |(i, name): (usize, &Name)| names.get(&name.value).copied().unwrap_or(i as u32 + 1);
+        let scenes = scene.materials.iter().map(|(name, _)| name).enumerate().map(place).collect();
+        Ok(Self { scene, paint, list, custom: names, scenes })
     }
 
     pub fn finish(self) -> (material::Materials, Paint<'a>) {
@@ -47,8 +52,9 @@ impl<'a> Materials<'a> {
     pub fn of(&mut self, given: Option<&MaterialRef>, default: u32) -> Result<u32, CompileError> {
         match given {
             None => Ok(default),
-            Some(MaterialRef::Named(name)) => {
-                self.named(name).map_err(|e| CompileError::at(e.message, name.span))
+            // A scene without errors leads everywhere.
+            Some(MaterialRef::Named(link)) => {
+                Ok(link.to().and_then(|m| self.scenes.get(m.index())).copied().unwrap_or(default))
             }
             Some(MaterialRef::Inline(m)) => self.add(m),
         }
@@ -57,7 +63,7 @@ impl<'a> Materials<'a> {
     pub fn named(&self, name: &str) -> Result<u32, CompileError> {
         let custom = self.custom.get(name).copied();
         custom
-            .or_else(|| self.scene.materials.position(name).map(|i| i as u32 + 1))
+            .or_else(|| self.scene.materials.handle(name).map(|m| m.index() as u32 + 1))
             .ok_or_else(|| CompileError::new(format!("there is no material `{name}`")))
     }
 
