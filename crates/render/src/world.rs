@@ -180,15 +180,10 @@ impl World {
         Reading { palette: &self.palette, lanes }
     }
 
-    /// Number of groups of [`World::material_group`] without the last, that of misses.
-    pub(crate) fn material_count(&self) -> usize {
-        self.materials.list.len()
-    }
-
-    /// Hits of one group are shaded one after the other.
+    /// The material of what a ray hit; `None` where it met nothing.
     #[inline]
-    pub(crate) fn material_group(&self, hit: &Hit) -> usize {
-        if hit.is_hit() { self.material_of(hit) as usize } else { self.materials.list.len() }
+    pub(crate) fn material_hit(&self, hit: &Hit) -> Option<u32> {
+        hit.is_hit().then(|| self.material_of(hit))
     }
 
     /// Emitters that surround the scene, with their indices.

@@ -7,8 +7,9 @@ use straal_color::RgbSpace;
 use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{hdr, pfm, png};
+use straal_render::film::channel::Source;
 pub use straal_render::film::hash_of as film_hash;
-use straal_render::film::{BandLayers, CostLayers, Film, Layers};
+use straal_render::film::{BandLayers, ChannelLayer, Film, Layers};
 use straal_render::settings::Region;
 use straal_scene::Image;
 
@@ -136,34 +137,25 @@ impl Picture {
     pub(crate) fn to_exr(&self) -> exr::Picture {
         let l = &self.layers;
         let is_whole = l.rgb.len() == l.samples.len();
-        let one = |name: &str, channel: &str, samples: Vec<f32>| Layer {
-            name: name.into(),
-            channels: vec![Channel { name: channel.into(), samples }],
-        };
-        let normal = {
-            let mut layer = Layer::from_rgb("normal", &l.normal);
-            for (channel, axis) in layer.channels.iter_mut().zip(["X", "Y", "Z"]) {
-                channel.name = axis.into();
-            }
-            layer
-        };
         let (x, y) = (self.crop.min[0] as i32, self.crop.min[1] as i32);
         let mut layers = vec![Layer::from_rgb("", &l.rgb)];
         if is_whole {
-            layers.extend([
-                Layer::from_rgb("albedo", &l.albedo),
-                normal,
-                one("depth", "Z", l.depth.clone()),
-                one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
-                Layer::from_rgb("variance", &l.variance),
-            ]);
+            let seen = l.channels.iter().filter(|l| matches!(l.channel.source, Source::FirstHit(_)));
+            seen.for_each(|channel| add_channel(&mut layers, channel));
+            let samples = l.samples.iter().map(|&n| n as f32).collect();
+            layers.push(Layer {
+                name: "samples".into(),
+                channels: vec![Channel { name: "N".into(), samples }],
+            });
+            layers.push(Layer::from_rgb("variance", &l.variance));
         }
         let mut metadata = self.story.clone();
         if let Some(error) = &l.error {
             layers.push(Layer::from_rgb("error", &error.rgb));
             metadata.push((ERROR.to_owned(), error.evidence.name().to_owned()));
         }
-        layers.extend(l.cost.as_ref().map(cost_layer));
+        let costs = l.channels.iter().filter(|l| matches!(l.channel.source, Source::Search(_)));
+        costs.for_each(|channel| add_channel(&mut layers, channel));
         if let Some(BandLayers { bands, planes }) = &l.bands {
             let middles = (0..bands.count()).map(|k| bands.center(k));
             let (layer, attributes) = exr::spectral_layer(middles.zip(planes.iter().cloned()));
@@ -211,10 +203,12 @@ pub(crate) fn write_png(
     png::write(out, &encoded)
 }
 
-/// The channels `cost.nodes`, `cost.primitives` and, where there was a clock, `cost.time` (nanoseconds).
-fn cost_layer(cost: &CostLayers) -> Layer {
-    let channel = |name: &str, samples: &[f32]| Channel { name: name.into(), samples: samples.to_vec() };
-    let mut channels = vec![channel("nodes", &cost.nodes), channel("primitives", &cost.primitives)];
-    channels.extend(cost.time.as_deref().map(|time| channel("time", time)));
-    Layer { name: "cost".into(), channels }
+/// Adds a channel of the film to its layer, as channels of an EXR.
+fn add_channel(layers: &mut Vec<Layer>, of: &ChannelLayer) {
+    let new = of.channel.components.iter().enumerate();
+    let new = new.map(|(c, name)| Channel { name: (*name).into(), samples: of.component(c).collect() });
+    match layers.last_mut().filter(|layer| layer.name == of.channel.layer) {
+        Some(layer) => layer.channels.extend(new),
+        None => layers.push(Layer { name: of.channel.layer.into(), channels: new.collect() }),
+    }
 }

@@ -3,6 +3,7 @@
 use crate::false_colour::{Chart, SaveError, Scale};
 use std::path::Path;
 use straal::Picture;
+use straal_render::film::channel;
 
 /// What a picture of the searches' costs shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,11 +42,12 @@ impl Measure {
 
 /// Writes what the searches of a picture cost as a PNG in false colours with a legend.
 pub fn save(picture: &Picture, path: &Path, of: Measure) -> Result<(), SaveError> {
-    let values = picture.layers.cost.as_ref().and_then(|cost| match of {
-        Measure::Nodes => Some(&cost.nodes),
-        Measure::Primitives => Some(&cost.primitives),
-        Measure::Time => cost.time.as_ref(),
-    });
+    let channel = match of {
+        Measure::Nodes => &channel::NODES,
+        Measure::Primitives => &channel::PRIMITIVES,
+        Measure::Time => &channel::TIME,
+    };
+    let values = picture.layers.channel(channel).map(|layer| &layer.values);
     let values = values.ok_or(SaveError::NotCounted(of.name()))?;
     let scale = Scale::of(values);
     let chart = Chart::of(values, picture.layers.width, scale).with_legend(scale, of.caption());

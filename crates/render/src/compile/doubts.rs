@@ -29,8 +29,9 @@ pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
         let mut hits = vec![Hit::MISS; rays.len()];
         world.closest(&rays, &mut hits);
         let met = hits.iter().filter(|h| h.is_hit()).count();
-        let is_glass =
-            |h: &&Hit| h.is_hit() && world.materials.list.get(world.material_group(h)).is_some_and(glass);
+        let is_glass = |h: &&Hit| {
+            world.material_hit(h).is_some_and(|m| world.materials.list.get(m as usize).is_some_and(glass))
+        };
         let caught = hits.iter().filter(is_glass).count();
         if met == 0 || (caught as f64) < CAUGHT * met as f64 {
             continue;

@@ -24,6 +24,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::integrator::Kind;
 use crate::lanes::{Colour, EtaTable, Lanes, ReadRgb, Reading};
 use straal_color::Light;
 use straal_math::Vec3;
@@ -235,6 +236,21 @@ pub enum Material {
     },
     /// A material of the library's user: index into [`Materials::custom`].
     Custom(u32),
+}
+
+impl Material {
+    /// What must be computed where a ray meets it.
+    pub(crate) fn kind(&self) -> Kind {
+        match self {
+            Self::Diffuse { reflectance: Value::Constant(c), .. } if c.strength == 0.0 => Kind::Dark,
+            Self::Diffuse { .. } => Kind::Scattering(0),
+            Self::Mirror { .. } => Kind::Scattering(1),
+            Self::Dielectric { .. } => Kind::Scattering(2),
+            Self::Prism { .. } => Kind::Scattering(3),
+            Self::Conductor { .. } => Kind::Scattering(4),
+            Self::Custom(_) => Kind::Scattering(5),
+        }
+    }
 }
 
 /// All materials of a world.

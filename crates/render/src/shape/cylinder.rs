@@ -2,9 +2,8 @@
 
 use straal_math::{Affine, Bounds, DVec3, Ray, ops};
 
-use super::exact::{at, in_interval, outward, rounded, size};
-use super::quadric::roots;
-use super::{AreaSample, ShapeHit, SurfacePoint, sampling};
+use super::exact::{at, outward, rounded, size};
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, sampling};
 
 /// The image of the open unit cylinder x² + z² = 1, 0 <= y <= 1, under an affine map; its normal points away from the
 /// axis.
@@ -61,21 +60,10 @@ impl Cylinder {
         outward(c.min(c + y) - r, c.max(c + y) + r, self.size())
     }
 
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let o = self.inverse.point(ray.o.as_dvec3());
-        let d = self.inverse.vector(ray.d.as_dvec3());
-        let a = d.x * d.x + d.z * d.z;
-        let b = -(o.x * d.x + o.z * d.z);
-        let (lx, lz) = (o.x + d.x * (b / a), o.z + d.z * (b / a));
-        let roots = roots(a, b, o.x * o.x + o.z * o.z - 1.0, 1.0 - (lx * lx + lz * lz))?;
-        let accept = |root: f64| {
-            let y = o.y + root * d.y;
-            let t = in_interval(ray, root)?;
-            (0.0..=1.0).contains(&y).then_some(ShapeHit { t, u: 0.0, v: y as f32 })
-        };
-        accept(roots[0]).or_else(|| accept(roots[1]))
+    pub fn analytic(&self) -> Analytic {
+        Analytic::cylinder(&self.inverse)
     }
 
     /// See [`super::Geometry::surface`].

@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{AreaSample, ShapeHit, SurfacePoint, sampling};
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, sampling};
 
 /// A disc, or an ellipse: center + x a + y b for x² + y² <= 1. Its normal is a × b.
 ///
@@ -36,11 +36,10 @@ impl Disc {
         outward(c - r, c + r, size(c) + size(r))
     }
 
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (t, [x, y]) = self.patch.meet(ray)?;
-        (x * x + y * y <= 1.0).then_some(ShapeHit { t, u: x as f32, v: y as f32 })
+    pub fn analytic(&self) -> Analytic {
+        Analytic::disc(&self.patch.formula())
     }
 
     /// See [`super::Geometry::surface`].

@@ -2,10 +2,11 @@
 
 use straal_math::{Affine, Bounds, DVec3, Ray, Vec3};
 
-use super::exact::{at, in_interval, outward, rounded};
-use super::quadric::roots;
+use super::exact::{at, outward, rounded};
 use super::sphere::{Cone, finite_or_zero, sphere_uv};
-use super::{AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf};
+use super::{
+    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf,
+};
 
 /// The image of the unit sphere under an affine map; its normal points outwards.
 ///
@@ -35,16 +36,10 @@ impl Ellipsoid {
         outward(c - r, c + r, self.size())
     }
 
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let o = self.inverse.point(ray.o.as_dvec3());
-        let d = self.inverse.vector(ray.d.as_dvec3());
-        let (a, b) = (d.dot(d), -o.dot(d));
-        let l = o + d * (b / a);
-        let t = roots(a, b, o.dot(o) - 1.0, 1.0 - l.dot(l))?;
-        let t = in_interval(ray, t[0]).or_else(|| in_interval(ray, t[1]))?;
-        Some(ShapeHit { t, u: 0.0, v: 0.0 })
+    pub fn analytic(&self) -> Analytic {
+        Analytic::ellipsoid(&self.inverse)
     }
 
     /// See [`super::Geometry::surface`].

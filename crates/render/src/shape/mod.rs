@@ -6,7 +6,7 @@
 //!
 //! - has [`Geometry::bounds`] that hold all of it, rounded outwards, or `None` when it is unbounded;
 //! - gives with [`Geometry::intersect`] the *nearest* t in [`t_min`, `t_max`] of a ray whose direction may have any
-//!   length. Quadrics and planes are solved in double precision, in which single-precision input is exact, so
+//!   length. All but custom shapes are formulas that the search knows ([`Geometry::analytic`]), solved in double precision, so
 //!   that the answer is right to the last bits of t at any distance and scale. The hit's u and v are the shape's own
 //!   coordinates, named in its file (0 where it has none);
 //! - rebuilds with [`Geometry::surface`] the point of a hit: *on* the surface (projected back, not o + t d), with
@@ -37,7 +37,6 @@ pub mod offset;
 pub mod parallelogram;
 mod patch;
 pub mod plane;
-mod quadric;
 mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
@@ -51,7 +50,7 @@ pub use parallelogram::Parallelogram;
 pub use plane::Plane;
 pub use smooth::SMOOTHING_BYTES;
 pub use sphere::Sphere;
-pub use straal_accel::ShapeHit;
+pub use straal_accel::{Analytic, ShapeHit};
 
 /// One shape. Large ones are boxed, so that a sphere takes 40 bytes.
 #[derive(Clone, Debug)]
@@ -168,14 +167,23 @@ impl Geometry {
     #[inline]
     pub fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
         match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => s.intersect(ray),
-            Shape::Ellipsoid(s) => s.intersect(ray),
-            Shape::Plane(s) => s.intersect(ray),
-            Shape::Disc(s) => s.intersect(ray),
-            Shape::Parallelogram(s) => s.intersect(ray),
-            Shape::Cylinder(s) => s.intersect(ray),
             Shape::Custom(i) => self.custom[*i as usize].intersect(ray),
+            _ => self.analytic(shape)?.intersect(ray),
         }
+    }
+
+    /// The formula by which the shape is intersected; `None` for a custom one.
+    #[inline]
+    pub fn analytic(&self, shape: u32) -> Option<Analytic> {
+        Some(match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.analytic(),
+            Shape::Ellipsoid(s) => s.analytic(),
+            Shape::Plane(s) => s.analytic(),
+            Shape::Disc(s) => s.analytic(),
+            Shape::Parallelogram(s) => s.analytic(),
+            Shape::Cylinder(s) => s.analytic(),
+            Shape::Custom(_) => return None,
+        })
     }
 
     /// The surface where [`Geometry::intersect`] found `hit` on this very ray.
@@ -255,6 +263,10 @@ impl Shapes for Geometry {
     fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
         Geometry::intersect(self, shape, ray)
     }
+
+    fn analytic(&self, shape: u32) -> Option<Analytic> {
+        Geometry::analytic(self, shape)
+    }
 }
 
 /// A point sampled by area as a direction sampled by solid angle.
@@ -320,13 +332,6 @@ pub(crate) mod exact {
             min: Vec3::new(down(min.x), down(min.y), down(min.z)),
             max: Vec3::new(up(max.x), up(max.y), up(max.z)),
         }
-    }
-
-    /// t rounded, if it then lies in the ray's interval.
-    #[inline]
-    pub fn in_interval(ray: &Ray, t: f64) -> Option<f32> {
-        let t = t as f32;
-        (t >= ray.t_min && t <= ray.t_max && t.is_finite()).then_some(t)
     }
 
     /// The point o + t d, in double precision.

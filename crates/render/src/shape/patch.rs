@@ -1,9 +1,10 @@
 //! What flat shapes with two axes share.
 
+use straal_accel as accel;
 use straal_math::{DVec3, Ray, Vec3};
 
-use super::exact::{at, bound, in_interval, padding, size};
-use super::plane::{meet, project};
+use super::exact::{at, bound, padding, size};
+use super::plane::project;
 use super::{ShapeHit, SurfacePoint};
 
 /// A plane with coordinates: origin + x a + y b; in double precision, with what follows from it kept.
@@ -37,13 +38,9 @@ impl Patch {
         self.a.cross(self.b).length()
     }
 
-    /// Where the ray meets the plane in its interval, and x and y there.
-    #[inline(always)]
-    pub fn meet(&self, ray: &Ray) -> Option<(f32, [f64; 2])> {
-        let t = meet(ray, self.origin, self.n);
-        let hit = in_interval(ray, t)?;
-        let r = ray.o.as_dvec3() + ray.d.as_dvec3() * t - self.origin;
-        Some((hit, self.dual.map(|d| r.dot(d))))
+    /// As a search knows it.
+    pub const fn formula(&self) -> accel::Patch {
+        accel::Patch { origin: self.origin, normal: self.n, dual: self.dual }
     }
 
     /// The point of a hit of this ray, with the coordinates of the hit and the first axis as texture's.

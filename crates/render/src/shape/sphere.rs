@@ -2,9 +2,10 @@
 
 use straal_math::{Bounds, DVec3, Ray, Vec3, ops, warp};
 
-use super::exact::{at, in_interval, outward, rounded, size};
-use super::quadric::roots;
-use super::{AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf};
+use super::exact::{at, outward, rounded, size};
+use super::{
+    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf,
+};
 
 /// A sphere; its normal points outwards.
 ///
@@ -25,19 +26,10 @@ impl Sphere {
         outward(c - DVec3::splat(r), c + DVec3::splat(r), size(c) + r)
     }
 
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let d = ray.d.as_dvec3();
-        let oc = ray.o.as_dvec3() - self.center.as_dvec3();
-        let r2 = f64::from(self.radius) * f64::from(self.radius);
-        let a = d.dot(d);
-        let b = -oc.dot(d);
-        // The distance of center and line, as a vector: r² - l² doesn't cancel as b² - a c would.
-        let l = oc + d * (b / a);
-        let t = roots(a, b, oc.dot(oc) - r2, r2 - l.dot(l))?;
-        let t = in_interval(ray, t[0]).or_else(|| in_interval(ray, t[1]))?;
-        Some(ShapeHit { t, u: 0.0, v: 0.0 })
+    pub fn analytic(&self) -> Analytic {
+        Analytic::sphere(self.center.as_dvec3(), f64::from(self.radius))
     }
 
     /// See [`super::Geometry::surface`].

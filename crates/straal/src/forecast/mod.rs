@@ -12,6 +12,7 @@ use crate::resolve::{Error, Overrides, Plan};
 use straal_accel::Structure;
 use straal_color::spectrum::uplift::UpliftTable;
 use straal_formats::load::Loaded;
+use straal_render::driver::thread_bytes;
 use straal_render::film::Film;
 use straal_render::light::ImageEnvironment;
 use straal_scene::count::{self, Contents};
@@ -55,9 +56,6 @@ pub fn forecast(loaded: &Loaded, wish: &Overrides) -> Result<Forecast, Error> {
     Ok(Forecast::of(loaded, &Plan::new(loaded, wish)?))
 }
 
-/// A path, its ray, its hit and its sample, and what else a thread keeps for each of a batch.
-const PATH: u64 = 400;
-
 /// What a thread takes besides: the part of its stack that is used, and the allocator's share.
 const THREAD: u64 = 100_000;
 
@@ -96,7 +94,7 @@ impl Forecast {
             images: pixels.saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64),
             film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
             layers: crop.saturating_mul(each),
-            threads: (threads as u64).saturating_mul(THREAD + PATH * plan.settings.batch as u64),
+            threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&plan.settings)),
             peak: 0,
         };
         let sum = |parts: &[u64]| parts.iter().fold(0, |sum: u64, part| sum.saturating_add(*part));

@@ -70,6 +70,7 @@ impl std::fmt::Display for Stamp {
             ("batches", held.batches),
             ("squares", held.squares),
             ("guides", held.guides),
+            ("light_splats", held.light_splats),
             ("halves", held.halves),
             ("midway", self.is_midway),
         ] {
@@ -146,6 +147,7 @@ impl Stamp {
             batches: fact("batches").is_some(),
             squares: fact("squares").is_some(),
             guides: fact("guides").is_some(),
+            light_splats: fact("light_splats").is_some(),
             weight: match fact("weight") {
                 None => None,
                 Some(value) => Some(value.parse().ok().filter(|w: &f64| w.is_finite() && *w >= 1.0)?),

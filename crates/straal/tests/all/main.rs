@@ -14,6 +14,7 @@ mod filters;
 mod forecast;
 mod hashes;
 mod leaning_normals;
+mod light_tracing;
 mod power;
 mod resume;
 mod same_bits;
