@@ -1,8 +1,8 @@
 //! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it. How much memory
 //! that takes is not known here.
 
-use crate::Assets;
 use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, TriangleMesh};
+use crate::{Assets, Handle};
 
 /// What a world will hold.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -168,7 +168,7 @@ impl Walk<'_> {
                 all
             }
             Node::Instance(i) => {
-                let Some(object) = self.scene.objects.position(&i.of) else { return Found::default() };
+                let Some(object) = i.of.to() else { return Found::default() };
                 let inside = self.object(object);
                 if inside.glows {
                     return inside;
@@ -199,12 +199,13 @@ impl Walk<'_> {
     }
 
     /// Validation has made sure that objects end.
-    fn object(&mut self, i: usize) -> Found {
-        if let Some(known) = self.objects[i] {
+    fn object(&mut self, object: Handle<Node>) -> Found {
+        let i = object.index();
+        if let Some(known) = self.objects.get(i).copied().flatten() {
             return known;
         }
         let scene = self.scene;
-        let Some((_, node)) = scene.objects.at(i) else { return Found::default() };
+        let Some((_, node)) = scene.objects.at(object) else { return Found::default() };
         let found = self.node(node);
         self.objects[i] = Some(found);
         if !found.glows {

@@ -18,7 +18,7 @@ use crate::schema::{self, Definitions};
 use crate::span::{Span, Spanned};
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
-use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Matrix, Named, Value};
+use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Link, Matrix, Name, Named, Value};
 use crate::visit::Visitor;
 
 impl Describe for f64 {
@@ -129,6 +129,22 @@ impl<T: Kind> Describe for Asset<T> {
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         <Spanned<String>>::schema(limit, defs)
+    }
+}
+
+/// Names of objects and materials.
+impl<T> Describe for Link<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        Self::new(Name::read(tree, limit, d))
+    }
+    fn blank() -> Self {
+        Self::new(Name::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.name.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        Name::schema(limit, defs)
     }
 }
 
@@ -692,7 +708,7 @@ impl Describe for Transform {
 impl Describe for MaterialRef {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
-            Datum::String(_) => Self::Named(Spanned::read(tree, limit, d)),
+            Datum::String(_) => Self::Named(Link::read(tree, limit, d)),
             Datum::Mapping(_) => Self::Inline(Material::read(tree, limit, d)),
             _ => {
                 let kinds = suggest::list(Material::KINDS.iter().copied());
@@ -703,11 +719,11 @@ impl Describe for MaterialRef {
         }
     }
     fn blank() -> Self {
-        Self::Named(Spanned::blank())
+        Self::Named(Link::blank())
     }
     fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Named(name) => name.write_to(out),
+            Self::Named(link) => link.write_to(out),
             Self::Inline(material) => material.write_to(out),
         }
     }

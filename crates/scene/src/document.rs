@@ -16,7 +16,8 @@ use crate::validate;
 /// it is given all the same, so that the files it names can be looked for too.
 pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness) -> (Scene, Diagnostics) {
     let mut decoder = Decoder::new(diagnostics, strictness);
-    let scene = Scene::read(tree, Limit::FINITE, &mut decoder);
+    let mut scene = Scene::read(tree, Limit::FINITE, &mut decoder);
+    scene.link();
     decoder.check_wide(scene.color.space.space());
     let mut diagnostics = decoder.diagnostics;
     let (at, nothing) = match tree.entry("world") {

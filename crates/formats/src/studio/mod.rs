@@ -14,7 +14,7 @@ use straal_scene::desc::{
     Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum,
     Step, Surface, Tone, Transform, TriangleMesh, Viewpoint,
 };
-use straal_scene::value::{Asset, Axis, Color, Factors, Named, Value};
+use straal_scene::value::{Asset, Axis, Color, Factors, Link, Named, Value};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
 
 pub use frame::View;
@@ -155,7 +155,7 @@ pub fn around(
     let mut materials = Named::default();
     let finish = wish.finish.unwrap_or(Finish::Clay);
     materials.insert(finish.name().to_owned().into(), finish.material());
-    let named = |name: &str| Some(MaterialRef::Named(name.to_owned().into()));
+    let named = |name: &str| Some(MaterialRef::Named(Link::new(name.to_owned())));
     // A file's own materials are shown when it has any, unless one is asked for; parts without one are clay.
     let has_own = wish.finish.is_none() && !asset.materials.is_empty();
     let shading = match wish.smooth {
@@ -211,7 +211,7 @@ pub fn around(
         ..Environment::default()
     });
     let points = points(asset).map(|p| place.point(p));
-    let scene = Scene {
+    let mut scene = Scene {
         camera: frame::camera(points, wish.view, size),
         film: Film { size, tone: Tone::KhronosNeutral, ..Film::default() },
         sampler: Sampler { spp: 64, ..Sampler::default() },
@@ -224,6 +224,7 @@ pub fn around(
         spectral: false,
         objects: Named::default(),
     };
+    scene.link();
     Ok((scene, told))
 }
 

@@ -8,7 +8,7 @@ use straal_math::{Affine, DVec3, ops};
 use straal_scene::count::count;
 use straal_scene::decode::Describe;
 use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, TriangleMesh};
-use straal_scene::value::Color;
+use straal_scene::value::{Color, Link};
 
 /// The mesh node and what material it is given, and that everything its camera should see is in view.
 fn framed(loaded: &Loaded) -> (&TriangleMesh, Option<&MaterialRef>) {
@@ -47,7 +47,7 @@ fn framed(loaded: &Loaded) -> (&TriangleMesh, Option<&MaterialRef>) {
 }
 
 fn named(name: &str) -> MaterialRef {
-    MaterialRef::Named(name.to_owned().into())
+    MaterialRef::Named(Link::new(name.to_owned()))
 }
 
 fn in_studio(path: &Path, studio: Studio) -> Result<Loaded, Diagnostics> {
