@@ -1,7 +1,7 @@
 //! World, materials, lights, cameras, samplers, film, integrators and the tile driver.
 //!
 //! It runs one way: [`compile`] makes a [`world::World`] of a description, read-only while rays fly; a
-//! [`driver::Render`] sends waves of paths through it, each advanced by an [`integrator::Integrator`] one bounce at a
+//! [`driver::Render`] sends pools of paths through it, sorted into queues that an [`integrator::Integrator`] advances one edge at a
 //! time, and their light is summed on a [`film::Film`]. Nothing here knows of files, clocks or screens.
 #![forbid(unsafe_code)]
 

@@ -42,6 +42,9 @@ pub(crate) struct Look {
     pub flip: bool,
 }
 
+/// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.
+pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<Look>();
+
 /// What a node at the top of the world became: ranges of what stands in the world's own group
 /// (`accel::Input::groups[0]`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -260,15 +263,10 @@ impl World {
         Reading { tables: &self.tables, lanes, textures: &self.textures }
     }
 
-    /// Number of groups of [`World::material_group`] without the last, that of misses.
-    pub(crate) fn material_count(&self) -> usize {
-        self.materials.len()
-    }
-
-    /// Hits of one group are shaded one after the other.
+    /// The material of what a ray hit; `None` where it met nothing.
     #[inline]
-    pub(crate) fn material_group(&self, hit: &Hit) -> usize {
-        if hit.is_hit() { self.material_of(hit) as usize } else { self.materials.len() }
+    pub(crate) fn material_hit(&self, hit: &Hit) -> Option<u32> {
+        hit.is_hit().then(|| self.material_of(hit))
     }
 
     /// Emitters that surround the scene, with their indices.

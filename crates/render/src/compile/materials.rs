@@ -20,18 +20,26 @@ pub(super) struct Materials<'a> {
     /// Where a material is, by what a scene would write of it.
     known: HashMap<String, u32>,
     custom: HashMap<String, u32>,
+    /// Where the scene's are; a program's own of the same name stands in for one.
+    scenes: Vec<u32>,
 }
 
 impl<'a> Materials<'a> {
     pub fn new(scene: &'a Scene, custom: &Custom, paint: Paint<'a>) -> Result<Self, CompileError> {
         let list = material::Materials::default();
-        let mut all = Self { scene, paint, list, known: HashMap::new(), custom: HashMap::new() };
+        let mut all =
+            Self { scene, paint, list, known: HashMap::new(), custom: HashMap::new(), scenes: Vec::new() };
         all.push(&desc::Material::Diffuse(desc::Diffuse::default()))?;
         for (_, m) in scene.materials.iter() {
-            all.push(m)?;
+            let index = all.push(m)?;
+            all.scenes.push(index);
         }
         for (name, m) in &custom.materials {
-            all.custom.insert(name.clone(), all.list.push_custom(m.clone()));
+            let index = all.list.push_custom(m.clone());
+            all.custom.insert(name.clone(), index);
+            if let Some(place) = scene.materials.handle(name) {
+                all.scenes[place.index()] = index;
+            }
         }
         Ok(all)
     }
@@ -49,8 +57,9 @@ impl<'a> Materials<'a> {
     pub fn of(&mut self, given: Option<&MaterialRef>, default: u32) -> Result<u32, CompileError> {
         match given {
             None => Ok(default),
-            Some(MaterialRef::Named(name)) => {
-                self.named(name).map_err(|e| CompileError::at(e.message, name.span))
+            // A scene without errors leads everywhere.
+            Some(MaterialRef::Named(link)) => {
+                Ok(link.to().and_then(|m| self.scenes.get(m.index())).copied().unwrap_or(default))
             }
             Some(MaterialRef::Inline(m)) => self.add(m),
         }
@@ -59,7 +68,7 @@ impl<'a> Materials<'a> {
     pub fn named(&self, name: &str) -> Result<u32, CompileError> {
         let custom = self.custom.get(name).copied();
         custom
-            .or_else(|| self.scene.materials.position(name).map(|i| i as u32 + 1))
+            .or_else(|| self.scene.materials.handle(name).map(|m| m.index() as u32 + 1))
             .ok_or_else(|| CompileError::new(format!("there is no material `{name}`")))
     }
 

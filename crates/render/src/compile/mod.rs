@@ -5,13 +5,14 @@
 //! glows, so that every light stands in world space.
 
 mod camera;
-pub mod cost;
 mod doubts;
 mod dropped;
 mod focus;
 mod lights;
 mod materials;
 mod place;
+
+pub use place::GLOWING_BYTES;
 
 pub use crate::error::CompileError;
 use crate::film::{Recording, Sensor};

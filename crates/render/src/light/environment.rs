@@ -3,7 +3,8 @@
 use crate::lanes::{Colour, Lanes, Reading};
 use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
-use straal_math::{Affine, DVec3, Vec3, ops, table::Table2, warp};
+use straal_math::table::{Table1, Table2};
+use straal_math::{Affine, DVec3, Vec3, ops, warp};
 use straal_scene::{Image, desc, value};
 
 use super::cube::latitude_longitude;
@@ -177,6 +178,12 @@ struct Place {
 }
 
 impl ImageEnvironment {
+    /// Bytes that a pixel takes: its colour, and its places in the tables that it is chosen by.
+    pub const BYTES_A_PIXEL: usize = size_of::<[f32; 3]>() + Table1::BYTES;
+
+    /// Bytes that it takes besides while the tables are made: a weight in double precision and one in single.
+    pub const MAKING_BYTES_A_PIXEL: usize = size_of::<f64>() + size_of::<f32>();
+
     /// A picture times `scale`, turned by the rotation in `to_world` (its scaling and translation don't matter). NaN counts as 0, what is
     /// infinite as the most that a sum of it can hold, and a pixel without any channel above 0 is black. Single channels below 0 are of colours that the
     /// picture's space doesn't hold: for wavelengths only. `None` when the picture has no pixels, or not as many as it says, or
@@ -240,10 +247,12 @@ impl ImageEnvironment {
         Some(Self { width, height, pixels, cells, cosines, axes, total, irradiance })
     }
 
-    fn of(l: &desc::Environment, file: &value::FileRef, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        let image = paint.assets().image(file).ok_or_else(|| {
-            CompileError::at(format!("the picture `{}` was not read", file.value), file.span)
-        })?;
+    fn of(
+        l: &desc::Environment,
+        asset: &value::Asset<Image>,
+        paint: &mut Paint<'_>,
+    ) -> Result<Self, CompileError> {
+        let (file, image) = (&asset.file, paint.assets().image(asset.handle));
         let cube = match l.layout {
             desc::EnvironmentLayout::LatitudeLongitude => None,
             desc::EnvironmentLayout::Cross => Some(CubeLayout::Cross),

@@ -55,6 +55,7 @@ pub use mesh::TriangleMesh;
 pub use offset::{offset_origin, ray_between};
 pub use parallelogram::Parallelogram;
 pub use plane::Plane;
+pub use smooth::SMOOTHING_BYTES;
 pub use sphere::Sphere;
 pub use straal_accel::{Analytic, ShapeHit};
 pub use tangents::Tangents;

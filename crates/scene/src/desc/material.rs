@@ -4,7 +4,7 @@ use crate::desc::check;
 use crate::desc::spectrum::{Index, Spectrum};
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Name, Value};
+use crate::value::{Link, Name, Value};
 
 describe! {
     /// What a surface does with light.
@@ -24,7 +24,7 @@ describe! {
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialRef {
     /// One of the scene's `materials`.
-    Named(Name),
+    Named(Link<Material>),
     /// Written where it is used.
     Inline(Material),
 }

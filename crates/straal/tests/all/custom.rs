@@ -19,7 +19,7 @@ impl CustomShape for Ball {
     }
 
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        self.0.intersect(ray)
+        self.0.analytic().intersect(ray)
     }
 
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {

@@ -6,14 +6,16 @@
 //! is the phase that takes the most.
 
 mod search;
+mod world;
 
-use crate::job::{Error, Overrides, Plan};
+use crate::resolve::{Error, Overrides, Plan};
 use straal_accel::Structure;
+use straal_color::spectrum::uplift::UpliftTable;
 use straal_formats::load::Loaded;
-use straal_render::compile::cost::{self, Cost};
+use straal_render::driver::thread_bytes;
 use straal_render::film::Film;
-use straal_render::settings::Settings;
-use straal_scene::forecast::{self, Contents};
+use straal_render::light::ImageEnvironment;
+use straal_scene::count::{self, Contents};
 use straal_scene::memory::{PROGRAM, Shortage};
 
 /// Bytes that a job takes, and what they are for.
@@ -54,31 +56,16 @@ pub fn forecast(loaded: &Loaded, wish: &Overrides) -> Result<Forecast, Error> {
     Ok(Forecast::of(loaded, &Plan::new(loaded, wish)?))
 }
 
-/// A path, its ray, its hit and its sample, and what else a thread keeps for each of a batch.
-const PATH: u64 = 400;
-
 /// What a thread takes besides: the part of its stack that is used, and the allocator's share.
 const THREAD: u64 = 100_000;
-
-/// What uplifting colours to spectra takes: its table, and what it is made from.
-const UPLIFT: u64 = 3_000_000;
-
-/// A pixel of surroundings: three numbers, and its places in two tables.
-const SURROUNDINGS: u64 = 12 + 8;
-
-/// The same while the tables are made: weights in double and in single precision.
-const SURROUNDINGS_MAKING: u64 = 8 + 4;
 
 /// Where the batches of a pixel end.
 const BATCHES: u64 = 48;
 
-/// A pixel's sums over replicates in double precision: of colours; of the other layers, and the spread of colours.
-const REPLICATES: [u64; 2] = [24, 24 + 24 + 24 + 8 + 4];
-
 impl Forecast {
     pub(crate) fn of(loaded: &Loaded, plan: &Plan) -> Self {
-        let contents = forecast::count(&loaded.scene, &loaded.assets);
-        let Cost { geometry, lights, making } = cost::cost(&contents.kept);
+        let contents = count::count(&loaded.scene, &loaded.assets);
+        let world::Cost { geometry, lights, making } = world::cost(&contents.kept);
         let (search, building) = search_of(&contents, &plan.structure);
         let pixels: u64 = contents.surroundings.iter().sum();
         let largest = contents.surroundings.iter().copied().max().unwrap_or(0);
@@ -98,25 +85,30 @@ impl Forecast {
             triangles: contents.kept.triangles,
             vertices: contents.kept.vertices,
             visible: contents.visible,
-            program: PROGRAM + if plan.spectral { UPLIFT } else { 0 },
-            scene: loaded.text_bytes.saturating_add(contents.description),
+            program: PROGRAM + if plan.spectral { UpliftTable::embedded_bytes() as u64 } else { 0 },
+            scene: loaded.text_bytes.saturating_add(loaded.scene.heap_bytes()),
             geometry,
             search,
             building: building.saturating_add(making),
             lights,
-            images: pixels.saturating_mul(SURROUNDINGS),
+            images: pixels.saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64),
             film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
             layers: crop.saturating_mul(each),
-            threads: (threads as u64).saturating_mul(THREAD + PATH * plan.settings.batch as u64),
+            threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&plan.settings)),
             peak: 0,
         };
-        let files = [contents.mesh_files, contents.image_files];
         let sum = |parts: &[u64]| parts.iter().fold(0, |sum: u64, part| sum.saturating_add(*part));
-        let made = sum(&[f.program, f.scene, files[0], files[1], f.geometry]);
+        let made = sum(&[f.program, f.scene, loaded.assets.heap_bytes(), f.geometry]);
         let phases = [
             loaded.peak_bytes,
             sum(&[made, f.search, f.building]),
-            sum(&[made, f.search, f.lights, f.images, largest.saturating_mul(SURROUNDINGS_MAKING)]),
+            sum(&[
+                made,
+                f.search,
+                f.lights,
+                f.images,
+                largest.saturating_mul(ImageEnvironment::MAKING_BYTES_A_PIXEL as u64),
+            ]),
             sum(&[
                 f.program,
                 loaded.text_bytes,
@@ -133,12 +125,9 @@ impl Forecast {
         f
     }
 
-    /// The same where the picture is the mean of replicates.
-    pub(crate) fn with_replicates(self, settings: &Settings) -> Self {
-        let [colours, others] = REPLICATES;
-        let each = colours + if settings.layers { others } else { 0 };
-        let sums = (settings.crop.area() as u64).saturating_mul(each);
-        Self { layers: self.layers.saturating_add(sums), peak: self.peak.saturating_add(sums), ..self }
+    /// The same where so many bytes are taken besides layers.
+    pub(crate) fn with(self, bytes: u64) -> Self {
+        Self { layers: self.layers.saturating_add(bytes), peak: self.peak.saturating_add(bytes), ..self }
     }
 
     /// Why the job can't be done with so many bytes, if so.

@@ -6,8 +6,8 @@
 //! ```no_run
 //! # let clock: straal::Clock = std::sync::Arc::new(|| 0);
 //! let loaded = straal::load("scene.yaml".as_ref(), &straal::LoadOptions::default())?;
-//! let report = straal::lab::run(&loaded, &straal::lab::Request::default(), &clock, &mut |_| ())?;
-//! println!("{}", straal::lab::text::table(&report));
+//! let report = straal_study::lab::run(&loaded, &straal_study::lab::Request::default(), &clock, &mut |_| ())?;
+//! println!("{}", straal_study::lab::text::table(&report));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -27,13 +27,12 @@ pub use measure::{ByKind, Payoff, Row, Tests};
 pub use rays::{Kind, RaySet};
 pub use same::{Agreement, Answer, Difference};
 
-use crate::search;
-use crate::{Clock, Job, Loaded, Overrides};
 use measure::Bench;
 use moving::Moving;
 use pictures::CostPictures;
 use rays::Sampling;
 use std::path::PathBuf;
+use straal::{Clock, Job, Loaded, Overrides, search};
 use straal_accel::{BuildError, Input, Isa, Options, Scene, Structure};
 use straal_render::compile::Custom;
 use straal_render::world::World;
@@ -145,7 +144,7 @@ impl Report {
 pub enum Error {
     /// The scene can't be rendered.
     #[error(transparent)]
-    Job(#[from] crate::Error),
+    Job(#[from] straal::Error),
     /// A structure can't be built.
     #[error("can't build the structure {name}: {error}")]
     Build {
@@ -307,7 +306,7 @@ fn contenders(wish: Option<&[Contender]>, primitives: usize) -> (Vec<Contender>,
 /// told from these: what follows them has a `=` and no `:` before it.
 ///
 /// ```
-/// let list = straal::lab::parse_structures("brute,bvh:build=fast,compact=true").unwrap();
+/// let list = straal_study::lab::parse_structures("brute,bvh:build=fast,compact=true").unwrap();
 /// assert_eq!([&list[0].name, &list[1].name], ["brute", "bvh:build=fast,compact=true"]);
 /// ```
 pub fn parse_structures(text: &str) -> Result<Vec<Contender>, Error> {
@@ -396,9 +395,9 @@ fn objects(nodes: &[Node], world: &World, input: &Input) -> Vec<Object> {
 /// What a node shows, with a space before it; empty where there is no word for it.
 fn word(node: &Node) -> String {
     let shown = match node {
-        Node::Instance(i) => Some(i.of.value.clone()),
+        Node::Instance(i) => Some(i.of.name.value.clone()),
         Node::Mesh(m) => m.file.as_ref().and_then(|f| {
-            PathBuf::from(&f.value).file_stem().map(|stem| stem.to_string_lossy().into_owned())
+            PathBuf::from(&f.file.value).file_stem().map(|stem| stem.to_string_lossy().into_owned())
         }),
         Node::Bezier(b) => b.builtin.as_ref().map(|b| b.value.clone()),
         _ => None,

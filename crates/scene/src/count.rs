@@ -1,7 +1,8 @@
-//! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it.
+//! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it. How much memory
+//! that takes is not known here.
 
-use crate::Assets;
 use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, TriangleMesh};
+use crate::{Assets, Handle};
 
 /// What a world will hold.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,14 +13,8 @@ pub struct Contents {
     pub visible: u64,
     /// Triangles, and shapes and instances, of each space that gets a search structure of its own, the world's first.
     pub spaces: Vec<[u64; 2]>,
-    /// Bytes of meshes as they were read.
-    pub mesh_files: u64,
-    /// Bytes of pictures as they were read.
-    pub image_files: u64,
     /// Pixels of each picture that is all around.
     pub surroundings: Vec<u64>,
-    /// Bytes of the description itself.
-    pub description: u64,
 }
 
 /// Numbers of things.
@@ -29,16 +24,22 @@ pub struct Tally {
     pub triangles: u64,
     /// Vertices.
     pub vertices: u64,
-    /// Bytes of vertices: 12 for a position, as many for a normal, 8 for texture coordinates.
-    pub vertex_bytes: u64,
+    /// Those of them that have normals.
+    pub normals: u64,
+    /// Those of them that have texture coordinates.
+    pub uvs: u64,
     /// Vertices whose normals are computed from the faces around them.
     pub smoothed: u64,
     /// Meshes, or parts of them with a material of their own.
     pub meshes: u64,
     /// Shapes that aren't meshes.
     pub shapes: u64,
-    /// Those of them that take more than a place in a list: all but spheres and planes.
-    pub large_shapes: u64,
+    /// Discs among them, the caps of cylinders as well.
+    pub discs: u64,
+    /// Rectangles among them.
+    pub rectangles: u64,
+    /// Cylinders among them, without their caps.
+    pub cylinders: u64,
     /// Instances of objects that don't glow; those of others are copies of all that is inside.
     pub instances: u64,
     /// Surfaces that glow.
@@ -52,11 +53,14 @@ impl Tally {
         let sum = |a: &mut u64, b: u64| *a = a.saturating_add(b);
         sum(&mut self.triangles, o.triangles);
         sum(&mut self.vertices, o.vertices);
-        sum(&mut self.vertex_bytes, o.vertex_bytes);
+        sum(&mut self.normals, o.normals);
+        sum(&mut self.uvs, o.uvs);
         sum(&mut self.smoothed, o.smoothed);
         sum(&mut self.meshes, o.meshes);
         sum(&mut self.shapes, o.shapes);
-        sum(&mut self.large_shapes, o.large_shapes);
+        sum(&mut self.discs, o.discs);
+        sum(&mut self.rectangles, o.rectangles);
+        sum(&mut self.cylinders, o.cylinders);
         sum(&mut self.instances, o.instances);
         sum(&mut self.lights, o.lights);
         sum(&mut self.lit_triangles, o.lit_triangles);
@@ -64,13 +68,13 @@ impl Tally {
 
     /// One mesh; of what its vertices have besides positions.
     fn mesh(triangles: u64, vertices: u64, [normals, uvs]: [bool; 2]) -> Self {
-        let each = 12 + if normals { 12 } else { 0 } + if uvs { 8 } else { 0 };
-        let vertex_bytes = vertices.saturating_mul(each);
-        Self { triangles, vertices, vertex_bytes, meshes: 1, ..Self::default() }
+        let of = |is_held: bool| if is_held { vertices } else { 0 };
+        Self { triangles, vertices, normals: of(normals), uvs: of(uvs), meshes: 1, ..Self::default() }
     }
 
-    fn shape(is_large: bool) -> Self {
-        Self { shapes: 1, large_shapes: u64::from(is_large), ..Self::default() }
+    /// A shape of one of the kinds that are counted apart, or of another.
+    fn shape(kind: Self) -> Self {
+        Self { shapes: 1, ..kind }
     }
 }
 
@@ -96,51 +100,33 @@ pub fn count(scene: &Scene, assets: &Assets) -> Contents {
     let mut surroundings = Vec::new();
     for light in &scene.lights {
         if let Light::Environment(l) = light
-            && let Some(image) = l.file.as_ref().and_then(|file| assets.image(file))
+            && let Some(file) = &l.file
         {
-            surroundings.push(image.pixels.len() as u64);
+            surroundings.push(assets.image(file.handle).pixels.len() as u64);
         }
     }
-    Contents {
-        kept: walk.kept,
-        visible,
-        spaces: walk.spaces,
-        mesh_files: once(assets.meshes.values().map(|a| &a.mesh)).map(mesh_bytes).sum(),
-        image_files: once(assets.images.values()).map(|image| 12 * image.pixels.len() as u64).sum(),
-        surroundings,
-        description: description_bytes(scene),
+    Contents { kept: walk.kept, visible, spaces: walk.spaces, surroundings }
+}
+
+impl Scene {
+    /// Bytes of its nodes, and of the lists in them.
+    pub fn heap_bytes(&self) -> u64 {
+        let mut bytes = 0;
+        self.visit(|node| {
+            let lists = match node {
+                Node::Mesh(TriangleMesh { positions, normals, uvs, triangles, .. }) => {
+                    size_of_val(positions.as_slice())
+                        + size_of_val(normals.as_slice())
+                        + size_of_val(uvs.as_slice())
+                        + size_of_val(triangles.as_slice())
+                }
+                Node::Bezier(b) => size_of_val(b.points.as_slice()) + size_of_val(b.patches.as_slice()),
+                _ => 0,
+            };
+            bytes += (size_of::<Node>() + lists) as u64;
+        });
+        bytes
     }
-}
-
-/// Each thing once, however many names it goes by.
-fn once<'a, T: 'a>(all: impl Iterator<Item = &'a std::sync::Arc<T>>) -> impl Iterator<Item = &'a T> {
-    let mut seen = std::collections::BTreeSet::new();
-    all.filter(move |thing| seen.insert(std::sync::Arc::as_ptr(thing))).map(AsRef::as_ref)
-}
-
-/// Bytes of a mesh as it was read.
-pub fn mesh_bytes(mesh: &crate::Mesh) -> u64 {
-    let of = |count: usize, each: u64| (count as u64).saturating_mul(each);
-    of(mesh.positions.len(), 12)
-        + of(mesh.normals.len(), 12)
-        + of(mesh.uvs.len(), 8)
-        + of(mesh.triangles.len(), 12)
-}
-
-/// Bytes of the nodes of a scene as they are described.
-pub fn description_bytes(scene: &Scene) -> u64 {
-    let mut bytes = 0;
-    scene.visit(|node| {
-        let lists = match node {
-            Node::Mesh(m) => {
-                24 * (m.positions.len() + m.normals.len()) + 16 * m.uvs.len() + 12 * m.triangles.len()
-            }
-            Node::Bezier(b) => 24 * b.points.len() + 64 * b.patches.len(),
-            _ => 0,
-        };
-        bytes += (size_of::<Node>() + lists) as u64;
-    });
-    bytes
 }
 
 /// A node, or an object, as it is found.
@@ -182,7 +168,7 @@ impl Walk<'_> {
                 all
             }
             Node::Instance(i) => {
-                let Some(object) = self.scene.objects.position(&i.of) else { return Found::default() };
+                let Some(object) = i.of.to() else { return Found::default() };
                 let inside = self.object(object);
                 if inside.glows {
                     return inside;
@@ -199,24 +185,27 @@ impl Walk<'_> {
             }
             Node::Box(_) => lit(node, Tally::mesh(12, 24, [false, true])),
             Node::Triangle(_) => lit(node, Tally::mesh(1, 3, [false, false])),
-            Node::Sphere(_) | Node::Plane(_) => lit(node, Tally::shape(false)),
+            Node::Sphere(_) | Node::Plane(_) => lit(node, Tally::shape(Tally::default())),
             Node::Cylinder(c) if c.caps => {
-                let parts = Tally { shapes: 3, large_shapes: 3, ..Tally::default() };
+                let parts = Tally { shapes: 3, cylinders: 1, discs: 2, ..Tally::default() };
                 let mut found = lit(node, parts);
                 found.own.lights *= 3;
                 found
             }
-            Node::Disc(_) | Node::Rectangle(_) | Node::Cylinder(_) => lit(node, Tally::shape(true)),
+            Node::Disc(_) => lit(node, Tally::shape(Tally { discs: 1, ..Tally::default() })),
+            Node::Rectangle(_) => lit(node, Tally::shape(Tally { rectangles: 1, ..Tally::default() })),
+            Node::Cylinder(_) => lit(node, Tally::shape(Tally { cylinders: 1, ..Tally::default() })),
         }
     }
 
     /// Validation has made sure that objects end.
-    fn object(&mut self, i: usize) -> Found {
-        if let Some(known) = self.objects[i] {
+    fn object(&mut self, object: Handle<Node>) -> Found {
+        let i = object.index();
+        if let Some(known) = self.objects.get(i).copied().flatten() {
             return known;
         }
         let scene = self.scene;
-        let Some((_, node)) = scene.objects.at(i) else { return Found::default() };
+        let Some((_, node)) = scene.objects.at(object) else { return Found::default() };
         let found = self.node(node);
         self.objects[i] = Some(found);
         if !found.glows {
@@ -236,7 +225,7 @@ impl Walk<'_> {
             let computed = matches!(&m.shading, Shading::Smooth(s) if !has || s.recompute);
             if computed { vertices } else { 0 }
         };
-        let file = match m.source() {
+        let asset = match m.source() {
             MeshSource::Inline => {
                 let mut own = Tally::mesh(
                     m.triangles.len() as u64,
@@ -246,9 +235,8 @@ impl Walk<'_> {
                 own.smoothed = smoothed(!m.normals.is_empty(), own.vertices);
                 return lit_if(m.surface.emission.is_some(), own);
             }
-            MeshSource::File(file) => file,
+            MeshSource::Asset(asset) => self.assets.mesh(asset.handle),
         };
-        let Some(asset) = self.assets.mesh(file) else { return Found::default() };
         let mesh = &asset.mesh;
         let mut own = Tally::mesh(
             mesh.triangles.len() as u64,

@@ -1,12 +1,26 @@
 //! Numbers as pictures: a colour for each, and a legend that says which.
 
-use crate::picture::SaveError;
 use std::io;
 use std::path::Path;
 use straal_color::heat;
-use straal_formats::atomic;
+use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::png;
 use straal_math::ops;
+
+/// Why a chart wasn't written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SaveError {
+    /// No costs were counted, or not this one.
+    #[error("the picture doesn't know its {0} cost: it wasn't counted")]
+    NotCounted(&'static str),
+    /// The name must end in .png.
+    #[error("can't write {0}: pictures in false colours are PNG, so that the name must end in .png")]
+    NotPng(String),
+    /// The disk refused.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
 
 /// How numbers become colours.
 #[derive(Clone, Copy, Debug, PartialEq)]

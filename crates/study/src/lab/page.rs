@@ -32,7 +32,7 @@ pub fn html(r: &Report, title: &str) -> String {
     for (section, label, meaning) in text::meanings() {
         let _ = writeln!(out, "<dt>{section}: {label}</dt><dd>{}</dd>", escaped(meaning));
     }
-    let _ = write!(out, "</dl>\n<p>straal {}</p>\n</body>\n</html>\n", crate::VERSION);
+    let _ = write!(out, "</dl>\n<p>straal {}</p>\n</body>\n</html>\n", straal::VERSION);
     out
 }
 

@@ -1,12 +1,10 @@
 //! The lab on small scenes: hits are equal, reports are whole, and adding an object can lower the number of tests.
 
-use crate::common;
-
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use straal::lab::{self, Contender, Kind, Payoff, Report, Request};
 use straal::{Clock, LoadOptions, Loaded, Structure};
+use straal_study::lab::{self, Contender, Kind, Payoff, Report, Request};
 
 /// A clock that goes on by a microsecond each time it is read, so that nothing here depends on the machine's pace.
 fn clock() -> Clock {
@@ -14,8 +12,13 @@ fn clock() -> Clock {
     Arc::new(move || now.fetch_add(1000, Ordering::Relaxed))
 }
 
+/// The project's own folder.
+fn project() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
 fn load(scene: &str) -> Loaded {
-    let path = common::project().join(scene);
+    let path = project().join(scene);
     straal::load(&path, &LoadOptions::default()).unwrap_or_else(|e| panic!("{scene}:\n{e}"))
 }
 
@@ -234,7 +237,7 @@ fn adding_an_object_can_lower_the_number_of_tests() {
 
 #[test]
 fn the_topiaries_differ_by_the_ball_alone() {
-    let text = |name: &str| std::fs::read_to_string(common::project().join(name)).unwrap();
+    let text = |name: &str| std::fs::read_to_string(project().join(name)).unwrap();
     let body = |text: &str| {
         let (_, rest) = text.split_once("\ncamera:").unwrap();
         let (before, core) = rest.split_once("  # ANCHOR: core\n").unwrap_or((rest, ""));

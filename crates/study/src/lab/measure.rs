@@ -3,8 +3,8 @@
 use super::rays::{Kind, RaySet};
 use super::same::{Agreement, Answer};
 use super::{Contender, options};
-use crate::Clock;
 use std::hint::black_box;
+use straal::Clock;
 use straal_accel::{BuildError, Cost, Hit, Input, Isa, Scene, Stats, Structure};
 use straal_math::Ray;
 use straal_render::shape::Geometry;
