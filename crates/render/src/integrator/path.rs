@@ -12,6 +12,8 @@ use crate::world::World;
 use straal_color::Light;
 use straal_math::lowdisc::Purpose;
 use straal_math::{Frame, Ray, Vec3, ops};
+use straal_scene::desc;
+use straal_scene::value::Depth;
 
 /// Paths whose vertices are worked on together: their surfaces and BSDFs stay in the first-level cache between
 /// the paragraphs of a step.
@@ -32,6 +34,20 @@ pub struct PathTracer {
 impl Default for PathTracer {
     fn default() -> Self {
         Self { max_depth: u32::MAX, roulette_depth: 5 }
+    }
+}
+
+impl PathTracer {
+    pub(super) const NAME: &'static str = "path";
+
+    /// Of what a scene says.
+    pub(super) fn of(said: &desc::Integrator) -> Self {
+        let desc::Integrator::Path(path) = said else { return Self::default() };
+        let max_depth = match path.max_depth {
+            Depth::Unlimited => u32::MAX,
+            Depth::Edges(n) => n,
+        };
+        Self { max_depth, roulette_depth: path.roulette_depth }
     }
 }
 
@@ -85,6 +101,15 @@ impl Vertex<'_> {
 
 impl Integrator for PathTracer {
     type State<L: Lanes> = State<L>;
+
+    fn facts(&self) -> Vec<(&'static str, String)> {
+        let depth = if self.max_depth == u32::MAX { "unlimited".into() } else { self.max_depth.to_string() };
+        vec![("max_depth", depth), ("roulette_depth", self.roulette_depth.to_string())]
+    }
+
+    fn limit_depth(&mut self, edges: u32) {
+        self.max_depth = edges;
+    }
 
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
         let state = State {

@@ -6,7 +6,7 @@ use crate::resolve::{Error, PASS, passes};
 use crate::sums::Kept;
 use straal_render::driver::{Pause, Render};
 use straal_render::film::{Film, MAX_SAMPLES, hash_of};
-use straal_render::integrator::Integrator;
+use straal_render::integrator::{Integrator, WithIntegrator};
 use straal_render::settings::Settings;
 use straal_render::stopwatch::{Clock, Times};
 
@@ -160,10 +160,7 @@ impl Job {
         progress: &mut Progress,
     ) -> Result<Run, Error> {
         let settings = Settings { seed, ..self.settings.clone() };
-        match self.chart {
-            None => self.film_by(self.integrator, settings, (spp, control), progress),
-            Some(chart) => self.film_by(chart, settings, (spp, control), progress),
-        }
+        self.integrator.hand_to(FilmOf { job: self, settings, spp, control, progress })
     }
 
     fn film_by<I: Integrator>(
@@ -218,5 +215,22 @@ impl Job {
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+/// A film that is to be made, by whichever integrator.
+struct FilmOf<'a, 'c> {
+    job: &'a Job,
+    settings: Settings,
+    spp: u32,
+    control: &'a mut Control<'c>,
+    progress: &'a mut Progress,
+}
+
+impl WithIntegrator for FilmOf<'_, '_> {
+    type Out = Result<Run, Error>;
+
+    fn with<I: Integrator>(self, integrator: I) -> Self::Out {
+        self.job.film_by(integrator, self.settings, (self.spp, self.control), self.progress)
     }
 }
