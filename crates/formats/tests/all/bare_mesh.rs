@@ -7,7 +7,9 @@ use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::count::count;
 use straal_scene::decode::Describe;
-use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, TriangleMesh};
+use straal_scene::desc::{
+    Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, Spectrum, TriangleMesh,
+};
 use straal_scene::value::{Color, Link};
 
 /// The mesh node and what material it is given, and that everything its camera should see is in view.
@@ -131,7 +133,7 @@ fn what_is_asked_of_a_studio_is_in_the_scene() {
     let paper = Background::Paper(Color([0.1, 0.2, 0.3]));
     let loaded = in_studio(path, Studio { background: paper, ..Studio::default() }).unwrap();
     let Some(Material::Diffuse(d)) = loaded.scene.materials.get("paper") else { panic!("no paper") };
-    assert_eq!(*d.reflectance.get(), Color([0.1, 0.2, 0.3]).into());
+    assert_eq!(d.reflectance, Spectrum::from(Color([0.1, 0.2, 0.3])).into());
 }
 
 #[test]
