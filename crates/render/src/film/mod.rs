@@ -8,6 +8,7 @@ mod control;
 mod evidence;
 mod fixed;
 mod hash;
+mod planes;
 mod recording;
 mod splat;
 mod sums;

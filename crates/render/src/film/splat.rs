@@ -6,11 +6,12 @@
 //! another.
 //!
 //! A wide filter reaches a thousand pixels from each sample, so that little may be done for each: heights become integers once
-//! for each row and column, and light once for each row; what is left is a product and a sum for each number of a pixel. Variance
-//! is told when the picture is asked for, from the spread of each pixel's own samples and the squares of heights that
-//! they have on average.
+//! for each row and column, and light once for each row; what is left is a product and a sum for each number of a pixel
+//! ([`super::planes`]). Variance is told when the picture is asked for, from the spread of each pixel's own samples and the squares of
+//! heights that they have on average.
 
-use super::fixed::{Across, Down, HEIGHT_SCALE, Rowed, Value, height};
+use super::fixed::{Down, HEIGHT_SCALE, Value, height};
+use super::planes::{Columns, Plane, product};
 use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
 use crate::filter::Filter;
 use crate::settings::Region;
@@ -20,7 +21,7 @@ use straal_color::spectrum::Bands;
 const MAX_REACH: u32 = 16;
 
 /// Rows or columns that a sample may count in.
-const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
+pub(super) const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
 
 /// Sums of one pixel, of light v and heights w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,7 +67,10 @@ impl Splat {
 #[derive(Clone, Debug)]
 pub struct Splats {
     region: Region,
-    sums: Vec<Splat>,
+    /// Of w v, by channel.
+    light: [Plane; 3],
+    /// Of w, as [`Splat`] has it.
+    weights: Vec<i64>,
     /// By pixel, as many as there are bands, of w v.
     bands: Vec<Value>,
     /// How far a sample's own pixel may be from one that it counts in.
@@ -90,15 +94,19 @@ impl Splats {
     /// For a tile of a picture of some size, and a filter.
     pub(super) fn new(tile: Region, size: [u32; 2], filter: &Filter, bands: usize) -> Self {
         let reach = reach(f64::from(filter.radius())).min(MAX_REACH);
-        let region = tile.grown(reach).intersection(Region::whole(size));
-        let sums = vec![Splat::default(); region.area()];
-        Self { region, bands: vec![Value::default(); region.area() * bands], sums, reach }
+        Self { reach, ..Self::alone(tile.grown(reach).intersection(Region::whole(size)), bands) }
     }
 
     /// For sums that were made before, and reach nobody else.
     pub(super) fn alone(tile: Region, bands: usize) -> Self {
-        let sums = vec![Splat::default(); tile.area()];
-        Self { region: tile, bands: vec![Value::default(); tile.area() * bands], sums, reach: 0 }
+        let pixels = tile.area();
+        Self {
+            region: tile,
+            light: std::array::from_fn(|_| Plane::new(pixels)),
+            weights: vec![0; pixels],
+            bands: vec![Value::default(); pixels * bands],
+            reach: 0,
+        }
     }
 
     /// How far a sample's own pixel may be from one that it counts in.
@@ -107,17 +115,24 @@ impl Splats {
     }
 
     /// The sums of a pixel and of its bands, if it is within reach.
-    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(&Splat, &[Value])> {
-        let of_each = self.bands.len() / self.sums.len();
+    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(Splat, &[Value])> {
+        let of_each = self.bands.len() / self.weights.len();
         let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
-        Some((&self.sums[i], &self.bands[i * of_each..][..of_each]))
+        Some((self.sum(i), &self.bands[i * of_each..][..of_each]))
     }
 
-    /// The same to be changed.
-    pub(super) fn at_mut(&mut self, pixel: [u32; 2]) -> Option<(&mut Splat, &mut [Value])> {
-        let of_each = self.bands.len() / self.sums.len();
-        let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
-        Some((&mut self.sums[i], &mut self.bands[i * of_each..][..of_each]))
+    /// Puts other sums in place of a pixel's, if it is within reach.
+    pub(super) fn put(&mut self, pixel: [u32; 2], splat: &Splat, bands: &[Value]) {
+        if self.region.contains(pixel) {
+            let i = index(&self.region, pixel);
+            self.light.iter_mut().zip(splat.value).for_each(|(plane, v)| plane.put(i, v));
+            self.weights[i] = splat.weight;
+            self.bands[i * bands.len()..][..bands.len()].copy_from_slice(bands);
+        }
+    }
+
+    fn sum(&self, i: usize) -> Splat {
+        Splat { value: std::array::from_fn(|c| self.light[c].at(i)), weight: self.weights[i] }
     }
 
     /// Adds a sample to all pixels within reach.
@@ -134,58 +149,40 @@ impl Splats {
         };
         heights(&mut across, 0);
         heights(&mut down, 1);
+        // A bell is 0 long before it ends.
         let across = &across[..around.width() as usize];
+        let first = across.iter().position(|h| *h != 0).unwrap_or(across.len());
+        let across = &across[first..across.iter().rposition(|h| *h != 0).map_or(first, |last| last + 1)];
+        let columns = Columns::new(across);
         for (y, &down) in (around.min[1]..around.max[1]).zip(&down) {
-            if down == 0 {
+            if down == 0 || across.is_empty() {
                 continue;
             }
-            let start = index(&self.region, [around.min[0], y]);
-            let row = &mut self.sums[start..][..across.len()];
-            match sample.map(|s| Down::new(&s.rgb, down)) {
-                Some(Down::Bright(light)) => add_row(row, across, down, &light),
-                Some(Down::Usual(light)) => add_row(row, across, down, &light),
-                None => add_weights(row, across, down),
+            let start = index(&self.region, [around.min[0], y]) + first;
+            let weights = &mut self.weights[start..][..across.len()];
+            weights.iter_mut().zip(across).for_each(|(sum, &w)| *sum += product(w, down));
+            let Some(sample) = sample else { continue };
+            let planes = self.light.iter_mut().enumerate();
+            match Down::new(&sample.rgb, down) {
+                Down::Bright(rows) => planes.for_each(|(c, p)| p.add_bright(&columns, start, rows.row(c))),
+                Down::Usual(rows) => planes.for_each(|(c, p)| p.add_usual(&columns, start, rows.row(c))),
             }
-            if sample.is_some() && !bands.is_empty() {
+            if !bands.is_empty() {
                 self.add_bands(start, across, down, bands);
             }
         }
     }
 
     fn add_bands(&mut self, start: usize, across: &[i64], down: i64, bands: &[BandSample]) {
-        let of_each = self.bands.len() / self.sums.len();
+        let of_each = self.bands.len() / self.weights.len();
         for b in bands {
             let sums = self.bands[start * of_each + usize::from(b.band)..].iter_mut().step_by(of_each);
             match Down::new(&[b.value], down) {
-                Down::Bright(light) => sums.zip(across).for_each(|(sum, &w)| *sum += light.at(w, 0)),
-                Down::Usual(light) => sums.zip(across).for_each(|(sum, &w)| *sum += light.at(w, 0)),
+                Down::Bright(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
+                Down::Usual(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
             }
         }
     }
-}
-
-/// Adds a sample to the pixels of a row.
-#[inline(always)]
-fn add_row<A: Across>(row: &mut [Splat], across: &[i64], down: i64, light: &Rowed<A, 3>) {
-    for (sum, &w) in row.iter_mut().zip(across) {
-        for (c, value) in sum.value.iter_mut().enumerate() {
-            *value += light.at(w, c);
-        }
-        sum.weight += product(w, down);
-    }
-}
-
-/// The same of one that is black.
-fn add_weights(row: &mut [Splat], across: &[i64], down: i64) {
-    for (sum, &w) in row.iter_mut().zip(across) {
-        sum.weight += product(w, down);
-    }
-}
-
-/// The product of two heights, as one: rounded down.
-#[inline(always)]
-const fn product(a: i64, b: i64) -> i64 {
-    (a * b) >> 30
 }
 
 /// How far a sample lies from the centre of a pixel, if it lies `offset` from that of its own. By whole pixels first: it
@@ -205,7 +202,7 @@ pub fn reach(radius: f64) -> u32 {
 
 /// Bytes that splatting takes for each pixel of tiles and their aprons, with a number of bands.
 pub(super) fn bytes_a_pixel(bands: usize) -> usize {
-    size_of::<Splat>() + bands * size_of::<Value>()
+    3 * Plane::BYTES + size_of::<i64>() + bands * size_of::<Value>()
 }
 
 /// By how many pixels two are apart, from 0: the mean of the square of the height that one of them gives to a sample that may lie
@@ -245,7 +242,7 @@ impl Film {
             for y in common.min[1]..common.max[1] {
                 for x in common.min[0]..common.max[0] {
                     let (theirs, own) = (index(&splats.region, [x, y]), index(&part, [x, y]));
-                    sums[own].merge(&splats.sums[theirs]);
+                    sums[own].merge(&splats.sum(theirs));
                     let theirs = &splats.bands[theirs * count..][..count];
                     for (sum, v) in bands[own * count..].iter_mut().zip(theirs) {
                         *sum += *v;
@@ -388,21 +385,40 @@ mod tests {
         assert_eq!((seen(17, 5), seen(16, 4)), ([0.0; 3], [0.0; 3]));
     }
 
-    /// Adds light of one grey to a pixel at a height.
-    fn add(sum: &mut Splat, v: f32, w: f32) {
-        let row = std::slice::from_mut(sum);
-        match Down::new(&[v; 3], height(1.0)) {
-            Down::Bright(light) => add_row(row, &[height(w)], height(1.0), &light),
-            Down::Usual(light) => add_row(row, &[height(w)], height(1.0), &light),
+    /// The sums of one pixel.
+    struct One(Splats);
+
+    impl One {
+        fn new() -> Self {
+            Self(Splats::alone(Region::whole([1, 1]), 0))
+        }
+
+        /// Adds light of one grey at a height, or a sample that was dropped.
+        fn add(&mut self, v: Option<f32>, w: f32) {
+            let height = height(w);
+            let columns = Columns::new(std::slice::from_ref(&height));
+            self.0.weights[0] += height;
+            for plane in &mut self.0.light {
+                match v.map(|v| Down::new(&[v], super::height(1.0))) {
+                    Some(Down::Bright(rows)) => plane.add_bright(&columns, 0, rows.row(0)),
+                    Some(Down::Usual(rows)) => plane.add_usual(&columns, 0, rows.row(0)),
+                    None => {}
+                }
+            }
+        }
+
+        fn sum(&self) -> Splat {
+            self.0.sum(0)
         }
     }
 
     #[test]
     fn weighted_means_and_their_variances() {
-        let mut sum = Splat::default();
+        let mut one = One::new();
         for v in [0.25, 2.0, 3.0, 4.75] {
-            add(&mut sum, v, 0.5);
+            one.add(Some(v), 0.5);
         }
+        let sum = one.sum();
         assert_eq!(sum.mean(1), 2.5);
         // As of four plain samples.
         let squares = [0.25_f64, 2.0, 3.0, 4.75].map(|v| v * v).iter().sum::<f64>();
@@ -410,10 +426,11 @@ mod tests {
         let want = (squares - 4.0 * 6.25) / 12.0;
         assert!((variance(&sum, &spread, 1) - want).abs() < 1e-9);
         // One that was dropped counts as black.
-        add_weights(std::slice::from_mut(&mut sum), &[height(0.5)], height(1.0));
-        assert_eq!(sum.mean(0), 2.0);
-        let mut lost = Splat::default();
-        add(&mut lost, 1.0, -0.25);
+        one.add(None, 0.5);
+        assert_eq!(one.sum().mean(0), 2.0);
+        let mut lost = One::new();
+        lost.add(Some(1.0), -0.25);
+        let lost = lost.sum();
         assert_eq!((lost.mean(0), variance(&lost, &spread, 0)), (0.0, 0.0));
     }
 
@@ -421,10 +438,11 @@ mod tests {
     #[test]
     fn dark_and_bright_light_is_kept() {
         for v in [1e-12_f32, 3e-7, 0.1, 0.999_999_94, 1.0, 7.3, 4.2e9, -5e-5, -2e3] {
-            let mut sum = Splat::default();
+            let mut sum = One::new();
             for w in [1.0, 0.3, 1e-3] {
-                add(&mut sum, v, w);
+                sum.add(Some(v), w);
             }
+            let sum = sum.sum();
             let off = (sum.mean(0) / f64::from(v) - 1.0).abs();
             assert!(off < 2e-6, "{v}: {}, off by {off}", sum.mean(0));
         }
@@ -450,13 +468,13 @@ mod tests {
         let mut bias = |samples: u32, trials: u32| {
             let (mut sum, mut squares) = (0.0, 0.0);
             for _ in 0..trials {
-                let mut splat = Splat::default();
+                let mut splat = One::new();
                 for pixel in 0..25 * samples {
                     let place = [pixel % 5, pixel / 5 % 5].map(|p| p as f32 - 2.5 + random());
                     let [w, down] = place.map(|x| filter.relative_height(x));
-                    add(&mut splat, if place[0] < 0.3 { 1.0 } else { 0.0 }, w * down);
+                    splat.add(Some(if place[0] < 0.3 { 1.0 } else { 0.0 }), w * down);
                 }
-                let mean = splat.mean(0);
+                let mean = splat.sum().mean(0);
                 sum += mean;
                 squares += mean * mean;
             }
