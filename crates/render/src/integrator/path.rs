@@ -136,7 +136,7 @@ impl PathTracer {
                 let (radiance, weight) = if state.delta {
                     (environment.radiance_from(ray.d, &reading), 1.0)
                 } else {
-                    let (radiance, pdf) = environment.radiance_pdf_from(ray.d, &reading);
+                    let (radiance, pdf) = environment.radiance_pdf_from(state.from.n, ray.d, &reading);
                     (radiance, balance(state.pdf, world.lights.pmf(emitter, &state.from) * pdf))
                 };
                 sample.light += state.beta * radiance * weight;
@@ -190,9 +190,9 @@ impl PathTracer {
         // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
         // beside them.
         let [u, v] = wave.pattern.d2(&path.name, Purpose::LightPoint);
-        let Some(pick) = world.lights.pick(u, &vertex.receiver()) else { return };
-        let at = vertex.end.p;
-        let Some(light) = world.sample_light(pick.index, at, [pick.rest, v], path.state.lanes) else {
+        let at = vertex.receiver();
+        let Some(pick) = world.lights.pick(u, &at) else { return };
+        let Some(light) = world.sample_light(pick.index, &at, [pick.rest, v], path.state.lanes) else {
             return;
         };
 

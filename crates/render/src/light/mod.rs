@@ -2,14 +2,14 @@
 //!
 //! An emitter is met in two ways, and the two agree:
 //!
-//! - *sampled* ([`Emitter::sample`]) from a reference point: a unit direction `wi` towards it, what arrives from there if
+//! - *sampled* ([`Emitter::sample`]) from a reference point, which may tell which way its surface faces: a unit direction `wi` towards it, what arrives from there if
 //!   nothing is in the way, and the density by solid angle with which `wi` was drawn. A light without extent (`delta`) has
 //!   one direction only; its density counts as 1, and its `radiance` is the irradiance that a surface facing it
 //!   receives. Either way a surface reflects f |cos| `radiance` / `pdf` of it. `None` is a sample of no value: the light
 //!   is black, turned away, or out of reach;
 //! - *hit* by a ray: a surface with [`Emitter::radiance_at`] and [`Emitter::pdf_at`], the surroundings of everything with
-//!   [`Emitter::radiance_from`] and [`Emitter::pdf_from`]. The pdf is that with which `sample` at `p` would have found the
-//!   same direction, and 0 where it never would.
+//!   [`Emitter::radiance_from`] and [`Emitter::pdf_from`]. The pdf is that with which `sample` at the
+//!   same reference point would have found the same direction, and 0 where it never would.
 //!
 //! Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
 //! and mesh ids are those of its [`Geometry`].
@@ -25,6 +25,7 @@ pub mod area;
 pub(crate) mod cube;
 pub mod directional;
 pub mod environment;
+mod facing;
 pub mod point;
 mod reach;
 pub mod spot;
@@ -91,22 +92,23 @@ impl LightSample {
 }
 
 impl Emitter {
-    /// A direction from `p` towards the light; `u` uniform in the unit square.
+    /// A direction from a place towards the light; `u` uniform in the unit square. Surroundings leave out what is behind the surface.
     #[inline]
     pub fn sample<L: Lanes>(
         &self,
         geometry: &Geometry,
-        p: Vec3,
+        at: &Receiver,
         u: [f32; 2],
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
+        let p = at.p;
         match self {
             Self::Point(l) => l.sample(p, reading),
             Self::Spot(l) => l.sample(p, reading),
             Self::Directional(l) => l.sample(reading),
             Self::Area(l) => l.sample(geometry, p, u, reading),
-            Self::Constant(l) => l.sample(u, reading),
-            Self::Image(l) => l.sample(u, reading),
+            Self::Constant(l) => l.sample(at.n, u, reading),
+            Self::Image(l) => l.sample(at.n, u, reading),
         }
     }
 
@@ -139,22 +141,23 @@ impl Emitter {
         }
     }
 
-    /// The density by solid angle with which [`Emitter::sample`] gives `wi`; 0 but for environments.
+    /// The density by solid angle with which [`Emitter::sample`] gives `wi` to a surface of normal `n`, zero where it isn't known; 0 but
+    /// for environments.
     #[inline]
-    pub fn pdf_from(&self, wi: Vec3) -> f32 {
+    pub fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
         match self {
-            Self::Constant(l) => l.pdf(),
-            Self::Image(l) => l.pdf(wi),
+            Self::Constant(l) => l.pdf(n, wi),
+            Self::Image(l) => l.pdf(n, wi),
             _ => 0.0,
         }
     }
 
     /// [`Emitter::radiance_from`] and [`Emitter::pdf_from`] at once.
     #[inline]
-    pub fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+    pub fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
         match self {
-            Self::Image(l) => l.radiance_pdf(wi, reading),
-            _ => (self.radiance_from(wi, reading), self.pdf_from(wi)),
+            Self::Image(l) => l.radiance_pdf(n, wi, reading),
+            _ => (self.radiance_from(wi, reading), self.pdf_from(n, wi)),
         }
     }
 
