@@ -27,26 +27,38 @@ pub(super) const fn product(a: i64, b: i64) -> i64 {
 }
 
 /// The heights of the columns that a sample counts in.
-pub(super) struct Columns<'a> {
-    heights: &'a [i64],
-    /// The same, raised by 1 if any is below 0.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    /// Raised by 1 if any is below 0.
     raised: [u32; MAX_AROUND],
     is_raised: bool,
+    count: usize,
 }
 
-impl<'a> Columns<'a> {
-    pub(super) fn new(heights: &'a [i64]) -> Self {
-        let is_raised = heights.iter().any(|h| *h < 0);
+impl Columns {
+    pub(super) fn new(of: &[i64]) -> Self {
+        let is_raised = of.iter().any(|h| *h < 0);
         let mut raised = [0; MAX_AROUND];
-        for (out, h) in raised.iter_mut().zip(heights) {
+        for (raised, h) in raised.iter_mut().zip(of) {
             // Heights lie in [-1, 1], so that none leaves the range.
-            *out = if is_raised { h + RAISED } else { *h } as u32;
+            *raised = if is_raised { h + RAISED } else { *h } as u32;
         }
-        Self { heights, raised, is_raised }
+        Self { raised, is_raised, count: of.len() }
+    }
+
+    /// How many there are.
+    pub(super) const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// As they are.
+    pub(super) fn heights(&self) -> impl Iterator<Item = i64> {
+        let by = if self.is_raised { RAISED } else { 0 };
+        self.whole().iter().map(move |h| i64::from(*h) - by)
     }
 
     fn whole(&self) -> &[u32] {
-        &self.raised[..self.heights.len()]
+        &self.raised[..self.count]
     }
 }
 
@@ -79,7 +91,7 @@ impl Plane {
     }
 
     /// Adds light below 1 to the columns from `start` on.
-    pub(super) fn add_usual(&mut self, columns: &Columns<'_>, start: usize, row: Row<Usual>) {
+    pub(super) fn add_usual(&mut self, columns: &Columns, start: usize, row: Row<Usual>) {
         let light = row.light;
         if light < 0 {
             return self.add_any(columns, start, row);
@@ -99,9 +111,9 @@ impl Plane {
     }
 
     /// Adds light of any brightness.
-    pub(super) fn add_bright(&mut self, columns: &Columns<'_>, start: usize, row: Row<Bright>) {
+    pub(super) fn add_bright(&mut self, columns: &Columns, start: usize, row: Row<Bright>) {
         let light = row.light;
-        if light < 0 || light >= FAR {
+        if !(0..FAR).contains(&light) {
             return self.add_any(columns, start, row);
         }
         // Below 2^34: a number of 18 bits and one of 16. What a height of 1 brings is the light in units of `high`.
@@ -118,8 +130,8 @@ impl Plane {
     }
 
     /// The same sums, one by one: of light that is very bright, or below 0.
-    fn add_any<A: Across>(&mut self, columns: &Columns<'_>, start: usize, row: Row<A>) {
-        for (i, &w) in (start..).zip(columns.heights) {
+    fn add_any<A: Across>(&mut self, columns: &Columns, start: usize, row: Row<A>) {
+        for (i, w) in (start..).zip(columns.heights()) {
             let Value(v) = row.at(w);
             self.low[i] += (v as u64 & MASK) as i64;
             self.high[i] += ((v >> LIMB) as u64 & MASK) as i64;
@@ -127,8 +139,8 @@ impl Plane {
         }
     }
 
-    fn range(&mut self, start: usize, columns: &Columns<'_>) -> (&mut [i64], &mut [i64]) {
-        let range = start..start + columns.heights.len();
+    fn range(&mut self, start: usize, columns: &Columns) -> (&mut [i64], &mut [i64]) {
+        let range = start..start + columns.count;
         (&mut self.low[range.clone()], &mut self.high[range])
     }
 }

@@ -73,8 +73,49 @@ pub struct Splats {
     weights: Vec<i64>,
     /// By pixel, as many as there are bands, of w v.
     bands: Vec<Value>,
+    /// Samples that are to be added: together, a row of pixels at a time, which stays in the nearest cache.
+    waiting: Vec<Waiting>,
     /// How far a sample's own pixel may be from one that it counts in.
     reach: u32,
+}
+
+/// Samples that wait for one another, where the filter is so wide that a sample's pixels don't fit the nearest cache.
+const TOGETHER: usize = 8;
+const WIDE: u32 = 4;
+
+/// A sample's heights and light.
+#[derive(Clone, Debug)]
+struct Waiting {
+    /// Column and row, of the sums' region, of the first pixel that it counts in.
+    from: [usize; 2],
+    columns: Columns,
+    down: [i32; MAX_AROUND],
+    rows: usize,
+    /// `None` where it counts as black.
+    rgb: Option<[f32; 3]>,
+}
+
+impl Waiting {
+    /// The height of a row, where it counts there.
+    fn down(&self, row: usize) -> Option<i64> {
+        let down = *self.down[..self.rows].get(row.checked_sub(self.from[1])?)?;
+        (down != 0).then_some(i64::from(down))
+    }
+
+    /// Adds what it brings to a pixel.
+    fn add_to(&self, [x, y]: [usize; 2], sum: &mut Splat) {
+        let (Some(down), Some(column)) = (self.down(y), x.checked_sub(self.from[0])) else { return };
+        let Some(across) = self.columns.heights().nth(column) else { return };
+        sum.weight += product(across, down);
+        if let Some(rgb) = &self.rgb {
+            for (c, v) in sum.value.iter_mut().enumerate() {
+                *v += match Down::new(rgb, down) {
+                    Down::Bright(rows) => rows.row(c).at(across),
+                    Down::Usual(rows) => rows.row(c).at(across),
+                };
+            }
+        }
+    }
 }
 
 /// One sample on its way to several pixels.
@@ -105,6 +146,7 @@ impl Splats {
             light: std::array::from_fn(|_| Plane::new(pixels)),
             weights: vec![0; pixels],
             bands: vec![Value::default(); pixels * bands],
+            waiting: Vec::new(),
             reach: 0,
         }
     }
@@ -124,6 +166,7 @@ impl Splats {
     /// Puts other sums in place of a pixel's, if it is within reach.
     pub(super) fn put(&mut self, pixel: [u32; 2], splat: &Splat, bands: &[Value]) {
         if self.region.contains(pixel) {
+            self.settle();
             let i = index(&self.region, pixel);
             self.light.iter_mut().zip(splat.value).for_each(|(plane, v)| plane.put(i, v));
             self.weights[i] = splat.weight;
@@ -132,7 +175,10 @@ impl Splats {
     }
 
     fn sum(&self, i: usize) -> Splat {
-        Splat { value: std::array::from_fn(|c| self.light[c].at(i)), weight: self.weights[i] }
+        let mut sum = Splat { value: std::array::from_fn(|c| self.light[c].at(i)), weight: self.weights[i] };
+        let width = self.region.width() as usize;
+        self.waiting.iter().for_each(|w| w.add_to([i % width, i / width], &mut sum));
+        sum
     }
 
     /// Adds a sample to all pixels within reach.
@@ -153,22 +199,62 @@ impl Splats {
         let across = &across[..around.width() as usize];
         let first = across.iter().position(|h| *h != 0).unwrap_or(across.len());
         let across = &across[first..across.iter().rposition(|h| *h != 0).map_or(first, |last| last + 1)];
-        let columns = Columns::new(across);
-        for (y, &down) in (around.min[1]..around.max[1]).zip(&down) {
-            if down == 0 || across.is_empty() {
-                continue;
+        let from = [0, 1].map(|axis| (around.min[axis] - self.region.min[axis]) as usize);
+        let from = [from[0] + first, from[1]];
+        let rows = around.height() as usize;
+        if sample.is_some() && !bands.is_empty() {
+            for (row, &down) in (from[1]..).zip(&down[..rows]).filter(|(_, down)| **down != 0) {
+                self.add_bands(row * self.region.width() as usize + from[0], across, down, bands);
             }
-            let start = index(&self.region, [around.min[0], y]) + first;
-            let weights = &mut self.weights[start..][..across.len()];
-            weights.iter_mut().zip(across).for_each(|(sum, &w)| *sum += product(w, down));
-            let Some(sample) = sample else { continue };
-            let planes = self.light.iter_mut().enumerate();
-            match Down::new(&sample.rgb, down) {
-                Down::Bright(rows) => planes.for_each(|(c, p)| p.add_bright(&columns, start, rows.row(c))),
-                Down::Usual(rows) => planes.for_each(|(c, p)| p.add_usual(&columns, start, rows.row(c))),
-            }
-            if !bands.is_empty() {
-                self.add_bands(start, across, down, bands);
+        }
+        let waiting = Waiting {
+            from,
+            columns: Columns::new(across),
+            // Heights lie in [-1, 1].
+            down: down.map(|h| h as i32),
+            rows,
+            rgb: sample.map(|s| s.rgb),
+        };
+        if self.reach < WIDE {
+            return self.add_all(std::slice::from_ref(&waiting));
+        }
+        if self.waiting.capacity() == 0 {
+            self.waiting.reserve_exact(TOGETHER);
+        }
+        self.waiting.push(waiting);
+        if self.waiting.len() == TOGETHER {
+            self.settle();
+        }
+    }
+
+    /// Adds the samples that wait.
+    fn settle(&mut self) {
+        let mut waiting = std::mem::take(&mut self.waiting);
+        self.add_all(&waiting);
+        waiting.clear();
+        self.waiting = waiting;
+    }
+
+    fn add_all(&mut self, samples: &[Waiting]) {
+        let width = self.region.width() as usize;
+        let first = samples.iter().map(|w| w.from[1]).min().unwrap_or(0);
+        let end = samples.iter().map(|w| w.from[1] + w.rows).max().unwrap_or(0);
+        for row in first..end {
+            for w in samples {
+                let Some(down) = w.down(row) else { continue };
+                let start = row * width + w.from[0];
+                let weights = &mut self.weights[start..][..w.columns.count()];
+                weights.iter_mut().zip(w.columns.heights()).for_each(|(sum, w)| *sum += product(w, down));
+                let Some(rgb) = &w.rgb else { continue };
+                let planes = self.light.iter_mut().enumerate();
+                match Down::new(rgb, down) {
+                    Down::Bright(rows) => {
+                        planes.for_each(|(c, p)| p.add_bright(&w.columns, start, rows.row(c)))
+                    }
+                    Down::Usual(rows) => {
+                        planes.for_each(|(c, p)| p.add_usual(&w.columns, start, rows.row(c)))
+                    }
+                }
             }
         }
     }
@@ -396,7 +482,7 @@ mod tests {
         /// Adds light of one grey at a height, or a sample that was dropped.
         fn add(&mut self, v: Option<f32>, w: f32) {
             let height = height(w);
-            let columns = Columns::new(std::slice::from_ref(&height));
+            let columns = Columns::new(&[height]);
             self.0.weights[0] += height;
             for plane in &mut self.0.light {
                 match v.map(|v| Down::new(&[v], super::height(1.0))) {

@@ -212,7 +212,7 @@ fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 #[inline]
 fn index(n: Vec3) -> usize {
     let sum = n.x.abs() + n.y.abs() + n.z.abs();
-    if !(sum > 0.0) {
+    if sum.is_nan() || sum <= 0.0 {
         return SIDE * SIDE;
     }
     let (mut u, mut v) = (n.x / sum, n.z / sum);
