@@ -77,6 +77,7 @@ macro_rules! bsdfs {
 
         /// What the tests try of every kind.
         #[cfg(test)]
+        #[expect(clippy::extra_unused_lifetimes, reason = "some kinds in the list name it")]
         fn registry<'w>() -> Vec<testing::Example> {
             let mut all = Vec::new();
             $( all.extend(<$Type as Scatter>::examples()); )+
