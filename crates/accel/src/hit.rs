@@ -121,7 +121,7 @@ pub struct Cost {
     pub nodes: u32,
     /// Boxes tested, of nodes' children and of single primitives; a node of the wide tree tests up to eight at once.
     pub boxes: u32,
-    /// Blocks of up to eight triangles tested.
+    /// Blocks of up to eight triangles or shapes tested.
     pub blocks: u32,
     /// Triangles, shapes and instances tested.
     pub primitives: u32,

@@ -1,5 +1,6 @@
 //! What a scene is built from.
 
+use crate::analytic::Analytic;
 use std::sync::Arc;
 use straal_math::{Bounds, Ray, Transform, Vec3};
 
@@ -60,7 +61,7 @@ pub enum GeometryKind {
     },
 }
 
-/// The caller's own primitives. Both functions are pure: same input, same bits.
+/// The caller's own primitives. All functions are pure: same input, same bits.
 pub trait Shapes: Sync {
     /// A box around the shape in its group's space; `None` when it is unbounded, like a plane: such shapes are tested
     /// against every ray.
@@ -69,6 +70,12 @@ pub trait Shapes: Sync {
     /// The hit with the least t in [`t_min`, `t_max`] of the ray, which is given in the group's space with its full
     /// interval, whatever was found already.
     fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit>;
+
+    /// The formula that the shape is, if it is one: it is then tested many at a time, and [`Self::intersect`] gives the same
+    /// bits by [`Analytic::intersect`].
+    fn analytic(&self, _shape: u32) -> Option<Analytic> {
+        None
+    }
 }
 
 /// No shapes at all, for scenes of triangles only.
@@ -141,11 +148,13 @@ pub enum BuildError {
     /// Instances nested deeper than [`crate::MAX_DEPTH`].
     #[error("instances are nested deeper than {} levels", crate::MAX_DEPTH)]
     TooDeep,
-    /// More of something than 30 bits can number.
-    #[error("too many {what}: at most 2^30 - 1 are supported")]
+    /// More of something than can be numbered.
+    #[error("too many {what}: at most {most} are supported")]
     TooMany {
         /// Of what.
         what: &'static str,
+        /// How many there may be.
+        most: u32,
     },
     /// The processor lacks the instruction set that was asked for.
     #[error("this processor lacks the instruction set {isa}")]

@@ -24,6 +24,7 @@
 //! Denied everywhere but in `kernel`, where each module says why it holds.
 #![deny(unsafe_code)]
 
+mod analytic;
 mod brute;
 mod bsp;
 mod bvh;
@@ -37,6 +38,7 @@ mod input;
 mod isa;
 mod kd;
 mod kernel;
+mod lanes;
 mod local;
 mod mailbox;
 mod octree;
@@ -49,6 +51,7 @@ mod structure;
 mod triangle;
 mod volumes;
 
+pub use analytic::{Analytic, Patch};
 pub use bsp::{BspChoice, BspParams};
 pub use bvh::params::{Build, BvhParams};
 pub use bvh2::{Bvh2Params, Split};

@@ -1,6 +1,7 @@
 //! The tests that every structure makes: one triangle, one object, one group.
 
 use crate::{
+    analytic::block::{Block as ShapeBlock, Found},
     bvh::{Block, WIDTH},
     hit::{Chain, Cost, Hit},
     input::Shapes,
@@ -140,12 +141,12 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
         }
     }
 
-    /// Counts a block of triangles.
+    /// Counts a block of triangles or shapes.
     #[inline(always)]
-    pub fn count_block(&mut self, triangles: u32) {
+    pub fn count_block(&mut self, primitives: u32) {
         if COUNT {
             self.cost.blocks += 1;
-            self.cost.primitives += triangles;
+            self.cost.primitives += primitives;
         }
     }
 
@@ -209,6 +210,49 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
             Some(b) => slab::entry(b, at.ray),
             None => Some(f32::NEG_INFINITY),
         }
+    }
+
+    /// Tests a block of shapes.
+    #[inline(always)]
+    pub fn shapes_closest(&mut self, at: &Place<'_>, block: ShapeBlock<'_>, best: &mut Hit) {
+        let found = self.shapes_met(at, block, best.t);
+        self.shapes_offer(at, block, &found, best);
+    }
+
+    /// What a ray meets of a block of shapes up to a limit.
+    #[inline(always)]
+    pub fn shapes_met(&mut self, at: &Place<'_>, block: ShapeBlock<'_>, limit: f32) -> Found {
+        self.count_block(block.head.count);
+        self.kernel.meet(at.ray, block, limit)
+    }
+
+    /// Offers what was met of a block of shapes.
+    #[inline(always)]
+    pub fn shapes_offer(&self, at: &Place<'_>, block: ShapeBlock<'_>, found: &Found, best: &mut Hit) {
+        let mut hit = found.hit;
+        while hit != 0 {
+            let lane = hit.trailing_zeros() as usize % WIDTH;
+            hit &= hit - 1;
+            if block.head.masks[lane] & at.ray.ray.mask != 0 {
+                let (geometry, primitive) = at.group.shape(block.head.objects[lane]);
+                let [t, u, v] = [found.t[lane], found.u[lane], found.v[lane]].map(|x| x as f32);
+                best.offer(&Hit { t, u, v, geometry, primitive, chain: *at.chain });
+            }
+        }
+    }
+
+    /// Whether a shape of a block is hit.
+    #[inline(always)]
+    pub fn shapes_occluded(&mut self, at: &Place<'_>, block: ShapeBlock<'_>) -> bool {
+        self.count_block(block.head.count);
+        let mut hit = self.kernel.meet(at.ray, block, at.ray.ray.t_max).hit;
+        while hit != 0 {
+            if block.head.masks[hit.trailing_zeros() as usize % WIDTH] & at.ray.ray.mask != 0 {
+                return true;
+            }
+            hit &= hit - 1;
+        }
+        false
     }
 
     /// Tests a shape or an instance.

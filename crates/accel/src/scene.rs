@@ -1,6 +1,7 @@
 //! A scene ready to be searched, and how it is put together.
 
 use crate::{
+    analytic::block::Member,
     brute::Brute,
     bsp::BspTree,
     bvh::Bvh,
@@ -75,8 +76,10 @@ pub(crate) struct GroupData {
     /// The group's meshes, by geometry; a triangle's number in the group counts over them.
     meshes: Vec<MeshStart>,
     pub objects: Vec<Object>,
-    /// Objects without a box.
+    /// Objects without a box that the structure doesn't test.
     pub unbounded: Vec<u32>,
+    /// Whether anything has no box.
+    is_unbounded: bool,
     pub searcher: Searcher,
     /// The bits that the masks of all its meshes have.
     pub all_masks: u32,
@@ -113,6 +116,7 @@ impl GroupData {
             meshes: Vec::new(),
             objects: Vec::new(),
             unbounded: Vec::new(),
+            is_unbounded: false,
             searcher: Searcher::Bvh(Bvh::EMPTY),
             all_masks: u32::MAX,
             bounds: Bounds::EMPTY,
@@ -123,6 +127,15 @@ impl GroupData {
     /// The longest edge of the box around all that is bounded.
     pub fn extent(&self) -> f32 {
         self.bounds.extent().max_element()
+    }
+
+    /// Geometry and primitive of a shape, by its number among the objects.
+    #[inline(always)]
+    pub fn shape(&self, object: u32) -> (u32, u32) {
+        match self.objects[object as usize].kind {
+            ObjectKind::Shape { geometry, primitive, .. } => (geometry, primitive),
+            ObjectKind::Instance(_) => (u32::MAX, u32::MAX),
+        }
     }
 
     /// Geometry and triangle index of the group's n-th triangle.
@@ -327,7 +340,7 @@ impl Scene {
                     let first = triangles as u32;
                     triangles += indices.len() as u64;
                     if triangles > u64::from(LIMIT) {
-                        return Err(BuildError::TooMany { what: "triangles in a group" });
+                        return Err(BuildError::TooMany { what: "triangles in a group", most: LIMIT });
                     }
                     data.meshes.push(MeshStart { geometry, first });
                     data.all_masks &= self.masks[geometry as usize];
@@ -362,7 +375,7 @@ impl Scene {
         }
         for (i, instance) in group.instances.iter().enumerate() {
             let inner = &self.groups[instance.group as usize];
-            let bounds = if inner.unbounded.is_empty() {
+            let bounds = if !inner.is_unbounded {
                 let b = instance_bounds(inner.bounds, &instance.transform);
                 if b.is_empty() || !b.is_finite() {
                     if !inner.bounds.is_empty() {
@@ -384,22 +397,38 @@ impl Scene {
             let kind = ObjectKind::Instance(first_instance + i as u32);
             data.objects.push(Object { kind, mask: instance.mask, bounds });
         }
-        if data.objects.len() > LIMIT as usize {
-            return Err(BuildError::TooMany { what: "shapes and instances in a group" });
+        if data.objects.len() > MOST_OBJECTS as usize {
+            return Err(BuildError::TooMany { what: "shapes and instances in a group", most: MOST_OBJECTS });
         }
         prims.reserve_exact(data.objects.len());
+        let mut members = Vec::new();
         for (i, o) in data.objects.iter().enumerate() {
-            match o.bounds {
-                Some(bounds) => prims.push(Prim { bounds, kind: PrimKind::Object(i as u32) }),
-                None => data.unbounded.push(i as u32),
+            let object = i as u32;
+            let shape = match (options.structure, o.kind) {
+                (Structure::Bvh(_), ObjectKind::Shape { shape, .. }) => shapes.analytic(shape),
+                _ => None,
+            };
+            data.is_unbounded |= o.bounds.is_none();
+            if let Some(bounds) = o.bounds {
+                data.bounds = data.bounds.union(bounds);
+            }
+            match (o.bounds, shape) {
+                (bounds, Some(shape)) => {
+                    let bounds = bounds.unwrap_or(EVERYWHERE);
+                    members.push(Member { object, mask: o.mask, bounds, shape });
+                }
+                (Some(bounds), None) => prims.push(Prim { bounds, kind: PrimKind::Object(object) }),
+                (None, None) => data.unbounded.push(object),
             }
         }
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
         data.searcher = match options.structure {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
             Structure::Bvh(params) => {
-                let bvh = Bvh::build(&prims, &params, |id| self.vertices(&data, id));
-                Searcher::Bvh(bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree" })?)
+                let bvh = Bvh::build(&prims, members, &params, |id| self.vertices(&data, id));
+                Searcher::Bvh(
+                    bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree", most: LIMIT })?,
+                )
             }
             Structure::Bvh2(params) => Searcher::Bvh2(Bvh2::build(&prims, &params)),
             Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),
@@ -458,6 +487,15 @@ impl Content for Meshes<'_> {
     }
 }
 
+/// The box of what has none.
+const EVERYWHERE: Bounds = Bounds {
+    min: Vec3::new(f32::NEG_INFINITY, f32::NEG_INFINITY, f32::NEG_INFINITY),
+    max: Vec3::new(f32::INFINITY, f32::INFINITY, f32::INFINITY),
+};
+
+/// The most objects in a group: three bits of a child of the wide tree are taken.
+const MOST_OBJECTS: u32 = LIMIT >> 1;
+
 /// The most primitives of a kind in a group: two bits of a reference are taken.
 const LIMIT: u32 = (1 << 30) - 1;
 
@@ -503,7 +541,7 @@ fn check(input: &Input) -> Result<(), BuildError> {
         [(instances, "instances"), (input.groups.len(), "groups"), (input.geometries.len(), "geometries")]
     {
         if n > LIMIT as usize {
-            return Err(BuildError::TooMany { what });
+            return Err(BuildError::TooMany { what, most: LIMIT });
         }
     }
     for (g, geometry) in input.geometries.iter().enumerate() {
@@ -518,7 +556,7 @@ fn check(input: &Input) -> Result<(), BuildError> {
             }
             GeometryKind::Shapes { first, count } => {
                 if first.checked_add(*count).is_none() || *count > LIMIT {
-                    return Err(BuildError::TooMany { what: "shapes" });
+                    return Err(BuildError::TooMany { what: "shapes", most: LIMIT });
                 }
             }
         }

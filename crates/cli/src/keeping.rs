@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
-use straal::sums::{Kept, Snapshot};
-use straal::{Job, Pause};
+use straal::sums::Kept;
+use straal::{Job, Pause, Snapshot};
 use straal_formats::atomic::{self, WriteError};
 
 /// What is to be kept.
@@ -192,7 +192,7 @@ impl<'a> Keeping<'a> {
     /// When all results of a job are tried: a render that is complete, and written, needs no checkpoint any more; nor an
     /// earlier one that wasn't used.
     pub fn end(mut self, job: &Job, is_written: bool) -> Told {
-        let is_ours = |path: &Path| Kept::open(path).is_ok_and(|kept| kept.is_of(job));
+        let is_ours = |path: &Path| Kept::open(path).is_ok_and(|kept| job.is_source_of(&kept));
         if is_written && self.is_complete && is_ours(&self.path) && fs::remove_file(&self.path).is_ok() {
             self.kept = None;
         }

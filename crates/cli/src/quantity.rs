@@ -3,10 +3,10 @@
 use std::str::FromStr;
 use std::time::Duration;
 use straal::Recording;
-use straal::points::Map;
 use straal::studio::Background;
 use straal_scene::desc::SpectralChannels;
 use straal_scene::value::Color;
+use straal_study::points::Map;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -262,7 +262,7 @@ pub fn rounds(typed: &str) -> Result<u32, String> {
 
 /// A number of points of a pattern.
 pub fn points(typed: &str) -> Result<u32, String> {
-    within(typed, 1, straal::points::MOST)
+    within(typed, 1, straal_study::points::MOST)
 }
 
 fn within<T>(typed: &str, least: T, most: T) -> Result<T, String>

@@ -1,7 +1,7 @@
 //! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
 //! ray is traced found out.
 
-use crate::args::{LookArgs, RenderArgs, StudioArgs};
+use crate::args::{LookArgs, RenderArgs};
 use crate::exit::Failure;
 use crate::keeping::Wish;
 use crate::machine;
@@ -9,8 +9,9 @@ use crate::places::{check_output, check_pictures, format_of, is_stream, refuse_i
 use crate::quantity::{Every, count};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use straal::picture::{Format, SaveError};
-use straal::{CostMeasure, Look, Overrides};
+use straal::picture::Format;
+use straal::{LoadOptions, Look, Overrides};
+use straal_study::{SaveError, cost};
 
 /// What is lost at most when a render that writes an EXR is killed.
 const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
@@ -33,25 +34,19 @@ pub struct RenderSettings {
     /// What is kept of it besides pictures.
     pub keep: Wish,
     /// Where the picture of the searches' costs goes, and which cost it shows.
-    pub cost_picture: Option<(PathBuf, CostMeasure)>,
+    pub cost_picture: Option<(PathBuf, cost::Measure)>,
     /// Where the scene goes as a file.
     pub write_scene: Option<PathBuf>,
-    /// How a bare mesh is shown.
-    pub studio: StudioArgs,
     /// Steps of the look in place of the scene's.
     pub look: LookArgs,
-    /// Bytes of memory that may be used, where that is known.
-    pub memory: Option<u64>,
     /// What is told before the render begins.
     pub note: Option<String>,
     /// Whether only errors are told.
     pub quiet: bool,
     /// Whether the result is told to a script.
     pub json: bool,
-    /// Whether unknown keys are warnings.
-    pub lenient: bool,
-    /// The folder that files are read from, where that is confined.
-    pub root: Option<PathBuf>,
+    /// How the scene is read.
+    pub reading: LoadOptions,
 }
 
 impl RenderSettings {
@@ -123,7 +118,8 @@ impl RenderSettings {
         // What is put together later may become an EXR.
         let has_exr = has_exr || keep.sums.is_some();
         let (threads, note) = threads(args.threads);
-        let memory = args.memory.or_else(machine::memory);
+        let size = args.size.map(|s| s.0);
+        let reading = LoadOptions { studio: args.studio.studio(size), ..args.reading.options() };
         Ok(Self {
             format,
             scene: args.scene,
@@ -131,7 +127,7 @@ impl RenderSettings {
             overrides: Overrides {
                 spp: args.spp,
                 samples: args.samples.map(|s| s.0),
-                size: args.size.map(|s| s.0),
+                size,
                 crop: args.crop.map(|c| c.0),
                 seed: args.seed,
                 noise: args.noise,
@@ -148,7 +144,7 @@ impl RenderSettings {
                 isa: args.isa,
                 batch: args.batch,
                 shuffle_tiles: None,
-                memory,
+                memory: reading.memory,
                 cost: (args.cost || args.cost_picture.is_some()).then_some(true),
             },
             time: args.time,
@@ -156,14 +152,11 @@ impl RenderSettings {
             keep,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
             write_scene: args.write_scene,
-            studio: args.studio,
             look: args.look,
-            memory,
             note,
             quiet: args.quiet,
             json: args.json,
-            lenient: args.lenient,
-            root: args.root,
+            reading,
         })
     }
 

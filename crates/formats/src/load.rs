@@ -1,16 +1,18 @@
 //! From a path to a scene with everything it names.
 
 use std::collections::BTreeMap;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use straal_scene::decode::{Describe, Strictness, read_scene};
+use straal_scene::decode::{Strictness, write_json};
 use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
-use straal_scene::forecast::{description_bytes, mesh_bytes};
 use straal_scene::memory::{Ledger, Shortage};
-use straal_scene::value::FileRef;
-use straal_scene::{Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, suggest};
+use straal_scene::value::{Asset, FileRef};
+use straal_scene::{
+    Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, read_scene, suggest,
+};
 
 use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, MeshFile};
@@ -113,8 +115,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let length = bytes.len() as u64;
     let mut ledger = Ledger::new(options.memory);
     ledger.keep(2 * length);
-    ledger.pass(length + tree_bytes + description_bytes(&scene));
-    ledger.keep(description_bytes(&scene));
+    ledger.pass(length + tree_bytes + scene.heap_bytes());
+    ledger.keep(scene.heap_bytes());
     let mut finder = finder(options)?;
     let paths = locate(&scene, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
@@ -125,10 +127,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let mut reader =
         Reader { limits: &options.files, finder, hashes: BTreeMap::new(), files, ledger, d: &mut d };
     let assets = reader.assets(&scene, &paths);
-    let mut ledger = reader.ledger;
+    let ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
-    // To be hashed, the scene is written again.
-    ledger.pass(length + tree_bytes);
     let files = reader.files;
     let needs_light = matches!(scene.integrator, Integrator::Path(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
@@ -241,7 +241,9 @@ fn locate(
     d: &mut Diagnostics,
 ) -> BTreeMap<String, PathBuf> {
     let mut paths = BTreeMap::new();
-    for file in scene.mesh_files().into_iter().chain(scene.image_files()).chain(scene.spectrum_files()) {
+    let meshes = scene.mesh_files().into_iter().map(|asset| &asset.file);
+    let images = scene.image_files().into_iter().map(|asset| &asset.file);
+    for file in meshes.chain(images).chain(scene.spectrum_files()) {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
@@ -293,9 +295,9 @@ impl Reader<'_> {
         // The same file under two names is read once.
         let mut meshes: BTreeMap<PathBuf, (MeshAsset, [u8; 32])> = BTreeMap::new();
         let mut images: BTreeMap<PathBuf, (Arc<Image>, [u8; 32])> = BTreeMap::new();
-        for file in scene.mesh_files() {
+        for Asset { file, handle } in scene.mesh_files() {
             let Some(path) = paths.get(&file.value) else { continue };
-            if assets.meshes.contains_key(&file.value) {
+            if assets.meshes.get(*handle).is_some() {
                 continue;
             }
             let real = path.canonicalize().unwrap_or_else(|_| path.clone());
@@ -304,13 +306,13 @@ impl Reader<'_> {
                 meshes.insert(real.clone(), asset);
             }
             if let Some((asset, hash)) = meshes.get(&real) {
-                assets.meshes.insert(file.value.clone(), asset.clone());
+                assets.meshes.put(*handle, asset.clone());
                 self.hashes.insert(file.value.clone(), *hash);
             }
         }
-        for file in scene.image_files() {
+        for Asset { file, handle } in scene.image_files() {
             let Some(path) = paths.get(&file.value) else { continue };
-            if assets.images.contains_key(&file.value) {
+            if assets.images.get(*handle).is_some() {
                 continue;
             }
             let real = path.canonicalize().unwrap_or_else(|_| path.clone());
@@ -319,7 +321,7 @@ impl Reader<'_> {
                 images.insert(real.clone(), image);
             }
             if let Some((image, hash)) = images.get(&real) {
-                assets.images.insert(file.value.clone(), image.clone());
+                assets.images.put(*handle, image.clone());
                 self.hashes.insert(file.value.clone(), *hash);
             }
         }
@@ -371,7 +373,7 @@ impl Reader<'_> {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
                 }
-                let own = mesh_bytes(&asset.mesh);
+                let own = asset.mesh.heap_bytes();
                 self.ledger.pass(length + own);
                 self.ledger.keep(own);
                 (asset, hash)
@@ -405,7 +407,7 @@ impl Reader<'_> {
                     self.d.push(Diagnostic::warning(file.span, message));
                 }
                 self.ledger.pass(length.saturating_add(decoded));
-                self.ledger.keep(12 * image.pixels.len() as u64);
+                self.ledger.keep(image.heap_bytes());
                 (Arc::new(image), blake3::hash(&bytes).into())
             }
             Err(e) => {
@@ -434,10 +436,13 @@ impl Reader<'_> {
     }
 }
 
-/// What the scene says, and the bytes of its files in the order of their names.
+/// What the scene says, as JSON that is hashed while it is written, and the bytes of its files in the order of their names.
 fn hash(scene: &Scene, files: &BTreeMap<String, [u8; 32]>) -> [u8; 32] {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(scene.write().to_string().as_bytes());
+    let mut pieces = BufWriter::with_capacity(1 << 14, &mut hasher);
+    // A hasher refuses nothing.
+    let _ = write_json(scene, &mut pieces).and_then(|()| pieces.flush());
+    drop(pieces);
     for (name, hash) in files {
         hasher.update(&[0]).update(name.as_bytes()).update(&[0]).update(hash);
     }
@@ -449,9 +454,9 @@ fn gives_light(scene: &Scene, assets: &Assets) -> bool {
     scene.visit(|node| {
         lit |= node.surface().is_some_and(|s| s.emission.is_some());
         if let Node::Mesh(m) = node
-            && let Some(asset) = m.file.as_ref().and_then(|f| assets.mesh(f))
+            && let Some(asset) = &m.file
         {
-            lit |= asset.materials.values().any(|m| m.emission.is_some());
+            lit |= assets.mesh(asset.handle).materials.values().any(|m| m.emission.is_some());
         }
     });
     lit
@@ -471,7 +476,7 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let read =
         mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
     let libraries = read.libraries.clone();
-    ledger.pass(length + mesh_bytes(&read.asset.mesh));
+    ledger.pass(length + read.asset.mesh.heap_bytes());
     let loaded = in_studio(path, read, &options.studio)?;
     let files = std::iter::once(path.to_path_buf()).chain(libraries).collect();
     Ok(Loaded { files, peak_bytes: ledger.most(), ..loaded })
@@ -480,15 +485,15 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
 /// A mesh with a studio around it.
 fn in_studio(path: &Path, read: MeshFile, studio: &studio::Studio) -> Result<Loaded, Diagnostics> {
     let name = path.display().to_string();
-    let (scene, told) = studio::around(&name, &read.asset, studio)
+    let mut assets = Assets::default();
+    let shown = Asset::new(name.clone(), assets.meshes.add(read.asset.clone()));
+    let (scene, told) = studio::around(&shown, &read.asset, studio)
         .map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
     told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }
-    let mut assets = Assets::default();
-    assets.meshes.insert(name, read.asset);
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
     let peak_bytes = 0;

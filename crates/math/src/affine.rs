@@ -1,5 +1,6 @@
 //! Affine maps: set-up composes them in double precision, rays use both directions in single precision.
 
+use crate::simd::Float;
 use crate::{DVec3, Ray, Vec3, ops};
 
 /// An affine map in double precision: x -> M x + b, as three rows of four.
@@ -128,9 +129,14 @@ pub struct Transform {
 }
 
 #[inline(always)]
-fn apply(m: &[[f32; 4]; 3], p: Vec3, w: f32) -> Vec3 {
-    let row = |i: usize| m[i][0] * p.x + m[i][1] * p.y + m[i][2] * p.z + m[i][3] * w;
-    Vec3::new(row(0), row(1), row(2))
+fn apply<F: Float>(m: &[[f32; 4]; 3], p: Vec3<F>, w: f32) -> Vec3<F> {
+    Vec3::new(row(m[0], p) + m[0][3] * w, row(m[1], p) + m[1][3] * w, row(m[2], p) + m[2][3] * w)
+}
+
+/// The linear part of a row times a vector.
+#[inline(always)]
+fn row<F: Float>(m: [f32; 4], p: Vec3<F>) -> F {
+    p.x * m[0] + p.y * m[1] + p.z * m[2]
 }
 
 impl Transform {
@@ -150,34 +156,34 @@ impl Transform {
     }
 
     /// Object point to world.
-    #[inline]
-    pub fn point(&self, p: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn point<F: Float>(&self, p: Vec3<F>) -> Vec3<F> {
         apply(&self.forward, p, 1.0)
     }
 
     /// Object displacement to world.
-    #[inline]
-    pub fn vector(&self, v: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn vector<F: Float>(&self, v: Vec3<F>) -> Vec3<F> {
         apply(&self.forward, v, 0.0)
     }
 
     /// Object normal to world, not renormalised.
-    #[inline]
-    pub fn normal(&self, n: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn normal<F: Float>(&self, n: Vec3<F>) -> Vec3<F> {
         let m = &self.inverse;
-        let column = |j: usize| m[0][j] * n.x + m[1][j] * n.y + m[2][j] * n.z;
-        Vec3::new(column(0), column(1), column(2))
+        let [a, b, c] = [0, 1, 2].map(|j: usize| [m[0][j], m[1][j], m[2][j], 0.0]);
+        Vec3::new(row(a, n), row(b, n), row(c, n))
     }
 
     /// World point to object.
-    #[inline]
-    pub fn inverse_point(&self, p: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn inverse_point<F: Float>(&self, p: Vec3<F>) -> Vec3<F> {
         apply(&self.inverse, p, 1.0)
     }
 
     /// World displacement to object.
-    #[inline]
-    pub fn inverse_vector(&self, v: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn inverse_vector<F: Float>(&self, v: Vec3<F>) -> Vec3<F> {
         apply(&self.inverse, v, 0.0)
     }
 
@@ -189,16 +195,17 @@ impl Transform {
 
     /// Upper bound of the absolute rounding error, each coordinate, of [`Self::point`] for object points that are
     /// themselves off by at most `p_err` (Higham's gamma(n) bound of a sum of four products; 3 roundings each).
-    #[inline]
-    pub fn point_error(&self, p: Vec3, p_err: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn point_error<F: Float>(&self, p: Vec3<F>, p_err: Vec3<F>) -> Vec3<F> {
         const GAMMA4: f32 = 4.0 * f32::EPSILON * 0.5 * 1.001;
-        let row = |i: usize| {
-            let m = &self.forward[i];
-            let size = (m[0] * p.x).abs() + (m[1] * p.y).abs() + (m[2] * p.z).abs() + m[3].abs();
-            let carried = m[0].abs() * p_err.x + m[1].abs() * p_err.y + m[2].abs() * p_err.z;
-            GAMMA4 * size + (1.0 + GAMMA4) * carried
-        };
-        Vec3::new(row(0), row(1), row(2))
+        #[inline(always)]
+        fn of_row<F: Float>(m: [f32; 4], p: Vec3<F>, p_err: Vec3<F>) -> F {
+            // The absolute value of a product is the product of absolute values, to the bit.
+            let m = [m[0].abs(), m[1].abs(), m[2].abs(), m[3].abs()];
+            (row(m, p.abs()) + m[3]) * GAMMA4 + row(m, p_err) * (1.0 + GAMMA4)
+        }
+        let [a, b, c] = self.forward;
+        Vec3::new(of_row(a, p, p_err), of_row(b, p, p_err), of_row(c, p, p_err))
     }
 }
 

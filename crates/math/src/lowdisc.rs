@@ -2,7 +2,10 @@
 //!
 //! [`SampleName`] holds what the draws of one path vertex share, hashed once; a [`Pattern`] turns it and a
 //! [`Purpose`] into one, two or four numbers. Nothing counts draws, so that adding a purpose moves no other number
-//! and any pixel, sample or path can be run again alone.
+//! and any pixel, sample or path can be run again alone. Names and numbers are plain ones, or those of many vertices side
+//! by side ([`crate::simd`]).
+
+use crate::simd::{Float, Uint, Ulong};
 
 mod blue;
 mod halton;
@@ -15,55 +18,93 @@ pub use kind::PatternKind;
 pub use pattern::Pattern;
 pub use set::Set;
 
-/// What the random numbers of one vertex of one path are named by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SampleName {
+/// What the random numbers of one vertex of one path are named by; or of many vertices, one in each lane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleName<F: Float = f32> {
     /// A hash of seed and pixel; what [`Pattern::name`] makes of them where a pattern runs over all pixels.
-    pixel: u64,
+    pixel: F::Ulong,
     /// The hash of the branches taken since the camera, see [`child_node`].
-    node: u32,
+    node: F::Uint,
     /// The sample's index, its bits in reverse order, as the draws want it.
-    reversed_index: u32,
+    reversed_index: F::Uint,
 }
+
+impl Eq for SampleName {}
 
 impl SampleName {
     /// The name at the camera: `pixel` is that of the whole picture, whatever is cropped or tiled; `index` is the
     /// sample's in the pixel. For patterns that fill each pixel by itself; [`Pattern::name`] serves all.
     #[inline]
-    pub const fn new(seed: u64, pixel: [u32; 2], index: u32) -> Self {
-        let place = (pixel[1] as u64) << 32 | pixel[0] as u64;
-        let pixel = mix(mix(seed ^ 0x5851_f42d_4c95_7f2d) ^ place);
-        Self { pixel, node: ROOT_NODE, reversed_index: index.reverse_bits() }
+    pub fn new(seed: u64, pixel: [u32; 2], index: u32) -> Self {
+        Self::side_by_side(seed, pixel, index)
+    }
+}
+
+impl<F: Float> SampleName<F> {
+    /// As [`SampleName::new`], for a pixel and a sample in each lane.
+    #[inline(always)]
+    pub fn side_by_side(seed: u64, pixel: [F::Uint; 2], index: F::Uint) -> Self {
+        let place = pixel[1].to_ulong() << 32 | pixel[0].to_ulong();
+        let pixel = mix(place ^ mix(seed ^ 0x5851_f42d_4c95_7f2d));
+        Self { pixel, node: F::Uint::splat(ROOT_NODE), reversed_index: index.reverse_bits() }
+    }
+
+    /// The names that `f` gives, a lane each.
+    #[inline(always)]
+    pub fn from_fn(mut f: impl FnMut(usize) -> SampleName) -> Self {
+        let mut pixel = F::Ulong::splat(0).to_array();
+        let [mut node, mut reversed_index] = [F::Uint::splat(0).to_array(); 2];
+        for i in 0..F::WIDTH {
+            let name = f(i);
+            pixel.as_mut()[i] = name.pixel;
+            node.as_mut()[i] = name.node;
+            reversed_index.as_mut()[i] = name.reversed_index;
+        }
+        Self {
+            pixel: F::Ulong::from_array(pixel),
+            node: F::Uint::from_array(node),
+            reversed_index: F::Uint::from_array(reversed_index),
+        }
+    }
+
+    /// The name of one lane.
+    #[inline(always)]
+    pub fn lane(&self, i: usize) -> SampleName {
+        SampleName {
+            pixel: self.pixel.lane(i),
+            node: self.node.lane(i),
+            reversed_index: self.reversed_index.lane(i),
+        }
     }
 
     /// The same sample at another node.
     #[inline(always)]
-    pub const fn at(self, node: u32) -> Self {
+    pub fn at(self, node: F::Uint) -> Self {
         Self { node, ..self }
     }
 
     /// The same sample one branch further: `self.at(child_node(self.node(), branch))`.
     #[inline(always)]
-    pub const fn child(self, branch: u32) -> Self {
+    pub fn child(self, branch: u32) -> Self {
         self.at(child_node(self.node, branch))
     }
 
     /// The node's hash.
     #[inline(always)]
-    pub const fn node(self) -> u32 {
+    pub fn node(self) -> F::Uint {
         self.node
     }
 
     /// The index of the sample in its pixel.
     #[inline(always)]
-    pub const fn index(self) -> u32 {
+    pub fn index(self) -> F::Uint {
         self.reversed_index.reverse_bits()
     }
 
     /// 64 bits that depend on all but the index.
     #[inline(always)]
-    const fn stream(self, purpose: Purpose) -> u64 {
-        mix(self.pixel ^ ((self.node as u64) << 32 | purpose as u64))
+    fn stream(self, purpose: Purpose) -> F::Ulong {
+        mix(self.pixel ^ (self.node.to_ulong() << 32 | purpose as u64))
     }
 }
 
@@ -72,13 +113,11 @@ pub const ROOT_NODE: u32 = 0;
 
 /// The node reached from `node` by its branch number `branch` (a path that doesn't split takes branch 0 each time).
 #[inline(always)]
-pub const fn child_node(node: u32, branch: u32) -> u32 {
+pub fn child_node<U: Uint>(node: U, branch: u32) -> U {
     // Two rounds of an xorshift-multiply permutation (constants: Wellons 2018, "lowbias32").
-    let mut x = node.wrapping_add(0x9e37_79b9).wrapping_add(branch.wrapping_mul(0x85eb_ca6b));
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
+    let x = node.wrapping_add(U::splat(branch.wrapping_mul(0x85eb_ca6b).wrapping_add(0x9e37_79b9)));
+    let x = (x ^ (x >> 16)).wrapping_mul(U::splat(0x7feb_352d));
+    let x = (x ^ (x >> 15)).wrapping_mul(U::splat(0x846c_a68b));
     x ^ (x >> 16)
 }
 
@@ -129,18 +168,16 @@ impl Purpose {
 
 /// The upper 24 bits as a number in [0, 1).
 #[inline(always)]
-fn to_unit(bits: u32) -> f32 {
-    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+fn to_unit<F: Float>(bits: F::Uint) -> F {
+    F::from_int(bits >> 8) * (1.0 / 16_777_216.0)
 }
 
 /// A permutation of 64 bits in which each bit of the input flips each bit of the output in half of the cases
 /// (constants: Stafford 2011, variant 13).
 #[inline(always)]
-const fn mix(mut x: u64) -> u64 {
-    x ^= x >> 30;
-    x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x ^= x >> 27;
-    x = x.wrapping_mul(0x94d0_49bb_1331_11eb);
+fn mix<L: Ulong>(x: L) -> L {
+    let x = (x ^ (x >> 30)).wrapping_mul(L::splat(0xbf58_476d_1ce4_e5b9));
+    let x = (x ^ (x >> 27)).wrapping_mul(L::splat(0x94d0_49bb_1331_11eb));
     x ^ (x >> 31)
 }
 

@@ -4,6 +4,11 @@
 //! drawn has exactly the probability that is told, nothing of probability 0 is ever drawn, and, in lists of up
 //! to eight million, every weight above 0 has at least one step. Tables are built in double precision and fixed
 //! order.
+//!
+//! A table is asked for one number or for many side by side ([`crate::simd`]), of which each gets what it would get alone.
+
+use crate::ops;
+use crate::simd::{Float, Mask, Uint};
 
 /// Steps of probability: the resolution of a random number in [0, 1).
 const STEPS: u32 = 1 << 24;
@@ -23,6 +28,17 @@ pub struct Choice {
     pub rest: f32,
 }
 
+/// Choices from a list, one in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Choices<F: Float> {
+    /// Which.
+    pub index: F::Uint,
+    /// Their probabilities.
+    pub pmf: F,
+    /// What the numbers that chose have left, as [`Choice::rest`].
+    pub rest: F,
+}
+
 /// A distribution over a list, or piecewise constant over [0, 1).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table1 {
@@ -32,6 +48,9 @@ pub struct Table1 {
 }
 
 impl Table1 {
+    /// Bytes that an entry takes: its steps, and its place in the guide.
+    pub const BYTES: usize = 2 * size_of::<u32>();
+
     /// A table of weights, where negative, infinite and NaN ones count as 0. `None` if nothing is left to choose.
     pub fn new(weights: &[f32]) -> Option<Self> {
         let mut cdf = vec![0; weights.len() + 1];
@@ -60,13 +79,32 @@ impl Table1 {
     /// Chooses by `u` in [0, 1).
     #[inline]
     pub fn sample(&self, u: f32) -> Choice {
-        choose(&self.cdf, &self.guide, u)
+        let Choices { index, pmf, rest } = self.samples(u);
+        Choice { index: index as usize, pmf, rest }
+    }
+
+    /// As [`Self::sample`], in each lane.
+    #[inline(always)]
+    pub fn samples<F: Float>(&self, u: F) -> Choices<F> {
+        self.whole().choose([F::Uint::splat(0); 2], u)
+    }
+
+    #[inline(always)]
+    fn whole(&self) -> Lists<'_> {
+        Lists { cdfs: &self.cdf, guides: &self.guide, len: self.len(), guide_len: self.guide.len() }
     }
 
     /// The probability of an entry; 0 beyond the list.
     #[inline]
     pub fn pmf(&self, index: usize) -> f32 {
-        if index < self.len() { width(&self.cdf, index) as f32 * STEP } else { 0.0 }
+        if index < self.len() { self.pmfs(index as u32) } else { 0.0 }
+    }
+
+    /// As [`Self::pmf`], in each lane.
+    #[inline(always)]
+    pub fn pmfs<F: Float>(&self, index: F::Uint) -> F {
+        let pmf = self.whole().pmf(F::Uint::splat(0), index);
+        F::select(index.lt(F::Uint::splat(self.len() as u32)), pmf, F::ZERO)
     }
 
     /// The number that [`Self::sample`] turns into this entry and rest, but for rounding.
@@ -87,6 +125,17 @@ pub struct Point2 {
     pub pdf: f32,
 }
 
+/// Points drawn from a grid, one in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Points2<F: Float> {
+    /// In [0, 1)²: u across, v along rows.
+    pub uv: [F; 2],
+    /// Column and row.
+    pub texel: [F::Uint; 2],
+    /// Density over the unit square.
+    pub pdf: F,
+}
+
 /// A distribution over the unit square, constant within each texel of a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table2 {
@@ -98,11 +147,13 @@ pub struct Table2 {
 }
 
 impl Table2 {
-    /// A grid of weights, row by row; as [`Table1::new`]. `None` also if `weights` isn't of `width` times `height`.
+    /// A grid of weights, row by row; as [`Table1::new`]. `None` also if `weights` isn't of `width` times `height`,
+    /// and for grids of four thousand million texels, which indices of 32 bits don't reach.
     pub fn new(width: usize, height: usize, weights: &[f32]) -> Option<Self> {
         if width.checked_mul(height)? != weights.len() || weights.is_empty() {
             return None;
         }
+        u32::try_from(width.checked_add(1)?.checked_mul(height)?).ok()?;
         let totals: Vec<f64> = weights.chunks_exact(width).map(total).collect();
         // Scaled, so that a row's total fits single precision.
         let most = totals.iter().copied().fold(0.0, |m: f64, t| if t > m { t } else { m });
@@ -131,24 +182,29 @@ impl Table2 {
     /// Draws a point by `u` in [0, 1)²: the second number chooses the row.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Point2 {
-        let row = self.rows.sample(u[1]);
-        let guide_len = guide_len(self.width);
-        let guide = &self.guides[row.index * guide_len..(row.index + 1) * guide_len];
-        let column = choose(self.cdf(row.index), guide, u[0]);
-        Point2 {
+        let Points2 { uv, texel, pdf } = self.samples(u);
+        Point2 { uv, texel: texel.map(|i| i as usize), pdf }
+    }
+
+    /// As [`Self::sample`], in each lane.
+    #[inline(always)]
+    pub fn samples<F: Float>(&self, u: [F; 2]) -> Points2<F> {
+        let row = self.rows.samples(u[1]);
+        let lists = self.lists();
+        let column = lists.choose(lists.starts(row.index), u[0]);
+        Points2 {
             uv: [place(column, self.width), place(row, self.rows.len())],
             texel: [column.index, row.index],
             pdf: self.density(column.pmf, row.pmf),
         }
     }
 
-    /// The density at a point of the unit square, 0 outside.
-    #[inline]
-    pub fn pdf(&self, uv: [f32; 2]) -> f32 {
-        match (texel_of(uv[0], self.width), texel_of(uv[1], self.rows.len())) {
-            (Some(x), Some(y)) => self.texel_pdf([x, y]),
-            _ => 0.0,
-        }
+    /// The density at a point of the unit square, 0 outside; or at many.
+    #[inline(always)]
+    pub fn pdf<F: Float>(&self, uv: [F; 2]) -> F {
+        let (across, x) = texel_of(uv[0], self.width);
+        let (along, y) = texel_of(uv[1], self.rows.len());
+        F::select(across & along, self.texel_pdfs([x, y]), F::ZERO)
     }
 
     /// The density within a texel (column, row), 0 outside of the grid.
@@ -157,14 +213,28 @@ impl Table2 {
         if texel[0] >= self.width || texel[1] >= self.rows.len() {
             return 0.0;
         }
-        let column = width(self.cdf(texel[1]), texel[0]) as f32 * STEP;
-        self.density(column, self.rows.pmf(texel[1]))
+        self.texel_pdfs(texel.map(|i| i as u32))
+    }
+
+    /// As [`Self::texel_pdf`], in each lane.
+    #[inline(always)]
+    pub fn texel_pdfs<F: Float>(&self, texel: [F::Uint; 2]) -> F {
+        let lists = self.lists();
+        let pdf = self.density(lists.pmf(lists.starts(texel[1])[0], texel[0]), self.rows.pmfs(texel[1]));
+        let [width, height] = self.size();
+        let within = texel[0].lt(F::Uint::splat(width as u32)) & texel[1].lt(F::Uint::splat(height as u32));
+        F::select(within, pdf, F::ZERO)
     }
 
     /// The numbers that [`Self::sample`] turns into this point, but for rounding; `None` outside of the square and
     /// where the density is 0.
     pub fn invert(&self, uv: [f32; 2]) -> Option<[f32; 2]> {
-        let (x, y) = (texel_of(uv[0], self.width)?, texel_of(uv[1], self.rows.len())?);
+        let (across, x) = texel_of(uv[0], self.width);
+        let (along, y) = texel_of(uv[1], self.rows.len());
+        if !(across && along) {
+            return None;
+        }
+        let [x, y] = [x, y].map(|i| i as usize);
         if self.texel_pdf([x, y]) == 0.0 {
             return None;
         }
@@ -180,8 +250,15 @@ impl Table2 {
         &self.cdfs[row * (self.width + 1)..(row + 1) * (self.width + 1)]
     }
 
+    /// All rows.
     #[inline(always)]
-    fn density(&self, column_pmf: f32, row_pmf: f32) -> f32 {
+    fn lists(&self) -> Lists<'_> {
+        let guide_len = guide_len(self.width);
+        Lists { cdfs: &self.cdfs, guides: &self.guides, len: self.width, guide_len }
+    }
+
+    #[inline(always)]
+    fn density<F: Float>(&self, column_pmf: F, row_pmf: F) -> F {
         (column_pmf * self.width as f32) * (row_pmf * self.rows.len() as f32)
     }
 }
@@ -246,22 +323,62 @@ fn width(cdf: &[u32], index: usize) -> u32 {
     cdf[index + 1] - cdf[index]
 }
 
-#[inline(always)]
-fn choose(cdf: &[u32], guide: &[u32], u: f32) -> Choice {
-    // Exact: a power of two times u. What isn't in [0, 1) lands at the nearer end.
-    let scaled = crate::ops::clamp(u, 0.0, BELOW_ONE) * STEPS as f32;
-    let step = scaled as u32;
-    let bucket = (step >> (24 - guide.len().trailing_zeros())) as usize;
-    let mut low = guide[bucket] as usize;
-    let mut high = guide.get(bucket + 1).map_or(cdf.len() - 2, |&g| g as usize);
-    // The entry is in low..=high: the last whose steps begin at or before this one.
-    while low < high {
-        let middle = (low + high).div_ceil(2);
-        if cdf[middle] <= step { low = middle } else { high = middle - 1 }
+/// Lists of the same length, one after the other, of which each lane asks one.
+struct Lists<'a> {
+    /// Of each list one more than it has entries.
+    cdfs: &'a [u32],
+    guides: &'a [u32],
+    /// Entries of a list.
+    len: usize,
+    guide_len: usize,
+}
+
+impl Lists<'_> {
+    /// Where the lists with these numbers start in `cdfs` and in `guides`.
+    #[inline(always)]
+    fn starts<U: Uint>(&self, list: U) -> [U; 2] {
+        [list.wrapping_mul(U::splat(self.len as u32 + 1)), list.wrapping_mul(U::splat(self.guide_len as u32))]
     }
-    let (first, width) = (cdf[low], width(cdf, low));
-    let rest = (scaled - first as f32) / width as f32;
-    Choice { index: low, pmf: width as f32 * STEP, rest: if rest < BELOW_ONE { rest } else { BELOW_ONE } }
+
+    /// The probability of an entry of the list that starts at `start`.
+    #[inline(always)]
+    fn pmf<F: Float>(&self, start: F::Uint, index: F::Uint) -> F {
+        let at = start.wrapping_add(index);
+        let next = F::Uint::gather(self.cdfs, at.wrapping_add(F::Uint::splat(1)));
+        F::from_int(next.wrapping_sub(F::Uint::gather(self.cdfs, at))) * STEP
+    }
+
+    #[inline(always)]
+    fn choose<F: Float>(&self, [start, guide_start]: [F::Uint; 2], u: F) -> Choices<F> {
+        let one = F::Uint::splat(1);
+        // Exact: a power of two times u. What isn't in [0, 1) lands at the nearer end.
+        let scaled = ops::clamp(u, F::ZERO, F::splat(BELOW_ONE)) * STEPS as f32;
+        let step = scaled.to_int();
+        let bucket = step >> (24 - self.guide_len.trailing_zeros());
+        let at = guide_start.wrapping_add(bucket);
+        let is_last = F::Uint::splat(self.guide_len as u32 - 1).eq(bucket);
+        let last = F::Uint::splat(self.len as u32 - 1);
+        let mut low = F::Uint::gather(self.guides, at);
+        let mut high = F::Uint::select(is_last, last, F::Uint::gather(self.guides, at.wrapping_add(one)));
+        // The entry is in low..=high: the last whose steps begin at or before this one.
+        loop {
+            let is_open = low.lt(high);
+            if !is_open.any() {
+                break;
+            }
+            // Lanes that have found it stay there.
+            let middle = low.wrapping_add(high.wrapping_sub(low).wrapping_add(one) >> 1);
+            let begins = F::Uint::gather(self.cdfs, start.wrapping_add(middle)).le(step);
+            low = F::Uint::select(is_open & begins, middle, low);
+            high = F::Uint::select(is_open & !begins, middle.wrapping_sub(one), high);
+        }
+        let at = start.wrapping_add(low);
+        let first = F::Uint::gather(self.cdfs, at);
+        let width = F::Uint::gather(self.cdfs, at.wrapping_add(one)).wrapping_sub(first);
+        let width = F::from_int(width);
+        let rest = (scaled - F::from_int(first)) / width;
+        Choices { index: low, pmf: width * STEP, rest: rest.min(F::splat(BELOW_ONE)) }
+    }
 }
 
 #[inline(always)]
@@ -272,24 +389,19 @@ fn invert(cdf: &[u32], index: usize, rest: f32) -> f32 {
 
 /// A chosen cell and what is left as a coordinate, kept within the cell whatever the rounding.
 #[inline(always)]
-fn place(choice: Choice, cells: usize) -> f32 {
-    let v = (choice.index as f32 + choice.rest) / cells as f32;
-    match texel_of(v, cells) {
-        Some(i) if i == choice.index => v,
-        // Rounded up into the next cell.
-        _ => f32::from_bits(v.to_bits() - 1),
-    }
+fn place<F: Float>(choice: Choices<F>, cells: usize) -> F {
+    let v = (F::from_uint(choice.index) + choice.rest) / cells as f32;
+    let (inside, cell) = texel_of(v, cells);
+    // Else it was rounded up into the next cell.
+    let below = F::from_bits(v.to_bits().wrapping_sub(F::Uint::splat(1)));
+    F::select(inside & cell.eq(choice.index), v, below)
 }
 
-/// The cell of a coordinate in [0, 1).
+/// Whether a coordinate is in [0, 1), and its cell.
 #[inline(always)]
-fn texel_of(v: f32, cells: usize) -> Option<usize> {
-    if (0.0..1.0).contains(&v) {
-        let i = (v * cells as f32) as usize;
-        Some(if i < cells { i } else { cells - 1 })
-    } else {
-        None
-    }
+fn texel_of<F: Float>(v: F, cells: usize) -> (F::Mask, F::Uint) {
+    let cell = (v * cells as f32).to_uint().min(F::Uint::splat(cells as u32 - 1));
+    (v.ge(F::ZERO) & v.lt(F::ONE), cell)
 }
 
 #[cfg(test)]

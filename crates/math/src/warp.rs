@@ -1,115 +1,125 @@
 //! From the unit square to the shapes that directions and points are drawn from, each with its density.
 //!
 //! `u` is always in [0, 1)². Directions are unit vectors about +z and their pdf is per solid angle. Every map keeps
-//! neighbours near one another where it can, so that stratified numbers stay stratified.
+//! neighbours near one another where it can, so that stratified numbers stay stratified. Each maps one point or many side by side
+//! ([`crate::simd`]).
 
+use crate::simd::{Float, Mask};
 use crate::{Vec3, ops};
 use std::f32::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_4, PI, TAU};
 
 /// A point of the unit disc, evenly by area (pdf 1/pi), without tearing the square apart (Shirley and Chiu 1997, "A
 /// Low Distortion Map Between Disk and Square").
-#[inline]
-pub fn concentric_disc(u: [f32; 2]) -> [f32; 2] {
-    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+#[inline(always)]
+pub fn concentric_disc<F: Float>(u: [F; 2]) -> [F; 2] {
+    let (a, b) = (u[0] * 2.0 - 1.0, u[1] * 2.0 - 1.0);
     // In the wedges about the x axis the radius is a, in the others b; the angle from the wedge's axis is at
     // most an eighth of a turn.
-    let about_x = a.abs() > b.abs();
-    let (r, across) = if about_x { (a, b) } else { (b, a) };
-    if r == 0.0 {
-        return [0.0, 0.0];
-    }
-    let (s, c) = ops::sin_cos_eighth(FRAC_PI_4 * (across / r));
-    if about_x { [r * c, r * s] } else { [r * s, r * c] }
+    let about_x = a.abs().gt(b.abs());
+    let (r, across) = (F::select(about_x, a, b), F::select(about_x, b, a));
+    // In the middle, where both are 0, any angle will do.
+    let turned = F::select(r.eq(F::ZERO), F::ZERO, across / r);
+    let (s, c) = ops::sin_cos_eighth(turned * FRAC_PI_4);
+    let (along, across) = (r * c, r * s);
+    [F::select(about_x, along, across), F::select(about_x, across, along)]
 }
 
 /// A point of [`concentric_disc`] with the square of its radius, which rounding leaves at most at 1.
-#[inline]
-fn disc_and_square(u: [f32; 2]) -> ([f32; 2], f32) {
+#[inline(always)]
+fn disc_and_square<F: Float>(u: [F; 2]) -> ([F; 2], F) {
     let [x, y] = concentric_disc(u);
     let rr = x * x + y * y;
-    if rr <= 1.0 {
+    let inside = rr.le(F::ONE);
+    if inside.all() {
         return ([x, y], rr);
     }
-    let shrink = 1.0 / rr.sqrt();
-    ([x * shrink, y * shrink], 1.0)
+    let shrink = F::select(inside, F::ONE, F::ONE / rr.sqrt());
+    ([x * shrink, y * shrink], F::select(inside, rr, F::ONE))
 }
 
 /// Square root of what rounding may have left a little below 0.
 #[inline(always)]
-fn safe_sqrt(x: f32) -> f32 {
-    ops::max(x, 0.0).sqrt()
+fn safe_sqrt<F: Float>(x: F) -> F {
+    x.max(F::ZERO).sqrt()
 }
 
 /// A direction of the upper hemisphere in proportion to its cosine. Its z may be 0, where the pdf is 0.
-#[inline]
-pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
+#[inline(always)]
+pub fn cosine_hemisphere<F: Float>(u: [F; 2]) -> Vec3<F> {
     let [x, y] = concentric_disc(u);
-    Vec3::new(x, y, safe_sqrt(1.0 - x * x - y * y))
+    Vec3::new(x, y, safe_sqrt(F::ONE - x * x - y * y))
 }
 
 /// The density of [`cosine_hemisphere`].
 #[inline(always)]
-pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
-    ops::max(cos_theta, 0.0) * FRAC_1_PI
+pub fn cosine_hemisphere_pdf<F: Float>(cos_theta: F) -> F {
+    cos_theta.max(F::ZERO) * FRAC_1_PI
 }
 
 /// Any direction of the upper hemisphere, evenly.
-#[inline]
-pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
+#[inline(always)]
+pub fn uniform_hemisphere<F: Float>(u: [F; 2]) -> Vec3<F> {
     // The cosine is 1 - r² over a disc evenly filled, and so is even itself (Archimedes).
     let [x, y] = concentric_disc(u);
     let rr = x * x + y * y;
-    let stretch = safe_sqrt(2.0 - rr);
-    Vec3::new(x * stretch, y * stretch, ops::max(1.0 - rr, 0.0))
+    let stretch = safe_sqrt(F::splat(2.0) - rr);
+    Vec3::new(x * stretch, y * stretch, (F::ONE - rr).max(F::ZERO))
 }
 
 /// The density of [`uniform_hemisphere`].
 #[inline(always)]
-pub fn uniform_hemisphere_pdf(cos_theta: f32) -> f32 {
-    if cos_theta >= 0.0 { 0.5 * FRAC_1_PI } else { 0.0 }
+pub fn uniform_hemisphere_pdf<F: Float>(cos_theta: F) -> F {
+    F::select(cos_theta.ge(F::ZERO), F::splat(0.5 * FRAC_1_PI), F::ZERO)
 }
 
 /// A direction of the upper hemisphere in proportion to a power of its cosine, `exponent` >= 0 (Phong's lobe). Its z may be 0,
 /// where the pdf is 0 unless the exponent is.
-#[inline]
-pub fn cosine_power_hemisphere(u: [f32; 2], exponent: f32) -> Vec3 {
+#[inline(always)]
+pub fn cosine_power_hemisphere<F: Float>(u: [F; 2], exponent: F) -> Vec3<F> {
     // The lobe's share within an angle is 1 - cos^(e + 1): the disc's within a radius, r².
     let ([x, y], rr) = disc_and_square(u);
-    let power = 1.0 / (exponent + 1.0);
+    let power = F::ONE / (exponent + 1.0);
     // By how much the cosine falls from 1, over r²: of -ln(1 - r²) / r² first, then of (1 - exp(-t)) / t, by their series
     // where differences have no digits left. At the rim the logarithm ends.
-    let log = if rr < 0.01 {
-        1.0 + rr * (0.5 + rr * (1.0 / 3.0 + 0.25 * rr))
-    } else {
-        -ops::ln(ops::max(1.0 - rr, 0.5 * f32::EPSILON)) / rr
-    };
+    let log = F::select(
+        rr.lt(F::splat(0.01)),
+        rr * (rr * (rr * 0.25 + 1.0 / 3.0) + 0.5) + 1.0,
+        -ops::ln((F::ONE - rr).max(F::splat(0.5 * f32::EPSILON))) / rr,
+    );
     let t = power * rr * log;
-    let fall =
-        power * log * if t < 0.01 { 1.0 - t * (0.5 - t * (1.0 / 6.0)) } else { (1.0 - ops::exp(-t)) / t };
-    let stretch = safe_sqrt(fall * (2.0 - rr * fall));
-    Vec3::new(x * stretch, y * stretch, ops::max(1.0 - rr * fall, 0.0))
+    let share = F::select(
+        t.lt(F::splat(0.01)),
+        F::ONE - t * (F::splat(0.5) - t * (1.0 / 6.0)),
+        (F::ONE - ops::exp(-t)) / t,
+    );
+    let fall = power * log * share;
+    let stretch = safe_sqrt(fall * (F::splat(2.0) - rr * fall));
+    Vec3::new(x * stretch, y * stretch, (F::ONE - rr * fall).max(F::ZERO))
 }
 
 /// The density of [`cosine_power_hemisphere`].
-#[inline]
-pub fn cosine_power_hemisphere_pdf(cos_theta: f32, exponent: f32) -> f32 {
-    if cos_theta < 0.0 { 0.0 } else { (exponent + 1.0) * 0.5 * FRAC_1_PI * ops::pow(cos_theta, exponent) }
+#[inline(always)]
+pub fn cosine_power_hemisphere_pdf<F: Float>(cos_theta: F, exponent: F) -> F {
+    let pdf = (exponent + 1.0) * 0.5 * FRAC_1_PI * ops::pow(cos_theta, exponent);
+    F::select(cos_theta.lt(F::ZERO), F::ZERO, pdf)
 }
 
 /// Any direction, evenly, without tearing the square apart (Clarberg 2008, "Fast Equal-Area Mapping of the (Hemi)Sphere using
 /// SIMD"): the diamond within the square becomes the upper half by four concentric maps, the corners fold down to the lower.
-#[inline]
-pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
-    let [a, b] = u.map(|v| 2.0 * v - 1.0);
+#[inline(always)]
+pub fn uniform_sphere<F: Float>(u: [F; 2]) -> Vec3<F> {
+    let (a, b) = (u[0] * 2.0 - 1.0, u[1] * 2.0 - 1.0);
     let (across, up) = (a.abs(), b.abs());
     // From the diamond's rim inwards; less than 0 in the corners.
-    let depth = 1.0 - (across + up);
-    let r = 1.0 - depth.abs();
+    let depth = F::ONE - (across + up);
+    let r = F::ONE - depth.abs();
     // From -1 to 1 over a quarter of a turn, 0 in its middle.
-    let turned = if r > 0.0 { ops::clamp((up - across) / r, -1.0, 1.0) } else { 0.0 };
-    let (s, c) = ops::sin_cos_eighth(FRAC_PI_4 * turned);
-    let radius = FRAC_1_SQRT_2 * r * safe_sqrt(2.0 - r * r);
-    Vec3::new((radius * (c - s)).copysign(a), (radius * (c + s)).copysign(b), (1.0 - r * r).copysign(depth))
+    let turned = ops::clamp((up - across) / r, F::splat(-1.0), F::ONE);
+    let turned = F::select(r.gt(F::ZERO), turned, F::ZERO);
+    let (s, c) = ops::sin_cos_eighth(turned * FRAC_PI_4);
+    let rr = r * r;
+    let radius = r * FRAC_1_SQRT_2 * safe_sqrt(F::splat(2.0) - rr);
+    Vec3::new((radius * (c - s)).copysign(a), (radius * (c + s)).copysign(b), (F::ONE - rr).copysign(depth))
 }
 
 /// The density of [`uniform_sphere`].
@@ -120,39 +130,35 @@ pub fn uniform_sphere_pdf() -> f32 {
 
 /// Any direction within an angle of +z, evenly. `spread` is 1 - cos of that angle: the cosine itself would lose
 /// the size of a narrow cone. In (0, 2].
-#[inline]
-pub fn uniform_cone(u: [f32; 2], spread: f32) -> Vec3 {
+#[inline(always)]
+pub fn uniform_cone<F: Float>(u: [F; 2], spread: F) -> Vec3<F> {
     let ([x, y], rr) = disc_and_square(u);
     let lack = rr * spread;
-    let stretch = safe_sqrt(spread * (2.0 - lack));
-    Vec3::new(x * stretch, y * stretch, 1.0 - lack)
+    let stretch = safe_sqrt(spread * (F::splat(2.0) - lack));
+    Vec3::new(x * stretch, y * stretch, F::ONE - lack)
 }
 
 /// The density of [`uniform_cone`] inside of the cone.
 #[inline(always)]
-pub fn uniform_cone_pdf(spread: f32) -> f32 {
-    1.0 / (TAU * spread)
+pub fn uniform_cone_pdf<F: Float>(spread: F) -> F {
+    F::ONE / (spread * TAU)
 }
 
 /// Barycentric coordinates of a point of a triangle, evenly by area (pdf 1/area): the weights of the second and
 /// third corner, the first has the rest (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
-#[inline]
-pub fn uniform_triangle(u: [f32; 2]) -> [f32; 2] {
-    if u[1] > u[0] {
-        let x = 0.5 * u[0];
-        [x, u[1] - x]
-    } else {
-        let y = 0.5 * u[1];
-        [u[0] - y, y]
-    }
+#[inline(always)]
+pub fn uniform_triangle<F: Float>(u: [F; 2]) -> [F; 2] {
+    let half = [u[0] * 0.5, u[1] * 0.5];
+    let upper = u[1].gt(u[0]);
+    [F::select(upper, half[0], u[0] - half[1]), F::select(upper, u[1] - half[0], half[1])]
 }
 
 /// A point between two concentric circles, evenly by area (pdf 1 / (pi (outer² - inner²))).
-#[inline]
-pub fn uniform_ring(u: [f32; 2], inner: f32, outer: f32) -> [f32; 2] {
+#[inline(always)]
+pub fn uniform_ring<F: Float>(u: [F; 2], inner: F, outer: F) -> [F; 2] {
     let (ii, oo) = (inner * inner, outer * outer);
     let radius = safe_sqrt(ii + u[0] * (oo - ii));
-    let (s, c) = ops::sin_cos(2.0 * PI * u[1]);
+    let (s, c) = ops::sin_cos(u[1] * (2.0 * PI));
     [radius * c, radius * s]
 }
 

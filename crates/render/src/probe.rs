@@ -4,7 +4,7 @@
 //! pays nothing for the others.
 
 use crate::film::CostSample;
-use crate::integrator::{Path, ShadowRay};
+use crate::integrator::{Contribution, Path};
 use crate::stopwatch::Clock;
 use crate::world::World;
 use straal_accel::Hit;
@@ -13,8 +13,11 @@ use straal_math::Ray;
 
 /// One worker's way of asking what rays hit. All give the same answers.
 pub trait Probe: Send {
-    /// A batch of so many samples begins.
-    fn begin(&mut self, samples: usize);
+    /// The worker will number its samples from 0 to `room`, time and again.
+    fn make_room(&mut self, room: usize);
+
+    /// A sample begins under a number that an earlier one may have had.
+    fn begin(&mut self, sample: u32);
 
     /// What each path's ray hits first.
     fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]);
@@ -22,11 +25,11 @@ pub trait Probe: Send {
     /// [`World::transmittance`] of the shadow rays.
     fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>);
 
-    /// What the searches of a sample of the batch cost, where that is counted.
+    /// What the searches of a sample have cost so far, where that is counted.
     fn cost(&self, sample: usize) -> Option<CostSample>;
 }
 
-/// The rays of a wave.
+/// Rays that are searched together.
 #[derive(Debug)]
 pub struct Asked<'a, S> {
     /// Whether they come from the camera.
@@ -37,11 +40,11 @@ pub struct Asked<'a, S> {
     pub rays: &'a [Ray],
 }
 
-/// The shadow rays of a wave.
+/// Shadow rays that are searched together.
 #[derive(Debug)]
 pub struct AskedShadows<'a> {
     /// Who asks, as many as there are rays.
-    pub shadows: &'a [ShadowRay],
+    pub shadows: &'a [Contribution],
     /// The rays.
     pub rays: &'a [Ray],
 }
@@ -61,7 +64,10 @@ pub struct Plain;
 
 impl Probe for Plain {
     #[inline(always)]
-    fn begin(&mut self, _samples: usize) {}
+    fn make_room(&mut self, _room: usize) {}
+
+    #[inline(always)]
+    fn begin(&mut self, _sample: u32) {}
 
     #[inline(always)]
     fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
@@ -105,9 +111,12 @@ impl CostMeter {
 }
 
 impl Probe for CostMeter {
-    fn begin(&mut self, samples: usize) {
-        self.samples.clear();
-        self.samples.resize(samples, CostSample::default());
+    fn make_room(&mut self, room: usize) {
+        self.samples.resize(room, CostSample::default());
+    }
+
+    fn begin(&mut self, sample: u32) {
+        self.samples[sample as usize] = CostSample::default();
     }
 
     fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
@@ -181,7 +190,9 @@ impl Recorder {
 }
 
 impl Probe for Recorder {
-    fn begin(&mut self, _samples: usize) {}
+    fn make_room(&mut self, _room: usize) {}
+
+    fn begin(&mut self, _sample: u32) {}
 
     fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
         let tape = if asked.primary { &mut self.primary } else { &mut self.bounce };

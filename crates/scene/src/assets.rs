@@ -1,9 +1,10 @@
 //! The files a scene names, read.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, LazyLock};
 
 use crate::desc::Material;
+use crate::handle::{Handle, Store};
 use crate::value::{Color, FileRef};
 use crate::{Image, Mesh};
 use straal_color::spectrum::Spectrum;
@@ -26,26 +27,41 @@ pub struct MeshAsset {
     pub materials: Arc<BTreeMap<String, PartMaterial>>,
 }
 
-/// The files a scene names, each read once, by the name that the scene gives them.
+/// What stands beside a description: meshes and pictures by their handles, and spectra by the names that the scene gives them.
 #[derive(Clone, Debug, Default)]
 pub struct Assets {
     /// Meshes.
-    pub meshes: BTreeMap<String, MeshAsset>,
+    pub meshes: Store<Mesh, MeshAsset>,
     /// Pictures.
-    pub images: BTreeMap<String, Arc<Image>>,
+    pub images: Store<Image, Arc<Image>>,
     /// Spectra.
     pub spectra: BTreeMap<String, Arc<Spectrum>>,
 }
 
+static NO_MESH: LazyLock<MeshAsset> = LazyLock::new(MeshAsset::default);
+
+static NO_IMAGE: LazyLock<Arc<Image>> =
+    LazyLock::new(|| Arc::new(Image { width: 1, height: 1, pixels: vec![[0.0; 3]] }));
+
 impl Assets {
-    /// The mesh of a file; `None` when it was never read.
-    pub fn mesh(&self, file: &FileRef) -> Option<&MeshAsset> {
-        self.meshes.get(&file.value)
+    /// Bytes that all of them take, each once, however many names it goes by.
+    pub fn heap_bytes(&self) -> u64 {
+        fn once<'a, T: 'a>(all: impl Iterator<Item = &'a Arc<T>>, bytes: impl Fn(&T) -> u64) -> u64 {
+            let mut seen = BTreeSet::new();
+            all.filter(|thing| seen.insert(Arc::as_ptr(thing))).map(|thing| bytes(thing)).sum()
+        }
+        once(self.meshes.iter().map(|asset| &asset.mesh), Mesh::heap_bytes)
+            + once(self.images.iter(), Image::heap_bytes)
     }
 
-    /// The picture of a file; `None` when it was never read.
-    pub fn image(&self, file: &FileRef) -> Option<&Arc<Image>> {
-        self.images.get(&file.value)
+    /// A mesh; an empty one where it was never read, which whoever reads has complained of.
+    pub fn mesh(&self, mesh: Handle<Mesh>) -> &MeshAsset {
+        self.meshes.get(mesh).unwrap_or(&NO_MESH)
+    }
+
+    /// A picture; a black one where it was never read, which whoever reads has complained of.
+    pub fn image(&self, image: Handle<Image>) -> &Arc<Image> {
+        self.images.get(image).unwrap_or(&NO_IMAGE)
     }
 
     /// The spectrum of a file; `None` when it was never read.

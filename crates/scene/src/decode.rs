@@ -1,21 +1,23 @@
 //! From a spanned tree to typed values: every complaint is noted and reading goes on.
 
 use std::borrow::Cow;
+use std::io;
 
-use serde_json::{Map, Value as Json};
+use serde_core::ser::{Serialize, SerializeMap, Serializer};
+use serde_json::Value as Json;
 use straal_color::Space;
 
 use crate::alias::{self, Here};
-use crate::desc::{Integrator, Light, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::handle::{Handle, Handles, Kind};
 use crate::limit::Limit;
 use crate::remedy;
 use crate::schema::{Definitions, Properties};
 use crate::span::Span;
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree, shown};
-use crate::validate;
 use crate::value::Color;
+use crate::visit::Visitor;
 
 /// A type of the scene language.
 ///
@@ -28,8 +30,14 @@ pub trait Describe: Sized {
     /// What stands in for a value that couldn't be read.
     fn blank() -> Self;
 
-    /// The value as [`Describe::read`] would take it.
-    fn write(&self) -> Json;
+    /// Writes the value as [`Describe::read`] would take it, piece by piece: no more of it is held than what takes it keeps.
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error>;
+
+    /// The same as a tree.
+    fn write(&self) -> Json {
+        // Trees hold all that is written: keys are texts.
+        serde_json::to_value(Written(self)).unwrap_or(Json::Null)
+    }
 
     /// The JSON Schema of the values that [`Describe::read`] takes.
     fn schema(limit: Limit, defs: &mut Definitions) -> Json;
@@ -38,6 +46,9 @@ pub trait Describe: Sized {
     fn may_be_empty() -> bool {
         false
     }
+
+    /// Shows what is in it to a visitor; nothing, unless it says otherwise. `limit` is what its numbers must be within.
+    fn show<'a>(&'a self, _limit: Limit, _visitor: &mut dyn Visitor<'a>) {}
 }
 
 /// A type that is read from the keys of a mapping, perhaps beside another's.
@@ -52,13 +63,30 @@ pub trait Fields: Sized {
     fn blank_fields() -> Self;
 
     /// Writes the keys that differ from their defaults.
-    fn write_fields(&self, out: &mut Map<String, Json>);
+    fn write_fields<M: SerializeMap>(&self, out: &mut M) -> Result<(), M::Error>;
 
     /// Adds its keys to a schema.
     fn schema_fields(out: &mut Properties, defs: &mut Definitions);
 
     /// Whether all of its keys have defaults.
     fn all_optional() -> bool;
+
+    /// Shows what is in its keys to a visitor.
+    fn show_fields<'a>(&'a self, visitor: &mut dyn Visitor<'a>);
+}
+
+/// What writes a value wherever serde's serializers lead: to a tree, or as text to a file or a hash.
+pub struct Written<'a, T>(pub &'a T);
+
+impl<T: Describe> Serialize for Written<'_, T> {
+    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.0.write_to(out)
+    }
+}
+
+/// Writes a value as one line of JSON, piece by piece.
+pub fn write_json<T: Describe>(value: &T, out: impl io::Write) -> io::Result<()> {
+    serde_json::to_writer(out, &Written(value)).map_err(io::Error::from)
 }
 
 /// How to read.
@@ -76,6 +104,8 @@ pub struct Decoder {
     strictness: Strictness,
     /// The keys on the way to the value being read, each with its place.
     path: Vec<(String, Span)>,
+    /// Handles of the meshes and pictures that were named.
+    handles: Handles,
     /// Colours that are told in another form than linear sRGB: a narrow work space may not hold them.
     wide: Vec<Wide>,
 }
@@ -100,6 +130,11 @@ impl Decoder {
         self.diagnostics.push(d);
     }
 
+    /// The handle of a mesh or picture that goes by a name.
+    pub fn handle<T: Kind>(&mut self, name: &str) -> Handle<T> {
+        self.handles.of(name)
+    }
+
     /// Notes a colour that the scene's work space may not hold within `limit`.
     pub fn note_wide(&mut self, span: Span, color: Color, limit: Limit) {
         let key = self.key().to_owned();
@@ -108,7 +143,7 @@ impl Decoder {
 
     /// Complains of noted colours that the work space doesn't hold: light can't be below 0, nor a surface reflect more
     /// than falls on it.
-    fn check_wide(&mut self, space: Space) {
+    pub(crate) fn check_wide(&mut self, space: Space) {
         for Wide { span, key, color, limit } in std::mem::take(&mut self.wide) {
             // Conversions round: this much is no fault of the scene's.
             const SLACK: f64 = 1e-6;
@@ -621,33 +656,4 @@ fn without_brackets(name: &str, entry: &Entry, rest: &[Entry], d: &Decoder) -> D
     let numbers = text.rsplit(['<', '(']).next().unwrap_or_default().trim_end_matches(['>', ')', ' ']);
     Diagnostic::error(span, format!("the numbers of `{key}` need brackets around them"))
         .help(format!("write `{name}: [{numbers}]`"))
-}
-
-/// Reads a scene and checks it as a whole. The scene is only of use when there are no errors among the complaints;
-/// it is given all the same, so that the files it names can be looked for too.
-pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness) -> (Scene, Diagnostics) {
-    let mut decoder = Decoder::new(diagnostics, strictness);
-    let scene = Scene::read(tree, Limit::FINITE, &mut decoder);
-    decoder.check_wide(scene.color.space.space());
-    let mut diagnostics = decoder.diagnostics;
-    let (at, nothing) = match tree.entry("world") {
-        Some(e) => (e.key.span, e.value.value == Datum::Null || e.value.value == Datum::Sequence(Vec::new())),
-        None => (
-            Span { end: tree.span.start, ..tree.span },
-            matches!(tree.value, Datum::Mapping(_) | Datum::Null),
-        ),
-    };
-    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
-    let shows_a_chart = matches!(scene.integrator, Integrator::SineProduct);
-    // A key that is called otherwise here may be what the world was meant to be.
-    let mut names = Vec::new();
-    Scene::names(&mut names);
-    let is_known = |e: &Entry| names.contains(&e.key.value.as_str());
-    let all_known = !matches!(&tree.value, Datum::Mapping(entries) if !entries.iter().all(is_known));
-    if nothing && all_known && !lit_by_all && !shows_a_chart {
-        let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
-        diagnostics.push(Diagnostic::error(at, "the world is empty: there is nothing to see").help(help));
-    }
-    validate::validate(&scene, &mut diagnostics);
-    (scene, diagnostics)
 }

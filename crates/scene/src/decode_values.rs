@@ -1,22 +1,25 @@
 //! How the small values of descriptions are read, written and described.
 
-use serde_json::{Map, Value as Json, json};
+use serde_core::ser::Serializer;
+use serde_json::{Value as Json, json};
 use straal_color::spectrum::{illuminant, refraction};
 use straal_math::{Affine, DVec3};
 
-use crate::decode::{Decoder, Describe};
+use crate::decode::{Decoder, Describe, Written};
 use crate::desc::{
     AxisAngle, ColorIn, Coordinate, Formula, Index, Material, MaterialRef, Measured, Rotation, Spectrum,
     Step, Transform, check,
 };
 use crate::diagnostic::Diagnostic;
+use crate::handle::{Handle, Kind};
 use crate::limit::Limit;
 use crate::remedy;
 use crate::schema::{self, Definitions};
 use crate::span::{Span, Spanned};
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
-use crate::value::{Axis, Color, Depth, Factors, Matrix, Named, Value};
+use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Link, Matrix, Name, Named, Value};
+use crate::visit::Visitor;
 
 impl Describe for f64 {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
@@ -25,8 +28,8 @@ impl Describe for f64 {
     fn blank() -> Self {
         1.0
     }
-    fn write(&self) -> Json {
-        schema::short(*self)
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        schema::write_number(*self, out)
     }
     fn schema(limit: Limit, _: &mut Definitions) -> Json {
         schema::number("number", limit)
@@ -44,8 +47,8 @@ macro_rules! whole {
             fn blank() -> Self {
                 1
             }
-            fn write(&self) -> Json {
-                json!(self)
+            fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+                out.serialize_u64(u64::from(*self))
             }
             fn schema(limit: Limit, _: &mut Definitions) -> Json {
                 schema::number("integer", within(limit, $most))
@@ -75,8 +78,8 @@ impl Describe for bool {
     fn blank() -> Self {
         false
     }
-    fn write(&self) -> Json {
-        json!(self)
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.serialize_bool(*self)
     }
     fn schema(_: Limit, _: &mut Definitions) -> Json {
         json!({ "type": "boolean" })
@@ -103,11 +106,45 @@ impl Describe for Spanned<String> {
     fn blank() -> Self {
         Self::new(String::new(), Span::NONE)
     }
-    fn write(&self) -> Json {
-        json!(self.value)
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.serialize_str(&self.value)
     }
     fn schema(_: Limit, _: &mut Definitions) -> Json {
         json!({ "type": "string", "minLength": 1 })
+    }
+}
+
+/// Meshes and pictures, by the names of their files.
+impl<T: Kind> Describe for Asset<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let file = FileRef::read(tree, limit, d);
+        let handle = d.handle(&file);
+        Self { file, handle }
+    }
+    fn blank() -> Self {
+        Self::new(Spanned::blank(), Handle::new(0))
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.file.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        <Spanned<String>>::schema(limit, defs)
+    }
+}
+
+/// Names of objects and materials.
+impl<T> Describe for Link<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        Self::new(Name::read(tree, limit, d))
+    }
+    fn blank() -> Self {
+        Self::new(Name::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.name.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        Name::schema(limit, defs)
     }
 }
 
@@ -118,11 +155,19 @@ impl<T: Describe> Describe for Option<T> {
     fn blank() -> Self {
         None
     }
-    fn write(&self) -> Json {
-        self.as_ref().map_or(Json::Null, T::write)
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Some(value) => value.write_to(out),
+            None => out.serialize_unit(),
+        }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "anyOf": [T::schema(limit, defs), { "type": "null" }] })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        if let Some(v) = self {
+            v.show(limit, visitor);
+        }
     }
 }
 
@@ -141,11 +186,14 @@ impl<T: Describe> Describe for Vec<T> {
     fn blank() -> Self {
         Self::new()
     }
-    fn write(&self) -> Json {
-        Json::Array(self.iter().map(T::write).collect())
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.collect_seq(self.iter().map(Written))
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "array", "items": T::schema(limit, defs) })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.iter().for_each(|v| v.show(limit, visitor));
     }
 }
 
@@ -165,11 +213,14 @@ impl<T: Describe, const N: usize> Describe for [T; N] {
     fn blank() -> Self {
         std::array::from_fn(|_| T::blank())
     }
-    fn write(&self) -> Json {
-        Json::Array(self.iter().map(T::write).collect())
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.collect_seq(self.iter().map(Written))
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "array", "items": T::schema(limit, defs), "minItems": N, "maxItems": N })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.iter().for_each(|v| v.show(limit, visitor));
     }
 }
 
@@ -188,8 +239,8 @@ impl Describe for DVec3 {
     fn blank() -> Self {
         Self::ONE
     }
-    fn write(&self) -> Json {
-        self.to_array().write()
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.to_array().write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         <[f64; 3]>::schema(limit, defs)
@@ -204,8 +255,8 @@ impl Describe for Spanned<DVec3> {
     fn blank() -> Self {
         DVec3::blank().into()
     }
-    fn write(&self) -> Json {
-        self.value.write()
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.value.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         DVec3::schema(limit, defs)
@@ -244,14 +295,14 @@ impl Describe for Color {
     fn blank() -> Self {
         Self::grey(1.0)
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         let Self([r, g, b]) = *self;
         if r < 0.0 || g < 0.0 || b < 0.0 {
-            json!({ "rgb": self.0.write() })
+            out.collect_map([("rgb", Written(&self.0))])
         } else if r == g && g == b {
-            r.write()
+            r.write_to(out)
         } else {
-            self.0.write()
+            self.0.write_to(out)
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -327,15 +378,18 @@ impl Describe for Spectrum {
     fn blank() -> Self {
         Self::Rgb(Color::blank())
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Rgb(color) => color.write(),
-            Self::Measured(m) => m.write(),
+            Self::Rgb(color) => color.write_to(out),
+            Self::Measured(m) => m.write_to(out),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         let name = json!({ "type": "string", "pattern": "^[A-Za-z]" });
         json!({ "anyOf": [Color::schema(limit, defs), name, Measured::schema(limit, defs)] })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        visitor.spectrum(self, limit);
     }
 }
 
@@ -359,11 +413,11 @@ impl Describe for Index {
     fn blank() -> Self {
         Self::Constant(1.5)
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Constant(v) => v.write(),
-            Self::Named(name) => name.write(),
-            Self::Formula(f) => f.write(),
+            Self::Constant(v) => v.write_to(out),
+            Self::Named(name) => name.write_to(out),
+            Self::Formula(f) => f.write_to(out),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -379,12 +433,15 @@ impl<T: Describe> Describe for Value<T> {
     fn blank() -> Self {
         Self::Constant(T::blank())
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         let Self::Constant(v) = self;
-        v.write()
+        v.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         T::schema(limit, defs)
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.get().show(limit, visitor);
     }
 }
 
@@ -409,13 +466,14 @@ impl<T: Describe> Describe for Named<T> {
     fn blank() -> Self {
         Self::default()
     }
-    fn write(&self) -> Json {
-        Json::Object(
-            self.iter().map(|(name, thing)| (name.value.clone(), thing.write())).collect::<Map<_, _>>(),
-        )
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        out.collect_map(self.iter().map(|(name, thing)| (&name.value, Written(thing))))
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "object", "additionalProperties": T::schema(limit, defs) })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.iter().for_each(|(_, thing)| thing.show(limit, visitor));
     }
 }
 
@@ -434,10 +492,10 @@ impl Describe for Depth {
     fn blank() -> Self {
         Self::Unlimited
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Unlimited => json!("unlimited"),
-            Self::Edges(n) => json!(n),
+            Self::Unlimited => out.serialize_str("unlimited"),
+            Self::Edges(n) => n.write_to(out),
         }
     }
     fn schema(_: Limit, _: &mut Definitions) -> Json {
@@ -472,12 +530,12 @@ impl Describe for Axis {
     fn blank() -> Self {
         Self(DVec3::Y)
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self.0 {
-            DVec3::X => json!("x"),
-            DVec3::Y => json!("y"),
-            DVec3::Z => json!("z"),
-            v => v.write(),
+            DVec3::X => out.serialize_str("x"),
+            DVec3::Y => out.serialize_str("y"),
+            DVec3::Z => out.serialize_str("z"),
+            v => v.write_to(out),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -505,9 +563,9 @@ impl Describe for Factors {
     fn blank() -> Self {
         Self(DVec3::ONE)
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         let v = self.0;
-        if v.x == v.y && v.y == v.z { v.x.write() } else { v.write() }
+        if v.x == v.y && v.y == v.z { v.x.write_to(out) } else { v.write_to(out) }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "anyOf": [schema::number("number", limit), DVec3::schema(limit, defs)] })
@@ -534,8 +592,8 @@ impl Describe for Matrix {
     fn blank() -> Self {
         Self(Affine::IDENTITY)
     }
-    fn write(&self) -> Json {
-        self.0.rows.write()
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.0.rows.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "array", "items": <[f64; 4]>::schema(limit, defs), "minItems": 3, "maxItems": 4 })
@@ -571,8 +629,8 @@ impl Describe for Rotation {
     fn blank() -> Self {
         Self { axis: Axis::blank(), degrees: 0.0 }
     }
-    fn write(&self) -> Json {
-        AxisAngle { axis: self.axis, degrees: self.degrees }.write()
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        AxisAngle { axis: self.axis, degrees: self.degrees }.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         let long = AxisAngle::schema(limit, defs);
@@ -638,8 +696,8 @@ impl Describe for Transform {
     fn blank() -> Self {
         Self::default()
     }
-    fn write(&self) -> Json {
-        self.steps.write()
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.steps.write_to(out)
     }
     fn schema(_: Limit, defs: &mut Definitions) -> Json {
         let step = Step::schema(Limit::FINITE, defs);
@@ -650,7 +708,7 @@ impl Describe for Transform {
 impl Describe for MaterialRef {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
-            Datum::String(_) => Self::Named(Spanned::read(tree, limit, d)),
+            Datum::String(_) => Self::Named(Link::read(tree, limit, d)),
             Datum::Mapping(_) => Self::Inline(Material::read(tree, limit, d)),
             _ => {
                 let kinds = suggest::list(Material::KINDS.iter().copied());
@@ -661,15 +719,20 @@ impl Describe for MaterialRef {
         }
     }
     fn blank() -> Self {
-        Self::Named(Spanned::blank())
+        Self::Named(Link::blank())
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Named(name) => name.write(),
-            Self::Inline(material) => material.write(),
+            Self::Named(link) => link.write_to(out),
+            Self::Inline(material) => material.write_to(out),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "anyOf": [<Spanned<String>>::schema(limit, defs), Material::schema(limit, defs)] })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        if let Self::Inline(material) = self {
+            material.show(limit, visitor);
+        }
     }
 }

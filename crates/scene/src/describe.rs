@@ -1,4 +1,5 @@
-//! The single definition from which come a description type, its reading, its writing, its defaults and its schema.
+//! The single definition from which come a description type, its reading, its writing, its defaults, its schema and a way to look
+//! through its values.
 
 /// Defines a struct or an enum of the scene language.
 ///
@@ -51,14 +52,15 @@ macro_rules! describe {
                 }
             }
 
-            fn write_fields(&self, out: &mut ::serde_json::Map<String, ::serde_json::Value>) {
+            fn write_fields<M: ::serde_core::ser::SerializeMap>(&self, out: &mut M) -> Result<(), M::Error> {
                 $(
                     let absent: Option<fn() -> $ty> = describe!(@absent $ty $(, $default)?);
                     if absent.is_none_or(|default| default() != self.$f) {
-                        out.insert(stringify!($f).to_owned(), $crate::decode::Describe::write(&self.$f));
+                        out.serialize_entry(stringify!($f), &$crate::decode::Written(&self.$f))?;
                     }
                 )*
-                $( <$Flat as $crate::decode::Fields>::write_fields(&self.$flat, out); )?
+                $( <$Flat as $crate::decode::Fields>::write_fields(&self.$flat, out)?; )?
+                Ok(())
             }
 
             fn schema_fields(out: &mut $crate::schema::Properties, defs: &mut $crate::schema::Definitions) {
@@ -78,6 +80,12 @@ macro_rules! describe {
                 $( describe!(@optional $($default)?) && )*
                 $( <$Flat as $crate::decode::Fields>::all_optional() && )? true
             }
+
+            fn show_fields<'a>(&'a self, visitor: &mut dyn $crate::visit::Visitor<'a>) {
+                $( $crate::decode::Describe::show(&self.$f, describe!(@limit $($limit)?), visitor); )*
+                $( <$Flat as $crate::decode::Fields>::show_fields(&self.$flat, visitor); )?
+                let _ = visitor;
+            }
         }
 
         impl $crate::decode::Describe for $T {
@@ -93,10 +101,10 @@ macro_rules! describe {
                 <Self as $crate::decode::Fields>::blank_fields()
             }
 
-            fn write(&self) -> ::serde_json::Value {
-                let mut map = ::serde_json::Map::new();
-                $crate::decode::Fields::write_fields(self, &mut map);
-                ::serde_json::Value::Object(map)
+            fn write_to<S: ::serde_core::ser::Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+                let mut map = out.serialize_map(None)?;
+                $crate::decode::Fields::write_fields(self, &mut map)?;
+                ::serde_core::ser::SerializeMap::end(map)
             }
 
             fn schema(
@@ -112,6 +120,14 @@ macro_rules! describe {
 
             fn may_be_empty() -> bool {
                 <Self as $crate::decode::Fields>::all_optional()
+            }
+
+            fn show<'a>(
+                &'a self,
+                _: $crate::limit::Limit,
+                visitor: &mut dyn $crate::visit::Visitor<'a>,
+            ) {
+                $crate::decode::Fields::show_fields(self, visitor);
             }
         }
     };
@@ -160,9 +176,9 @@ macro_rules! describe {
                 $( return describe!(@blank_variant $V $($P)?); )+
             }
 
-            fn write(&self) -> ::serde_json::Value {
+            fn write_to<S: ::serde_core::ser::Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
                 match self {
-                    $( describe!(@pattern inner $V $($P)?) => describe!(@write inner $key $($P)?), )+
+                    $( describe!(@pattern inner $V $($P)?) => describe!(@write inner out $key $($P)?), )+
                 }
             }
 
@@ -176,6 +192,16 @@ macro_rules! describe {
                     let _ = &defs;
                     choices.into_schema(&[$($doc),+])
                 })
+            }
+
+            fn show<'a>(
+                &'a self,
+                _: $crate::limit::Limit,
+                visitor: &mut dyn $crate::visit::Visitor<'a>,
+            ) {
+                match self {
+                    $( describe!(@pattern inner $V $($P)?) => describe!(@show inner visitor $($P)?), )+
+                }
             }
         }
     };
@@ -214,9 +240,14 @@ macro_rules! describe {
     (@pattern $inner:ident $V:ident) => { Self::$V };
     (@pattern $inner:ident $V:ident $P:ty) => { Self::$V($inner) };
 
-    (@write $inner:ident $key:literal) => { ::serde_json::Value::from($key) };
-    (@write $inner:ident $key:literal $P:ty) => {
-        $crate::schema::tagged($key, $crate::decode::Describe::write($inner))
+    (@write $inner:ident $out:ident $key:literal) => { $out.serialize_str($key) };
+    (@write $inner:ident $out:ident $key:literal $P:ty) => {
+        $out.collect_map([($key, $crate::decode::Written($inner))])
+    };
+
+    (@show $inner:ident $visitor:ident) => {{ let _ = $visitor; }};
+    (@show $inner:ident $visitor:ident $P:ty) => {
+        $crate::decode::Describe::show($inner, $crate::limit::Limit::FINITE, $visitor)
     };
 
     (@choice $choices:ident $defs:ident $key:literal [$($doc:literal),+]) => {

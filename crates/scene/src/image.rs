@@ -10,3 +10,10 @@ pub struct Image {
     /// `width * height` pixels.
     pub pixels: Vec<[f32; 3]>,
 }
+
+impl Image {
+    /// Bytes of its pixels.
+    pub fn heap_bytes(&self) -> u64 {
+        size_of_val(self.pixels.as_slice()) as u64
+    }
+}

@@ -6,13 +6,15 @@
 
 mod alias;
 pub mod assets;
+pub mod count;
 mod css;
 pub mod decode;
 mod decode_values;
 pub mod desc;
 mod describe;
 pub mod diagnostic;
-pub mod forecast;
+mod document;
+pub mod handle;
 pub mod image;
 pub mod limit;
 pub mod memory;
@@ -24,12 +26,13 @@ pub mod suggest;
 pub mod tree;
 pub mod validate;
 pub mod value;
+pub mod visit;
 
-pub use alias::is_of_a_scene;
 pub use assets::{Assets, MeshAsset, PartMaterial};
 pub use desc::Scene;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use document::{is_of_a_scene, read_scene, schema};
+pub use handle::Handle;
 pub use image::Image;
 pub use mesh::{Mesh, Part};
-pub use schema::schema;
 pub use span::{FileId, Sources, Span, Spanned};

@@ -19,6 +19,18 @@ pub struct Mesh {
     pub parts: Vec<Part>,
 }
 
+impl Mesh {
+    /// Bytes of its lists.
+    pub fn heap_bytes(&self) -> u64 {
+        let Self { positions, normals, uvs, triangles, parts } = self;
+        (size_of_val(positions.as_slice())
+            + size_of_val(normals.as_slice())
+            + size_of_val(uvs.as_slice())
+            + size_of_val(triangles.as_slice())
+            + size_of_val(parts.as_slice())) as u64
+    }
+}
+
 /// A run of a mesh's triangles with one material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {

@@ -1,9 +1,8 @@
 //! The JSON Schema (draft 2020-12) of the scene language, made from the same definitions as its reading.
 
+use serde_core::ser::Serializer;
 use serde_json::{Map, Value as Json, json};
 
-use crate::decode::Describe;
-use crate::desc::Scene;
 use crate::limit::Limit;
 
 /// The schemas of named types, while they are gathered.
@@ -13,6 +12,11 @@ pub struct Definitions {
 }
 
 impl Definitions {
+    /// All of them by their names.
+    pub fn into_map(self) -> Map<String, Json> {
+        self.map
+    }
+
     /// A reference to the type of that name, which `make` describes the first time it is met.
     pub fn refer(&mut self, name: &str, make: impl FnOnce(&mut Self) -> Json) -> Json {
         if !self.map.contains_key(name) {
@@ -104,13 +108,6 @@ pub fn described(docs: &[&str], schema: Json) -> Json {
     Json::Object(map)
 }
 
-/// A choice and its payload as a mapping of one key.
-pub fn tagged(key: &str, payload: Json) -> Json {
-    let mut map = Map::new();
-    map.insert(key.to_owned(), payload);
-    Json::Object(map)
-}
-
 /// A number's schema.
 pub fn number(kind: &str, limit: Limit) -> Json {
     let mut map = Map::new();
@@ -128,20 +125,19 @@ pub fn number(kind: &str, limit: Limit) -> Json {
 
 /// A number without `.0` when it is whole.
 pub fn short(v: f64) -> Json {
-    const EXACT: f64 = 9_007_199_254_740_992.0;
-    if v.floor() == v && v.abs() <= EXACT { json!(v as i64) } else { json!(v) }
+    whole(v).map_or(json!(v), |v| json!(v))
 }
 
-/// The JSON Schema of a scene file.
-pub fn schema() -> Json {
-    let mut defs = Definitions::default();
-    let root = Scene::schema(Limit::FINITE, &mut defs);
-    let mut out = Map::new();
-    out.insert("$schema".to_owned(), json!("https://json-schema.org/draft/2020-12/schema"));
-    out.insert("title".to_owned(), json!("straal scene"));
-    if let Json::Object(root) = root {
-        out.extend(root);
+/// The same, written.
+pub fn write_number<S: Serializer>(v: f64, out: S) -> Result<S::Ok, S::Error> {
+    match whole(v) {
+        Some(v) => out.serialize_i64(v),
+        None => out.serialize_f64(v),
     }
-    out.insert("$defs".to_owned(), Json::Object(defs.map));
-    Json::Object(out)
+}
+
+/// A whole number that is told exactly.
+fn whole(v: f64) -> Option<i64> {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    (v.floor() == v && v.abs() <= EXACT).then_some(v as i64)
 }

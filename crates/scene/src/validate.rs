@@ -9,9 +9,12 @@ use crate::desc::{
     Transform,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::handle::Handle;
+use crate::limit::Limit;
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{Color, FileRef, Name, Value};
+use crate::value::{Asset, Color, FileRef, Link, Name, Places};
+use crate::{Image, Mesh};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -76,7 +79,7 @@ impl Node {
     /// Whether a camera that is focused on `name` is focused on this: it goes by its own name, or by its object's.
     pub fn goes_by(&self, name: &str) -> bool {
         let own = self.name().is_some_and(|n| n.value == name);
-        own || matches!(self, Self::Instance(i) if i.of.value == name)
+        own || matches!(self, Self::Instance(i) if i.of.name.value == name)
     }
 
     /// The nodes directly inside.
@@ -96,6 +99,41 @@ impl Node {
     }
 }
 
+impl Node {
+    /// See [`Scene::link`].
+    fn link(&mut self, objects: Places<'_, Node>, materials: Places<'_, Material>) {
+        let material = match self {
+            Self::Group(g) => {
+                g.children.iter_mut().for_each(|child| child.link(objects, materials));
+                g.material.as_mut()
+            }
+            Self::Instance(i) => {
+                i.of.find(objects);
+                i.material.as_mut()
+            }
+            _ => self.surface_mut().and_then(|s| s.material.as_mut()),
+        };
+        if let Some(MaterialRef::Named(link)) = material {
+            link.find(materials);
+        }
+    }
+
+    fn surface_mut(&mut self) -> Option<&mut Surface> {
+        match self {
+            Self::Sphere(s) => Some(&mut s.surface),
+            Self::Plane(s) => Some(&mut s.surface),
+            Self::Disc(s) => Some(&mut s.surface),
+            Self::Rectangle(s) => Some(&mut s.surface),
+            Self::Box(s) => Some(&mut s.surface),
+            Self::Cylinder(s) => Some(&mut s.surface),
+            Self::Triangle(s) => Some(&mut s.surface),
+            Self::Mesh(s) => Some(&mut s.surface),
+            Self::Bezier(s) => Some(&mut s.surface),
+            Self::Group(_) | Self::Instance(_) => None,
+        }
+    }
+}
+
 impl Scene {
     /// What stands at the top of the world: its nodes, or, where all of it is one group, the nodes of that.
     pub fn top_level(&self) -> &[Node] {
@@ -106,6 +144,16 @@ impl Scene {
         nodes
     }
 
+    /// Finds out where all names of objects and materials lead. Whoever reads a scene has done so; a program that makes or changes one
+    /// does it when that is done.
+    pub fn link(&mut self) {
+        let (materials, _) = self.materials.parts_mut();
+        let (objects, nodes) = self.objects.parts_mut();
+        for node in nodes.chain(&mut self.world) {
+            node.link(objects, materials);
+        }
+    }
+
     /// Calls `f` with every node of the world and of the objects, once each.
     pub fn visit<'a>(&'a self, mut f: impl FnMut(&'a Node)) {
         for node in self.objects.iter().map(|(_, node)| node).chain(&self.world) {
@@ -114,7 +162,7 @@ impl Scene {
     }
 
     /// The mesh files that are named, with repetitions.
-    pub fn mesh_files(&self) -> Vec<&FileRef> {
+    pub fn mesh_files(&self) -> Vec<&Asset<Mesh>> {
         let mut files = Vec::new();
         self.visit(|node| {
             if let Node::Mesh(m) = node {
@@ -131,33 +179,16 @@ impl Scene {
 
     /// The spectra that are in files, and these.
     pub fn spectra_of_files(&self) -> Vec<(&FileRef, &Measured)> {
-        let mut spectra: Vec<&Spectrum> = self.lights.iter().filter_map(Light::spectrum).collect();
-        for (_, material) in self.materials.iter() {
-            spectra.extend(material.spectra());
-        }
-        self.visit(|node| {
-            if let Some(MaterialRef::Inline(material)) = node.material() {
-                spectra.extend(material.spectra());
-            }
-            let emission = node.surface().and_then(|s| s.emission.as_ref());
-            spectra.extend(emission.map(Value::get));
-        });
-        spectra.into_iter().filter_map(Spectrum::in_file).collect()
+        self.spectra().into_iter().filter_map(|(spectrum, _)| spectrum.in_file()).collect()
     }
 
-    /// The colours of surfaces that are parts of the light that arrives.
+    /// The colours that are parts of the light that arrives.
     pub fn reflectances(&self) -> Vec<&Spectrum> {
-        let mut found: Vec<&Spectrum> = self.materials.iter().flat_map(|(_, m)| m.reflectances()).collect();
-        self.visit(|node| {
-            if let Some(MaterialRef::Inline(material)) = node.material() {
-                found.extend(material.reflectances());
-            }
-        });
-        found
+        self.spectra().into_iter().filter(|(_, limit)| *limit == Limit::UNIT).map(|(s, _)| s).collect()
     }
 
     /// The picture files that are named, with repetitions.
-    pub fn image_files(&self) -> Vec<&FileRef> {
+    pub fn image_files(&self) -> Vec<&Asset<Image>> {
         let environments = self.lights.iter().filter_map(|l| match l {
             Light::Environment(Environment { file, .. }) => file.as_ref(),
             _ => None,
@@ -174,7 +205,7 @@ struct Walk<'a> {
 /// An instance inside an object or the world: which object it shows, and where it says so.
 #[derive(Clone, Copy)]
 struct Edge {
-    to: usize,
+    to: Handle<Node>,
     span: Span,
 }
 
@@ -191,8 +222,8 @@ impl Walk<'_> {
     /// Every material and object that is named must exist.
     fn names(&mut self, node: &Node) {
         node.visit(&mut |n| {
-            if let Some(MaterialRef::Named(name)) = n.material() {
-                self.material(name);
+            if let Some(MaterialRef::Named(link)) = n.material() {
+                self.material(link);
             }
             if let Node::Instance(Instance { of, .. }) = n {
                 self.instance(of);
@@ -200,10 +231,10 @@ impl Walk<'_> {
         });
     }
 
-    fn instance(&mut self, of: &Name) {
+    fn instance(&mut self, link: &Link<Node>) {
         // What couldn't be read has been complained of.
-        let objects = &self.scene.objects;
-        if of.is_empty() || objects.is_unreadable() || objects.get(of).is_some() {
+        let (of, objects) = (&link.name, &self.scene.objects);
+        if of.is_empty() || objects.is_unreadable() || link.to().is_some() {
             return;
         }
         let names = || self.scene.objects.iter().map(|(n, _)| n.value.as_str());
@@ -212,9 +243,9 @@ impl Walk<'_> {
         self.d.push(Diagnostic::error(of.span, message).help(help));
     }
 
-    fn material(&mut self, name: &Name) {
-        let materials = &self.scene.materials;
-        if name.is_empty() || materials.is_unreadable() || materials.get(name).is_some() {
+    fn material(&mut self, link: &Link<Material>) {
+        let (name, materials) = (&link.name, &self.scene.materials);
+        if name.is_empty() || materials.is_unreadable() || link.to().is_some() {
             return;
         }
         let names = || self.scene.materials.iter().map(|(n, _)| n.value.as_str());
@@ -264,7 +295,7 @@ impl Walk<'_> {
             node.visit(&mut |n| {
                 names.extend(n.name().map(|n| n.value.as_str()));
                 if let Node::Instance(i) = n {
-                    names.push(&i.of);
+                    names.push(&i.of.name);
                 }
             });
         }
@@ -290,9 +321,9 @@ impl Walk<'_> {
         let mut edges = Vec::new();
         node.visit(&mut |n| {
             if let Node::Instance(i) = n
-                && let Some(to) = self.scene.objects.position(&i.of)
+                && let Some(to) = i.of.to()
             {
-                edges.push(Edge { to, span: i.of.span });
+                edges.push(Edge { to, span: i.of.name.span });
             }
         });
         edges
@@ -316,10 +347,11 @@ impl Walk<'_> {
                     open.pop();
                     continue;
                 };
-                match states[edge.to] {
+                let to = edge.to.index();
+                match states[to] {
                     State::Unseen => {
-                        states[edge.to] = State::Open;
-                        open.push((edge.to, 0, 0));
+                        states[to] = State::Open;
+                        open.push((to, 0, 0));
                     }
                     State::Open => {
                         *done += 1;
@@ -335,7 +367,7 @@ impl Walk<'_> {
         }
         for node in &self.scene.world {
             for edge in self.edges(node) {
-                if let State::Known(inner) = states[edge.to] {
+                if let State::Known(inner) = states[edge.to.index()] {
                     self.deep(inner + 1, edge.span);
                 }
             }

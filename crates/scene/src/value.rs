@@ -1,9 +1,12 @@
 //! The small values that descriptions are made of.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::marker::PhantomData;
 
 use straal_math::{Affine, DVec3};
 
+use crate::handle::Handle;
 use crate::span::Spanned;
 
 /// A name said in the scene; equal to another when the text is.
@@ -11,6 +14,82 @@ pub type Name = Spanned<String>;
 
 /// A file as the scene names it: absolute, or relative to the scene's folder.
 pub type FileRef = Spanned<String>;
+
+/// A mesh or picture that a description has a handle to, and what it calls it: a file, or what a program made up.
+pub struct Asset<T> {
+    /// As the scene names it.
+    pub file: FileRef,
+    /// Which it is.
+    pub handle: Handle<T>,
+}
+
+impl<T> Asset<T> {
+    /// What goes by that handle, called so.
+    pub fn new(file: impl Into<FileRef>, handle: Handle<T>) -> Self {
+        Self { file: file.into(), handle }
+    }
+}
+
+impl<T> Clone for Asset<T> {
+    fn clone(&self) -> Self {
+        Self { file: self.file.clone(), handle: self.handle }
+    }
+}
+
+impl<T> PartialEq for Asset<T> {
+    fn eq(&self, o: &Self) -> bool {
+        self.file == o.file && self.handle == o.handle
+    }
+}
+
+impl<T> fmt::Debug for Asset<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} {:?}", self.handle, self.file.value)
+    }
+}
+
+/// A name that leads to one of the scene's objects or materials.
+pub struct Link<T> {
+    /// As the scene says it.
+    pub name: Name,
+    to: Option<Handle<T>>,
+}
+
+impl<T> Link<T> {
+    /// A name; where it leads is known when the scene is linked ([`crate::Scene::link`]).
+    pub fn new(name: impl Into<Name>) -> Self {
+        Self { name: name.into(), to: None }
+    }
+
+    /// Where it leads. In a scene that is linked and without errors, each leads somewhere.
+    pub const fn to(&self) -> Option<Handle<T>> {
+        self.to
+    }
+
+    /// Leads it to what goes by its name.
+    pub(crate) fn find(&mut self, places: Places<'_, T>) {
+        self.to = places.get(&self.name);
+    }
+}
+
+impl<T> Clone for Link<T> {
+    fn clone(&self) -> Self {
+        Self { name: self.name.clone(), to: self.to }
+    }
+}
+
+/// Equal when the names are.
+impl<T> PartialEq for Link<T> {
+    fn eq(&self, o: &Self) -> bool {
+        self.name == o.name
+    }
+}
+
+impl<T> fmt::Debug for Link<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} {:?}", self.to, self.name.value)
+    }
+}
 
 /// A colour in linear RGB (Rec. 709 primaries, D65 white). What these primaries don't hold has components below 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -110,6 +189,26 @@ pub struct Named<T> {
     unreadable: bool,
 }
 
+/// Where named things are.
+pub(crate) struct Places<'a, T> {
+    index: &'a BTreeMap<String, usize>,
+    of: PhantomData<fn() -> T>,
+}
+
+impl<T> Clone for Places<'_, T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for Places<'_, T> {}
+
+impl<T> Places<'_, T> {
+    fn get(self, name: &str) -> Option<Handle<T>> {
+        self.index.get(name).map(|&i| Handle::new(i as u32))
+    }
+}
+
 impl<T> Default for Named<T> {
     fn default() -> Self {
         Self { entries: Vec::new(), index: BTreeMap::new(), unreadable: false }
@@ -139,22 +238,33 @@ impl<T> Named<T> {
 
     /// The thing of that name.
     pub fn get(&self, name: &str) -> Option<&T> {
-        self.position(name).map(|i| &self.entries[i].1)
+        self.index.get(name).map(|&i| &self.entries[i].1)
     }
 
-    /// Where in the order of the file the thing of that name is.
-    pub fn position(&self, name: &str) -> Option<usize> {
-        self.index.get(name).copied()
+    /// The handle of the thing of that name: its place in the order of the file.
+    pub fn handle(&self, name: &str) -> Option<Handle<T>> {
+        Places { index: &self.index, of: PhantomData }.get(name)
     }
 
-    /// The thing at a place in the order of the file.
-    pub fn at(&self, position: usize) -> Option<(&Name, &T)> {
-        self.entries.get(position).map(|(n, t)| (n, t))
+    /// A thing and its name.
+    pub fn at(&self, handle: Handle<T>) -> Option<(&Name, &T)> {
+        self.entries.get(handle.index()).map(|(n, t)| (n, t))
+    }
+
+    /// What a name leads to.
+    pub fn of(&self, link: &Link<T>) -> Option<&T> {
+        self.at(link.to()?).map(|(_, thing)| thing)
     }
 
     /// All, in the order of the file.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (&Name, &T)> {
         self.entries.iter().map(|(n, t)| (n, t))
+    }
+
+    /// Where the things are, by name, and the things themselves, to be changed.
+    pub(crate) fn parts_mut(&mut self) -> (Places<'_, T>, impl Iterator<Item = &mut T>) {
+        let places = Places { index: &self.index, of: PhantomData };
+        (places, self.entries.iter_mut().map(|(_, thing)| thing))
     }
 
     /// How many.

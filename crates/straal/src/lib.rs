@@ -10,29 +10,28 @@
 //!
 //! The way of the data: [`load`] reads files into a description, [`Job::new`] compiles it into a world,
 //! [`Job::render`] gathers light on a film, and a [`Picture`] is developed and written. The crates below
-//! can be used by themselves: `straal_accel` for ray search, `straal_color` for light, `straal_render` for the rest.
+//! can be used by themselves: `straal_accel` for ray search, `straal_color` for light, `straal_render` for the rest;
+//! `straal_study`, beside this crate, explains what they do.
 #![forbid(unsafe_code)]
 
 pub mod compare;
 pub mod develop;
-pub mod false_colour;
 pub mod focus;
 pub mod forecast;
-pub mod gamma_chart;
 pub mod job;
-pub mod lab;
 pub mod look;
 pub mod picture;
-pub mod points;
 pub mod replicates;
+pub mod resolve;
 pub mod search;
 pub mod sums;
 pub mod written;
 
 pub use forecast::{Forecast, forecast};
-pub use job::{Blocks, Control, Error, Job, Outcome, Overrides, Progress, Verdict};
+pub use job::{Blocks, Control, Job, Outcome, Progress, Snapshot, Verdict};
 pub use look::{Bits, Gamma, Look};
-pub use picture::{CostMeasure, Picture};
+pub use picture::Picture;
+pub use resolve::{Error, Overrides};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{Loaded, Options as LoadOptions, is_mesh, load, load_str, load_stream};

@@ -6,6 +6,7 @@ use straal_color::{
     Adaptation, Dither, Exposure, Gamut, Matrix3, ParseError, RgbSpace, Space, Tone, Transfer,
 };
 use straal_formats::image::png;
+use straal_scene::desc;
 
 /// The steps from linear light to codes, in their order. The screen has the primaries of sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -143,6 +144,23 @@ impl FromStr for Look {
             }
         }
         Ok(look)
+    }
+}
+
+impl Look {
+    /// How a film wants its picture developed.
+    pub fn of(film: &desc::Film) -> Self {
+        Self {
+            exposure: film.exposure,
+            tone: film.tone.curve(),
+            gamut: film.gamut.way(),
+            gamma: match film.gamma {
+                desc::Gamma::Srgb => Gamma::Srgb,
+                desc::Gamma::Power(gamma) => Gamma::Power(gamma as f32),
+            },
+            bits: Bits::of(film.bits).unwrap_or_default(),
+            dither: if film.dither { Dither::On } else { Dither::Off },
+        }
     }
 }
 

@@ -1,6 +1,5 @@
 //! A finished picture: its layers, its story, and how it becomes a file.
 
-use crate::false_colour::{Chart, Scale};
 use crate::look::{self, Look, Negative};
 use std::io;
 use std::path::Path;
@@ -8,8 +7,9 @@ use straal_color::RgbSpace;
 use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{hdr, pfm, png};
+use straal_render::film::channel::Source;
 pub use straal_render::film::hash_of as film_hash;
-use straal_render::film::{BandLayers, CostLayers, Film, Layers};
+use straal_render::film::{BandLayers, ChannelLayer, Film, Layers};
 use straal_render::settings::Region;
 use straal_scene::Image;
 
@@ -28,41 +28,6 @@ pub struct Picture {
     pub story: Vec<(String, String)>,
 }
 
-/// What a picture of the searches' costs shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CostMeasure {
-    /// Nodes opened, or cells entered, a sample.
-    #[default]
-    Nodes,
-    /// Primitives tested a sample.
-    Primitives,
-    /// Time spent in search a sample.
-    Time,
-}
-
-impl CostMeasure {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Nodes, Self::Primitives, Self::Time];
-
-    /// The name as it is typed.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Nodes => "nodes",
-            Self::Primitives => "primitives",
-            Self::Time => "time",
-        }
-    }
-
-    /// What a legend says.
-    const fn caption(self) -> &'static str {
-        match self {
-            Self::Nodes => "nodes a sample",
-            Self::Primitives => "primitives a sample",
-            Self::Time => "nanoseconds a sample",
-        }
-    }
-}
-
 /// Why a picture wasn't written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -70,12 +35,6 @@ pub enum SaveError {
     /// The name's extension is none that can be written.
     #[error("can't tell the format of {0}: the name must end in .exr, .png, .hdr or .pfm")]
     Format(String),
-    /// No costs were counted, or not this one.
-    #[error("the picture doesn't know its {} cost: it wasn't counted", .0.name())]
-    NotCounted(CostMeasure),
-    /// A false-colour picture's name must end in .png.
-    #[error("can't write {0}: pictures in false colours are PNG, so that the name must end in .png")]
-    NotPng(String),
     /// The disk refused.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -161,19 +120,6 @@ impl Picture {
         }
     }
 
-    /// Writes what the searches cost as a PNG in false colours with a legend.
-    pub fn save_cost(&self, path: &Path, of: CostMeasure) -> Result<(), SaveError> {
-        let values = self.layers.cost.as_ref().and_then(|cost| match of {
-            CostMeasure::Nodes => Some(&cost.nodes),
-            CostMeasure::Primitives => Some(&cost.primitives),
-            CostMeasure::Time => cost.time.as_ref(),
-        });
-        let values = values.ok_or(SaveError::NotCounted(of))?;
-        let scale = Scale::of(values);
-        let chart = Chart::of(values, self.layers.width, scale).with_legend(scale, of.caption());
-        chart.save(path, &self.story)
-    }
-
     /// Linear RGB alone, with the primaries of sRGB: formats that can't say otherwise are taken to have them.
     fn to_srgb(&self) -> Image {
         let mut image = self.to_image();
@@ -191,34 +137,25 @@ impl Picture {
     pub(crate) fn to_exr(&self) -> exr::Picture {
         let l = &self.layers;
         let is_whole = l.rgb.len() == l.samples.len();
-        let one = |name: &str, channel: &str, samples: Vec<f32>| Layer {
-            name: name.into(),
-            channels: vec![Channel { name: channel.into(), samples }],
-        };
-        let normal = {
-            let mut layer = Layer::from_rgb("normal", &l.normal);
-            for (channel, axis) in layer.channels.iter_mut().zip(["X", "Y", "Z"]) {
-                channel.name = axis.into();
-            }
-            layer
-        };
         let (x, y) = (self.crop.min[0] as i32, self.crop.min[1] as i32);
         let mut layers = vec![Layer::from_rgb("", &l.rgb)];
         if is_whole {
-            layers.extend([
-                Layer::from_rgb("albedo", &l.albedo),
-                normal,
-                one("depth", "Z", l.depth.clone()),
-                one("samples", "N", l.samples.iter().map(|&n| n as f32).collect()),
-                Layer::from_rgb("variance", &l.variance),
-            ]);
+            let seen = l.channels.iter().filter(|l| matches!(l.channel.source, Source::FirstHit(_)));
+            seen.for_each(|channel| add_channel(&mut layers, channel));
+            let samples = l.samples.iter().map(|&n| n as f32).collect();
+            layers.push(Layer {
+                name: "samples".into(),
+                channels: vec![Channel { name: "N".into(), samples }],
+            });
+            layers.push(Layer::from_rgb("variance", &l.variance));
         }
         let mut metadata = self.story.clone();
         if let Some(error) = &l.error {
             layers.push(Layer::from_rgb("error", &error.rgb));
             metadata.push((ERROR.to_owned(), error.evidence.name().to_owned()));
         }
-        layers.extend(l.cost.as_ref().map(cost_layer));
+        let costs = l.channels.iter().filter(|l| matches!(l.channel.source, Source::Search(_)));
+        costs.for_each(|channel| add_channel(&mut layers, channel));
         if let Some(BandLayers { bands, planes }) = &l.bands {
             let middles = (0..bands.count()).map(|k| bands.center(k));
             let (layer, attributes) = exr::spectral_layer(middles.zip(planes.iter().cloned()));
@@ -266,10 +203,12 @@ pub(crate) fn write_png(
     png::write(out, &encoded)
 }
 
-/// The channels `cost.nodes`, `cost.primitives` and, where there was a clock, `cost.time` (nanoseconds).
-fn cost_layer(cost: &CostLayers) -> Layer {
-    let channel = |name: &str, samples: &[f32]| Channel { name: name.into(), samples: samples.to_vec() };
-    let mut channels = vec![channel("nodes", &cost.nodes), channel("primitives", &cost.primitives)];
-    channels.extend(cost.time.as_deref().map(|time| channel("time", time)));
-    Layer { name: "cost".into(), channels }
+/// Adds a channel of the film to its layer, as channels of an EXR.
+fn add_channel(layers: &mut Vec<Layer>, of: &ChannelLayer) {
+    let new = of.channel.components.iter().enumerate();
+    let new = new.map(|(c, name)| Channel { name: (*name).into(), samples: of.component(c).collect() });
+    match layers.last_mut().filter(|layer| layer.name == of.channel.layer) {
+        Some(layer) => layer.channels.extend(new),
+        None => layers.push(Layer { name: of.channel.layer.into(), channels: new.collect() }),
+    }
 }

@@ -1,9 +1,10 @@
 //! Replicates: the same picture from independent seeds, so that its variance is measured and not modelled.
 
-use crate::job::{Control, Error, Job, Outcome};
+use crate::job::{Control, Job, Outcome};
 use crate::picture::Picture;
+use crate::resolve::Error;
 use straal_color::spectrum::Bands;
-use straal_render::film::{BandLayers, CostLayers, Dropped, ErrorLayer, Evidence, Layers};
+use straal_render::film::{BandLayers, Channel, ChannelLayer, Dropped, ErrorLayer, Evidence, Layers};
 use straal_render::stopwatch::Times;
 
 /// Distance of the replicates' seeds: odd, and far from what people type.
@@ -23,7 +24,8 @@ impl Job {
                     .into(),
             ));
         }
-        self.check_replicates()?;
+        let pixels = self.settings.crop.area() as u64;
+        self.check_room(pixels.saturating_mul(Sums::bytes_a_pixel(self.settings.layers)))?;
         let mut progress = self.progress();
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;
@@ -84,13 +86,9 @@ struct Sums {
     rgb: Vec<[f64; 3]>,
     /// Sum of squared differences from the mean so far (Welford 1962): small variances of bright pixels survive.
     spread: Vec<[f64; 3]>,
-    albedo: Vec<[f64; 3]>,
-    normal: Vec<[f64; 3]>,
-    depth: Vec<f64>,
     samples: Vec<u32>,
-    /// Nodes, primitives and nanoseconds; empty when they aren't counted.
-    costs: Vec<[f64; 3]>,
-    timed: bool,
+    /// Whatever else films hold.
+    channels: Vec<(&'static Channel, Vec<f64>)>,
     tells_error: bool,
     /// Light by wavelengths.
     bands: Option<(Bands, Vec<Vec<f64>>)>,
@@ -98,18 +96,21 @@ struct Sums {
 }
 
 impl Sums {
+    /// Bytes that they take for each pixel, of colours alone or with the other layers and the spread of colours.
+    fn bytes_a_pixel(layers: bool) -> u64 {
+        let three = size_of::<[f64; 3]>();
+        let others = 3 * three + size_of::<f64>() + size_of::<u32>();
+        (three + if layers { others } else { 0 }) as u64
+    }
+
     fn new(frame: Picture) -> Self {
         let n = frame.crop.area();
         Self {
             frame,
             rgb: vec![[0.0; 3]; n],
             spread: Vec::new(),
-            albedo: Vec::new(),
-            normal: Vec::new(),
-            depth: Vec::new(),
             samples: Vec::new(),
-            costs: Vec::new(),
-            timed: false,
+            channels: Vec::new(),
             tells_error: false,
             bands: None,
             count: 0.0,
@@ -119,14 +120,11 @@ impl Sums {
     fn add(&mut self, l: &Layers) {
         self.count += 1.0;
         self.tells_error = l.error.is_some();
-        if let Some(cost) = &l.cost {
-            self.costs.resize(self.rgb.len(), [0.0; 3]);
-            self.timed = cost.time.is_some();
-            for (i, sum) in self.costs.iter_mut().enumerate() {
-                sum[0] += f64::from(cost.nodes[i]);
-                sum[1] += f64::from(cost.primitives[i]);
-                sum[2] += cost.time.as_ref().map_or(0.0, |time| f64::from(time[i]));
-            }
+        if self.channels.is_empty() {
+            self.channels = l.channels.iter().map(|l| (l.channel, vec![0.0; l.values.len()])).collect();
+        }
+        for ((_, sums), layer) in self.channels.iter_mut().zip(&l.channels) {
+            sums.iter_mut().zip(&layer.values).for_each(|(sum, v)| *sum += f64::from(*v));
         }
         if let Some(BandLayers { bands, planes }) = &l.bands {
             let nothing = || (*bands, planes.iter().map(|plane| vec![0.0; plane.len()]).collect());
@@ -139,9 +137,6 @@ impl Sums {
         let held = l.samples.len();
         let spreads = if l.error.is_some() { self.rgb.len() } else { held };
         self.spread.resize(spreads, [0.0; 3]);
-        self.albedo.resize(held, [0.0; 3]);
-        self.normal.resize(held, [0.0; 3]);
-        self.depth.resize(held, 0.0);
         self.samples.resize(held, 0);
         for i in 0..self.rgb.len() {
             for c in 0..3 {
@@ -153,20 +148,13 @@ impl Sums {
                 }
             }
         }
-        for i in 0..held {
-            for c in 0..3 {
-                self.albedo[i][c] += f64::from(l.albedo[i][c]);
-                self.normal[i][c] += f64::from(l.normal[i][c]);
-            }
-            self.depth[i] += f64::from(l.depth[i]);
-            self.samples[i] += l.samples[i];
-        }
+        self.samples.iter_mut().zip(&l.samples).for_each(|(sum, n)| *sum += n);
     }
 
     fn picture(self, replicates: u32) -> Picture {
         let n = f64::from(replicates);
         let round = |v: &[f64; 3]| v.map(|x| x as f32);
-        let mean = |v: &[f64; 3]| v.map(|x| (x / n) as f32);
+        let mean = |sums: Vec<f64>| sums.into_iter().map(|v| (v / n) as f32).collect();
         let of_mean = |v: &[f64; 3]| {
             if replicates < 2 { [0.0; 3] } else { v.map(|x| (x / (n * (n - 1.0))) as f32) }
         };
@@ -185,18 +173,13 @@ impl Sums {
             rgb: self.rgb.iter().map(round).collect(),
             error,
             variance,
-            albedo: self.albedo.iter().map(mean).collect(),
-            normal: self.normal.iter().map(mean).collect(),
-            depth: self.depth.iter().map(|d| (d / n) as f32).collect(),
             samples: self.samples,
-            cost: (!self.costs.is_empty()).then(|| {
-                let mean = |k: usize| self.costs.iter().map(|c| (c[k] / n) as f32).collect();
-                CostLayers { nodes: mean(0), primitives: mean(1), time: self.timed.then(|| mean(2)) }
-            }),
-            bands: self.bands.map(|(bands, sums)| {
-                let mean = |plane: Vec<f64>| plane.into_iter().map(|v| (v / n) as f32).collect();
-                BandLayers { bands, planes: sums.into_iter().map(mean).collect() }
-            }),
+            channels: { self.channels.into_iter() }
+                .map(|(channel, sums)| ChannelLayer { channel, values: mean(sums) })
+                .collect(),
+            bands: self
+                .bands
+                .map(|(bands, sums)| BandLayers { bands, planes: sums.into_iter().map(mean).collect() }),
         };
         Picture { layers, ..self.frame }
     }

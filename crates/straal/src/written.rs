@@ -12,8 +12,8 @@ use straal_scene::decode::Describe;
 use straal_scene::desc;
 use straal_scene::value::Depth;
 
-use crate::job::{Error, Overrides};
 use crate::look::{Gamma, Look};
+use crate::resolve::{Error, Overrides};
 use crate::{Dither, Gamut};
 
 /// Whole numbers up to here are exact in a scene's text.
@@ -26,11 +26,6 @@ pub fn scene(loaded: &Loaded, wish: &Overrides, look: &Look) -> Result<desc::Sce
     apply(&mut scene, wish)?;
     develop_as(&mut scene.film, look);
     Ok(scene)
-}
-
-/// How a scene wants its picture developed.
-pub fn look(loaded: &Loaded) -> Look {
-    crate::job::look(&loaded.scene.film)
 }
 
 /// The text of a scene as YAML that is kept in `folder`. `base` is the folder that the scene's files are named from.
@@ -182,7 +177,7 @@ mod tests {
             let look = Look { tone, gamma, gamut, dither: Dither::On, ..Look::default() };
             let mut film = desc::Film::default();
             develop_as(&mut film, &look);
-            assert_eq!(crate::job::look(&film), look);
+            assert_eq!(Look::of(&film), look);
         }
         assert_eq!(shortest(2.2), 2.2);
     }

@@ -3,8 +3,6 @@
 use crate::{Failure, root};
 use std::fmt::Write;
 use std::sync::Arc;
-use straal::lab::{self, Contender};
-use straal::points::{Course, Request, figures};
 use straal::{Isa, LoadOptions};
 use straal_accel::{
     BspParams, Bvh2Params, Cost, Geometry, GeometryKind, GridParams, Group, Input, KdParams, OctreeParams,
@@ -12,6 +10,8 @@ use straal_accel::{
 };
 use straal_math::lowdisc::PatternKind;
 use straal_math::{Ray, Vec3, ops};
+use straal_study::lab::{self, Contender};
+use straal_study::points::{Course, Request, figures};
 
 /// A table by its name; nothing where files that it takes aren't here.
 pub fn table(name: &str) -> Result<Option<String>, Failure> {

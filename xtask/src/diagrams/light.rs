@@ -495,8 +495,8 @@ fn spectra() -> String {
 
 /// Directions drawn evenly, and in proportion to a sky with a sun.
 fn environment_draws() -> String {
-    use straal::points::Request;
     use straal_math::lowdisc::PatternKind;
+    use straal_study::points::Request;
     let mut d = Drawing::new(700, 220);
     let bright = |x: f32, y: f32| {
         let (dx, dy) = ((x - 0.68) / 0.035, (y - 0.62) / 0.07);

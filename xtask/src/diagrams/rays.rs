@@ -2,9 +2,9 @@
 
 use super::Diagram;
 use crate::draw::*;
-use straal::points::Request;
 use straal_math::lowdisc::PatternKind;
 use straal_math::{Affine, DVec3, Ray, Transform, Vec3, ops, warp};
+use straal_study::points::Request;
 
 /// What is drawn here.
 pub const ALL: &[Diagram] = &[

@@ -11,11 +11,11 @@ use super::{
     collapse::{Costs, Twig, What, choose},
     object_split,
     params::{Build, BvhParams},
-    span::{Ref, Span},
+    span::{Class, Ref, Span},
     spatial_split,
     wide::{Binary, join},
 };
-use crate::structure::Prim;
+use crate::{analytic::block::Member, structure::Prim};
 use rayon::prelude::*;
 use straal_math::Vec3;
 
@@ -34,6 +34,7 @@ type Vertices<'a> = dyn Fn(u32) -> [Vec3; 3] + Sync + 'a;
 /// What a build goes by.
 #[derive(Clone, Copy)]
 pub(super) struct Plan<'a> {
+    shapes: &'a [Member],
     pub vertices: &'a Vertices<'a>,
     build: Build,
     compact: bool,
@@ -41,8 +42,15 @@ pub(super) struct Plan<'a> {
     pub least_overlap: f32,
 }
 
-pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>) -> Option<Bvh> {
+pub(super) fn build(
+    prims: &[Prim],
+    shapes: &[Member],
+    params: &BvhParams,
+    vertices: &Vertices<'_>,
+) -> Option<Bvh> {
+    let numbered = (0..).zip(shapes);
     let mut refs: Vec<Ref> = prims.iter().map(Ref::of).collect();
+    refs.extend(numbered.map(|(id, m)| Ref::of_shape(id, m)));
     if refs.is_empty() {
         return Some(Bvh::EMPTY);
     }
@@ -55,7 +63,7 @@ pub(super) fn build(prims: &[Prim], params: &BvhParams, vertices: &Vertices<'_>)
         refs.resize(root.places().end, Ref::NONE);
     }
     let least_overlap = spatial_split::OVERLAP * root.bounds.half_area();
-    let plan = Plan { vertices, build: params.build, compact: params.compact, least_overlap };
+    let plan = Plan { shapes, vertices, build: params.build, compact: params.compact, least_overlap };
     let mut upper = Binary::default();
     upper.grow(&mut refs, &root, TASK.max(root.len() / 64), &plan);
     // Tasks come in the order of their ranges.
@@ -98,10 +106,16 @@ impl Binary {
         }
     }
 
-    /// A block of triangles, or one object, if that is what the range is.
+    /// A block of triangles or of shapes of one kind, or one object, if that is what the range is.
     fn leaf(&mut self, refs: &[Ref], span: &Span, plan: &Plan<'_>) -> Option<Child> {
-        if refs.len() == 1 && refs[0].object {
+        if refs.len() == 1 && refs[0].class == Class::Object {
             return Some(Child::object(refs[0].id));
+        }
+        if refs.len() <= WIDTH && span.shapes == refs.len() && refs.iter().all(|r| r.class == refs[0].class) {
+            let mut block: Vec<Member> = refs.iter().map(|r| plan.shapes[r.id as usize]).collect();
+            block.sort_unstable_by_key(|m| m.object);
+            self.shapes.push(&block);
+            return Some(Child::shapes(self.shapes.len() as u32 - 1));
         }
         if refs.len() > WIDTH || span.objects > 0 {
             return None;
@@ -115,9 +129,12 @@ impl Binary {
     }
 }
 
-/// Splits a range of at least two in two; `refs` are its places.
+/// Splits a range of at least two in two; `refs` are its places. What would be a block but for its kinds is parted by them.
 fn split(refs: &mut [Ref], span: &Span, plan: &Plan<'_>) -> [Span; 2] {
     let len = span.len();
+    if len <= WIDTH && span.shapes == len && span.depth < MAX_SAH_DEPTH {
+        return with_room(object_split::by_class(&mut refs[..len], span), span);
+    }
     let heaps =
         if span.depth < MAX_SAH_DEPTH { object_split::find(&refs[..len], span, plan.build) } else { None };
     let mut out = None;

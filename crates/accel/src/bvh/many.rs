@@ -10,7 +10,7 @@
 //! where an entry is put is known late, and the processor, which has seen that what is loaded next may be what was put
 //! there, would wait for it.
 
-use super::{Bvh, Child, class, near::Near};
+use super::{Bvh, Child, answers::Answers, class, near::Near};
 use crate::{
     hit::{Chain, Hit},
     kernel::{
@@ -76,14 +76,15 @@ struct Waiting<'a> {
 }
 
 impl Bvh {
-    /// Calls `done` with each ray's place and hit; when `ANY`, with any hit of the ray.
+    /// Searches rays whose answers begin at a place; when `ANY`, for any hit. Where there are a few shapes beside the tree, the
+    /// answers are what these gave.
     #[inline(always)]
     pub(super) fn many<K: Kernel, const ANY: bool, const N: usize, const PREFETCH: u8>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
-        mut done: impl FnMut(usize, Hit),
+        (out, from): (&mut (impl Answers + ?Sized), usize),
     ) {
         let idle = Flight { ray: LocalRay::IDLE, near: Near::nothing(0.0), index: u32::MAX };
         let mut flights = [idle; N];
@@ -113,9 +114,10 @@ impl Bvh {
                         continue;
                     }
                     let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
-                    done(f.index as usize, f.near.hit(&at, &elsewhere[i]));
+                    out.set(from + f.index as usize, f.near.hit(&at, &elsewhere[i]));
                 }
-                match self.launch::<K, ANY>(q, group, &mut waiting, (f, &mut elsewhere[i]), &mut done) {
+                match self.launch::<K, ANY>(q, group, &mut waiting, (f, &mut elsewhere[i]), (&mut *out, from))
+                {
                     Some(root) => {
                         stack.reset();
                         spilled[i].clear();
@@ -198,6 +200,20 @@ impl Bvh {
             for i in Members::<N>(classes[class::OBJECT]) {
                 let (f, stack, best) = (&mut flights[i], &mut stacks[i], &mut elsewhere[i]);
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
+                if let Some(block) = next.0[i].as_shapes() {
+                    if ANY {
+                        if q.shapes_occluded(&at, self.shapes.get(block)) {
+                            f.near.set_found(best);
+                            stack.reset();
+                        }
+                    } else if self.shapes_closest(q, &at, block, &mut f.near, best) {
+                        stack.keep_within(f.near.key());
+                    }
+                    let child = stack.pop();
+                    next.0[i] = child;
+                    prefetch(q.kernel, child);
+                    continue;
+                }
                 let object = next.0[i].index() as u32;
                 if ANY {
                     if q.object_occluded(&at, object) {
@@ -225,19 +241,27 @@ impl Bvh {
         group: &GroupData,
         waiting: &mut Waiting<'_>,
         (f, elsewhere): (&mut Flight, &mut Hit),
-        done: &mut impl FnMut(usize, Hit),
+        (out, from): (&mut (impl Answers + ?Sized), usize),
     ) -> Option<Child> {
         while let Some(ray) = waiting.rays.get(waiting.next) {
             let index = waiting.next;
             waiting.next += 1;
             if !q.kernel.prepare(ray, &mut f.ray) {
-                done(index, Hit::MISS);
+                out.set(from + index, Hit::MISS);
                 continue;
             }
             f.near = Near::nothing(f.ray.ray.t_max);
             let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
+            if !self.few.is_empty() {
+                *elsewhere = out.get(from + index);
+                if elsewhere.is_hit() {
+                    f.near = Near::new(elsewhere);
+                }
+            }
             if !group.unbounded.is_empty() {
-                *elsewhere = Hit::limit(f.ray.ray.t_max);
+                if !f.near.is_found() {
+                    *elsewhere = Hit::limit(f.ray.ray.t_max);
+                }
                 for &object in &group.unbounded {
                     q.object_closest(&at, object, elsewhere);
                 }
@@ -248,7 +272,7 @@ impl Bvh {
                     f.index = index as u32;
                     return Some(root);
                 }
-                _ => done(index, f.near.hit(&at, elsewhere)),
+                _ => out.set(from + index, f.near.hit(&at, elsewhere)),
             }
         }
         None

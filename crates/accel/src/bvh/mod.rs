@@ -2,10 +2,12 @@
 //!
 //! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
+mod answers;
 pub(crate) mod block;
 mod build;
 pub(crate) mod bundle;
 mod collapse;
+mod few;
 mod layout;
 pub(crate) mod many;
 pub(crate) mod near;
@@ -21,6 +23,7 @@ mod validate;
 mod wide;
 
 use crate::{
+    analytic::block::{Blocks, Member},
     kernel::lines::{LINE, Lines},
     scene::{GroupData, Scene},
     structure::Prim,
@@ -74,7 +77,7 @@ impl Node {
 }
 
 /// What a box contains: the highest two bits tell the kind, the others are an index: the first line of a node or of a
-/// block, but the number of an object or of an outline.
+/// block, but the number of an object or of an outline, or with one more bit that of a block of shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub(crate) struct Child(u32);
@@ -85,6 +88,7 @@ pub(crate) enum ChildKind {
     Node(u32),
     Block(u32),
     Object(u32),
+    Shapes(u32),
     Done,
 }
 
@@ -99,6 +103,7 @@ pub(crate) mod class {
 impl Child {
     const LEAF: u32 = 1 << 31;
     const OBJECT: u32 = 1 << 30;
+    const SHAPES: u32 = 1 << 29;
 
     /// The end of a search.
     pub const DONE: Self = Self(Self::OBJECT);
@@ -115,6 +120,17 @@ impl Child {
         Self(i | Self::LEAF | Self::OBJECT)
     }
 
+    const fn shapes(i: u32) -> Self {
+        Self::object(i | Self::SHAPES)
+    }
+
+    /// The block of shapes that it is, if it is one.
+    #[inline(always)]
+    pub const fn as_shapes(self) -> Option<usize> {
+        let of = Self::LEAF | Self::OBJECT | Self::SHAPES;
+        if self.0 >= of { Some((self.0 - of) as usize) } else { None }
+    }
+
     /// Whether it is a leaf of any kind: 0 or 1.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
@@ -122,11 +138,12 @@ impl Child {
         (self.0 >> 31) as usize
     }
 
-    /// The same, where `nodes` and `blocks` stand before its own.
-    const fn moved(self, nodes: u32, blocks: u32) -> Self {
+    /// The same, where `nodes`, `blocks` and blocks of `shapes` stand before its own.
+    const fn moved(self, nodes: u32, blocks: u32, shapes: u32) -> Self {
         match self.kind() {
             ChildKind::Node(i) => Self::node(i + nodes),
             ChildKind::Block(i) => Self::block(i + blocks),
+            ChildKind::Shapes(i) => Self::shapes(i + shapes),
             ChildKind::Object(_) | ChildKind::Done => self,
         }
     }
@@ -161,6 +178,7 @@ impl Child {
         match self.class() {
             class::NODE => ChildKind::Node(i),
             class::BLOCK => ChildKind::Block(i),
+            class::OBJECT if i >= Self::SHAPES => ChildKind::Shapes(i - Self::SHAPES),
             class::OBJECT => ChildKind::Object(i),
             _ => ChildKind::Done,
         }
@@ -191,10 +209,20 @@ pub(crate) struct Bvh {
     lines: Lines,
     /// In a compact tree, what tells how to put each block together; blocks are numbers of these there.
     outlines: Vec<Outline>,
+    /// Shapes in its leaves.
+    shapes: Blocks,
+    /// Shapes that stand beside the tree.
+    few: Blocks,
 }
 
 impl Bvh {
-    pub const EMPTY: Self = Self { root: None, lines: Lines::EMPTY, outlines: Vec::new() };
+    pub const EMPTY: Self = Self {
+        root: None,
+        lines: Lines::EMPTY,
+        outlines: Vec::new(),
+        shapes: Blocks::EMPTY,
+        few: Blocks::EMPTY,
+    };
 
     /// How long nodes are likely to be waited for.
     fn distance(&self) -> Distance {
@@ -209,7 +237,10 @@ impl Bvh {
     }
 
     fn bytes(&self) -> usize {
-        self.lines.len() * LINE + size_of_val(self.outlines.as_slice())
+        self.lines.len() * LINE
+            + size_of_val(self.outlines.as_slice())
+            + self.shapes.bytes()
+            + self.few.bytes()
     }
 
     /// A leaf's block; `room` is for one that has to be put together.
@@ -240,13 +271,15 @@ impl Bvh {
         block.into_iter().flatten().chain(self.outlines.get(i as usize).into_iter().flat_map(Outline::ids))
     }
 
-    /// Builds the tree over primitives; `vertices` gives a triangle's by its number in the group. `None` if it takes more
-    /// than 64 GiB.
+    /// Builds the tree over primitives and shapes that are formulas; `vertices` gives a triangle's by its number in the group.
+    /// `None` if it takes more than 64 GiB.
     pub fn build(
         prims: &[Prim],
+        shapes: Vec<Member>,
         params: &BvhParams,
         vertices: impl Fn(u32) -> [Vec3; 3] + Sync,
     ) -> Option<Self> {
-        build::build(prims, params, &vertices)
+        let (few, many) = few::part(shapes);
+        Some(Self { few, ..build::build(prims, &many, params, &vertices)? })
     }
 }

@@ -9,6 +9,7 @@
 
 use super::{
     Bvh, Child, ChildKind, STACK, WIDTH,
+    answers::Answers,
     bundle::{Bundle, PACKET},
     many::Members,
     near::Near,
@@ -69,15 +70,15 @@ fn may_be_packet(rays: &[Ray]) -> bool {
 }
 
 impl Bvh {
-    /// Searches with a packet and calls `done` with each ray's place and hit (when `ANY`, with any hit of the ray). False,
-    /// with nothing done, when the rays make none or it was given up.
+    /// Searches with a packet of rays whose answers begin at a place, as in `many.rs`. False, with nothing done, when the rays make
+    /// none or it was given up.
     #[inline(always)]
     pub(super) fn packet<K: Kernel, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
-        mut done: impl FnMut(usize, Hit),
+        out: (&mut (impl Answers + ?Sized), usize),
     ) -> bool {
         let Some(root) = self.root else { return false };
         if !may_be_packet(rays) || !group.unbounded.is_empty() {
@@ -104,7 +105,7 @@ impl Bvh {
         if (last - first).max_element() > SPREAD {
             return false;
         }
-        self.search_packet::<K, ANY>(q, group, rays, root, &mut done)
+        self.search_packet::<K, ANY>(q, group, rays, root, out)
     }
 
     #[inline(always)]
@@ -114,7 +115,7 @@ impl Bvh {
         group: &GroupData,
         rays: &[Ray],
         root: Child,
-        done: &mut impl FnMut(usize, Hit),
+        (out, from): (&mut (impl Answers + ?Sized), usize),
     ) -> bool {
         let mut p = Packet {
             rays: [LocalRay::IDLE; PACKET],
@@ -129,7 +130,15 @@ impl Bvh {
             }
             let local = &p.rays[i];
             p.near[i] = Near::nothing(local.ray.t_max);
-            p.bundle.set(i, local, p.near[i].limit);
+            let mut limit = p.near[i].limit;
+            if !self.few.is_empty() {
+                p.best[i] = out.get(from + i);
+                if p.best[i].is_hit() {
+                    p.near[i] = Near::new(&p.best[i]);
+                    limit = if ANY { -1.0 } else { p.near[i].limit };
+                }
+            }
+            p.bundle.set(i, local, limit);
         }
         p.bundle.bound(&p.rays[0]);
         let mut stack = [Item { entry: 0.0, child: Child::DONE, node: u32::MAX, slot: 0 }; STACK];
@@ -191,7 +200,7 @@ impl Bvh {
             }
         }
         for (i, ((ray, near), best)) in p.rays.iter().zip(&p.near).zip(&p.best).enumerate() {
-            done(i, near.hit(&Place { group, ray, chain: &Chain::EMPTY }, best));
+            out.set(from + i, near.hit(&Place { group, ray, chain: &Chain::EMPTY }, best));
         }
         true
     }
@@ -254,6 +263,20 @@ impl Bvh {
                         q.object_closest(&at, o, best);
                         *near = Near::new(best);
                         p.bundle.set_limit(i, p.near[i].limit);
+                    }
+                }
+            }
+            ChildKind::Shapes(b) => {
+                for i in Members::<PACKET>(entering) {
+                    let at = Place { group, ray: &p.rays[i], chain: &Chain::EMPTY };
+                    let (near, best) = (&mut p.near[i], &mut p.best[i]);
+                    if ANY {
+                        if q.shapes_occluded(&at, self.shapes.get(b as usize)) {
+                            near.set_found(best);
+                            p.bundle.set_limit(i, -1.0);
+                        }
+                    } else if self.shapes_closest(q, &at, b as usize, near, best) {
+                        p.bundle.set_limit(i, near.limit);
                     }
                 }
             }

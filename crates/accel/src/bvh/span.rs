@@ -1,6 +1,10 @@
 //! Ranges of primitives while the tree is built.
 
-use crate::structure::{Prim, PrimKind};
+use crate::{
+    analytic::{Kind, block::Member},
+    structure::{Prim, PrimKind},
+};
+use straal_math::Bounds;
 
 /// A box with a spare lane, which the compiler turns into vector instructions.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +57,17 @@ impl Box4 {
     }
 }
 
+/// What a leaf that holds a primitive is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Class {
+    /// Triangles.
+    Triangle,
+    /// One object.
+    Object,
+    /// Shapes of a kind.
+    Shape(Kind),
+}
+
 /// A primitive while the tree is built, or the part of a triangle in a box: its box, and as a leaf refers to it.
 #[derive(Clone, Copy)]
 #[repr(C, align(16))]
@@ -60,19 +75,30 @@ pub(super) struct Ref {
     lo: [f32; 3],
     pub id: u32,
     hi: [f32; 3],
-    pub object: bool,
+    pub class: Class,
 }
 
 impl Ref {
     /// Fills places that nothing stands in yet.
-    pub const NONE: Self = Self { lo: [0.0; 3], id: u32::MAX, hi: [0.0; 3], object: false };
+    pub const NONE: Self = Self { lo: [0.0; 3], id: u32::MAX, hi: [0.0; 3], class: Class::Triangle };
 
     pub fn of(p: &Prim) -> Self {
-        let (id, object) = match p.kind {
-            PrimKind::Triangle(id) => (id, false),
-            PrimKind::Object(id) => (id, true),
+        let (id, class) = match p.kind {
+            PrimKind::Triangle(id) => (id, Class::Triangle),
+            PrimKind::Object(id) => (id, Class::Object),
         };
-        Self { lo: p.bounds.min.to_array(), id, hi: p.bounds.max.to_array(), object }
+        Self { lo: p.bounds.min.to_array(), id, hi: p.bounds.max.to_array(), class }
+    }
+
+    /// Of a shape by its number among those that go into the tree.
+    pub const fn of_shape(id: u32, m: &Member) -> Self {
+        let Bounds { min, max } = m.bounds;
+        Self { lo: min.to_array(), id, hi: max.to_array(), class: Class::Shape(m.shape.kind) }
+    }
+
+    #[inline(always)]
+    pub fn is_triangle(&self) -> bool {
+        self.class == Class::Triangle
     }
 
     /// The same with another box.
@@ -94,7 +120,7 @@ impl Ref {
 
     /// The order of centres along an axis, and of primitives where they are equal.
     pub fn along(axis: usize, a: &Self, b: &Self) -> std::cmp::Ordering {
-        a.center(axis).total_cmp(&b.center(axis)).then((a.object, a.id).cmp(&(b.object, b.id)))
+        a.center(axis).total_cmp(&b.center(axis)).then((a.class, a.id).cmp(&(b.class, b.id)))
     }
 }
 
@@ -110,12 +136,23 @@ pub(super) struct Span {
     pub centers: Box4,
     /// How many aren't triangles.
     pub objects: usize,
+    /// How many of these are shapes that make blocks.
+    pub shapes: usize,
     pub depth: u32,
 }
 
 impl Span {
     pub const fn empty(start: usize, depth: u32) -> Self {
-        Self { start, end: start, room: 0, bounds: Box4::EMPTY, centers: Box4::EMPTY, objects: 0, depth }
+        Self {
+            start,
+            end: start,
+            room: 0,
+            bounds: Box4::EMPTY,
+            centers: Box4::EMPTY,
+            objects: 0,
+            shapes: 0,
+            depth,
+        }
     }
 
     #[inline(always)]
@@ -124,7 +161,8 @@ impl Span {
         let center = std::array::from_fn(|i| b.lo[i] + b.hi[i]);
         self.bounds.grow(&b.lo, &b.hi);
         self.centers.grow(&center, &center);
-        self.objects += usize::from(r.object);
+        self.objects += usize::from(!r.is_triangle());
+        self.shapes += usize::from(matches!(r.class, Class::Shape(_)));
         self.end += 1;
     }
 

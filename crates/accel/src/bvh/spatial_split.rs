@@ -69,7 +69,7 @@ pub(super) const fn room(build: Build, n: usize) -> usize {
 /// Whether boxes of triangles overlap so much that cutting them is worth the time: whether a ray across the whole crosses
 /// more than [`CROWD`] of them on the mean.
 pub(super) fn is_crowded(refs: &[Ref], whole: &Span) -> bool {
-    let areas = refs.iter().filter(|r| !r.object).map(|r| f64::from(r.bounds().half_area()));
+    let areas = refs.iter().filter(|r| r.is_triangle()).map(|r| f64::from(r.bounds().half_area()));
     areas.sum::<f64>() > CROWD * f64::from(whole.bounds.half_area())
 }
 
@@ -78,7 +78,7 @@ const CROWD: f64 = 8.0;
 
 /// A reference to a whole triangle, with room for what its parts' boxes are grown by.
 pub(super) fn whole(r: Ref) -> Ref {
-    if r.object {
+    if !r.is_triangle() {
         return r;
     }
     let b = r.bounds();
@@ -206,7 +206,7 @@ impl Bins {
             let mut triangle = None;
             for axis in 0..3 {
                 let (slabs, bins) = (&slabs[axis], &mut out[axis]);
-                let (first, last) = match r.object {
+                let (first, last) = match !r.is_triangle() {
                     false => (slabs.slab_of(b.lo[axis]), slabs.slab_of(b.hi[axis])),
                     true => [slabs.slab_of(r.center(axis) * 0.5); 2].into(),
                 };
@@ -299,7 +299,7 @@ pub(super) fn cut(refs: &mut [Ref], span: &Span, split: &SpatialSplit, plan: &Pl
     let (mut i, mut j) = (0, span.len());
     while i < j {
         let b = refs[i].bounds();
-        let is_across = !refs[i].object && b.lo[axis] < plane && b.hi[axis] > plane;
+        let is_across = refs[i].is_triangle() && b.lo[axis] < plane && b.hi[axis] > plane;
         let mut to_left = refs[i].center(axis) < 2.0 * plane;
         if is_across {
             let [below, above] = Triangle::of(refs[i].id, plan).cut(&b, axis, plane);

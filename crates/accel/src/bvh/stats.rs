@@ -10,6 +10,10 @@ use straal_math::Bounds;
 impl Bvh {
     pub(super) fn tree_stats(&self) -> Stats {
         let mut out = Stats::default();
+        // Every ray tests what stands beside the tree.
+        out.leaves = self.few.len();
+        out.references = self.few.iter().map(|block| block.head.count as usize).sum();
+        out.sah_cost = out.references as f64;
         let Some(root) = self.root else { return out };
         let whole = match root.kind() {
             ChildKind::Node(i) => {
@@ -28,6 +32,12 @@ impl Bvh {
                     out.leaves += 1;
                     out.references += 1;
                     out.sah_cost += chance;
+                }
+                ChildKind::Shapes(i) => {
+                    let n = self.shapes.get(i as usize).head.count as usize;
+                    out.leaves += 1;
+                    out.references += n;
+                    out.sah_cost += chance * n as f64;
                 }
                 ChildKind::Block(i) => {
                     let n = self.block_ids(i).count();

@@ -2,6 +2,7 @@
 
 use super::{
     Block, Bvh, Child, Distance, WIDTH,
+    answers::Answers,
     bundle::PACKET,
     many::{FLIGHT, REMOTE_FLIGHT},
     near::{Candidate, Near},
@@ -101,6 +102,27 @@ impl Bvh {
         false
     }
 
+    /// Offers what a block of shapes has to the nearest hit; tells whether that moved.
+    #[inline(always)]
+    pub(super) fn shapes_closest<K: Kernel, const COUNT: bool>(
+        &self,
+        q: &mut Query<'_, K, COUNT>,
+        at: &Place<'_>,
+        i: usize,
+        near: &mut Near,
+        best: &mut Hit,
+    ) -> bool {
+        let block = self.shapes.get(i);
+        let found = q.shapes_met(at, block, near.t);
+        if found.hit == 0 {
+            return false;
+        }
+        near.settle(at, best);
+        q.shapes_offer(at, block, &found, best);
+        *near = Near::new(best);
+        true
+    }
+
     /// Searches a slice, in packets where its rays make some.
     #[inline(always)]
     fn slice<K: Kernel, const ANY: bool>(
@@ -108,8 +130,14 @@ impl Bvh {
         q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
-        mut done: impl FnMut(usize, Hit),
+        out: &mut (impl Answers + ?Sized),
     ) {
+        if !self.few.is_empty() {
+            self.few_many::<K, ANY>(q, group, rays, out);
+            if self.root.is_none() && group.unbounded.is_empty() {
+                return;
+            }
+        }
         // From here on nothing is done.
         let mut rest = 0;
         let mut start = 0;
@@ -117,10 +145,10 @@ impl Bvh {
         while start < rays.len() {
             let end = if rays.len() - start < PACKET { rays.len() } else { start + PACKET };
             let window = &rays[start..end];
-            let is_done = failures * PATIENCE <= packets
-                && self.packet::<K, ANY>(q, group, window, |i, hit| done(start + i, hit));
+            let is_done =
+                failures * PATIENCE <= packets && self.packet::<K, ANY>(q, group, window, (out, start));
             if is_done {
-                self.one_by_one::<K, ANY>(q, group, &rays[rest..start], |i, hit| done(rest + i, hit));
+                self.one_by_one::<K, ANY>(q, group, &rays[rest..start], (out, rest));
                 rest = end;
                 packets += 1;
             } else {
@@ -128,7 +156,7 @@ impl Bvh {
             }
             start = end;
         }
-        self.one_by_one::<K, ANY>(q, group, &rays[rest..], |i, hit| done(rest + i, hit));
+        self.one_by_one::<K, ANY>(q, group, &rays[rest..], (out, rest));
     }
 
     #[inline(always)]
@@ -137,15 +165,15 @@ impl Bvh {
         q: &mut Query<'_, K, false>,
         group: &GroupData,
         rays: &[Ray],
-        done: impl FnMut(usize, Hit),
+        out: (&mut (impl Answers + ?Sized), usize),
     ) {
         if rays.is_empty() {
             return;
         }
         match self.distance() {
-            Distance::Near => self.many::<K, ANY, FLIGHT, NOT>(q, group, rays, done),
-            Distance::Far => self.many::<K, ANY, FLIGHT, TO_FIRST>(q, group, rays, done),
-            Distance::Remote => self.many::<K, ANY, REMOTE_FLIGHT, TO_SECOND>(q, group, rays, done),
+            Distance::Near => self.many::<K, ANY, FLIGHT, NOT>(q, group, rays, out),
+            Distance::Far => self.many::<K, ANY, FLIGHT, TO_FIRST>(q, group, rays, out),
+            Distance::Remote => self.many::<K, ANY, REMOTE_FLIGHT, TO_SECOND>(q, group, rays, out),
         }
     }
 }
@@ -171,7 +199,7 @@ impl Bvh {
         rays: &[Ray],
         hits: &mut [Hit],
     ) {
-        self.slice::<K, false>(q, group, rays, |i, hit| hits[i] = hit);
+        self.slice::<K, false>(q, group, rays, hits);
     }
 
     /// Whether each ray of the world hits anything, searched together; `blocked` is as long as `rays`.
@@ -183,7 +211,7 @@ impl Bvh {
         rays: &[Ray],
         blocked: &mut [bool],
     ) {
-        self.slice::<K, true>(q, group, rays, |i, hit| blocked[i] = hit.is_hit());
+        self.slice::<K, true>(q, group, rays, blocked);
     }
 }
 
@@ -195,6 +223,7 @@ impl Search for Bvh {
         at: &Place<'_>,
         best: &mut Hit,
     ) {
+        self.few_closest(q, at, best);
         let Some(mut child) = self.root else { return };
         let mut near = Near::new(best);
         let mut room = None;
@@ -215,6 +244,8 @@ impl Search for Bvh {
                 Self::block_closest(q, at, block, &mut near, best);
             } else if child == Child::DONE {
                 break;
+            } else if let Some(i) = child.as_shapes() {
+                self.shapes_closest(q, at, i, &mut near, best);
             } else {
                 near.settle(at, best);
                 q.object_closest(at, child.index() as u32, best);
@@ -229,6 +260,9 @@ impl Search for Bvh {
 
     #[inline(always)]
     fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+        if self.few_occluded(q, at) {
+            return true;
+        }
         let Some(mut child) = self.root else { return false };
         let limit = loosened(at.ray.ray.t_max);
         let mut room = None;
@@ -249,6 +283,8 @@ impl Search for Bvh {
                 Self::block_occluded(q, at, block)
             } else if child == Child::DONE {
                 return false;
+            } else if let Some(i) = child.as_shapes() {
+                q.shapes_occluded(at, self.shapes.get(i))
             } else {
                 q.object_occluded(at, child.index() as u32)
             };

@@ -31,6 +31,12 @@ impl Bvh {
             match child.kind() {
                 ChildKind::Done => return Err("a child that ends a search".into()),
                 ChildKind::Object(i) => take(PrimKind::Object(i))?,
+                ChildKind::Shapes(i) => {
+                    let head = self.shapes.get(i as usize).head;
+                    for &object in &head.objects[..head.count as usize] {
+                        take(PrimKind::Object(object))?;
+                    }
+                }
                 ChildKind::Block(i) => {
                     for id in self.block_ids(i) {
                         take(PrimKind::Triangle(id))?;
@@ -48,6 +54,15 @@ impl Bvh {
                         }
                         stack.push((node.children[lane], b, depth + 1));
                     }
+                }
+            }
+        }
+        for block in self.few.iter() {
+            for &object in &block.head.objects[..block.head.count as usize] {
+                // The unbounded ones aren't among the primitives.
+                if let Some(boxes) = leaves.get_mut(&(true, object)) {
+                    boxes.push(everything);
+                    references += 1;
                 }
             }
         }

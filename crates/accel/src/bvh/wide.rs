@@ -6,10 +6,11 @@
 use super::{
     Block, Bvh, Child, Node, Outline, WIDTH,
     collapse::{Twig, What, parts},
-    layout::{Blocks, MOST_LINES, lay_out},
+    layout::{self, MOST_LINES, lay_out},
     slots,
     span::{Box4, Span},
 };
+use crate::analytic::block::Blocks;
 use rayon::prelude::*;
 
 /// The binary tree of a range, and the triangles of its leaves; references are within it.
@@ -17,6 +18,8 @@ use rayon::prelude::*;
 pub(super) struct Binary {
     pub twigs: Vec<Twig>,
     pub blocks: Vec<Block>,
+    /// Blocks of shapes.
+    pub shapes: Blocks,
     /// In place of blocks, in a compact tree.
     pub outlines: Vec<Outline>,
     /// Ranges that are to have trees of their own.
@@ -37,10 +40,15 @@ pub(super) fn join(upper: &[Twig], trees: &[Binary]) -> Option<Bvh> {
         .collect();
     let first_leaf: Vec<usize> =
         trees.iter().scan(0, |sum, t| Some(std::mem::replace(sum, *sum + t.leaves()))).collect();
+    let first_shapes: Vec<usize> =
+        trees.iter().scan(0, |sum, t| Some(std::mem::replace(sum, *sum + t.shapes.len()))).collect();
+    let mut shapes = Blocks::EMPTY;
+    trees.iter().for_each(|t| shapes.append(&t.shapes));
     let mut count = nodes.len();
     let mut parts = vec![nodes];
     for (h, (child, mut part)) in hanging.iter().zip(below) {
-        let moved = |child: Child| child.moved(count as u32, first_leaf[h.task] as u32);
+        let moved =
+            |child: Child| child.moved(count as u32, first_leaf[h.task] as u32, first_shapes[h.task] as u32);
         part.iter_mut().for_each(|node| node.children = node.children.map(moved));
         let child = moved(child);
         match h.parent {
@@ -50,11 +58,12 @@ pub(super) fn join(upper: &[Twig], trees: &[Binary]) -> Option<Bvh> {
         count += part.len();
         parts.push(part);
     }
-    let blocks = Blocks { parts: trees.iter().map(|t| t.blocks.as_slice()).collect(), first: first_leaf };
+    let blocks =
+        layout::Blocks { parts: trees.iter().map(|t| t.blocks.as_slice()).collect(), first: first_leaf };
     let (root, lines) = lay_out(root, &parts, &blocks, MOST_LINES)?;
     let mut outlines = Vec::with_capacity(trees.iter().map(|t| t.outlines.len()).sum());
     trees.iter().for_each(|t| outlines.extend_from_slice(&t.outlines));
-    Some(Bvh { root: Some(root), lines, outlines })
+    Some(Bvh { root: Some(root), lines, outlines, shapes, few: Blocks::EMPTY })
 }
 
 /// The wide tree's upper nodes under way.

@@ -25,12 +25,18 @@ mod sse;
 pub(crate) mod stack;
 #[cfg(target_arch = "x86_64")]
 mod vec3;
+mod wide;
 
 use crate::{
+    analytic::{
+        block::{Block as ShapeBlock, Blocks, Found},
+        octet::Octets,
+    },
     bvh::{Block, Child, Node, bundle::Bundle, many::Next, near::Candidate},
     hit::{Chain, Cost, Hit},
     input::Shapes,
     isa::Isa,
+    lanes::Wide,
     local::LocalRay,
     query::Query,
     scene::Scene,
@@ -142,7 +148,7 @@ impl Lanes {
 /// The vector part of the search. Implementations do the operations of `slab.rs`, `triangle.rs` and `local.rs` in each lane.
 ///
 /// A value is the proof that the processor has the instruction set: only [`Chosen::new`] makes one, after asking.
-pub(crate) trait Kernel: Copy {
+pub(crate) trait Kernel: Wide {
     /// `LocalRay::prepare`, written where the ray stays, since copying what was just written piece by piece would wait for
     /// the pieces. False, and of no use, when the ray isn't valid.
     #[inline(always)]
@@ -271,6 +277,12 @@ pub(crate) trait Kernel: Copy {
     /// Starts to load what a child names, where the instruction set can: to [`prefetch::TO_FIRST`] or [`prefetch::TO_SECOND`].
     #[inline(always)]
     fn prefetch<const HOW: u8>(self, _lines: &Lines, _child: Child) {}
+
+    /// `ShapeBlock::meet`, compiled for the instruction set.
+    fn meet(self, r: &LocalRay, block: ShapeBlock<'_>, limit: f32) -> Found;
+
+    /// `analytic::octet::search`, compiled for the instruction set.
+    fn octets<const ANY: bool>(self, few: &Blocks, rays: &[Ray], out: &mut Octets);
 
     /// `Query::closest_in`, compiled for the instruction set.
     fn closest_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>, best: &mut Hit);

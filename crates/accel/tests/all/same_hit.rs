@@ -42,6 +42,44 @@ fn meshes_shapes_and_masks() {
     assert!(hits.iter().any(|h| h.geometry == 3 && h.primitive < 40), "a sphere is hit");
 }
 
+/// Shapes alone and with triangles, a few and many, in the world and in instances, some of which can't be seen.
+#[test]
+fn formulas() {
+    for (seed, shapes, triangles) in [(21, 1, 0), (22, 8, 0), (23, 16, 90), (24, 300, 0), (25, 300, 90)] {
+        let mut r = Random(seed);
+        let size = if shapes < 50 { 0.5 } else { 0.15 };
+        let formulas = Formulas((0..shapes).map(|i| formula(&mut r, i, size)).collect());
+        let soup = soup(&mut r, 200);
+        let run = |first: u32, count: u32, mask: u32| Geometry {
+            kind: GeometryKind::Shapes { first, count },
+            mask,
+        };
+        let half = shapes as u32 / 2;
+        let mut geometries = vec![run(0, half, 1), run(half, shapes as u32 - half, u32::MAX)];
+        geometries.extend((triangles > 0).then(|| mesh(&soup[..triangles])));
+        let mut rays = rays(&mut r, &soup, 400);
+        for ray in &mut rays {
+            ray.mask = [u32::MAX, u32::MAX, 2][r.below(3)];
+        }
+        let mut input = world(geometries);
+        let hits = all_agree(&input, &formulas, &rays);
+        if shapes > 1 {
+            let hit = hits.iter().filter(|h| h.is_hit()).count();
+            assert!(hit > 50, "{hit} of 400 rays hit: the test says little");
+            assert!(hits.iter().any(|h| h.geometry == 0) && hits.iter().any(|h| h.geometry == 1));
+        }
+        // The same, three times, inside of a world that has one of its own.
+        let inner = std::mem::take(&mut input.groups[0]);
+        let mut outer = Group { geometries: vec![0], instances: vec![] };
+        for _ in 0..3 {
+            outer.instances.push(Instance { group: 1, transform: place(&mut r, 0.7), mask: u32::MAX });
+        }
+        input.groups = vec![outer, inner];
+        let hits = all_agree(&input, &formulas, &rays);
+        assert!(shapes == 1 || hits.iter().any(|h| !h.chain.is_empty()));
+    }
+}
+
 fn place(r: &mut Random, scale: f64) -> Transform {
     let m = Affine::scale(DVec3::new(scale, scale * 1.1, -scale * 0.9))
         .then(&Affine::rotate(r.direction().as_dvec3(), f64::from(r.signed()) * 180.0).unwrap())

@@ -1,5 +1,7 @@
 //! What `straal accel` takes.
 
+use super::ReadingArgs;
+use super::heading::TALK;
 use super::parsers::isa;
 use crate::exit;
 use crate::quantity::{self, Size};
@@ -67,27 +69,15 @@ pub struct AccelArgs {
     #[arg(long, value_name = "PAGE")]
     pub html: Option<PathBuf>,
 
-    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
-    ///
-    /// When absent, what the machine or its control group has free, less a tenth.
-    #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
-    pub memory: Option<u64>,
-
     /// Say nothing but errors, besides the table
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = TALK)]
     pub quiet: bool,
 
     /// Print one JSON object on standard output instead
-    #[arg(long)]
+    #[arg(long, help_heading = TALK)]
     pub json: bool,
 
-    /// Read files from this folder only: what a scene names, and what those files name
-    ///
-    /// Symbolic links are followed first.
-    #[arg(long, value_name = "DIR")]
-    pub root: Option<PathBuf>,
-
-    /// Take unknown keys of the scene for warnings
-    #[arg(long)]
-    pub lenient: bool,
+    /// How the files of the scene are read
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }

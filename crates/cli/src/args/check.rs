@@ -1,6 +1,7 @@
 //! What `straal check` takes.
 
-use super::heading::{LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH};
+use super::ReadingArgs;
+use super::heading::{LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
 use super::parsers::{StructureParser, build, pattern};
 use crate::exit;
 use crate::quantity::{self, Crop, Size};
@@ -73,23 +74,11 @@ pub struct CheckArgs {
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]
     pub threads: Option<usize>,
 
-    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
-    ///
-    /// When absent, what the machine or its control group has free, less a tenth.
-    #[arg(long, value_name = "SIZE", value_parser = quantity::memory, help_heading = MACHINE)]
-    pub memory: Option<u64>,
-
     /// Print one JSON object on standard output instead
-    #[arg(long)]
+    #[arg(long, help_heading = TALK)]
     pub json: bool,
 
-    /// Read files from this folder only: what a scene names, and what those files name
-    ///
-    /// Symbolic links are followed first.
-    #[arg(long, value_name = "DIR")]
-    pub root: Option<PathBuf>,
-
-    /// Take unknown keys for warnings
-    #[arg(long)]
-    pub lenient: bool,
+    /// How the files of the scene are read
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }

@@ -1,8 +1,7 @@
 //! What `straal merge` takes.
 
-use super::LookArgs;
+use super::{LookArgs, MemoryArgs};
 use crate::exit;
-use crate::quantity;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -34,9 +33,9 @@ pub struct MergeArgs {
     #[arg(long)]
     pub allow_gaps: bool,
 
-    /// Memory that may be used, such as 8G or 512M; what is free when absent
-    #[arg(long, value_name = "SIZE", value_parser = quantity::memory)]
-    pub memory: Option<u64>,
+    /// How much memory is taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 
     /// How a PNG is developed
     #[command(flatten)]

@@ -15,6 +15,7 @@ mod man;
 mod merge;
 mod metamer;
 mod parsers;
+mod reading;
 mod render;
 mod sampler;
 mod studio;
@@ -31,6 +32,7 @@ pub use look::LookArgs;
 pub use man::ManArgs;
 pub use merge::MergeArgs;
 pub use metamer::MetamerArgs;
+pub use reading::{MemoryArgs, ReadingArgs};
 pub use render::RenderArgs;
 pub use sampler::SamplerArgs;
 pub use studio::StudioArgs;
@@ -132,9 +134,10 @@ mod tests {
     use clap::CommandFactory;
     use std::path::PathBuf;
     use std::time::Duration;
-    use straal::{CostMeasure, Exposure, Tone};
+    use straal::{Exposure, Tone};
     use straal_accel::{Build, Isa, Structure};
     use straal_math::lowdisc::PatternKind;
+    use straal_study::cost;
 
     fn render(words: &str) -> Result<RenderArgs, clap::Error> {
         let words = ["straal", "render"].into_iter().chain(words.split_whitespace());
@@ -165,8 +168,8 @@ mod tests {
         assert_eq!((a.sampler, a.look.tone), (Some(PatternKind::Random), Some(Tone::Filmic)));
         assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
         assert_eq!(a.look.exposure, Some(Exposure::stops(-1.5)));
-        assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), CostMeasure::Time));
-        assert!(a.quiet && a.json && a.lenient && a.replicates.is_none());
+        assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), cost::Measure::Time));
+        assert!(a.quiet && a.json && a.reading.lenient && a.replicates.is_none());
     }
 
     #[test]

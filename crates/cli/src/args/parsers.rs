@@ -4,10 +4,11 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::marker::PhantomData;
 use std::str::FromStr;
 use straal::picture::Format;
-use straal::{CostMeasure, search};
+use straal::search;
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::Observer;
 use straal_math::lowdisc::PatternKind;
+use straal_study::cost;
 
 /// A parser of names that lists them in the help and, for a wrong one, suggests the nearest.
 pub(super) fn named<T: Clone + Send + Sync + 'static>(
@@ -90,8 +91,8 @@ pub(super) fn build() -> impl TypedValueParser<Value = Build> {
     named(Build::ALL.map(|b| (b.name(), b)).to_vec())
 }
 
-pub(super) fn measure() -> impl TypedValueParser<Value = CostMeasure> {
-    named(CostMeasure::ALL.map(|m| (m.name(), m)).to_vec())
+pub(super) fn measure() -> impl TypedValueParser<Value = cost::Measure> {
+    named(cost::Measure::ALL.map(|m| (m.name(), m)).to_vec())
 }
 
 pub(super) fn picture_format() -> impl TypedValueParser<Value = Format> {

@@ -2,16 +2,17 @@
 
 use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
 use super::parsers::{StructureParser, build, isa, measure, pattern, picture_format};
-use super::{LookArgs, StudioArgs};
+use super::{LookArgs, ReadingArgs, StudioArgs};
 use crate::exit;
 use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
+use straal::Recording;
 use straal::picture::Format;
-use straal::{CostMeasure, Recording};
 use straal_accel::{Build, Isa, Structure};
 use straal_math::lowdisc::PatternKind;
+use straal_study::cost;
 
 pub(super) const RENDER_ABOUT: &str = "\
 Renders a scene to a picture.
@@ -195,23 +196,11 @@ pub struct RenderArgs {
         long, value_name = "COST", value_parser = measure(), default_value = "nodes", requires = "cost_picture",
         hide_short_help = true, help_heading = COST
     )]
-    pub cost_of: CostMeasure,
+    pub cost_of: cost::Measure,
 
     /// Worker threads; all cores when absent
     #[arg(long, value_name = "N", value_parser = quantity::threads, help_heading = MACHINE)]
     pub threads: Option<usize>,
-
-    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
-    ///
-    /// When absent, what the machine or its control group has free, less a tenth.
-    #[arg(long, value_name = "SIZE", value_parser = quantity::memory, help_heading = MACHINE)]
-    pub memory: Option<u64>,
-
-    /// Read files from this folder only: what a scene names, and what those files name
-    ///
-    /// Symbolic links are followed first.
-    #[arg(long, value_name = "DIR", help_heading = MACHINE)]
-    pub root: Option<PathBuf>,
 
     /// Say nothing but errors
     #[arg(short, long, help_heading = TALK)]
@@ -221,7 +210,7 @@ pub struct RenderArgs {
     #[arg(long, help_heading = TALK)]
     pub json: bool,
 
-    /// Take unknown keys of the scene for warnings
-    #[arg(long, help_heading = TALK)]
-    pub lenient: bool,
+    /// How the files of the scene are read
+    #[command(flatten)]
+    pub reading: ReadingArgs,
 }

@@ -9,20 +9,15 @@ use crate::places::{check_output, refuse_inputs};
 use std::io::Write;
 use std::sync::Arc;
 use std::time::Instant;
-use straal::lab::{self, Request};
-use straal::{Clock, LoadOptions};
+use straal::Clock;
 use straal_formats::atomic;
 use straal_scene::Diagnostics;
+use straal_study::lab::{self, Request};
 
 /// Compares search structures on a scene's rays; the exit says whether their hits differ.
 pub fn run(args: &AccelArgs, start: Instant) -> Result<Exit, Failure> {
-    let request = request(args)?;
-    let options = LoadOptions {
-        lenient: args.lenient,
-        root: args.root.clone(),
-        memory: request.memory,
-        ..LoadOptions::default()
-    };
+    let options = args.reading.options();
+    let request = Request { memory: options.memory, ..request(args)? };
     let loaded = load(&args.scene, &options)?;
     refuse_inputs(args.html.as_deref(), &loaded.files)?;
     if !args.quiet {
@@ -68,7 +63,7 @@ fn request(args: &AccelArgs) -> Result<Request, Failure> {
         moving: args.moving.clone(),
         pictures: args.html.is_some(),
         isa: args.isa,
-        memory: args.memory.or_else(crate::machine::memory),
+        memory: None,
     })
 }
 

@@ -4,19 +4,17 @@ use super::{load, print, refused, warn};
 use crate::args::CheckArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
-use crate::machine;
 use crate::out;
 use crate::quantity::{count, tell_bytes};
 use crate::settings;
 use serde_json::{Value as Json, json};
-use straal::{CameraFacts as Facts, Forecast, Job, LoadOptions, Overrides};
+use straal::{CameraFacts as Facts, Forecast, Job, Overrides};
 
 /// Reads a scene and all its files, tells all that is wrong and forecasts memory.
 pub fn run(args: &CheckArgs) -> Result<Exit, Failure> {
-    let memory = args.memory.or_else(machine::memory);
+    let options = args.reading.options();
+    let memory = options.memory;
     let wish = overrides(args)?;
-    let options =
-        LoadOptions { lenient: args.lenient, root: args.root.clone(), memory, ..LoadOptions::default() };
     let loaded = load(&args.scene, &options)?;
     let mut warnings = loaded.warnings.clone();
     let needs = straal::forecast(&loaded, &wish).map_err(|e| refused(e, &warnings))?;

@@ -6,8 +6,8 @@ use crate::exit::{Exit, Failure};
 use crate::out;
 use crate::places::check_output;
 use serde_json::json;
-use straal::gamma_chart;
-use straal::picture::{Format, SaveError};
+use straal::picture::Format;
+use straal_study::{SaveError, gamma_chart};
 
 /// Writes the chart.
 pub fn run(args: &GammaChartArgs) -> Result<Exit, Failure> {

@@ -4,7 +4,6 @@ use super::{Writing, print};
 use crate::args::{LookArgs, MergeArgs};
 use crate::exit::{Exit, Failure};
 use crate::interrupt::Interrupt;
-use crate::machine;
 use crate::out;
 use crate::places::{check_output, refuse_inputs, refuse_twins};
 use crate::quantity::count;
@@ -27,7 +26,7 @@ pub fn run(args: &MergeArgs, interrupt: &Interrupt) -> Result<Exit, Failure> {
     if args.look != LookArgs::default() && !has_look && !args.quiet {
         out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
     }
-    let allowed = Allowed { gaps: args.allow_gaps, memory: args.memory.or_else(machine::memory) };
+    let allowed = Allowed { gaps: args.allow_gaps, memory: args.memory.limit() };
     let opened: Result<Vec<Kept>, SumsError> = args.sums.iter().map(|path| Kept::open(path)).collect();
     let Merged { picture, look, samples, gaps } =
         opened.and_then(|parts| sums::merge(parts, allowed)).map_err(|e| failure(&e))?;

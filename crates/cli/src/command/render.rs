@@ -16,11 +16,11 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
-use straal::job::Verdict;
-use straal::sums::{Kept, Snapshot};
+use straal::sums::Kept;
 use straal::written;
-use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Loaded, Outcome, Progress};
+use straal::{Control, EMBEDDED_SCENE, Job, Loaded, Look, Outcome, Progress, Snapshot, Verdict};
 use straal_formats::atomic;
+use straal_study::cost;
 
 /// Renders a scene; `start` is when the command began.
 pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
@@ -78,7 +78,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         });
     }
     if let Some((path, of)) = &settings.cost_picture {
-        writing.note(path, interrupt.whole(|| outcome.picture.save_cost(path, *of)));
+        writing.note(path, interrupt.whole(|| cost::save(&outcome.picture, path, *of)));
     }
     let written = writing.end();
     let kept = keeping.end(&job, written.is_ok());
@@ -106,23 +106,17 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
 }
 
 fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
-    let options = LoadOptions {
-        lenient: settings.lenient,
-        root: settings.root.clone(),
-        memory: settings.memory,
-        studio: settings.studio.studio(settings.overrides.size),
-        ..LoadOptions::default()
-    };
+    let options = &settings.reading;
     match &settings.scene {
-        Some(path) => load(path, &options),
-        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), &options)
+        Some(path) => load(path, options),
+        None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), options)
             .map_err(Failure::scene),
     }
 }
 
 /// The scene as a file of its own, with all that was said on the command line.
 fn scene_text(loaded: &Loaded, settings: &RenderSettings) -> Result<String, Failure> {
-    let look = settings.look(written::look(loaded));
+    let look = settings.look(Look::of(&loaded.scene.film));
     let scene =
         written::scene(loaded, &settings.overrides, &look).map_err(|e| refused(e, &loaded.warnings))?;
     if settings.scene.is_none() && scene == loaded.scene {

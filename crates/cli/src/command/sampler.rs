@@ -9,8 +9,8 @@ use serde_json::{Value as Json, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use straal::PatternKind;
-use straal::points::{self, Course, Figures, Request};
 use straal_formats::atomic;
+use straal_study::points::{self, Course, Figures, Request};
 
 /// Tells how evenly the points of one pattern or of all lie, and draws them.
 pub fn run(args: &SamplerArgs) -> Result<Exit, Failure> {

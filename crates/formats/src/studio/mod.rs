@@ -14,8 +14,8 @@ use straal_scene::desc::{
     Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum,
     Step, Surface, Transform, TriangleMesh, Viewpoint,
 };
-use straal_scene::value::{Axis, Color, Factors, Named, Value};
-use straal_scene::{Diagnostic, MeshAsset, Span};
+use straal_scene::value::{Asset, Axis, Color, Factors, Link, Named, Value};
+use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
 
 pub use frame::View;
 pub use up::Up;
@@ -108,8 +108,13 @@ pub enum Background {
 /// What the paper of the sweep reflects.
 const PAPER: f64 = 0.62;
 
-/// The scene around a mesh, which goes by `name` in its assets, and what was guessed; what is wrong when there is nothing to see.
-pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Vec<Diagnostic>), String> {
+/// The scene around a mesh, which goes by `shown`, and what was guessed; what is wrong when there is nothing to see.
+pub fn around(
+    shown: &Asset<Mesh>,
+    asset: &MeshAsset,
+    wish: &Studio,
+) -> Result<(Scene, Vec<Diagnostic>), String> {
+    let name = shown.file.value.as_str();
     let mut told = Vec::new();
     if asset.mesh.triangles.is_empty() {
         return Err("the mesh is empty: it has no triangles".to_owned());
@@ -150,7 +155,7 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
     let mut materials = Named::default();
     let finish = wish.finish.unwrap_or(Finish::Clay);
     materials.insert(finish.name().to_owned().into(), finish.material());
-    let named = |name: &str| Some(MaterialRef::Named(name.to_owned().into()));
+    let named = |name: &str| Some(MaterialRef::Named(Link::new(name.to_owned())));
     // A file's own materials are shown when it has any, unless one is asked for; parts without one are clay.
     let has_own = wish.finish.is_none() && !asset.materials.is_empty();
     let shading = match wish.smooth {
@@ -158,7 +163,7 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
         None => Smoothing { crease: CREASE, recompute: false },
     };
     let mesh = Node::Mesh(TriangleMesh {
-        file: Some(name.to_owned().into()),
+        file: Some(shown.clone()),
         shading: Shading::Smooth(shading),
         surface: Surface {
             material: if has_own { None } else { named(finish.name()) },
@@ -206,7 +211,7 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
         ..Environment::default()
     });
     let points = points(asset).map(|p| place.point(p));
-    let scene = Scene {
+    let mut scene = Scene {
         camera: frame::camera(points, wish.view, size),
         film: Film { size, ..Film::default() },
         sampler: Sampler { spp: 64, ..Sampler::default() },
@@ -219,6 +224,7 @@ pub fn around(name: &str, asset: &MeshAsset, wish: &Studio) -> Result<(Scene, Ve
         spectral: false,
         objects: Named::default(),
     };
+    scene.link();
     Ok((scene, told))
 }
 

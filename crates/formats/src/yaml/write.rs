@@ -24,22 +24,14 @@ fn block(value: &Json, indent: usize, out: &mut String) {
                 begin(indent, out);
                 out.push_str(&word(key));
                 out.push(':');
-                after_key(value, indent, out);
+                behind(value, indent, '\n', out);
             }
         }
         Json::Array(list) if !list.is_empty() => {
             for value in list {
                 begin(indent, out);
                 out.push('-');
-                let line = flow(value);
-                if fits(value, &line, indent) {
-                    out.push(' ');
-                    out.push_str(&line);
-                    out.push('\n');
-                } else {
-                    out.push(' ');
-                    block(value, indent + 2, out);
-                }
+                behind(value, indent, ' ', out);
             }
         }
         simple => {
@@ -56,14 +48,15 @@ fn begin(indent: usize, out: &mut String) {
     }
 }
 
-fn after_key(value: &Json, indent: usize, out: &mut String) {
+/// A value behind its key or the mark of an item: in the same line where it fits, else as lines of its own, which begin after `gap`.
+fn behind(value: &Json, indent: usize, gap: char, out: &mut String) {
     let line = flow(value);
     if fits(value, &line, indent) {
         out.push(' ');
         out.push_str(&line);
         out.push('\n');
     } else {
-        out.push('\n');
+        out.push(gap);
         block(value, indent + 2, out);
     }
 }

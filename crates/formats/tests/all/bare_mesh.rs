@@ -5,10 +5,10 @@ use std::path::Path;
 use straal_formats::studio::{Background, Finish, Studio, Up, View};
 use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
 use straal_math::{Affine, DVec3, ops};
+use straal_scene::count::count;
 use straal_scene::decode::Describe;
 use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, TriangleMesh};
-use straal_scene::forecast::count;
-use straal_scene::value::Color;
+use straal_scene::value::{Color, Link};
 
 /// The mesh node and what material it is given, and that everything its camera should see is in view.
 fn framed(loaded: &Loaded) -> (&TriangleMesh, Option<&MaterialRef>) {
@@ -23,7 +23,7 @@ fn framed(loaded: &Loaded) -> (&TriangleMesh, Option<&MaterialRef>) {
     let to_camera = Affine::look_at(observer.eye, observer.look_at, observer.up).unwrap().inverse().unwrap();
     let (s, c) = ops::sin_cos_degrees(0.5 * camera.fov.unwrap());
     let [width, height] = loaded.scene.film.size.map(f64::from);
-    let mesh = &loaded.assets.mesh(node.file.as_ref().unwrap()).unwrap().mesh;
+    let mesh = &loaded.assets.mesh(node.file.as_ref().unwrap().handle).mesh;
     let mut farthest: f64 = 0.0;
     let mut box_of = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     for p in &mesh.positions {
@@ -47,7 +47,7 @@ fn framed(loaded: &Loaded) -> (&TriangleMesh, Option<&MaterialRef>) {
 }
 
 fn named(name: &str) -> MaterialRef {
-    MaterialRef::Named(name.to_owned().into())
+    MaterialRef::Named(Link::new(name.to_owned()))
 }
 
 fn in_studio(path: &Path, studio: Studio) -> Result<Loaded, Diagnostics> {
@@ -65,7 +65,7 @@ fn a_ply_is_clay_in_a_studio() {
     );
     let (mesh, material) = framed(&loaded);
     assert_eq!(material, Some(&named("clay")));
-    assert_eq!(loaded.assets.mesh(mesh.file.as_ref().unwrap()).unwrap().mesh.triangles.len(), 1);
+    assert_eq!(loaded.assets.mesh(mesh.file.as_ref().unwrap().handle).mesh.triangles.len(), 1);
     // The studio is a scene like any other: nothing in it breaks a rule, and its text says all of it.
     let written = yaml::write(&loaded.scene.write());
     let again =
@@ -141,7 +141,7 @@ fn an_obj_keeps_its_own_materials() {
     let (node, around) = framed(&loaded);
     assert_eq!((&node.surface.material, around), (&None, Some(&named("clay"))));
     assert!(loaded.warnings.to_string().contains("map_Kd"), "{}", loaded.warnings);
-    let materials = &loaded.assets.meshes.values().next().unwrap().materials;
+    let materials = &loaded.assets.meshes.iter().next().unwrap().materials;
     assert_eq!(materials["glow"].emission, Some(Color([3.0, 2.0, 1.0])));
     assert!(
         matches!(&materials["glass"].material, Material::Dielectric(d) if matches!(d.eta, Index::Constant(n) if n > 1.32))

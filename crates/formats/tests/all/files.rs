@@ -56,7 +56,7 @@ fn material_libraries_are_found_by_names_from_elsewhere() {
         let obj = format!("mtllib {line}\n{TRIANGLE}usemtl red\nf 1 2 3\n");
         let folder = folder(&[("a.obj", &obj), ("red.mtl", paints), ("mats/my Blue.mtl", paints)]);
         let loaded = load_in(&folder, "a.obj").unwrap_or_else(|e| panic!("{line}: {e}"));
-        let asset = loaded.assets.meshes.values().next().unwrap();
+        let asset = loaded.assets.meshes.iter().next().unwrap();
         assert!(asset.materials.contains_key("red"), "{line}: {}", loaded.warnings);
         said(&loaded.warnings)
     };

@@ -4,7 +4,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 
 use straal_formats::{Options, load, load_str};
-use straal_scene::decode::Describe;
+use straal_scene::decode::{Describe, write_json};
 
 /// All `.yaml` files below a folder of the project.
 fn scenes(folder: &str) -> Vec<PathBuf> {
@@ -37,6 +37,12 @@ fn every_scene_of_the_project_round_trips() {
         let first = load(&path, &Options::default()).unwrap_or_else(|e| panic!("{e}"));
         assert!(first.warnings.list.is_empty(), "{}", first.warnings);
         let written = first.scene.write().to_string();
+        let mut pieces = Vec::new();
+        write_json(&first.scene, &mut pieces).unwrap();
+        assert!(pieces == written.as_bytes(), "{}: piece by piece as in one", path.display());
+        if first.files.is_empty() {
+            assert_eq!(first.hash, *blake3::hash(&pieces).as_bytes(), "{}", path.display());
+        }
         let base = path.parent().unwrap();
         let second =
             load_str("written", &written, base, &Options::default()).unwrap_or_else(|e| panic!("{e}"));

@@ -4,6 +4,7 @@ use super::blue::Order;
 use super::halton::Halton;
 use super::set::{Hammersley, Jittered, MultiJittered, NRooks, Regular, Set};
 use super::{PatternKind, Purpose, SampleName, mix, sobol, to_unit};
+use crate::simd::{Float, Uint, Ulong};
 
 /// How the numbers of one name and purpose lie over the samples of a pixel. All are in [0, 1), strictly below 1, and
 /// multiples of 2^-24.
@@ -75,69 +76,102 @@ impl Pattern {
         }
     }
 
+    /// As [`Pattern::name`], for a pixel and a sample in each lane.
+    #[inline(always)]
+    pub fn names<F: Float>(&self, seed: u64, pixel: [F::Uint; 2], index: F::Uint) -> SampleName<F> {
+        match self {
+            Self::BlueSobol(_) => {
+                SampleName::from_fn(|i| Order::name(seed, pixel.map(|p| p.lane(i)), index.lane(i)))
+            }
+            _ => SampleName::side_by_side(seed, pixel, index),
+        }
+    }
+
     /// One number.
-    #[inline]
-    pub fn d1(self, name: &SampleName, purpose: Purpose) -> f32 {
+    #[inline(always)]
+    pub fn d1<F: Float>(self, name: &SampleName<F>, purpose: Purpose) -> F {
         let stream = name.stream(purpose);
         match self {
-            Self::Random => to_unit(random(stream, name, 0) as u32),
+            Self::Random => to_unit(random(stream, name, 0).low()),
             Self::Sobol => to_unit(sobol::d1(stream, name.reversed_index)),
-            _ => self.draw::<1>(name, purpose)[0],
+            _ => self.lane_by_lane::<F, 1>(name, purpose)[0],
         }
     }
 
     /// Two numbers, as well spread over the square as the pattern can. With [`Self::Sobol`] a (0,2)-sequence in base 2.
-    #[inline]
-    pub fn d2(self, name: &SampleName, purpose: Purpose) -> [f32; 2] {
+    #[inline(always)]
+    pub fn d2<F: Float>(self, name: &SampleName<F>, purpose: Purpose) -> [F; 2] {
         let stream = name.stream(purpose);
         match self {
             Self::Random => {
                 let r = random(stream, name, 0);
-                [to_unit(r as u32), to_unit((r >> 32) as u32)]
+                [to_unit(r.low()), to_unit(r.high())]
             }
-            Self::Sobol => sobol::d2(stream, name.reversed_index).map(to_unit),
-            _ => self.draw(name, purpose),
+            Self::Sobol => {
+                let [a, b] = sobol::d2(stream, name.reversed_index);
+                [to_unit(a), to_unit(b)]
+            }
+            _ => self.lane_by_lane(name, purpose),
         }
     }
 
     /// Three numbers. The first two are those that [`Self::d2`] gives; cheaper than one number and two.
-    #[inline]
-    pub fn d3(self, name: &SampleName, purpose: Purpose) -> [f32; 3] {
-        let stream = name.stream(purpose);
-        match self {
-            Self::Random => {
-                let r = random(stream, name, 0);
-                let s = random(stream, name, 1);
-                [r as u32, (r >> 32) as u32, s as u32].map(to_unit)
-            }
-            Self::Sobol => sobol::d3(stream, name.reversed_index).map(to_unit),
-            _ => self.draw(name, purpose),
-        }
-    }
-
-    /// Four numbers. The first two are those that [`Self::d2`] gives.
-    #[inline]
-    pub fn d4(self, name: &SampleName, purpose: Purpose) -> [f32; 4] {
+    #[inline(always)]
+    pub fn d3<F: Float>(self, name: &SampleName<F>, purpose: Purpose) -> [F; 3] {
         let stream = name.stream(purpose);
         match self {
             Self::Random => {
                 let (r, s) = (random(stream, name, 0), random(stream, name, 1));
-                [r as u32, (r >> 32) as u32, s as u32, (s >> 32) as u32].map(to_unit)
+                [to_unit(r.low()), to_unit(r.high()), to_unit(s.low())]
             }
-            Self::Sobol => sobol::d4(stream, name.reversed_index).map(to_unit),
-            _ => self.draw(name, purpose),
+            Self::Sobol => {
+                let [a, b, c] = sobol::d3(stream, name.reversed_index);
+                [to_unit(a), to_unit(b), to_unit(c)]
+            }
+            _ => self.lane_by_lane(name, purpose),
         }
     }
 
-    /// The patterns that are asked for by name only: out of line, so that the default stays small where it is used.
+    /// Four numbers. The first two are those that [`Self::d2`] gives.
+    #[inline(always)]
+    pub fn d4<F: Float>(self, name: &SampleName<F>, purpose: Purpose) -> [F; 4] {
+        let stream = name.stream(purpose);
+        match self {
+            Self::Random => {
+                let (r, s) = (random(stream, name, 0), random(stream, name, 1));
+                [to_unit(r.low()), to_unit(r.high()), to_unit(s.low()), to_unit(s.high())]
+            }
+            Self::Sobol => {
+                let [a, b, c, d] = sobol::d4(stream, name.reversed_index);
+                [to_unit(a), to_unit(b), to_unit(c), to_unit(d)]
+            }
+            _ => self.lane_by_lane(name, purpose),
+        }
+    }
+
+    /// The patterns that are asked for by name only, whose divisions and loops of different lengths don't go side by side.
+    #[inline(always)]
+    fn lane_by_lane<F: Float, const D: usize>(self, name: &SampleName<F>, purpose: Purpose) -> [F; D] {
+        let mut lanes = [F::ZERO.to_array(); D];
+        for i in 0..F::WIDTH {
+            let numbers: [f32; D] = self.draw(&name.lane(i), purpose);
+            for (lanes, number) in lanes.iter_mut().zip(numbers) {
+                lanes.as_mut()[i] = number;
+            }
+        }
+        lanes.map(F::from_array)
+    }
+
+    /// Out of line, so that the default stays small where it is used.
     #[cold]
     #[inline(never)]
     fn draw<const D: usize>(self, name: &SampleName, purpose: Purpose) -> [f32; D] {
         let stream = name.stream(purpose);
         let bits = match self {
-            Self::Random => {
-                std::array::from_fn(|d| (random(stream, name, d as u64 / 2) >> (32 * (d % 2))) as u32)
-            }
+            Self::Random => std::array::from_fn(|d| {
+                let bits: u64 = random(stream, name, d as u64 / 2);
+                (bits >> (32 * (d % 2))) as u32
+            }),
             Self::Sobol => {
                 let four = sobol::d4(stream, name.reversed_index);
                 std::array::from_fn(|d| four[d])
@@ -180,7 +214,7 @@ fn padded<const D: usize>(pattern: &impl Padded, stream: u64, index: u32) -> [u3
 
 /// The `k`th 64 bits of a sample from a stream (Steele et al. 2014, "SplitMix": hashes of a Weyl sequence).
 #[inline(always)]
-fn random(stream: u64, name: &SampleName, k: u64) -> u64 {
-    let counter = u64::from(name.reversed_index) << 1 | k;
-    mix(stream.wrapping_add(counter.wrapping_mul(0x9e37_79b9_7f4a_7c15)))
+fn random<F: Float>(stream: F::Ulong, name: &SampleName<F>, k: u64) -> F::Ulong {
+    let counter = name.reversed_index.to_ulong() << 1 | k;
+    mix(stream.wrapping_add(counter.wrapping_mul(F::Ulong::splat(0x9e37_79b9_7f4a_7c15))))
 }

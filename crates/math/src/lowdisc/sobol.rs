@@ -5,130 +5,139 @@
 //! bits for as long as possible: a shuffle takes the reversed index, and Sobol's first dimension *is* the
 //! reversed index, the second costs five shifts.
 
+use crate::simd::{Uint, Ulong};
+
 /// The sample's number in one dimension, 32 bits after the binary point.
 #[inline(always)]
-pub(super) fn d1(stream: u64, reversed_index: u32) -> u32 {
+pub(super) fn d1<U: Uint<Ulong = L>, L: Ulong<Uint = U>>(stream: L, reversed_index: U) -> U {
     let index = shuffle(stream, reversed_index);
-    scramble(index, (stream >> 32) as u32).reverse_bits()
+    scramble(index, stream.high()).reverse_bits()
 }
 
 /// Two dimensions.
 #[inline(always)]
-pub(super) fn d2(stream: u64, reversed_index: u32) -> [u32; 2] {
+pub(super) fn d2<U: Uint<Ulong = L>, L: Ulong<Uint = U>>(stream: L, reversed_index: U) -> [U; 2] {
     first_two(stream, shuffle(stream, reversed_index))
 }
 
 /// Three dimensions.
 #[inline(always)]
-pub(super) fn d3(stream: u64, reversed_index: u32) -> [u32; 3] {
+pub(super) fn d3<U: Uint<Ulong = L>, L: Ulong<Uint = U>>(stream: L, reversed_index: U) -> [U; 3] {
     let index = shuffle(stream, reversed_index);
     let [a, b] = first_two(stream, index);
-    let seed = super::mix(stream) as u32;
-    [a, b, scramble(by_table(&THIRD, index), seed).reverse_bits()]
+    let seed = super::mix(stream).low();
+    [a, b, scramble(THIRD.of(index), seed).reverse_bits()]
 }
 
 /// Four dimensions.
 #[inline(always)]
-pub(super) fn d4(stream: u64, reversed_index: u32) -> [u32; 4] {
+pub(super) fn d4<U: Uint<Ulong = L>, L: Ulong<Uint = U>>(stream: L, reversed_index: U) -> [U; 4] {
     let index = shuffle(stream, reversed_index);
     let [a, b] = first_two(stream, index);
     let seeds = super::mix(stream);
-    let [c, d] = reverse_both([
-        scramble(by_table(&THIRD, index), seeds as u32),
-        scramble(by_table(&FOURTH, index), (seeds >> 32) as u32),
-    ]);
+    let [c, d] =
+        U::reverse_both(scramble(THIRD.of(index), seeds.low()), scramble(FOURTH.of(index), seeds.high()));
     [a, b, c, d]
 }
 
 #[inline(always)]
-fn first_two(stream: u64, index: u32) -> [u32; 2] {
-    let seeds = more_seeds(stream);
-    reverse_both([
-        scramble(index, (stream >> 32) as u32),
-        scramble(second_dimension(index), (seeds >> 32) as u32),
-    ])
-}
-
-/// Both bit-reversed, at the cost of one: no instruction of x86 does it, and it is half of all the work here.
-#[inline(always)]
-fn reverse_both([a, b]: [u32; 2]) -> [u32; 2] {
-    let both = (u64::from(a) << 32 | u64::from(b)).reverse_bits();
-    [both as u32, (both >> 32) as u32]
+fn first_two<U: Uint<Ulong = L>, L: Ulong<Uint = U>>(stream: L, index: U) -> [U; 2] {
+    let seed = more_seeds(stream).high();
+    // Reversing bits is half of all the work here.
+    U::reverse_both(scramble(index, stream.high()), scramble(second_dimension(index), seed))
 }
 
 /// The sample's place in the shuffled order. Samples of an aligned block of 2^k stay in one such block.
 #[inline(always)]
-fn shuffle(stream: u64, reversed_index: u32) -> u32 {
-    scramble(reversed_index, stream as u32).reverse_bits()
+fn shuffle<U: Uint<Ulong = L>, L: Ulong<Uint = U>>(stream: L, reversed_index: U) -> U {
+    scramble(reversed_index, stream.low()).reverse_bits()
 }
 
 /// Further bits from those of a stream, the upper ones good.
 #[inline(always)]
-fn more_seeds(stream: u64) -> u64 {
-    (stream ^ (stream >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93)
+fn more_seeds<L: Ulong>(stream: L) -> L {
+    (stream ^ (stream >> 32)).wrapping_mul(L::splat(0xd6e8_feb8_6659_fd93))
 }
 
 /// The hash of Laine and Karras (2011) with Vegdahl's constants (2021, "Building a Better LK Hash"): a
 /// permutation in which each bit acts on itself and those above it only.
 #[inline(always)]
-pub(super) fn scramble(mut x: u32, seed: u32) -> u32 {
-    x ^= x.wrapping_mul(0x3d20_adea);
-    x = x.wrapping_add(seed);
-    x = x.wrapping_mul((seed >> 16) | 1);
-    x ^= x.wrapping_mul(0x0552_6c56);
-    x ^ x.wrapping_mul(0x53a2_2864)
+pub(super) fn scramble<U: Uint>(x: U, seed: U) -> U {
+    let x = x ^ x.wrapping_mul(U::splat(0x3d20_adea));
+    let x = x.wrapping_add(seed);
+    let x = x.wrapping_mul((seed >> 16) | 1);
+    let x = x ^ x.wrapping_mul(U::splat(0x0552_6c56));
+    x ^ x.wrapping_mul(U::splat(0x53a2_2864))
 }
 
 /// Sobol's second dimension in reversed bits: the index times Pascal's triangle modulo 2, which is the fifth
 /// Kronecker power of [[1, 1], [0, 1]] and so falls apart into five steps.
 #[inline(always)]
-const fn second_dimension(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x ^= (x >> 8) & 0x00ff_00ff;
-    x ^= (x >> 4) & 0x0f0f_0f0f;
-    x ^= (x >> 2) & 0x3333_3333;
+fn second_dimension<U: Uint>(x: U) -> U {
+    let x = x ^ (x >> 16);
+    let x = x ^ ((x >> 8) & 0x00ff_00ff);
+    let x = x ^ ((x >> 4) & 0x0f0f_0f0f);
+    let x = x ^ ((x >> 2) & 0x3333_3333);
     x ^ ((x >> 1) & 0x5555_5555)
 }
 
 /// The same for indices of 64 bits: the lower half is the first 32 bits of the fraction.
-pub(super) const fn second_dimension_of_64(x: u64) -> u64 {
+pub(super) fn second_dimension_of_64(x: u64) -> u64 {
     let x = x ^ x >> 32;
-    (second_dimension((x >> 32) as u32) as u64) << 32 | second_dimension(x as u32) as u64
+    u64::from(second_dimension((x >> 32) as u32)) << 32 | u64::from(second_dimension(x as u32))
 }
 
-/// A dimension as the exclusive or of one entry for each byte of the index.
-type ByteTable = [[u32; 256]; 4];
+/// A dimension in reversed bits, as the exclusive or of one table entry for each few bits of the index.
+struct Dimension {
+    /// For each byte, which is the fewest steps for a single number.
+    bytes: [[u32; 256]; 4],
+    /// For three bits at a time: tables of eight entries, which stay in a register.
+    triples: [[u32; 8]; 11],
+}
 
 /// Third and fourth dimension after Joe and Kuo 2008 (new-joe-kuo-6.21201): primitive polynomials x² + x + 1 and
 /// x³ + x + 1, first direction numbers 1, 3 and 1, 3, 1.
-static THIRD: ByteTable = byte_table(&[1, 3], 1);
-static FOURTH: ByteTable = byte_table(&[1, 3, 1], 1);
+static THIRD: Dimension = Dimension::new(&[1, 3], 1);
+static FOURTH: Dimension = Dimension::new(&[1, 3, 1], 1);
 
-#[inline(always)]
-fn by_table(table: &ByteTable, x: u32) -> u32 {
-    let [a, b, c, d] = x.to_le_bytes();
-    table[0][a as usize] ^ table[1][b as usize] ^ table[2][c as usize] ^ table[3][d as usize]
+impl Dimension {
+    #[inline(always)]
+    fn of<U: Uint>(&self, x: U) -> U {
+        if U::WIDTH == 1 {
+            let [a, b, c, d] = x.lane(0).to_le_bytes().map(usize::from);
+            return U::splat(self.bytes[0][a] ^ self.bytes[1][b] ^ self.bytes[2][c] ^ self.bytes[3][d]);
+        }
+        let mut out = x.look_up(&self.triples[0]);
+        let mut k = 1;
+        while k < self.triples.len() {
+            out = out ^ (x >> (3 * k as u32)).look_up(&self.triples[k]);
+            k += 1;
+        }
+        out
+    }
+
+    const fn new(m: &[u32], a: u32) -> Self {
+        let directions = reversed_directions(m, a);
+        let (mut bytes, mut triples) = ([[0; 256]; 4], [[0; 8]; 11]);
+        let mut bit = 0;
+        while bit < 32 {
+            add(&mut bytes[bit / 8], bit % 8, directions[bit]);
+            add(&mut triples[bit / 3], bit % 3, directions[bit]);
+            bit += 1;
+        }
+        Self { bytes, triples }
+    }
 }
 
-const fn byte_table(m: &[u32], a: u32) -> ByteTable {
-    let directions = reversed_directions(m, a);
-    let mut table = [[0; 256]; 4];
-    let mut byte = 0;
-    while byte < 4 {
-        let mut value = 0;
-        while value < 256 {
-            let mut bit = 0;
-            while bit < 8 {
-                if value >> bit & 1 == 1 {
-                    table[byte][value] ^= directions[8 * byte + bit];
-                }
-                bit += 1;
-            }
-            value += 1;
+/// Adds a direction to the entries of a table whose number has the bit.
+const fn add(table: &mut [u32], bit: usize, direction: u32) {
+    let mut value = 0;
+    while value < table.len() {
+        if value >> bit & 1 == 1 {
+            table[value] ^= direction;
         }
-        byte += 1;
+        value += 1;
     }
-    table
 }
 
 /// The direction numbers by the recurrence of Bratley and Fox (1988), in reversed bits.
@@ -177,7 +186,7 @@ mod tests {
             [7, 7, 1, 3],
         ];
         for (i, want) in (0_u32..).zip(want) {
-            let point = [i, second_dimension(i), by_table(&THIRD, i), by_table(&FOURTH, i)];
+            let point = [i, second_dimension(i), THIRD.of(i), FOURTH.of(i)];
             assert_eq!(point.map(|x| x.reverse_bits() >> 29), want, "point {i}");
         }
     }

@@ -19,7 +19,7 @@ fn plausible(statistic: f64, degrees: usize) -> bool {
 
 #[test]
 fn numbers_are_in_the_unit_interval() {
-    assert_eq!(to_unit(u32::MAX), 1.0 - 2f32.powi(-24));
+    assert_eq!(to_unit::<f32>(u32::MAX), 1.0 - 2f32.powi(-24));
     for kind in PatternKind::ALL {
         // A set of fewer is gone beyond.
         let pattern = Pattern::new(kind, 1000);

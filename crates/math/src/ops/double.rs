@@ -69,7 +69,7 @@ pub fn pow_d(x: f64, y: f64) -> f64 {
         let (high, low) = ln_pair(ax);
         // Even for the x nearest to 1 a larger exponent over- or underflows just the same, and the products
         // below stay finite.
-        let limit = power_of_two(66);
+        let limit: f64 = power_of_two(66);
         let y = if y > limit {
             limit
         } else if y < -limit {
@@ -117,8 +117,9 @@ fn exp_sum(x: f64, tail: f64) -> f64 {
     let lost = (r_high - r) - (whole * LN2_LOW - tail);
     let e = 1.0 + (r + (lost + r * r * poly(r, C)));
     // In two steps, since 2^n alone may be beyond the range of normal numbers.
+    let n = n as i64;
     let half = n >> 1;
-    e * power_of_two(half) * power_of_two(n - half)
+    e * power_of_two::<f64>(half as u64) * power_of_two::<f64>((n - half) as u64)
 }
 
 /// ln x as the sum of two numbers, good to some 60 bits; x positive and finite.
@@ -137,9 +138,9 @@ fn ln_pair(x: f64) -> (f64, f64) {
         2.0 / 21.0,
         2.0 / 23.0,
     ];
-    let (scaled, shift) = if x < f64::MIN_POSITIVE { (x * power_of_two(64), -64) } else { (x, 0) };
+    let (scaled, shift) = if x < f64::MIN_POSITIVE { (x * power_of_two::<f64>(64), -64.0) } else { (x, 0.0) };
     let (n, m) = split(scaled);
-    let n = (n + shift) as f64;
+    let n = n + shift;
     let f = m - 1.0;
     // d + d_low = m + 1 exactly; s + s_low = f / (m + 1).
     let d = m + 1.0;

@@ -1,64 +1,63 @@
 //! Exponentials, logarithms, powers and roots in single precision.
 
-use super::{double, poly, power_of_two, round};
+use super::{double, patched, poly, power_of_two, round};
+use crate::simd::{Double, Float, Ulong};
 use std::f64::consts::{LN_2, LOG2_E, LOG10_E};
 
 /// e to the x.
-#[inline]
-pub fn exp(x: f32) -> f32 {
-    exp2_wide(f64::from(x) * LOG2_E) as f32
+#[inline(always)]
+pub fn exp<F: Float>(x: F) -> F {
+    F::from_double(exp2_wide(x.to_double() * LOG2_E))
 }
 
 /// 2 to the x.
-#[inline]
-pub fn exp2(x: f32) -> f32 {
-    exp2_wide(f64::from(x)) as f32
+#[inline(always)]
+pub fn exp2<F: Float>(x: F) -> F {
+    F::from_double(exp2_wide(x.to_double()))
 }
 
 /// Natural logarithm.
-#[inline]
-pub fn ln(x: f32) -> f32 {
-    if x > 0.0 && x < f32::INFINITY {
-        let (n, l) = ln_parts(f64::from(x));
-        (n * LN_2 + l) as f32
-    } else {
-        ln_special(x)
-    }
+#[inline(always)]
+pub fn ln<F: Float>(x: F) -> F {
+    let (n, l) = ln_parts(x.to_double());
+    logarithm(x, n * LN_2 + l)
 }
 
 /// Logarithm to base 2; exact for powers of 2.
-#[inline]
-pub fn log2(x: f32) -> f32 {
-    if x > 0.0 && x < f32::INFINITY { log2_wide(f64::from(x)) as f32 } else { ln_special(x) }
+#[inline(always)]
+pub fn log2<F: Float>(x: F) -> F {
+    logarithm(x, log2_wide(x.to_double()))
 }
 
 /// Logarithm to base 10.
-#[inline]
-pub fn log10(x: f32) -> f32 {
-    if x > 0.0 && x < f32::INFINITY {
-        let (n, l) = ln_parts(f64::from(x));
-        ((n * LN_2 + l) * LOG10_E) as f32
-    } else {
-        ln_special(x)
-    }
+#[inline(always)]
+pub fn log10<F: Float>(x: F) -> F {
+    let (n, l) = ln_parts(x.to_double());
+    logarithm(x, (n * LN_2 + l) * LOG10_E)
+}
+
+/// A logarithm of x, of which is known what it is where x is positive and finite.
+#[inline(always)]
+fn logarithm<F: Float>(x: F, plain: F::Double) -> F {
+    let is_plain = x.gt(F::ZERO) & x.lt(F::splat(f32::INFINITY));
+    patched(!is_plain, F::from_double(plain), move |i| ln_special(x.lane(i)))
 }
 
 /// x to the y.
-#[inline]
-pub fn pow(x: f32, y: f32) -> f32 {
-    if x > 0.0 && x < f32::INFINITY && y.abs() < f32::INFINITY {
-        exp2_wide(f64::from(y) * log2_wide(f64::from(x))) as f32
-    } else {
-        pow_special(x, y)
-    }
+#[inline(always)]
+pub fn pow<F: Float>(x: F, y: F) -> F {
+    let infinity = F::splat(f32::INFINITY);
+    let is_plain = x.gt(F::ZERO) & x.lt(infinity) & y.abs().lt(infinity);
+    let power = F::from_double(exp2_wide(y.to_double() * log2_wide(x.to_double())));
+    patched(!is_plain, power, move |i| pow_special(x.lane(i), y.lane(i)))
 }
 
 /// x to a whole power, by squaring.
-#[inline]
-pub fn powi(x: f32, n: i32) -> f32 {
-    let mut base = f64::from(x);
+#[inline(always)]
+pub fn powi<F: Float>(x: F, n: i32) -> F {
+    let mut base = x.to_double();
     let mut left = n.unsigned_abs();
-    let mut result = 1.0;
+    let mut result = F::Double::ONE;
     while left != 0 {
         if left & 1 == 1 {
             result *= base;
@@ -66,36 +65,51 @@ pub fn powi(x: f32, n: i32) -> f32 {
         base *= base;
         left >>= 1;
     }
-    (if n < 0 { 1.0 / result } else { result }) as f32
+    F::from_double(if n < 0 { F::Double::ONE / result } else { result })
 }
 
 /// Cube root, negative for negative x.
-pub fn cbrt(x: f32) -> f32 {
-    if x == 0.0 || !x.is_finite() {
-        return x;
-    }
-    let a = f64::from(x.abs());
+#[inline(always)]
+pub fn cbrt<F: Float>(x: F) -> F {
+    let a = x.abs().to_double();
     // A third of the exponent gives the root within an eighth; each step of Halley's method cubes the error.
-    let mut r = f64::from_bits(a.to_bits() / 3 + (682 << 52));
+    let bits = a.to_bits();
+    let mut r = F::Double::from_bits(F::Ulong::from_fn(|i| bits.lane(i) / 3 + (682 << 52)));
     for _ in 0..3 {
         let rrr = r * r * r;
         r = r * (rrr + a + a) / (rrr + rrr + a);
     }
-    (r as f32).copysign(x)
+    F::select(x.ne(F::ZERO) & x.is_finite(), F::from_double(r).copysign(x), x)
 }
 
 /// The length of (x, y); infinite when either is.
-#[inline]
-pub fn hypot(x: f32, y: f32) -> f32 {
-    if x.is_infinite() || y.is_infinite() {
-        return f32::INFINITY;
-    }
-    let (x, y) = (f64::from(x), f64::from(y));
-    (x * x + y * y).sqrt() as f32
+#[inline(always)]
+pub fn hypot<F: Float>(x: F, y: F) -> F {
+    let infinity = F::splat(f32::INFINITY);
+    let is_infinite = x.abs().eq(infinity) | y.abs().eq(infinity);
+    let (x, y) = (x.to_double(), y.to_double());
+    F::select(is_infinite, infinity, F::from_double((x * x + y * y).sqrt()))
 }
 
-/// Hyperbolic sine.
-pub fn sinh(x: f32) -> f32 {
+/// Hyperbolic sine, lane by lane.
+#[inline(always)]
+pub fn sinh<F: Float>(x: F) -> F {
+    x.map(one_sinh)
+}
+
+/// Hyperbolic cosine, lane by lane.
+#[inline(always)]
+pub fn cosh<F: Float>(x: F) -> F {
+    x.map(one_cosh)
+}
+
+/// Hyperbolic tangent, lane by lane.
+#[inline(always)]
+pub fn tanh<F: Float>(x: F) -> F {
+    x.map(one_tanh)
+}
+
+fn one_sinh(x: f32) -> f32 {
     let x = f64::from(x);
     if x.abs() < 1e-2 {
         return (x * (1.0 + x * x / 6.0 * (1.0 + x * x / 20.0))) as f32;
@@ -104,14 +118,12 @@ pub fn sinh(x: f32) -> f32 {
     (0.5 * (e - 1.0 / e)) as f32
 }
 
-/// Hyperbolic cosine.
-pub fn cosh(x: f32) -> f32 {
+fn one_cosh(x: f32) -> f32 {
     let e = double::exp_d(f64::from(x));
     (0.5 * (e + 1.0 / e)) as f32
 }
 
-/// Hyperbolic tangent.
-pub fn tanh(x: f32) -> f32 {
+fn one_tanh(x: f32) -> f32 {
     let x = f64::from(x);
     if x.abs() < 1e-2 {
         let z = x * x;
@@ -126,7 +138,7 @@ pub fn tanh(x: f32) -> f32 {
 
 /// 2 to the x to some 32 bits, beyond the range of single precision clamped to what rounds to 0 or infinity.
 #[inline(always)]
-fn exp2_wide(x: f64) -> f64 {
+fn exp2_wide<D: Double>(x: D) -> D {
     // Taylor series of 2^r, |r| <= 1/2: the first term left out is below 3e-10.
     const L: f64 = LN_2;
     const C: [f64; 9] = [
@@ -140,37 +152,40 @@ fn exp2_wide(x: f64) -> f64 {
         L * L * L * L * L * L * L / 5040.0,
         L * L * L * L * L * L * L * L / 40_320.0,
     ];
-    // Comparisons with NaN fail, so that it comes through.
-    let x = if x > 400.0 { 400.0 } else { x };
-    let x = if x < -400.0 { -400.0 } else { x };
+    // Comparisons with NaN fail, so that it comes through, whatever power of two it is multiplied with.
+    let x = D::splat(-400.0).max(D::splat(400.0).min(x));
     let (whole, n) = round(x);
-    let n = if x.is_nan() { 0 } else { n };
-    poly(x - whole, C) * power_of_two(n)
+    poly(x - whole, C) * power_of_two::<D>(n)
 }
 
 /// A positive finite normal x as 2^n m with m in [sqrt(1/2), sqrt(2)): n, and ln m to some 38 bits (relative).
 #[inline(always)]
-fn ln_parts(x: f64) -> (f64, f64) {
+fn ln_parts<D: Double>(x: D) -> (D, D) {
     // 2 artanh(s) / s with s = (m - 1) / (m + 1), |s| < 0.1716: the first term left out is below 3e-12.
     const C: [f64; 7] = [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0, 2.0 / 11.0, 2.0 / 13.0];
     let (n, m) = split(x);
     let s = (m - 1.0) / (m + 1.0);
-    (n as f64, s * poly(s * s, C))
+    (n, s * poly(s * s, C))
 }
 
 #[inline(always)]
-fn log2_wide(x: f64) -> f64 {
+fn log2_wide<D: Double>(x: D) -> D {
     let (n, l) = ln_parts(x);
     n + l * LOG2_E
 }
 
 /// n and m with x = 2^n m and m in [sqrt(1/2), sqrt(2)), for positive finite normal x.
 #[inline(always)]
-pub(super) fn split(x: f64) -> (i64, f64) {
-    const SQRT_HALF: i64 = 0x3fe6_a09e_667f_3bcd;
-    let bits = x.to_bits() as i64;
-    let n = (bits - SQRT_HALF) >> 52;
-    (n, f64::from_bits((bits - (n << 52)) as u64))
+pub(super) fn split<D: Double>(x: D) -> (D, D) {
+    const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
+    // n + 1024 is never negative: a shift of 64 bits that keeps the sign is more than some processors have.
+    const BIAS: u64 = 1024 << 52;
+    let bits = x.to_bits();
+    let n = bits.wrapping_sub(D::Ulong::splat(SQRT_HALF.wrapping_sub(BIAS))) >> 52;
+    let m = bits.wrapping_sub((n << 52).wrapping_sub(D::Ulong::splat(BIAS)));
+    // A whole number in the low bits of 2^52.
+    const TWO_52: f64 = 4_503_599_627_370_496.0;
+    (D::from_bits(n | TWO_52.to_bits()) - (TWO_52 + 1024.0), D::from_bits(m))
 }
 
 #[cold]

@@ -1,78 +1,91 @@
 //! Inverse trigonometric functions.
 
 use super::poly;
+use crate::simd::{Double, Float, Mask};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// tan(pi/8): above it an arc tangent is measured from pi/4.
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 
 /// Arc sine, in [-pi/2, pi/2]; NaN beyond [-1, 1].
-#[inline]
-pub fn asin(x: f32) -> f32 {
-    let x = f64::from(x);
+#[inline(always)]
+pub fn asin<F: Float>(x: F) -> F {
+    let x = x.to_double();
     let (p, far) = asin_kernel(x.abs(), asin_short);
-    (if far { FRAC_PI_2 - 2.0 * p } else { p }).copysign(x) as f32
+    let a = F::Double::select(far, F::Double::splat(FRAC_PI_2) - p * 2.0, p);
+    F::from_double(a.copysign(x))
 }
 
 /// Arc cosine, in [0, pi]; NaN beyond [-1, 1].
-#[inline]
-pub fn acos(x: f32) -> f32 {
-    acos_with(f64::from(x), asin_short) as f32
+#[inline(always)]
+pub fn acos<F: Float>(x: F) -> F {
+    F::from_double(acos_with(x.to_double(), asin_short))
 }
 
 /// Arc tangent, in [-pi/2, pi/2].
-#[inline]
-pub fn atan(x: f32) -> f32 {
-    atan2(x, 1.0)
+#[inline(always)]
+pub fn atan<F: Float>(x: F) -> F {
+    atan2(x, F::ONE)
 }
 
 /// The angle of the point (x, y) in [-pi, pi], 0 along +x, counter-clockwise.
-#[inline]
-pub fn atan2(y: f32, x: f32) -> f32 {
-    atan2_with(f64::from(y), f64::from(x), atan_short) as f32
+#[inline(always)]
+pub fn atan2<F: Float>(y: F, x: F) -> F {
+    F::from_double(atan2_with(y.to_double(), x.to_double(), atan_short))
 }
 
 /// Arc cosine by a given series for (asin(s)/s - 1)/s².
 #[inline(always)]
-pub(super) fn acos_with(x: f64, series: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn acos_with<D: Double>(x: D, series: impl Fn(D) -> D) -> D {
     let (p, far) = asin_kernel(x.abs(), series);
+    let is_negative = x.lt(D::ZERO);
     // Far from the middle p is half the angle to the nearer end; near it the angle from the middle.
-    let (base, scale) = if far {
-        if x < 0.0 { (PI, -2.0) } else { (0.0, 2.0) }
-    } else {
-        (FRAC_PI_2, if x < 0.0 { 1.0 } else { -1.0 })
-    };
-    base + scale * p
+    let base = D::select(far, D::select(is_negative, D::splat(PI), D::ZERO), D::splat(FRAC_PI_2));
+    let scale = D::select(far, D::splat(-2.0), D::ONE);
+    base + D::select(is_negative, scale, -scale) * p
 }
 
 /// For 0 <= a <= 1: asin(a) and false up to 1/2, beyond it asin(sqrt((1-a)/2)) = acos(a)/2 and true.
 #[inline(always)]
-fn asin_kernel(a: f64, series: impl Fn(f64) -> f64) -> (f64, bool) {
-    let far = a > 0.5;
-    let z = if far { 0.5 * (1.0 - a) } else { a * a };
-    let s = if far { z.sqrt() } else { a };
+fn asin_kernel<D: Double>(a: D, series: impl Fn(D) -> D) -> (D, D::Mask) {
+    let far = a.gt(D::splat(0.5));
+    let z = D::select(far, (D::ONE - a) * 0.5, a * a);
+    let s = D::select(far, z.sqrt(), a);
     (s + s * z * series(z), far)
 }
 
 /// The angle of (x, y) by a given series for (atan(t)/t - 1)/t².
 #[inline(always)]
-pub(super) fn atan2_with(y: f64, x: f64, series: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn atan2_with<D: Double>(y: D, x: D, series: impl Fn(D) -> D) -> D {
     let (ay, ax) = (y.abs(), x.abs());
-    let steep = ay > ax;
-    let (mut low, mut high) = if steep { (ax, ay) } else { (ay, ax) };
-    if !(high < 4e307 && high > 0.0) {
-        (low, high) = atan2_special(low, high);
-    }
+    let steep = ay.gt(ax);
+    let (low, high) = (D::select(steep, ax, ay), D::select(steep, ay, ax));
+    let is_plain = high.lt(D::splat(4e307)) & high.gt(D::ZERO);
+    let (low, high) = if is_plain.all() { (low, high) } else { atan2_lanes(!is_plain.to_bits(), low, high) };
     // The angle of (high, low) in [0, pi/4], from 0 or from pi/4, with one division.
-    let from_diagonal = low > high * TAN_EIGHTH;
-    let (n, d) = if from_diagonal { (low - high, low + high) } else { (low, high) };
+    let from_diagonal = low.gt(high * TAN_EIGHTH);
+    let n = D::select(from_diagonal, low - high, low);
+    let d = D::select(from_diagonal, low + high, high);
     let t = n / d;
     let z = t * t;
-    let base = if from_diagonal { FRAC_PI_4 } else { 0.0 };
+    let base = D::select(from_diagonal, D::splat(FRAC_PI_4), D::ZERO);
     let a = base + (t + t * z * series(z));
-    let a = if steep { FRAC_PI_2 - a } else { a };
-    let a = if x.is_sign_negative() { PI - a } else { a };
+    let a = D::select(steep, D::splat(FRAC_PI_2) - a, a);
+    let a = D::select(x.is_sign_negative(), D::splat(PI) - a, a);
     a.copysign(y)
+}
+
+/// [`atan2_special`] in some lanes.
+#[cold]
+#[inline(never)]
+fn atan2_lanes<D: Double>(lanes: u32, low: D, high: D) -> (D, D) {
+    let (mut low, mut high) = (low.to_array(), high.to_array());
+    for (i, (low, high)) in low.as_mut().iter_mut().zip(high.as_mut()).enumerate() {
+        if lanes >> i & 1 == 1 {
+            (*low, *high) = atan2_special(*low, *high);
+        }
+    }
+    (D::from_array(low), D::from_array(high))
 }
 
 /// Finite numbers with the same angle, for the origin, infinities and what would overflow.
@@ -91,7 +104,7 @@ fn atan2_special(low: f64, high: f64) -> (f64, f64) {
 
 /// (asin(sqrt(z))/sqrt(z) - 1)/z on [0, 1/4], Chebyshev interpolation, error below 2e-11.
 #[inline(always)]
-fn asin_short(z: f64) -> f64 {
+fn asin_short<D: Double>(z: D) -> D {
     poly(
         z,
         [
@@ -109,7 +122,7 @@ fn asin_short(z: f64) -> f64 {
 
 /// As [`asin_short`], error below 1e-18 before rounding.
 #[inline(always)]
-pub(super) fn asin_long(z: f64) -> f64 {
+pub(super) fn asin_long<D: Double>(z: D) -> D {
     poly(
         z,
         [
@@ -133,7 +146,7 @@ pub(super) fn asin_long(z: f64) -> f64 {
 
 /// (atan(sqrt(z))/sqrt(z) - 1)/z on [0, tan²(pi/8)], Chebyshev interpolation, error below 2e-11.
 #[inline(always)]
-fn atan_short(z: f64) -> f64 {
+fn atan_short<D: Double>(z: D) -> D {
     poly(
         z,
         [
@@ -150,7 +163,7 @@ fn atan_short(z: f64) -> f64 {
 
 /// As [`atan_short`], error below 4e-17 before rounding.
 #[inline(always)]
-pub(super) fn atan_long(z: f64) -> f64 {
+pub(super) fn atan_long<D: Double>(z: D) -> D {
     poly(
         z,
         [

@@ -1,6 +1,7 @@
 //! Sine, cosine, tangent.
 
 use super::{poly, round};
+use crate::simd::{Double, Float, Mask, Ulong};
 use std::f64::consts::FRAC_2_PI;
 
 /// pi/2 in three pieces; a whole number below 2^20 times either of the first two is exact (33 bits each).
@@ -35,36 +36,36 @@ const TWO_OVER_PI: [u64; 20] = [
 ];
 
 /// Sine.
-#[inline]
-pub fn sin(x: f32) -> f32 {
+#[inline(always)]
+pub fn sin<F: Float>(x: F) -> F {
     sin_cos(x).0
 }
 
 /// Cosine.
-#[inline]
-pub fn cos(x: f32) -> f32 {
+#[inline(always)]
+pub fn cos<F: Float>(x: F) -> F {
     sin_cos(x).1
 }
 
 /// Tangent.
-#[inline]
-pub fn tan(x: f32) -> f32 {
+#[inline(always)]
+pub fn tan<F: Float>(x: F) -> F {
     let (s, c) = sin_cos_wide(x);
-    (s / c) as f32
+    F::from_double(s / c)
 }
 
 /// Sine and cosine of the same angle.
-#[inline]
-pub fn sin_cos(x: f32) -> (f32, f32) {
+#[inline(always)]
+pub fn sin_cos<F: Float>(x: F) -> (F, F) {
     let (s, c) = sin_cos_wide(x);
-    (s as f32, c as f32)
+    (F::from_double(s), F::from_double(c))
 }
 
 /// Sine and cosine of an angle within [-pi/4, pi/4], for callers that know their octant.
 #[inline(always)]
-pub fn sin_cos_eighth(x: f32) -> (f32, f32) {
-    let (s, c) = kernel_short(f64::from(x));
-    (s as f32, c as f32)
+pub fn sin_cos_eighth<F: Float>(x: F) -> (F, F) {
+    let (s, c) = kernel_short(x.to_double());
+    (F::from_double(s), F::from_double(c))
 }
 
 /// Sine and cosine of an angle in degrees, exact at multiples of 90.
@@ -81,15 +82,27 @@ pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
 
 /// Sine and cosine to some 33 bits.
 #[inline(always)]
-fn sin_cos_wide(x: f32) -> (f64, f64) {
-    let x = f64::from(x);
-    let (r, n) = if x.abs() < SMALL {
-        let (whole, n) = round(x * FRAC_2_PI);
-        ((x - whole * PIO2[0]) - whole * PIO2_REST, n)
-    } else {
-        reduce_huge(x)
-    };
+fn sin_cos_wide<F: Float>(x: F) -> (F::Double, F::Double) {
+    let is_small = x.abs().lt(F::splat(SMALL as f32));
+    let x = x.to_double();
+    let (whole, n) = round(x * FRAC_2_PI);
+    let r = (x - whole * PIO2[0]) - whole * PIO2_REST;
+    let (r, n) = if is_small.all() { (r, n) } else { reduce_lanes::<F>(!is_small.to_bits(), x, r, n) };
     turn(kernel_short(r), n)
+}
+
+/// What is left of an angle and its quarter turns, some lanes of which are reduced by [`reduce_huge`].
+#[cold]
+#[inline(never)]
+fn reduce_lanes<F: Float>(huge: u32, x: F::Double, r: F::Double, n: F::Ulong) -> (F::Double, F::Ulong) {
+    let (x, mut r, mut n) = (x.to_array(), r.to_array(), n.to_array());
+    for i in 0..F::WIDTH {
+        if huge >> i & 1 == 1 {
+            let (rest, quarters) = reduce_huge(x.as_ref()[i]);
+            (r.as_mut()[i], n.as_mut()[i]) = (rest, quarters as u64);
+        }
+    }
+    (F::Double::from_array(r), F::Ulong::from_array(n))
 }
 
 /// Sine and cosine in double precision.
@@ -108,24 +121,24 @@ pub(super) fn sin_cos_double(x: f64) -> (f64, f64) {
         turn(kernel(r, tail), n)
     } else {
         let (r, n) = reduce_huge(x);
-        turn(kernel(r, 0.0), n)
+        turn(kernel(r, 0.0), n as u64)
     }
 }
 
-/// Carries (sin, cos) over `n` quarter turns.
+/// Carries (sin, cos) over `n` quarter turns, modulo 2^64.
 #[inline(always)]
-fn turn((s, c): (f64, f64), n: i64) -> (f64, f64) {
+fn turn<D: Double>((s, c): (D, D), n: D::Ulong) -> (D, D) {
     // Angles are as good as random: bit masks instead of branches that would be mispredicted.
     let (s, c) = (s.to_bits(), c.to_bits());
-    let swap = (s ^ c) & ((n as u64) & 1).wrapping_neg();
-    let sign_s = ((n as u64) & 2) << 62;
-    let sign_c = ((n as u64).wrapping_add(1) & 2) << 62;
-    (f64::from_bits(s ^ swap ^ sign_s), f64::from_bits(c ^ swap ^ sign_c))
+    let swap = (s ^ c) & D::Ulong::splat(0).wrapping_sub(n & 1);
+    let sign_s = (n & 2) << 62;
+    let sign_c = (n.wrapping_add(D::Ulong::splat(1)) & 2) << 62;
+    (D::from_bits(s ^ swap ^ sign_s), D::from_bits(c ^ swap ^ sign_c))
 }
 
 /// Taylor series on [-pi/4, pi/4], off by at most 2e-9 of a sine and 2e-10 of a cosine.
 #[inline(always)]
-fn kernel_short(r: f64) -> (f64, f64) {
+fn kernel_short<D: Double>(r: D) -> (D, D) {
     const S: [f64; 5] = [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0];
     const C: [f64; 6] = [1.0, -1.0 / 2.0, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0, -1.0 / 3_628_800.0];
     let z = r * r;

@@ -7,13 +7,12 @@ use straal_scene::Span;
 use straal_scene::desc::Node;
 
 /// What is told of all that was left out, a line for each file, kind of shape and object. `nodes` are those of the
-/// geometries, `objects` the groups of the objects.
+/// geometries, `objects` the names of the groups.
 pub(super) fn tell(
     dropped: &[accel::Dropped],
     nodes: &[Option<&Node>],
-    objects: &BTreeMap<&str, u32>,
+    objects: &BTreeMap<u32, &str>,
 ) -> Vec<Dropped> {
-    let names: BTreeMap<u32, &str> = objects.iter().map(|(name, group)| (*group, *name)).collect();
     let mut sums: BTreeMap<Source, (Span, [usize; 2])> = BTreeMap::new();
     for d in dropped {
         let node = match d.from {
@@ -23,7 +22,7 @@ pub(super) fn tell(
         let (source, span) = match d.from {
             DroppedFrom::Geometry(_) => source(node),
             DroppedFrom::Instance { group } => {
-                (Source::Instance(names.get(&group).copied().unwrap_or_default().to_owned()), Span::NONE)
+                (Source::Instance(objects.get(&group).copied().unwrap_or_default().to_owned()), Span::NONE)
             }
         };
         let (_, [not_finite, empty]) = sums.entry(source).or_insert((span, [0, 0]));
@@ -52,7 +51,7 @@ enum Source {
 fn source(node: Option<&Node>) -> (Source, Span) {
     match node {
         Some(Node::Mesh(m)) => match &m.file {
-            Some(file) => (Source::File(file.value.clone()), file.span),
+            Some(asset) => (Source::File(asset.file.value.clone()), asset.file.span),
             None => (Source::Mesh, m.surface.transform.span),
         },
         Some(node) => (Source::Shape(node.kind()), node.surface().map_or(Span::NONE, |s| s.transform.span)),
@@ -91,7 +90,7 @@ mod tests {
             lost(DroppedFrom::Instance { group: 3 }, 1, 0),
             lost(DroppedFrom::Instance { group: 3 }, 1, 0),
         ];
-        let told = tell(&dropped, &[], &BTreeMap::from([("pot", 3), ("pan", 1)]));
+        let told = tell(&dropped, &[], &BTreeMap::from([(3, "pot"), (1, "pan")]));
         let told: Vec<_> = told.iter().map(|d| (d.count, d.message.as_str())).collect();
         assert_eq!(
             told,

@@ -1,20 +1,22 @@
 //! The walk over the tree of the world.
 
-use super::look::Materials;
-use super::paint::Paint;
+use super::materials::Materials;
 use super::{CompileError, Custom, Detail};
 use crate::lanes::Colour;
+use crate::light::LightTable;
 use crate::material;
+use crate::paint::Paint;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
+use crate::texture::Value;
 use crate::world::{INHERIT, Kind, Look, TopLevel};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
-use straal_scene::desc::{self, Node, Shading};
-use straal_scene::forecast::{self, Tally};
-use straal_scene::{Assets, Mesh, Part, PartMaterial, Scene};
+use straal_scene::count::{self, Tally};
+use straal_scene::desc::{self, MeshSource, Node, Shading};
+use straal_scene::{Assets, Handle, Mesh, Part, PartMaterial, Scene};
 
 /// Quads along a patch's edge in a draft.
 const DRAFT: u32 = 4;
@@ -25,10 +27,13 @@ const MAX_DISSOLVED: usize = 1_000_000;
 /// A surface that glows.
 pub(super) struct Glowing {
     pub kind: Kind,
-    pub radiance: Colour,
+    pub radiance: Value<Colour>,
     pub two_sided: bool,
     pub flip: bool,
 }
+
+/// Bytes that a surface that glows takes while its world is made: itself, and the weights that it is chosen by.
+pub const GLOWING_BYTES: usize = size_of::<Glowing>() + LightTable::MAKING_BYTES;
 
 /// Where the walk is.
 #[derive(Clone, Copy)]
@@ -55,8 +60,8 @@ pub(super) struct Build<'a> {
     node: Option<&'a Node>,
     /// Materials of each group's instances, by group.
     group_materials: Vec<Vec<u32>>,
-    /// Groups of the objects met so far.
-    objects: BTreeMap<&'a str, u32>,
+    /// Groups of the objects met so far, and their names.
+    objects: BTreeMap<Handle<Node>, (u32, &'a str)>,
     glowing: Vec<Glowing>,
     dissolved: usize,
     top_level: Vec<TopLevel>,
@@ -92,8 +97,8 @@ pub(super) struct Built<'a> {
     pub looks: Vec<Look>,
     /// The node that each geometry comes from; none of a program's own.
     pub nodes: Vec<Option<&'a Node>>,
-    /// Groups of objects, by their names.
-    pub objects: BTreeMap<&'a str, u32>,
+    /// Names of objects, by their groups.
+    pub objects: BTreeMap<u32, &'a str>,
     pub instance_materials: Vec<u32>,
     pub top_level: Vec<TopLevel>,
     /// What goes by the name that the camera is focused on.
@@ -110,7 +115,7 @@ impl<'a> Build<'a> {
         custom: &Custom,
         (spectral, detail): (bool, Detail),
     ) -> Result<Self, CompileError> {
-        let (geometry, input, looks, glowing) = room(&forecast::count(scene, assets).kept);
+        let (geometry, input, looks, glowing) = room(&count::count(scene, assets).kept);
         Ok(Self {
             detail,
             in_focus: false,
@@ -189,7 +194,7 @@ impl<'a> Build<'a> {
             geometry: self.geometry,
             looks: self.looks,
             nodes: self.nodes,
-            objects: self.objects,
+            objects: self.objects.into_values().collect(),
             // The search structure numbers instances group by group, in this order.
             instance_materials: self.group_materials.concat(),
             top_level: self.top_level,
@@ -295,11 +300,11 @@ impl<'a> Build<'a> {
 
     /// An instance in a group; `inner` is the place of the object's own coordinates.
     fn instance(&mut self, i: &'a desc::Instance, outer: u32, inner: Place) -> Result<(), CompileError> {
-        let object = self
-            .scene
-            .objects
-            .get(&i.of)
-            .ok_or_else(|| CompileError::at(format!("there is no object `{}`", i.of.value), i.of.span))?;
+        // A scene without errors leads everywhere.
+        let objects = &self.scene.objects;
+        let Some((id, (name, object))) = i.of.to().and_then(|id| Some((id, objects.at(id)?))) else {
+            return Ok(());
+        };
         if self.glows(object, 0) {
             self.dissolved += 1;
             if self.dissolved > MAX_DISSOLVED {
@@ -307,19 +312,19 @@ impl<'a> Build<'a> {
                     format!(
                         "more than {MAX_DISSOLVED} instances of objects that glow: each becomes a light of its own"
                     ),
-                    i.of.span,
+                    i.of.name.span,
                 ));
             }
             return self.node(object, Place { dissolved: true, ..inner });
         }
 
-        let group = match self.objects.get(i.of.value.as_str()) {
-            Some(&g) => g,
+        let group = match self.objects.get(&id) {
+            Some(&(g, _)) => g,
             None => {
                 let group = self.input.groups.len() as u32;
                 self.input.groups.push(accel::Group::default());
                 self.group_materials.push(Vec::new());
-                self.objects.insert(&i.of.value, group);
+                self.objects.insert(id, (group, name));
                 let place = Place { transform: Affine::IDENTITY, material: INHERIT, group, dissolved: false };
                 self.node(object, place)?;
                 group
@@ -340,7 +345,7 @@ impl<'a> Build<'a> {
         let surface = match node {
             Node::Group(g) => return g.children.iter().any(|c| self.glows(c, depth)),
             Node::Instance(i) => {
-                let object = self.scene.objects.get(&i.of);
+                let object = self.scene.objects.of(&i.of);
                 return depth < accel::MAX_DEPTH && object.is_some_and(|o| self.glows(o, depth + 1));
             }
             Node::Sphere(s) => &s.surface,
@@ -352,7 +357,7 @@ impl<'a> Build<'a> {
             Node::Triangle(s) => &s.surface,
             Node::Bezier(s) => &s.surface,
             Node::Mesh(m) => {
-                let asset = m.file.as_ref().and_then(|f| self.assets.mesh(f));
+                let asset = m.file.as_ref().map(|asset| self.assets.mesh(asset.handle));
                 if asset.is_some_and(|a| a.materials.values().any(|p| p.emission.is_some())) {
                     return true;
                 }
@@ -397,7 +402,7 @@ impl<'a> Build<'a> {
         let material = self.materials.of(surface.material.as_ref(), place.material)?;
         let mut look = self.add_shape(shape, place.group, material, flip);
         if let Some(emission) = &surface.emission {
-            let radiance = self.materials.emission(emission.get())?;
+            let radiance = self.materials.emission(emission)?;
             look.emitter = Some(self.glow(look.kind, radiance, surface.two_sided_emission, flip));
         }
         self.looks.push(look);
@@ -418,16 +423,14 @@ impl<'a> Build<'a> {
         self.input.groups[group as usize].geometries.push(id);
     }
 
-    fn glow(&mut self, kind: Kind, radiance: Colour, two_sided: bool, flip: bool) -> u32 {
+    fn glow(&mut self, kind: Kind, radiance: Value<Colour>, two_sided: bool, flip: bool) -> u32 {
         self.glowing.push(Glowing { kind, radiance, two_sided, flip });
         (self.glowing.len() - 1) as u32
     }
 
     fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) -> Result<(), CompileError> {
-        if let Some(file) = &m.file {
-            let asset = self.assets.mesh(file).ok_or_else(|| {
-                CompileError::at(format!("the mesh file `{}` was not read", file.value), file.span)
-            })?;
+        if let MeshSource::Asset(asset) = m.source() {
+            let asset = self.assets.mesh(asset.handle);
             let mesh = shaded(TriangleMesh::from(&*asset.mesh), &m.shading);
             let has_own = m.surface.material.is_some();
             let runs = runs(&mesh.indices, &asset.mesh.parts, &asset.materials, has_own);
@@ -471,7 +474,7 @@ impl<'a> Build<'a> {
             mesh.normals.iter_mut().for_each(|n| *n = -*n);
         }
         let default = self.materials.of(surface.material.as_ref(), place.material)?;
-        let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e.get())).transpose()?;
+        let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e)).transpose()?;
         let mut known = Vec::new();
         for run in runs {
             let material = match run.material {
@@ -481,7 +484,7 @@ impl<'a> Build<'a> {
             let part_glow = run.material.and_then(|part| part.emission);
             let radiance = match (own_glow, part_glow) {
                 (Some(own), _) => Some(own),
-                (None, Some(part)) => Some(self.materials.emission(&part.into())?),
+                (None, Some(part)) => Some(self.materials.emission(&desc::Spectrum::from(part).into())?),
                 (None, None) => None,
             };
             let id = self.geometry.meshes.len() as u32;

@@ -26,8 +26,11 @@ impl Value {
         self.0 += round(f64::from(v) * VALUE_SCALE);
     }
 
+    #[inline]
     pub fn to_f64(self) -> f64 {
-        self.0 as f64 / VALUE_SCALE
+        // Most sums fit 64 bits, whose conversion is one instruction, and rounds alike.
+        let sum = i64::try_from(self.0).map_or_else(|_| self.0 as f64, |sum| sum as f64);
+        sum * (1.0 / VALUE_SCALE)
     }
 }
 

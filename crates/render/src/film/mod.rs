@@ -4,47 +4,50 @@
 //! (ARCHITECTURE.md, "Same bits"): each sample's numbers are rounded once to fixed point and added as integers.
 
 mod adaptive;
+pub mod channel;
 mod control;
 mod evidence;
 mod fixed;
 mod hash;
+mod light_sum;
 mod planes;
 mod recording;
+mod sensor;
 mod splat;
 mod sums;
 
 pub use adaptive::{BLOCK, DARK, FIRST_LOOK};
+pub use channel::{Channel, ChannelLayer};
 pub use evidence::Evidence;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
+pub use light_sum::LightSum;
 pub use recording::Recording;
+pub use sensor::Sensor;
 pub use splat::{Flying, Splats, reach};
 pub use sums::{Held, Joined, Span};
 
 use crate::filter::Filter;
 use crate::settings::Region;
+use adaptive::Halves;
+pub(crate) use adaptive::Sampled;
 pub(crate) use adaptive::next_look;
-use adaptive::{Halves, Sampled};
+use channel::{Plane, Seen};
 use control::Control;
 use evidence::Marks;
-use fixed::{Guide, Square, Value};
+use fixed::{Square, Value};
 use straal_color::spectrum::Bands;
-use straal_math::ops;
 
 /// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
 pub const TILE: u32 = 16;
 
-/// One sample as the film takes it: its light and, for the guide layers, what the camera ray met first.
+/// One sample as the film takes it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Radiance: linear RGB, or X, Y and Z, see [`Recording`].
     pub rgb: [f32; 3],
-    /// Share of light that the first surface reflects or passes on, linear RGB; the radiance of what emits is no part.
-    pub albedo: [f32; 3],
-    /// Unit shading normal of the first surface in world space; 0 when nothing was met.
-    pub normal: [f32; 3],
-    /// Distance from the camera to the first surface in metres; 0 when nothing was met.
-    pub depth: f32,
+    /// What the camera's ray met first.
+    pub seen: Seen,
     /// Whether the filter gave its light a negative weight.
     pub negative: bool,
 }
@@ -71,25 +74,6 @@ impl Pixel {
         let mean = self.mean(channel);
         let spread = squares[channel].to_f64() / count - mean * mean;
         if self.count > 1 && spread > 0.0 { spread / (count - 1.0) } else { 0.0 }
-    }
-}
-
-/// Sums of one pixel for the layers that tell what a picture shows, but for its light.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Guides {
-    albedo: [Guide; 3],
-    normal: [Guide; 3],
-    depth: Value,
-}
-
-impl Guides {
-    fn add(&mut self, sample: &Sample) {
-        for c in 0..3 {
-            self.albedo[c].add(sample.albedo[c]);
-            self.normal[c].add(sample.normal[c]);
-        }
-        // A plane's horizon may be farther than the film can hold: the guide says as far as it can.
-        self.depth.add(ops::clamp(sample.depth, 0.0, MAX_VALUE));
     }
 }
 
@@ -135,10 +119,10 @@ pub struct FilmTile {
     pixels: Vec<Pixel>,
     /// Sums of squares by pixel; empty when nothing asks for them.
     squares: Vec<[Square; 3]>,
-    /// By pixel; empty when the picture keeps to colours.
-    guides: Vec<Guides>,
-    /// By pixel; empty when costs aren't counted.
-    costs: Vec<CostSample>,
+    /// What else is held of each pixel.
+    channels: Vec<Plane>,
+    /// Light that paths brought which are not the pixel's own, by pixel; empty where there are no such paths.
+    light_splats: Vec<[Value; 3]>,
     /// By pixel, as many as there are bands; empty when there are none.
     bands: Vec<Value>,
     /// Where samples count in several pixels.
@@ -171,8 +155,10 @@ impl FilmTile {
             region,
             pixels: vec![Pixel::default(); region.area()],
             squares: vec![Default::default(); of(keep.squares || keep.layers)],
-            guides: vec![Guides::default(); of(keep.layers)],
-            costs: Vec::new(),
+            channels: channel::held(keep.layers, false)
+                .map(|(place, channel)| Plane::new(place, channel, region.area()))
+                .collect(),
+            light_splats: Vec::new(),
             bands: Vec::new(),
             splats: None,
             first_dropped: None,
@@ -194,12 +180,18 @@ impl FilmTile {
 
     /// Adds what one sample of a pixel cost, where the film counts that; the sums of integers don't depend on the order.
     pub fn add_cost(&mut self, pixel: [u32; 2], cost: &CostSample) {
-        let i = self.index(pixel);
-        if let Some(sum) = self.costs.get_mut(i) {
-            sum.nodes += cost.nodes;
-            sum.primitives += cost.primitives;
-            sum.nanoseconds += cost.nanoseconds;
+        let k = self.index(pixel);
+        self.channels.iter_mut().for_each(|plane| plane.add_cost(k, cost));
+    }
+
+    /// Adds light to a pixel that no sample of it has brought; false where it doesn't fit.
+    pub(crate) fn add_light_splat(&mut self, pixel: [u32; 2], rgb: [f32; 3]) -> bool {
+        let k = self.index(pixel);
+        let fits = rgb.iter().all(|v| v.abs() < MAX_VALUE);
+        if let Some(sums) = self.light_splats.get_mut(k).filter(|_| fits) {
+            sums.iter_mut().zip(rgb).for_each(|(sum, v)| sum.add(v));
         }
+        fits
     }
 
     /// The sums of samples that count in several pixels, where the film has such.
@@ -232,7 +224,10 @@ impl FilmTile {
         let p = &self.pixels[k];
         match self.mean_of_halves(k, channel, false).filter(|_| !self.is_even(k)) {
             Some((mean, _)) => mean,
-            None => self.sums_of(p, self.controls.get(k))[channel] / f64::from(p.count.max(1)),
+            None => {
+                let splats = self.light_splats.get(k).map_or(0.0, |sums| sums[channel].to_f64());
+                (self.sums_of(p, self.controls.get(k))[channel] + splats) / f64::from(p.count.max(1))
+            }
         }
     }
 
@@ -307,9 +302,7 @@ impl FilmTile {
                 square.add(v);
             }
         }
-        if let Some(guides) = self.guides.get_mut(i) {
-            guides.add(sample);
-        }
+        self.channels.iter_mut().for_each(|plane| plane.add_seen(i, &sample.seen));
         for b in bands {
             self.bands[i * of_each + usize::from(b.band)].add(b.value);
         }
@@ -396,18 +389,19 @@ pub struct Layers {
     pub variance: Vec<[f32; 3]>,
     /// Standard error of that mean, if the film holds it.
     pub error: Option<ErrorLayer>,
-    /// Mean albedo of the first surface.
-    pub albedo: Vec<[f32; 3]>,
-    /// Mean shading normal of the first surface.
-    pub normal: Vec<[f32; 3]>,
-    /// Mean distance to the first surface.
-    pub depth: Vec<f32>,
     /// Samples taken.
     pub samples: Vec<u32>,
-    /// What the searches cost, if that was counted. No part of the film's hash.
-    pub cost: Option<CostLayers>,
+    /// What else the film holds, in the order of [`channel::CHANNELS`]. No part of the film's hash.
+    pub channels: Vec<ChannelLayer>,
     /// Light by wavelengths, if the film holds it. No part of the film's hash.
     pub bands: Option<BandLayers>,
+}
+
+impl Layers {
+    /// What the film tells of a channel; `None` where it doesn't hold it.
+    pub fn channel(&self, channel: &Channel) -> Option<&ChannelLayer> {
+        self.channels.iter().find(|layer| layer.channel == channel)
+    }
 }
 
 /// How far pixels are from what they would be with endless samples.
@@ -426,18 +420,6 @@ pub struct BandLayers {
     pub bands: Bands,
     /// By band, then by pixel.
     pub planes: Vec<Vec<f32>>,
-}
-
-/// What a sample's searches cost on average, by pixel: all rays of its path, the camera's, the bounces and the shadow
-/// rays.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CostLayers {
-    /// Nodes opened, or cells entered.
-    pub nodes: Vec<f32>,
-    /// Primitives tested.
-    pub primitives: Vec<f32>,
-    /// Nanoseconds, if a clock was lent.
-    pub time: Option<Vec<f32>>,
 }
 
 impl Film {
@@ -505,7 +487,16 @@ impl Film {
     pub(crate) fn count_costs(&mut self, timed: bool) {
         self.costs = if timed { Costs::TestsAndTime } else { Costs::Tests };
         for tile in &mut self.tiles {
-            tile.costs = vec![CostSample::default(); tile.region.area()];
+            let pixels = tile.region.area();
+            let new = channel::held(false, true).map(|(place, channel)| Plane::new(place, channel, pixels));
+            tile.channels.extend(new);
+        }
+    }
+
+    /// Makes room for light from paths that are no pixel's own.
+    pub(crate) fn hold_light_splats(&mut self) {
+        for tile in &mut self.tiles {
+            tile.light_splats = vec![Default::default(); tile.region.area()];
         }
     }
 
@@ -539,11 +530,10 @@ impl Film {
         let held = |is: bool, bytes: usize| if is { bytes } else { 0 };
         size_of::<Pixel>()
             + held(of.squares || of.layers, size_of::<[Square; 3]>())
-            + held(of.layers, size_of::<Guides>())
+            + channel::held(of.layers, of.cost).map(|(_, channel)| channel.bytes()).sum::<usize>()
             + held(of.batches && !of.adapts, size_of::<Marks>())
             + held(of.adapts, size_of::<Halves>())
             + held(of.signed, size_of::<Control>() + bands * size_of::<Value>())
-            + held(of.cost, size_of::<CostSample>())
             + bands * size_of::<Value>()
     }
 
@@ -559,11 +549,10 @@ impl Film {
     pub fn layer_bytes_a_pixel(of: &Extent, [error, timed]: [bool; 2]) -> usize {
         let held = |is: bool, numbers: usize| if is { 4 * numbers } else { 0 };
         let bands = of.recording.bands().map_or(0, Bands::count);
-        12 + held(of.layers, 3 + 3 + 3 + 1 + 1)
-            + held(error, 3)
-            + held(of.cost, 2)
-            + held(of.cost && timed, 1)
-            + 4 * bands
+        let channels = channel::held(of.layers, of.cost).filter(|(_, c)| timed || *c != &channel::TIME);
+        let numbers: usize = channels.map(|(_, channel)| channel.components.len()).sum();
+        // Light, its variance and the number of samples.
+        12 + held(of.layers, 3 + 1) + 4 * numbers + held(error, 3) + 4 * bands
     }
 
     /// The means and variances so far.
@@ -577,15 +566,11 @@ impl Film {
             rgb: vec![[0.0; 3]; n],
             variance: vec![[0.0; 3]; held],
             error: self.error.map(|evidence| ErrorLayer { evidence, rgb: vec![[0.0; 3]; n] }),
-            albedo: vec![[0.0; 3]; held],
-            normal: vec![[0.0; 3]; held],
-            depth: vec![0.0; held],
             samples: vec![0; held],
-            cost: (self.costs != Costs::No).then(|| CostLayers {
-                nodes: vec![0.0; n],
-                primitives: vec![0.0; n],
-                time: (self.costs == Costs::TestsAndTime).then(|| vec![0.0; n]),
-            }),
+            channels: channel::held(self.keep.layers, self.costs != Costs::No)
+                .filter(|(_, c)| self.costs != Costs::Tests || *c != &channel::TIME)
+                .map(|(_, channel)| ChannelLayer { channel, values: vec![0.0; n * channel.components.len()] })
+                .collect(),
             bands: self.bands.map(|bands| BandLayers { bands, planes: vec![vec![0.0; n]; bands.count()] }),
         };
         for tile in &self.tiles {
@@ -604,27 +589,20 @@ impl Film {
                         error.rgb[i][c] = (tile.variance_of_mean(k, c) as f32).sqrt();
                     }
                 }
-                if let Some(guides) = tile.guides.get(k) {
-                    for c in 0..3 {
-                        out.variance[i][c] = tile.variance_by_spread(k, c) as f32;
-                        out.albedo[i][c] = (guides.albedo[c].to_f64() / count) as f32;
-                        out.normal[i][c] = (guides.normal[c].to_f64() / count) as f32;
-                    }
-                    out.depth[i] = (guides.depth.to_f64() / count) as f32;
+                if let Some(variance) = out.variance.get_mut(i) {
+                    *variance = std::array::from_fn(|c| tile.variance_by_spread(k, c) as f32);
                     out.samples[i] = p.count;
+                }
+                for (layer, plane) in out.channels.iter_mut().zip(&tile.channels) {
+                    let each = layer.channel.components.len();
+                    for (c, value) in layer.values[i * each..(i + 1) * each].iter_mut().enumerate() {
+                        *value = (plane.sum(k, c) / count) as f32;
+                    }
                 }
                 if let Some(out) = &mut out.bands {
                     let of_each = out.bands.count();
                     for (band, plane) in out.planes.iter_mut().enumerate() {
                         plane[i] = (tile.band_sum(k, band, of_each) / count) as f32;
-                    }
-                }
-                if let (Some(out), Some(sum)) = (&mut out.cost, tile.costs.get(k)) {
-                    let mean = |sum: u64| (sum as f64 / count) as f32;
-                    out.nodes[i] = mean(sum.nodes);
-                    out.primitives[i] = mean(sum.primitives);
-                    if let Some(time) = &mut out.time {
-                        time[i] = mean(sum.nanoseconds);
                     }
                 }
             }

@@ -5,11 +5,12 @@
 //! row from the top, whatever its tiles; what several tiles have splatted onto a pixel is added up before.
 
 use super::adaptive::Halves;
+use super::channel::{self, Scale, Sum};
 use super::control::Control;
 use super::evidence::Marks;
 use super::fixed::{Square, Value};
 use super::splat::Splat;
-use super::{CostSample, Costs, Evidence, Film, Guides, Keep, Pixel, Splats, TILE};
+use super::{Costs, Evidence, Film, Keep, Pixel, Splats, TILE};
 use crate::settings::Region;
 use std::io::{self, Read, Write};
 use straal_color::spectrum::Bands;
@@ -29,6 +30,8 @@ pub struct Held {
     pub squares: bool,
     /// What the other layers are made of.
     pub guides: bool,
+    /// Light from paths that are no pixel's own.
+    pub light_splats: bool,
     /// Size of the samples' weights where the filter has negative lobes.
     pub weight: Option<f64>,
     /// What pixels whose blocks end by themselves keep of their halves.
@@ -42,10 +45,11 @@ pub struct Held {
 struct Record {
     pixel: Pixel,
     squares: [Square; 3],
-    guides: Guides,
+    /// Of every channel and component.
+    channels: Vec<Sum>,
+    light_splats: [Value; 3],
     /// A bit for each half of the pixel that needs no further samples.
     ended: u8,
-    cost: CostSample,
     bands: Vec<Value>,
     splat: Splat,
     splat_bands: Vec<Value>,
@@ -84,7 +88,8 @@ impl Record {
         let bands = vec![Value::default(); held.bands.as_ref().map_or(0, Bands::count)];
         let some = |is: bool| if is { bands.clone() } else { Vec::new() };
         let (splat_bands, negative_bands) = (some(held.splats), some(held.weight.is_some()));
-        Self { splat_bands, negative_bands, bands, ..Self::default() }
+        let channels = channel::empty_record(held.guides, held.costs.is_some());
+        Self { channels, splat_bands, negative_bands, bands, ..Self::default() }
     }
 
     /// Every number of a part, in the order of the file.
@@ -99,16 +104,15 @@ impl Record {
                 if held.squares {
                     self.squares.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                 }
-                if held.guides {
-                    let g = &mut self.guides;
-                    g.albedo.iter_mut().for_each(|v| see(Number::Guide(&mut v.0)));
-                    g.normal.iter_mut().for_each(|v| see(Number::Guide(&mut v.0)));
-                    see(Number::Sum(&mut g.depth.0));
+                for sum in &mut self.channels {
+                    see(match sum {
+                        Sum::Unit(v) => Number::Guide(v),
+                        Sum::Length(v) => Number::Sum(v),
+                        Sum::Count(v) => Number::Cost(v),
+                    });
                 }
-                if held.costs.is_some() {
-                    see(Number::Cost(&mut self.cost.nodes));
-                    see(Number::Cost(&mut self.cost.primitives));
-                    see(Number::Cost(&mut self.cost.nanoseconds));
+                if held.light_splats {
+                    self.light_splats.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                 }
                 self.bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                 if held.weight.is_some() {
@@ -177,11 +181,19 @@ impl Held {
         if self.squares {
             names += " square:3xi128";
         }
-        if self.guides {
-            names += " albedo:3xi64 normal:3xi64 depth:i128";
+        for (_, channel) in channel::held(self.guides, self.costs.is_some()) {
+            let kind = match channel.scale {
+                Scale::Unit => "i64",
+                Scale::Length => "i128",
+                Scale::Count => "u64",
+            };
+            names += &match channel.components.len() {
+                1 => format!(" {}:{kind}", channel.name),
+                n => format!(" {}:{n}x{kind}", channel.name),
+            };
         }
-        if self.costs.is_some() {
-            names += " nodes:u64 primitives:u64 nanoseconds:u64";
+        if self.light_splats {
+            names += " light_splats:3xi128";
         }
         let bands = self.bands.as_ref().map_or(0, Bands::count);
         if bands > 0 {
@@ -252,6 +264,7 @@ impl Film {
             weight: self.tiles.first().filter(|t| !t.controls.is_empty()).map(|t| t.weight),
             halves: self.tiles.first().is_some_and(|t| !t.halves.is_empty()),
             guides: self.keep.layers,
+            light_splats: self.tiles.first().is_some_and(|t| !t.light_splats.is_empty()),
             mean_squares: self.mean_squares.clone(),
         }
     }
@@ -356,14 +369,14 @@ impl Film {
         let count = record.bands.len();
         record.pixel = tile.pixels[k];
         record.squares = tile.squares.get(k).copied().unwrap_or_default();
-        record.guides = tile.guides.get(k).copied().unwrap_or_default();
+        record.channels = tile.channels.iter().flat_map(|plane| plane.record(k)).collect();
+        record.light_splats = tile.light_splats.get(k).copied().unwrap_or_default();
         record.ended = tile.ended(pixel);
         record.control = tile.controls.get(k).copied().unwrap_or_default();
         if held.weight.is_some() {
             record.negative_bands.copy_from_slice(&tile.negative_bands[k * count..][..count]);
         }
         record.halves = tile.halves.get(k).copied().unwrap_or_default();
-        record.cost = tile.costs.get(k).copied().unwrap_or_default();
         record.bands.copy_from_slice(&tile.bands[k * count..][..count]);
         record.marks = tile.marks.get(k).copied().unwrap_or_default();
         record.ends = tile.ends.get(k).copied().unwrap_or_default();
@@ -396,8 +409,10 @@ impl Film {
         if let Some(squares) = tile.squares.get_mut(k) {
             *squares = record.squares;
         }
-        if let Some(guides) = tile.guides.get_mut(k) {
-            *guides = record.guides;
+        let mut channels = record.channels.iter().copied();
+        tile.channels.iter_mut().for_each(|plane| plane.put(k, &mut channels));
+        if let Some(splats) = tile.light_splats.get_mut(k) {
+            *splats = record.light_splats;
         }
         tile.end_halves(pixel, record.ended);
         if let Some(control) = tile.controls.get_mut(k) {
@@ -406,9 +421,6 @@ impl Film {
         }
         if let Some(halves) = tile.halves.get_mut(k) {
             *halves = record.halves;
-        }
-        if let Some(cost) = tile.costs.get_mut(k) {
-            *cost = record.cost;
         }
         tile.bands[k * count..][..count].copy_from_slice(&record.bands);
         if let Some(marks) = tile.marks.get_mut(k) {
@@ -484,6 +496,9 @@ impl Joined {
         }
         if let Some(weight) = held.weight {
             film.control(weight);
+        }
+        if held.light_splats {
+            film.hold_light_splats();
         }
         if held.halves {
             film.adapt(error == Some(Evidence::Batches));
@@ -565,7 +580,7 @@ impl Joined {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{BandSample, Flying, Sample};
+    use super::super::{BandSample, CostSample, Flying, Sample};
     use super::*;
     use crate::filter::{Filter, Profile, Separable};
 
@@ -602,9 +617,8 @@ mod tests {
                 for i in samples[0]..samples[1] {
                     let v = number(pixel, i);
                     let rgb = if i == 13 && pixel[0] % 7 == 3 { [f32::NAN; 3] } else { [v, v * v, 7.0 * v] };
-                    let guides =
-                        Sample { albedo: [v; 3], normal: [-v, 0.5, v], depth: 10.0 * v, ..Sample::default() };
-                    let sample = Sample { rgb, negative: v < 0.1, ..guides };
+                    let seen = std::array::from_fn(|k| [v, 0.5 - v, k as f32 * v]);
+                    let sample = Sample { rgb, negative: v < 0.1, seen };
                     let bands = [BandSample { band: (i % 3) as u16, value: v }];
                     let taken = tile.add(pixel, i, &sample, &bands);
                     tile.add_cost(pixel, &CostSample { nodes: i.into(), primitives: 2, nanoseconds: 3 });

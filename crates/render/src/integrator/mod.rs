@@ -1,22 +1,25 @@
 //! Integrators: how light is gathered along rays.
 //!
-//! An integrator is a *step*. The driver owns the loop: it starts a wave of paths at the camera, finds what their
-//! rays hit, and hands paths and hits to [`Integrator::step`], which adds the light met there, asks for shadow rays
-//! with what each would bring, and turns every path's ray into the next one or ends the path. A wave of one path
-//! gives the same bits as a wave of a thousand: a step reads nothing of its neighbours.
+//! An integrator is a *step*. The driver owns the loop: it starts paths, finds what their rays hit, and sorts them into
+//! [queues](Queue) by what has to be computed there. [`Integrator::step`] takes one queue and [emits](Out): the light that was
+//! met, rays that go on, shadow rays with what each would bring, light for other places of the film. It reads nothing of a path's
+//! neighbours, and light is summed as integers, so that a pool of one path gives the same bits as a pool of a thousand.
+//!
+//! To add an integrator, write its file: a state, where its paths start, and a step.
 
+mod out;
 mod path;
+mod queue;
 mod sine_product;
 
+pub use out::{Contribution, Out, Target};
 pub use path::PathTracer;
+pub use queue::{Arrival, Kind, Queue};
 pub use sine_product::SineProduct;
 
-use crate::film::Sample;
+use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
-use crate::stopwatch::Stopwatch;
 use crate::world::World;
-use straal_accel::Hit;
-use straal_color::Light;
 use straal_math::Ray;
 use straal_math::lowdisc::{Pattern, SampleName};
 
@@ -25,11 +28,50 @@ pub trait Integrator: Sync {
     /// What a path carries from one vertex to the next, besides its ray.
     type State<L: Lanes>: Copy + Send;
 
-    /// The state of a path that leaves the camera.
-    fn start<L: Lanes>(&self, lanes: L) -> Self::State<L>;
+    /// Where its paths start.
+    const ORIGIN: Origin = Origin::Camera;
 
-    /// One bounce of every path of a wave.
-    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, Self::State<L>>);
+    /// Whether it brings light to other places of the film than a sample's own ([`Contribution::splat`]). The film has room for
+    /// that then, and tells no noise of it.
+    const SPLATS: bool = false;
+
+    /// The first ray of a sample's path, and what it carries; `None` for a sample that brings nothing.
+    fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, Self::State<L>)>;
+
+    /// What the paths of one queue have met.
+    fn step<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, Self::State<L>>,
+        out: &mut Out<'_, Self::State<L>>,
+    );
+}
+
+/// Where the paths of an integrator start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// At the camera: the first ray is [`Start::camera_ray`], and a path brings light to its own pixel.
+    Camera,
+    /// At lights: a path brings light to any place of the film. There are as many of them in a pass as the whole
+    /// picture has pixels, and the film divides by the number of passes.
+    Light,
+}
+
+/// What a path starts from.
+#[derive(Clone, Copy)]
+pub struct Start<'a, L> {
+    /// The scene.
+    pub world: &'a World,
+    /// Source of random numbers.
+    pub pattern: Pattern,
+    /// Names the random numbers of the path's first node.
+    pub name: SampleName,
+    /// By what it reads colours.
+    pub lanes: L,
+    /// What the camera sees by this sample; `None` where that is nothing, and for paths from lights.
+    pub camera_ray: Option<Ray>,
+    /// What of a surface that ray stands for; none in a world where nothing asks for it.
+    pub footprint: PackedFootprint,
 }
 
 /// A path in flight.
@@ -37,58 +79,8 @@ pub trait Integrator: Sync {
 pub struct Path<S> {
     /// Names the random numbers of its present node.
     pub name: SampleName,
-    /// Which of the wave's samples it belongs to.
+    /// Which of the worker's samples it belongs to.
     pub sample: u32,
-    /// Whether it goes on; a path that doesn't is taken from the wave after the step.
-    pub alive: bool,
     /// The integrator's own.
     pub state: S,
-}
-
-/// A ray towards a light, and what it brings if nothing is in the way.
-#[derive(Clone, Copy, Debug)]
-pub struct ShadowRay {
-    /// Contribution to the sample, visibility left out.
-    pub light: Light,
-    /// Which of the wave's samples it belongs to.
-    pub sample: u32,
-}
-
-/// The paths of one step, what their rays hit, and where the step leaves its results.
-pub struct Wave<'a, S> {
-    /// Source of random numbers.
-    pub pattern: Pattern,
-    /// The paths.
-    pub paths: &'a mut [Path<S>],
-    /// Each path's ray: what was traced, then the next one.
-    pub rays: &'a mut [Ray],
-    /// What each ray hit.
-    pub hits: &'a [Hit],
-    /// Indices of the paths, grouped by material so that like is shaded beside like.
-    pub order: &'a [u32],
-    /// The wave's samples: a step adds light and fills the guides at the first vertex.
-    pub samples: &'a mut [Pending],
-    /// Shadow rays asked for, and what they bring; at most one a path in each step.
-    pub shadow_rays: &'a mut Vec<Ray>,
-    /// As many as `shadow_rays`.
-    pub shadows: &'a mut Vec<ShadowRay>,
-    /// Tells how long each part took.
-    pub stopwatch: &'a mut Stopwatch,
-}
-
-/// A sample whose light is still being gathered.
-#[derive(Clone, Copy, Debug)]
-pub struct Pending {
-    /// Radiance so far.
-    pub light: Light,
-    /// Guides of the first vertex; its `rgb` is filled when the sample is done.
-    pub guides: Sample,
-    /// How much of red, green and blue the film takes, see [`crate::camera::Camera::taken`].
-    pub taken: [f32; 3],
-}
-
-impl Default for Pending {
-    fn default() -> Self {
-        Self { light: Light::default(), guides: Sample::default(), taken: [1.0; 3] }
-    }
 }

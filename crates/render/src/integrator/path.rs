@@ -1,12 +1,13 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
-use super::{Integrator, ShadowRay, Wave};
-use crate::film::Sample;
+use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
+use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
-use crate::material::{Bsdf, Shaded, Transport};
+use crate::material::{Bsdf, BsdfSample, Shaded, Transport};
 use crate::shape::offset::End;
 use crate::stopwatch::Phase;
+use crate::surface::Surface;
 use crate::world::World;
 use straal_color::Light;
 use straal_math::lowdisc::Purpose;
@@ -39,6 +40,8 @@ impl Default for PathTracer {
 pub struct State<L> {
     /// By what it reads colours.
     lanes: L,
+    /// What of a surface its ray stands for; none in a world where nothing asks for it.
+    footprint: PackedFootprint,
     /// Share of the light at the ray's end that reaches the film.
     beta: Light,
     /// The previous vertex, as light sampling saw it.
@@ -56,6 +59,7 @@ pub struct State<L> {
 /// A path's vertex on a surface where scattering is computed.
 #[derive(Clone, Copy)]
 struct Vertex<'w> {
+    /// The path's number in the driver's turn.
     path: u32,
     /// The point, its error and geometric normal.
     end: End,
@@ -82,160 +86,107 @@ impl Vertex<'_> {
 impl Integrator for PathTracer {
     type State<L: Lanes> = State<L>;
 
-    fn start<L: Lanes>(&self, lanes: L) -> State<L> {
-        State {
-            lanes,
-            beta: lanes.full(),
+    fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
+        let state = State {
+            lanes: start.lanes,
+            footprint: start.footprint,
+            beta: start.lanes.full(),
             from: Receiver { p: Vec3::ZERO, n: Vec3::ZERO },
             pdf: 0.0,
             delta: true,
             depth: 1,
             eta_squared: 1.0,
-        }
+        };
+        start.camera_ray.map(|ray| (ray, state))
     }
 
-    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, State<L>>) {
-        let mut vertices: [Option<Vertex<'_>>; BLOCK] = [None; BLOCK];
-        for block in wave.order.chunks(BLOCK) {
-            let vertices = &mut vertices[..block.len()];
-            for (slot, &path) in vertices.iter_mut().zip(block) {
-                *slot = self.arrive(world, wave, path);
-            }
-            wave.stopwatch.lap(Phase::Shading);
-            for vertex in vertices.iter().flatten() {
-                self.light(world, wave, vertex);
-            }
-            wave.stopwatch.lap(Phase::Lights);
-            for vertex in vertices.iter().flatten() {
-                self.scatter(wave, vertex);
-            }
-            wave.stopwatch.lap(Phase::Shading);
+    fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+        match queue.kind {
+            Kind::Missed => queue.arrivals().for_each(|arrival| miss(world, &arrival, out)),
+            Kind::Dark => queue.arrivals().for_each(|arrival| {
+                let surface = world.surface(arrival.ray, arrival.hit, &arrival.path.state.footprint);
+                meet_light(world, &arrival, &surface, out);
+            }),
+            Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, out),
         }
     }
 }
 
 impl PathTracer {
+    /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
+    fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+        let mut vertices: [Option<Vertex<'_>>; BLOCK] = [None; BLOCK];
+        for block in queue.order.chunks(BLOCK) {
+            let vertices = &mut vertices[..block.len()];
+            for (slot, &path) in vertices.iter_mut().zip(block) {
+                *slot = self.arrive(world, queue, path, out);
+            }
+            out.stopwatch.lap(Phase::Shading);
+            for vertex in vertices.iter().flatten() {
+                light(world, queue, vertex, out);
+            }
+            out.stopwatch.lap(Phase::Lights);
+            for vertex in vertices.iter().flatten() {
+                self.scatter(world, queue, vertex, out);
+            }
+            out.stopwatch.lap(Phase::Shading);
+        }
+    }
+
     /// Adds the light emitted where the ray arrives; gives the vertex if the path may go on from there.
     #[inline]
     fn arrive<'w, L: Lanes>(
         &self,
         world: &'w World,
-        wave: &mut Wave<'_, State<L>>,
-        index: u32,
+        queue: &Queue<'_, State<L>>,
+        path: u32,
+        out: &mut Out<'_, State<L>>,
     ) -> Option<Vertex<'w>> {
-        let (path, ray) = (&mut wave.paths[index as usize], &wave.rays[index as usize]);
-        let sample = &mut wave.samples[path.sample as usize];
-        let state = path.state;
-        let reading = world.reading(state.lanes);
-        path.alive = false;
-
-        // The environment, for what leaves the scene.
-        let hit = &wave.hits[index as usize];
-        if !hit.is_hit() {
-            for (emitter, environment) in world.environments() {
-                let (radiance, weight) = if state.delta {
-                    (environment.radiance_from(ray.d, &reading), 1.0)
-                } else {
-                    let (radiance, pdf) = environment.radiance_pdf_from(state.from.n, ray.d, &reading);
-                    (radiance, balance(state.pdf, world.lights.pmf(emitter, &state.from) * pdf))
-                };
-                sample.light += state.beta * radiance * weight;
-            }
+        let arrival = queue.arrival(path);
+        let state = &arrival.path.state;
+        let surface = world.surface(arrival.ray, arrival.hit, &state.footprint);
+        meet_light(world, &arrival, &surface, out);
+        if state.depth >= self.max_depth {
             return None;
         }
-
-        // Emission of the surface.
-        let surface = world.surface(ray, hit);
-        if let Some(emitter) = surface.emitter {
-            let light = &world.emitters[emitter as usize];
-            let radiance = light.radiance_at(&surface.point, -ray.d, &reading);
-            if !radiance.is_black() {
-                let weight = if state.delta {
-                    1.0
-                } else {
-                    let p = world.light_pdf(emitter, &state.from, hit, &surface);
-                    balance(state.pdf, p)
-                };
-                sample.light += state.beta * radiance * weight;
-            }
-        }
-
-        // The BSDF, and the guides of the first vertex.
         let bsdf = world.bsdf(&surface, state.lanes);
-        let wo = surface.frame.to_local(-ray.d);
-        if state.depth == 1 {
-            sample.guides = Sample {
-                rgb: [0.0; 3],
-                albedo: world.albedo(&surface),
-                normal: surface.point.n.to_array(),
-                depth: hit.t,
-                ..Sample::default()
-            };
-        }
-        if state.depth >= self.max_depth || matches!(bsdf, Bsdf::Black) {
+        if matches!(bsdf, Bsdf::Black(_)) {
             return None;
         }
+        let wo = surface.frame.to_local(-arrival.ray.d);
         let shaded = Shaded { bsdf, ng: surface.ng };
-        Some(Vertex { path: index, end: End::from(&surface.point), frame: surface.frame, shaded, wo })
-    }
-
-    /// Next-event estimation: asks for a shadow ray to a point on a light.
-    #[inline]
-    fn light<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
-        if vertex.shaded.bsdf.is_delta() {
-            return;
-        }
-        let path = &wave.paths[vertex.path as usize];
-
-        // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
-        // beside them.
-        let [u, v] = wave.pattern.d2(&path.name, Purpose::LightPoint);
-        let at = vertex.receiver();
-        let Some(pick) = world.lights.pick(u, &at) else { return };
-        let Some(light) = world.sample_light(pick.index, &at, [pick.rest, v], path.state.lanes) else {
-            return;
-        };
-
-        // What it would bring, weighed against the chance that the BSDF finds it.
-        let wi = vertex.frame.to_local(light.wi);
-        let (value, pdf) = vertex.shaded.eval_pdf(vertex.wo, wi, Transport::Radiance);
-        if value.is_black() {
-            return;
-        }
-        let light_pdf = pick.pmf * light.pdf;
-        let weight = if light.delta { 1.0 } else { balance(light_pdf, pdf) };
-        let contribution = path.state.beta * value * light.radiance * (weight / light_pdf);
-        if contribution.is_black() {
-            return;
-        }
-        let ray = &wave.rays[vertex.path as usize];
-        let towards = Ray { time: ray.time, mask: ray.mask, ..light.shadow_ray(&vertex.end) };
-        wave.shadow_rays.push(towards);
-        wave.shadows.push(ShadowRay { light: contribution, sample: path.sample });
+        Some(Vertex { path, end: End::from(&surface.point), frame: surface.frame, shaded, wo })
     }
 
     /// Draws the next direction, or ends the path.
     #[inline]
-    fn scatter<L: Lanes>(&self, wave: &mut Wave<'_, State<L>>, vertex: &Vertex<'_>) {
-        let path = &mut wave.paths[vertex.path as usize];
+    fn scatter<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        vertex: &Vertex<'_>,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let path = &queue.paths[vertex.path as usize];
+        let state = &path.state;
 
         let (u, lobe) = if vertex.shaded.bsdf.chooses_lobe() {
-            let [u, v, lobe] = wave.pattern.d3(&path.name, Purpose::Direction);
+            let [u, v, lobe] = queue.pattern.d3(&path.name, Purpose::Direction);
             ([u, v], lobe)
         } else {
-            (wave.pattern.d2(&path.name, Purpose::Direction), 0.0)
+            (queue.pattern.d2(&path.name, Purpose::Direction), 0.0)
         };
         let Some(s) = vertex.shaded.sample(vertex.wo, lobe, u, Transport::Radiance) else { return };
-        let mut beta = path.state.beta * s.weight;
-        let eta_squared = path.state.eta_squared * s.eta * s.eta;
+        let mut beta = state.beta * s.weight;
+        let eta_squared = state.eta_squared * s.eta * s.eta;
 
         // Roulette: paths that carry little end with a chance that keeps the mean. They go on by the root of what they carry: by
         // the whole, survivors would be multiplied by so much that the noise costs more than the time saved (in `box-diffuse`
         // 12 % less variance for 3 % more time). Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting", whose
         // optimum is a root as well.
-        if path.state.depth >= self.roulette_depth || path.state.depth >= PATIENCE {
+        if state.depth >= self.roulette_depth || state.depth >= PATIENCE {
             let survive = ops::min((beta.max_lane() * eta_squared).sqrt(), 0.95);
-            if wave.pattern.d1(&path.name, Purpose::Roulette) >= survive {
+            if queue.pattern.d1(&path.name, Purpose::Roulette) >= survive {
                 return;
             }
             beta *= 1.0 / survive;
@@ -245,28 +196,110 @@ impl PathTracer {
         }
 
         let wi = vertex.frame.to_world(s.wi);
-        let ray = &mut wave.rays[vertex.path as usize];
-        *ray = Ray { o: vertex.end.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
-        path.name = path.name.child(0);
-        let lanes = path.state.lanes;
-        path.state = State {
+        let ray = &queue.rays[vertex.path as usize];
+        let mut footprint = state.footprint;
+        if world.materials.vary() {
+            let hit = &queue.hits[vertex.path as usize];
+            footprint = world.footprint_beyond(&footprint, (ray, hit), &BsdfSample { wi, ..s });
+        }
+        let next = Ray { o: vertex.end.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
+        let state = State {
             // A direction of a single wavelength: the others end here, and their lanes are 0.
-            lanes: if s.wavelength > 0.0 { lanes.only(s.wavelength) } else { lanes },
+            lanes: if s.wavelength > 0.0 { state.lanes.only(s.wavelength) } else { state.lanes },
+            footprint,
             beta,
             from: vertex.receiver(),
             pdf: s.pdf,
             delta: s.delta,
-            depth: path.state.depth + 1,
+            depth: state.depth + 1,
             eta_squared,
         };
-        path.alive = true;
+        out.go_on(path, 0, next, state);
     }
+}
+
+/// Light from the surroundings, for a ray that leaves the scene.
+#[inline]
+fn miss<L: Lanes>(world: &World, arrival: &Arrival<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+    let (state, d) = (&arrival.path.state, arrival.ray.d);
+    let reading = world.reading(state.lanes);
+    for (emitter, environment) in world.environments() {
+        let (radiance, weight) = if state.delta {
+            (environment.radiance_from(d, &reading), 1.0)
+        } else {
+            let (radiance, pdf) = environment.radiance_pdf_from(state.from.n, d, &reading);
+            (radiance, power_heuristic(state.pdf, world.lights.pmf(emitter, &state.from) * pdf))
+        };
+        out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
+    }
+}
+
+/// Light that a surface emits, if it glows.
+#[inline]
+fn meet_light<L: Lanes>(
+    world: &World,
+    arrival: &Arrival<'_, State<L>>,
+    surface: &Surface,
+    out: &mut Out<'_, State<L>>,
+) {
+    let Some(emitter) = surface.emitter else { return };
+    let (state, d) = (&arrival.path.state, arrival.ray.d);
+    let radiance =
+        world.emitters[emitter as usize].radiance_at(&surface.point, -d, &world.reading(state.lanes));
+    if radiance.is_black() {
+        return;
+    }
+    let weight = if state.delta {
+        1.0
+    } else {
+        power_heuristic(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, surface))
+    };
+    out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
+}
+
+/// Next-event estimation: asks for a shadow ray to a point on a light.
+#[inline]
+fn light<L: Lanes>(
+    world: &World,
+    queue: &Queue<'_, State<L>>,
+    vertex: &Vertex<'_>,
+    out: &mut Out<'_, State<L>>,
+) {
+    if vertex.shaded.bsdf.is_delta() {
+        return;
+    }
+    let path = &queue.paths[vertex.path as usize];
+
+    // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
+    // beside them.
+    let [u, v] = queue.pattern.d2(&path.name, Purpose::LightPoint);
+    let at = vertex.receiver();
+    let Some(pick) = world.lights.pick(u, &at) else { return };
+    let Some(light) = world.sample_light(pick.index, &at, [pick.rest, v], path.state.lanes) else {
+        return;
+    };
+
+    // What it would bring, weighed against the chance that the BSDF finds it.
+    let wi = vertex.frame.to_local(light.wi);
+    let (value, pdf) = vertex.shaded.eval_pdf(vertex.wo, wi, Transport::Radiance);
+    if value.is_black() {
+        return;
+    }
+    let light_pdf = pick.pmf * light.pdf;
+    let weight = if light.delta { 1.0 } else { power_heuristic(light_pdf, pdf) };
+    let contribution = path.state.beta * value * light.radiance * (weight / light_pdf);
+    if contribution.is_black() {
+        return;
+    }
+    let ray = &queue.rays[vertex.path as usize];
+    let towards = Ray { time: ray.time, mask: ray.mask, ..light.shadow_ray(&vertex.end) };
+    out.shadow(towards, Contribution::own(path, contribution));
 }
 
 /// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn
 /// with density `b` (Veach 1997, section 9.2.4).
 #[inline(always)]
-fn balance(a: f32, b: f32) -> f32 {
+fn power_heuristic(a: f32, b: f32) -> f32 {
     // By the ratio: squares of densities leave the range of single precision.
     let r = b / a;
     1.0 / (1.0 + r * r)

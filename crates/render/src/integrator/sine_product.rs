@@ -1,10 +1,10 @@
 //! The course's test of aliasing: no light at all, but a function whose waves get ever finer.
 
-use super::{Integrator, Wave};
+use super::{Contribution, Integrator, Out, Queue, Start};
 use crate::lanes::Lanes;
 use crate::world::World;
 use straal_color::Light;
-use straal_math::ops;
+use straal_math::{Ray, ops};
 
 /// Brings (1 + sin(x²y²)) / 2 of the point where a ray meets the plane z = 0, and nothing where it meets none. An
 /// orthographic camera along z shows the function itself, so that every sampler and filter is seen at work by itself.
@@ -14,21 +14,21 @@ pub struct SineProduct;
 impl Integrator for SineProduct {
     type State<L: Lanes> = L;
 
-    fn start<L: Lanes>(&self, lanes: L) -> L {
-        lanes
+    fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, L)> {
+        start.camera_ray.map(|ray| (ray, start.lanes))
     }
 
-    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, L>) {
-        for (path, ray) in wave.paths.iter_mut().zip(&*wave.rays) {
-            path.alive = false;
+    fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, L>, out: &mut Out<'_, L>) {
+        for arrival in queue.arrivals() {
             // In double precision: the phase is large.
-            let (o, d) = (ray.o.as_dvec3(), ray.d.as_dvec3());
+            let (o, d) = (arrival.ray.o.as_dvec3(), arrival.ray.d.as_dvec3());
             let p = o - d * (o.z / d.z);
             let xy = p.x * p.y;
             if xy.is_finite() {
                 let value = (0.5 + 0.5 * ops::sin_cos_d(xy * xy).0) as f32;
-                wave.samples[path.sample as usize].light +=
-                    path.state.radiance_of_rgb(&world.palette, Light::rgb([value; 3]));
+                let lanes = arrival.path.state;
+                let light = lanes.radiance_of_rgb(&world.tables, Light::rgb([value; 3]));
+                out.add(Contribution::own(arrival.path, light));
             }
         }
     }

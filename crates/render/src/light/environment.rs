@@ -1,13 +1,19 @@
 //! Light from all around: one radiance, or a picture.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
+use straal_math::table::Table1;
 use straal_math::{Affine, DVec3, Frame, Vec3, ops, warp};
-use straal_scene::Image;
+use straal_scene::{Image, desc, value};
 
+use super::cube::latitude_longitude;
 use super::facing::Facing;
-use super::{LightSample, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
+use crate::camera::CubeLayout;
+use crate::error::CompileError;
+use crate::paint::Paint;
+use crate::shape::Geometry;
 
 /// The same radiance from everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,33 +23,53 @@ pub struct ConstantEnvironment {
 }
 
 impl ConstantEnvironment {
-    /// See [`super::Emitter::radiance_from`].
-    pub fn light<L: Lanes>(&self, reading: &Reading<'_, L>) -> Light {
-        reading.light(&self.colour())
+    /// Of what a scene says of surroundings: this, or a picture.
+    pub(super) fn of(
+        l: &desc::Environment,
+        paint: &mut Paint<'_>,
+        _: DVec3,
+    ) -> Result<Emitter, CompileError> {
+        if let Some(file) = &l.file {
+            return Ok(Emitter::Image(Box::new(ImageEnvironment::of(l, file, paint)?)));
+        }
+        let black = desc::Spectrum::grey(0.0);
+        let radiance = l.radiance.as_ref().map_or(&black, value::Value::get);
+        let radiance = paint.emission_times(radiance, l.scale)?.into();
+        Ok(Emitter::Constant(Self { radiance }))
     }
+}
 
-    pub(super) fn colour(&self) -> Colour {
-        self.radiance.eval(&TexturePoint::default())
-    }
+impl Shine for ConstantEnvironment {
+    const EXTENT: Extent = Extent::Around;
 
-    /// See [`super::Emitter::sample`].
-    pub fn sample<L: Lanes>(&self, n: Vec3, u: [f32; 2], reading: &Reading<'_, L>) -> Option<LightSample> {
-        let radiance = self.light(reading);
-        let wi = if n == Vec3::ZERO {
+    #[inline]
+    fn sample<L: Lanes>(
+        &self,
+        _: &Geometry,
+        (at, u): (&Receiver, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        let radiance = reading.eval(&self.radiance, &ShadingPoint::NOWHERE);
+        let wi = if at.n == Vec3::ZERO {
             warp::uniform_sphere(u)
         } else {
-            Frame::from_normal(n).to_world(warp::cosine_hemisphere(u)).try_normalize()?
+            Frame::from_normal(at.n).to_world(warp::cosine_hemisphere(u)).try_normalize()?
         };
-        let pdf = self.pdf(n, wi);
+        let pdf = self.pdf_from(at.n, wi);
         let sound = !radiance.is_black() && pdf > 0.0;
         sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
     }
 
-    /// See [`super::Emitter::pdf_from`]: by the cosine where a normal is known.
     #[inline]
-    pub fn pdf(&self, n: Vec3, wi: Vec3) -> f32 {
+    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        (reading.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdf_from(n, wi))
+    }
+
+    /// By the cosine where a normal is known.
+    #[inline]
+    fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
         let cos = n.dot(wi);
-        if self.colour().is_black() {
+        if self.radiance.most() == 0.0 {
             0.0
         } else if n == Vec3::ZERO {
             warp::uniform_sphere_pdf()
@@ -55,8 +81,18 @@ impl ConstantEnvironment {
     }
 
     /// What falls on the scene's disc from all sides.
-    pub fn power(&self, disc: f64) -> f64 {
-        4.0 * std::f64::consts::PI * disc * strength(self.colour())
+    fn power(&self, _: &Geometry, disc: f64) -> f64 {
+        4.0 * std::f64::consts::PI * disc * strength(&self.radiance)
+    }
+
+    fn reach(&self, _: &Geometry) -> Option<Reach> {
+        Some(Reach::Around([std::f32::consts::PI * strength(&self.radiance) as f32; 6]))
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        let light = Self { radiance: super::tests::RADIANCE.into() };
+        vec![super::tests::Example::alone("constant", Emitter::Constant(light))]
     }
 }
 
@@ -89,6 +125,58 @@ pub struct ImageEnvironment {
     irradiance: [f32; 6],
 }
 
+impl Shine for Box<ImageEnvironment> {
+    const EXTENT: Extent = Extent::Around;
+
+    #[inline]
+    fn sample<L: Lanes>(
+        &self,
+        _: &Geometry,
+        (at, u): (&Receiver, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        ImageEnvironment::sample(self, at.n, u, reading)
+    }
+
+    #[inline]
+    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        self.radiance_pdf(n, wi, reading)
+    }
+
+    #[inline]
+    fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
+        self.pdf(n, wi)
+    }
+
+    fn power(&self, _: &Geometry, disc: f64) -> f64 {
+        ImageEnvironment::power(self, disc)
+    }
+
+    fn reach(&self, _: &Geometry) -> Option<Reach> {
+        Some(Reach::Around(self.irradiance))
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        use super::tests::{image, surroundings, turned};
+        // Mostly dark, with a lamp of one pixel, one on the wrap, and poles of their own.
+        let studio = image(16, 9, |x, y| match (x, y) {
+            (3, 4) => [100.0, 80.0, 60.0],
+            (15, 5) => [0.0, 0.0, 50.0],
+            (_, 0) => [1.0; 3],
+            (_, 8) => [0.0; 3],
+            (x, y) if (x + y) % 3 == 0 => [0.2, 0.1, 0.3],
+            _ => [0.0; 3],
+        });
+        vec![
+            surroundings("image", &studio, &Affine::IDENTITY),
+            surroundings("image, turned", &studio, &turned()),
+            surroundings("image, smallest", &image(1, 1, |_, _| [1.0, 2.0, 3.0]), &Affine::IDENTITY),
+            surroundings("image, rows", &image(2, 3, |_, y| [y as f32; 3]), &turned()),
+        ]
+    }
+}
+
 /// No pixel is brighter, so that sums of pixels are finite.
 const MOST: f32 = 1e30;
 
@@ -102,6 +190,15 @@ struct Place {
 }
 
 impl ImageEnvironment {
+    /// Bytes that a pixel takes: its colour, and its places in the tables that it is chosen by.
+    pub const BYTES_A_PIXEL: usize = size_of::<[f32; 3]>() + Table1::BYTES;
+
+    /// Bytes of tables that don't grow with the picture, once it has a few hundred pixels.
+    pub const BYTES: usize = Facing::BYTES;
+
+    /// Bytes that it takes besides while the tables are made: a weight in double precision and one in single.
+    pub const MAKING_BYTES_A_PIXEL: usize = size_of::<f64>() + size_of::<f32>();
+
     /// A picture times `scale`, turned by the rotation in `to_world` (its scaling and translation don't matter). NaN counts as 0, what is
     /// infinite as the most that a sum of it can hold, and a pixel without any channel above 0 is black. Single channels below 0 are of colours that the
     /// picture's space doesn't hold: for wavelengths only. `None` when the picture has no pixels, or not as many as it says, or
@@ -173,6 +270,29 @@ impl ImageEnvironment {
         Some(Self { width, height, pixels, cells, cosines, axes, total, irradiance })
     }
 
+    fn of(
+        l: &desc::Environment,
+        asset: &value::Asset<Image>,
+        paint: &mut Paint<'_>,
+    ) -> Result<Self, CompileError> {
+        let (file, image) = (&asset.file, paint.assets().image(asset.handle));
+        let cube = match l.layout {
+            desc::EnvironmentLayout::LatitudeLongitude => None,
+            desc::EnvironmentLayout::Cross => Some(CubeLayout::Cross),
+            desc::EnvironmentLayout::Row => Some(CubeLayout::Row),
+        };
+        let unfolded = cube.map(|layout| latitude_longitude(image, layout)).transpose();
+        let unfolded = unfolded.map_err(|message| CompileError::at(message, file.span))?;
+        let image = unfolded.as_ref().unwrap_or(image);
+        // The scene language has the middle column along -z, the emitter its left edge: half a turn.
+        let placed = Affine::rotate(DVec3::Y, 180.0 + l.rotate)
+            .zip(l.transform.affine())
+            .map(|(turn, own)| turn.then(&own))
+            .ok_or_else(|| CompileError::at("this transform is singular", l.transform.span))?;
+        let map = Self::new(&paint.surroundings(file, image), l.scale as f32, &placed);
+        map.ok_or_else(|| CompileError::at(format!("the picture `{}` has no pixels", file.value), file.span))
+    }
+
     /// See [`super::Emitter::radiance_from`].
     pub fn radiance<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> Light {
         reading.radiance_of_rgb(self.interpolate(&self.place(wi)))
@@ -214,11 +334,6 @@ impl ImageEnvironment {
     /// What falls on the scene's disc from all sides.
     pub fn power(&self, disc: f64) -> f64 {
         disc * self.total
-    }
-
-    /// Roughly what falls on surfaces that face +x, -x, +y, -y, +z and -z.
-    pub(super) fn irradiance(&self) -> [f32; 6] {
-        self.irradiance
     }
 
     /// A density over the unit square, in a row of cells, as density by solid angle: the square's (height - 1) equal

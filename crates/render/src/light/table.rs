@@ -46,6 +46,12 @@ pub struct Pick {
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl LightTable {
+    /// Bytes that it takes for each of many emitters.
+    pub const BYTES: usize = Table1::BYTES;
+
+    /// Bytes that it takes besides, for each, while it is made: powers, what shines, weights.
+    pub const MAKING_BYTES: usize = size_of::<f64>() + size_of::<u32>() + size_of::<f32>();
+
     /// A table of all emitters of a scene of the given radius in m.
     pub fn new(emitters: &[Emitter], geometry: &Geometry, scene_radius: f64) -> Self {
         let powers: Vec<f64> = emitters
@@ -58,7 +64,7 @@ impl LightTable {
             [] => Way::Nothing,
             [only] => Way::Only(only),
             _ if shining.len() <= FEW => {
-                let reach = |&i: &u32| Some((i, Reach::of(&emitters[i as usize], geometry)?));
+                let reach = |&i: &u32| Some((i, emitters[i as usize].reach(geometry)?));
                 Way::Few(shining.iter().filter_map(reach).collect())
             }
             _ => Self::by_power(&powers, shining.len()),

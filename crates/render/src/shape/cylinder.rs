@@ -1,10 +1,10 @@
 //! The cylinder without caps.
 
-use straal_math::{Affine, Bounds, DVec3, Ray, ops};
+use straal_math::{Affine, Bounds, DVec3, Ray, Vec3, ops};
 
-use super::exact::{at, in_interval, outward, rounded, size};
-use super::quadric::roots;
-use super::{AreaSample, ShapeHit, SurfacePoint, sampling};
+use super::exact::{at, outward, rounded, size};
+use super::tangents::unit_change;
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// The image of the open unit cylinder x² + z² = 1, 0 <= y <= 1, under an affine map; its normal points away from the
 /// axis.
@@ -61,21 +61,10 @@ impl Cylinder {
         outward(c.min(c + y) - r, c.max(c + y) + r, self.size())
     }
 
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let o = self.inverse.point(ray.o.as_dvec3());
-        let d = self.inverse.vector(ray.d.as_dvec3());
-        let a = d.x * d.x + d.z * d.z;
-        let b = -(o.x * d.x + o.z * d.z);
-        let (lx, lz) = (o.x + d.x * (b / a), o.z + d.z * (b / a));
-        let roots = roots(a, b, o.x * o.x + o.z * o.z - 1.0, 1.0 - (lx * lx + lz * lz))?;
-        let accept = |root: f64| {
-            let y = o.y + root * d.y;
-            let t = in_interval(ray, root)?;
-            (0.0..=1.0).contains(&y).then_some(ShapeHit { t, u: 0.0, v: y as f32 })
-        };
-        accept(roots[0]).or_else(|| accept(roots[1]))
+    pub fn analytic(&self) -> Analytic {
+        Analytic::cylinder(&self.inverse)
     }
 
     /// See [`super::Geometry::surface`].
@@ -90,10 +79,23 @@ impl Cylinder {
         let on = DVec3::new(out.x, q.y, out.z);
         let (p, p_err) = rounded(self.map.point(on), self.size());
         let n = self.inverse.normal_by_inverse(out).try_normalize().unwrap_or(DVec3::Y).as_vec3();
-        let turn = DVec3::new(out.z, 0.0, -out.x) * (2.0 * std::f64::consts::PI);
         let u = ops::atan2(out.x as f32, out.z as f32) * (0.5 * std::f32::consts::FRAC_1_PI);
         let uv = [if u < 0.0 { u + 1.0 } else { u }, q.y as f32];
-        SurfacePoint { p, p_err, ng: n, n, uv, dpdu: self.map.vector(turn).as_vec3() }
+        SurfacePoint { p, p_err, ng: n, n, uv }
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        let q = self.inverse.point(at.p.as_dvec3());
+        let out = DVec3::new(q.x, 0.0, q.z).try_normalize().unwrap_or(DVec3::Z);
+        let turn = DVec3::new(out.z, 0.0, -out.x) * (2.0 * std::f64::consts::PI);
+        let normal = |d: DVec3| self.inverse.normal_by_inverse(d).as_vec3();
+        Tangents {
+            dpdu: self.map.vector(turn).as_vec3(),
+            dpdv: self.map.vector(DVec3::Y).as_vec3(),
+            dndu: unit_change(normal(out), normal(turn)),
+            dndv: Vec3::ZERO,
+        }
     }
 
     /// See [`super::Geometry::area`].

@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{AreaSample, ShapeHit, SurfacePoint, sampling};
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// A disc, or an ellipse: center + x a + y b for x² + y² <= 1. Its normal is a × b.
 ///
@@ -36,17 +36,22 @@ impl Disc {
         outward(c - r, c + r, size(c) + size(r))
     }
 
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (t, [x, y]) = self.patch.meet(ray)?;
-        (x * x + y * y <= 1.0).then_some(ShapeHit { t, u: x as f32, v: y as f32 })
+    pub fn analytic(&self) -> Analytic {
+        Analytic::disc(&self.patch.formula())
     }
 
     /// See [`super::Geometry::surface`].
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         with_texture(self.patch.surface(ray, hit))
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self) -> Tangents {
+        let Tangents { dpdu, dpdv, .. } = self.patch.tangents();
+        Tangents::flat(dpdu * 2.0, dpdv * 2.0)
     }
 
     /// See [`super::Geometry::area`].
@@ -72,5 +77,5 @@ impl Disc {
 #[inline(always)]
 fn with_texture(point: SurfacePoint) -> SurfacePoint {
     let [x, y] = point.uv;
-    SurfacePoint { uv: [0.5 + 0.5 * x, 0.5 + 0.5 * y], dpdu: point.dpdu * 2.0, ..point }
+    SurfacePoint { uv: [0.5 + 0.5 * x, 0.5 + 0.5 * y], ..point }
 }

@@ -6,13 +6,15 @@
 //!
 //! - has [`Geometry::bounds`] that hold all of it, rounded outwards, or `None` when it is unbounded;
 //! - gives with [`Geometry::intersect`] the *nearest* t in [`t_min`, `t_max`] of a ray whose direction may have any
-//!   length. Quadrics and planes are solved in double precision, in which single-precision input is exact, so
+//!   length. All but custom shapes are formulas that the search knows ([`Geometry::analytic`]), solved in double precision, so
 //!   that the answer is right to the last bits of t at any distance and scale. The hit's u and v are the shape's own
 //!   coordinates, named in its file (0 where it has none);
 //! - rebuilds with [`Geometry::surface`] the point of a hit: *on* the surface (projected back, not o + t d), with
 //!   a bound of its rounding error that is a few units in the last place of its coordinates, the unit geometric normal
 //!   `ng` and the unit shading normal `n`. `ng` points out of closed shapes, and follows the right hand from the
 //!   first edge or axis to the second on open ones;
+//! - tells with [`Geometry::tangents`] how such a point, and its shading normal, move with the texture coordinates: the
+//!   first tangent is never zero, and both lie in the surface;
 //! - says, when it can shine, its [`Geometry::area`], and samples its points ([`Geometry::sample_area`], pdf by area)
 //!   and the directions towards it from a point ([`Geometry::sample_from`], [`Geometry::pdf_from`], pdf by solid
 //!   angle). `sample_from` covers every point that is visible from the reference point; it may also return points that
@@ -37,10 +39,10 @@ pub mod offset;
 pub mod parallelogram;
 mod patch;
 pub mod plane;
-mod quadric;
 mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
+mod tangents;
 
 pub use cylinder::Cylinder;
 pub use disc::Disc;
@@ -49,8 +51,10 @@ pub use mesh::TriangleMesh;
 pub use offset::{offset_origin, ray_between};
 pub use parallelogram::Parallelogram;
 pub use plane::Plane;
+pub use smooth::SMOOTHING_BYTES;
 pub use sphere::Sphere;
-pub use straal_accel::ShapeHit;
+pub use straal_accel::{Analytic, ShapeHit};
+pub use tangents::Tangents;
 
 /// One shape. Large ones are boxed, so that a sphere takes 40 bytes.
 #[derive(Clone, Debug)]
@@ -81,6 +85,10 @@ pub trait CustomShape: fmt::Debug + Send + Sync {
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit>;
     /// See [`Geometry::surface`].
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
+    /// See [`Geometry::tangents`]; those of a flat surface, unless it says otherwise.
+    fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        Tangents::about(at.n)
+    }
     /// A number that differs when the shape does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
 }
@@ -98,8 +106,6 @@ pub struct SurfacePoint {
     pub n: Vec3,
     /// Texture coordinates.
     pub uv: [f32; 2],
-    /// A tangent: how the point moves with the first texture coordinate. Never zero.
-    pub dpdu: Vec3,
 }
 
 impl SurfacePoint {
@@ -113,7 +119,6 @@ impl SurfacePoint {
             ng,
             n: if self.n == self.ng { ng } else { m.normal(self.n).try_normalize().unwrap_or(ng) },
             uv: self.uv,
-            dpdu: m.vector(self.dpdu),
         }
     }
 }
@@ -167,14 +172,23 @@ impl Geometry {
     #[inline]
     pub fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
         match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => s.intersect(ray),
-            Shape::Ellipsoid(s) => s.intersect(ray),
-            Shape::Plane(s) => s.intersect(ray),
-            Shape::Disc(s) => s.intersect(ray),
-            Shape::Parallelogram(s) => s.intersect(ray),
-            Shape::Cylinder(s) => s.intersect(ray),
             Shape::Custom(i) => self.custom[*i as usize].intersect(ray),
+            _ => self.analytic(shape)?.intersect(ray),
         }
+    }
+
+    /// The formula by which the shape is intersected; `None` for a custom one.
+    #[inline]
+    pub fn analytic(&self, shape: u32) -> Option<Analytic> {
+        Some(match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.analytic(),
+            Shape::Ellipsoid(s) => s.analytic(),
+            Shape::Plane(s) => s.analytic(),
+            Shape::Disc(s) => s.analytic(),
+            Shape::Parallelogram(s) => s.analytic(),
+            Shape::Cylinder(s) => s.analytic(),
+            Shape::Custom(_) => return None,
+        })
     }
 
     /// The surface where [`Geometry::intersect`] found `hit` on this very ray.
@@ -188,6 +202,19 @@ impl Geometry {
             Shape::Parallelogram(s) => s.surface(ray, hit),
             Shape::Cylinder(s) => s.surface(ray, hit),
             Shape::Custom(i) => self.custom[*i as usize].surface(ray, hit),
+        }
+    }
+
+    /// How a point that [`Geometry::surface`] gave moves with its texture coordinates.
+    pub fn tangents(&self, shape: u32, at: &SurfacePoint) -> Tangents {
+        match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.tangents(at),
+            Shape::Ellipsoid(s) => s.tangents(at),
+            Shape::Plane(s) => s.tangents(),
+            Shape::Disc(s) => s.tangents(),
+            Shape::Parallelogram(s) => s.tangents(),
+            Shape::Cylinder(s) => s.tangents(at),
+            Shape::Custom(i) => self.custom[*i as usize].tangents(at),
         }
     }
 
@@ -254,6 +281,10 @@ impl Shapes for Geometry {
     fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
         Geometry::intersect(self, shape, ray)
     }
+
+    fn analytic(&self, shape: u32) -> Option<Analytic> {
+        Geometry::analytic(self, shape)
+    }
 }
 
 /// A point sampled by area as a direction sampled by solid angle.
@@ -319,13 +350,6 @@ pub(crate) mod exact {
             min: Vec3::new(down(min.x), down(min.y), down(min.z)),
             max: Vec3::new(up(max.x), up(max.y), up(max.z)),
         }
-    }
-
-    /// t rounded, if it then lies in the ray's interval.
-    #[inline]
-    pub fn in_interval(ray: &Ray, t: f64) -> Option<f32> {
-        let t = t as f32;
-        (t >= ray.t_min && t <= ray.t_max && t.is_finite()).then_some(t)
     }
 
     /// The point o + t d, in double precision.

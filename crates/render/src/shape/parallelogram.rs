@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{AreaSample, ShapeHit, SurfacePoint};
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents};
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
 ///
@@ -31,18 +31,21 @@ impl Parallelogram {
         outward(c + min, c + max, size(c) + size(a) + size(b))
     }
 
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let (t, [x, y]) = self.patch.meet(ray)?;
-        let inside = (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y);
-        inside.then_some(ShapeHit { t, u: x as f32, v: y as f32 })
+    pub fn analytic(&self) -> Analytic {
+        Analytic::parallelogram(&self.patch.formula())
     }
 
     /// See [`super::Geometry::surface`].
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         self.patch.surface(ray, hit)
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self) -> Tangents {
+        self.patch.tangents()
     }
 
     /// See [`super::Geometry::area`].

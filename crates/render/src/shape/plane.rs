@@ -2,8 +2,8 @@
 
 use straal_math::{DVec3, Frame, Ray, Vec3};
 
-use super::exact::{at, in_interval, rounded, size};
-use super::{ShapeHit, SurfacePoint};
+use super::exact::{at, rounded, size};
+use super::{Analytic, ShapeHit, SurfacePoint, Tangents};
 
 /// A plane through a point; its normal is the one given.
 ///
@@ -17,11 +17,10 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// See [`super::Geometry::intersect`].
+    /// See [`super::Geometry::analytic`].
     #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let t = meet(ray, self.point.as_dvec3(), self.normal.as_dvec3());
-        Some(ShapeHit { t: in_interval(ray, t)?, u: 0.0, v: 0.0 })
+    pub fn analytic(&self) -> Analytic {
+        Analytic::plane(self.point.as_dvec3(), self.normal.as_dvec3())
     }
 
     /// See [`super::Geometry::surface`].
@@ -34,15 +33,13 @@ impl Plane {
         let ng = n.as_vec3();
         let frame = Frame::from_normal(ng);
         let r = (q - c).as_vec3();
-        SurfacePoint { p, p_err, ng, n: ng, uv: [r.dot(frame.s), r.dot(frame.t)], dpdu: frame.s }
+        SurfacePoint { p, p_err, ng, n: ng, uv: [r.dot(frame.s), r.dot(frame.t)] }
     }
-}
 
-/// Where a line meets the plane through `c` with normal `n`, in lengths of the line's direction; not finite when it
-/// is parallel.
-#[inline]
-pub(super) fn meet(ray: &Ray, c: DVec3, n: DVec3) -> f64 {
-    (c - ray.o.as_dvec3()).dot(n) / ray.d.as_dvec3().dot(n)
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self) -> Tangents {
+        Tangents::about(self.normal.try_normalize().unwrap_or(Vec3::Y))
+    }
 }
 
 /// The point of the plane through `c` with unit normal `n` that is nearest to `p`.

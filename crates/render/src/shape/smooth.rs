@@ -9,6 +9,16 @@ use super::TriangleMesh;
 /// Faces at one edge that are compared each with each: a fold of a surface has two, a fan around a pole may have millions.
 const COMPARED: usize = 8;
 
+/// Bytes that smoothing takes for each vertex, of which there is one for two faces, besides what it leaves: the faces' normals,
+/// their corners in fans, places, and the edges that leave from the corners.
+pub const SMOOTHING_BYTES: usize = {
+    let (faces, corners) = (2, 6);
+    faces * size_of::<DVec3>()
+        + corners * (size_of::<u32>() + size_of::<bool>())
+        + 2 * size_of::<u32>()
+        + corners * size_of::<([u32; 2], u32)>()
+};
+
 /// The mesh with a normal for each vertex: the mean of the faces' around it, each weighed by its angle at the vertex
 /// (Thürmer & Wüthrich 1998), which doesn't depend on how a flat face is cut into triangles.
 ///

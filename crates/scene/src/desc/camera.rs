@@ -37,6 +37,12 @@ impl Camera {
         }
     }
 
+    /// Whether each eye is seen through a filter of its own, in red, green and blue.
+    pub fn is_anaglyph(&self) -> bool {
+        let stereo = if let Self::Perspective(c) = self { c.stereo.as_ref() } else { None };
+        stereo.is_some_and(|s| matches!(s.layout, StereoLayout::Anaglyph))
+    }
+
     /// What it is to be focused on, if that is said by name.
     pub fn focus_on(&self) -> Option<&Name> {
         match self {

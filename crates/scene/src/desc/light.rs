@@ -2,12 +2,13 @@
 
 use straal_math::DVec3;
 
+use crate::Image;
 use crate::desc::check;
 use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{FileRef, Value};
+use crate::value::{Asset, Value};
 
 describe! {
     /// A light that is not a surface.
@@ -20,18 +21,6 @@ describe! {
         "spot" => Spot(SpotLight),
         /// Light from all around, infinitely far away.
         "environment" => Environment(Environment),
-    }
-}
-
-impl Light {
-    /// Its colour, unless that is a picture.
-    pub fn spectrum(&self) -> Option<&Spectrum> {
-        match self {
-            Self::Point(l) => Some(l.intensity.get()),
-            Self::Directional(l) => Some(l.irradiance.get()),
-            Self::Spot(l) => Some(l.intensity.get()),
-            Self::Environment(l) => l.radiance.as_ref().map(Value::get),
-        }
     }
 }
 
@@ -125,7 +114,7 @@ describe! {
         /// Radiance from everywhere, in W/(m^2 sr); give this or `file`.
         radiance: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// A picture whose pixels are radiance; give this or `radiance`.
-        file: Option<FileRef> = None,
+        file: Option<Asset<Image>> = None,
         /// How the picture is laid out.
         layout: EnvironmentLayout = EnvironmentLayout::LatitudeLongitude,
         /// What the picture or radiance is multiplied by.

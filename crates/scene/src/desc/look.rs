@@ -1,5 +1,6 @@
 //! How light becomes a picture for the screen.
 
+use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 use straal_color::{Exposure, Meter};
 
@@ -122,10 +123,10 @@ impl Describe for Gamma {
     fn blank() -> Self {
         Self::Srgb
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Srgb => json!("srgb"),
-            Self::Power(gamma) => gamma.write(),
+            Self::Srgb => out.serialize_str("srgb"),
+            Self::Power(gamma) => gamma.write_to(out),
         }
     }
     fn schema(_: Limit, _: &mut Definitions) -> Json {
@@ -147,10 +148,10 @@ impl Describe for Exposure {
     fn blank() -> Self {
         Self::default()
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self.meter {
-            Meter::Off => f64::from(self.stops).write(),
-            Meter::Average | Meter::Highlights => json!(self.to_string()),
+            Meter::Off => f64::from(self.stops).write_to(out),
+            Meter::Average | Meter::Highlights => out.collect_str(self),
         }
     }
     fn schema(limit: Limit, _: &mut Definitions) -> Json {

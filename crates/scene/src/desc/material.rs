@@ -4,7 +4,7 @@ use crate::desc::check;
 use crate::desc::spectrum::{Index, Spectrum};
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Name, Value};
+use crate::value::{Link, Name, Value};
 
 describe! {
     /// What a surface does with light.
@@ -24,7 +24,7 @@ describe! {
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialRef {
     /// One of the scene's `materials`.
-    Named(Name),
+    Named(Link<Material>),
     /// Written where it is used.
     Inline(Material),
 }
@@ -78,30 +78,5 @@ describe! {
         reflectance: Value<Spectrum> [Limit::UNIT] = Value::Constant(Spectrum::grey(1.0)),
         /// Whether the back looks like the front; else it is black.
         two_sided: bool = true,
-    }
-}
-
-impl Material {
-    /// Its colours.
-    pub fn spectra(&self) -> Vec<&Spectrum> {
-        let values: Vec<&Value<Spectrum>> = match self {
-            Self::Diffuse(m) => vec![&m.reflectance],
-            Self::Mirror(m) => vec![&m.reflectance],
-            Self::Dielectric(m) => vec![&m.reflectance, &m.transmittance],
-            Self::Conductor(m) => {
-                [Some(&m.reflectance), m.eta.as_ref(), m.k.as_ref()].into_iter().flatten().collect()
-            }
-        };
-        values.into_iter().map(Value::get).collect()
-    }
-
-    /// Those of its colours that are parts of the light that arrives.
-    pub fn reflectances(&self) -> Vec<&Spectrum> {
-        match self {
-            Self::Diffuse(m) => vec![m.reflectance.get()],
-            Self::Mirror(m) => vec![m.reflectance.get()],
-            Self::Dielectric(m) => vec![m.reflectance.get(), m.transmittance.get()],
-            Self::Conductor(m) => vec![m.reflectance.get()],
-        }
     }
 }

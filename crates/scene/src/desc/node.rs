@@ -7,7 +7,7 @@ use crate::desc::shape::{Bezier, Cuboid, Cylinder, Disc, Plane, Rectangle, Spher
 use crate::desc::transform::{Transform, facing};
 use crate::describe::describe;
 use crate::span::Spanned;
-use crate::value::Name;
+use crate::value::{Link, Name};
 
 describe! {
     /// Something in the world.
@@ -57,7 +57,7 @@ describe! {
     /// A copy of a named object.
     pub struct Instance {
         /// Which of the scene's `objects`.
-        of: Name,
+        of: Link<Node>,
         /// Places the copy.
         transform: Transform = Transform::default(),
         /// A point that its +z is turned towards, after `transform` and about where that puts its origin.

@@ -2,6 +2,7 @@
 
 use straal_math::DVec3;
 
+use crate::Mesh;
 use crate::desc::check;
 use crate::desc::material::MaterialRef;
 use crate::desc::spectrum::Spectrum;
@@ -9,7 +10,7 @@ use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::span::Spanned;
-use crate::value::{FileRef, Name, Value};
+use crate::value::{Asset, Name, Value};
 
 describe! {
     /// What all surfaces share.
@@ -132,7 +133,7 @@ describe! {
     /// A triangle mesh from a file, or written out by `positions` and `triangles`.
     pub struct TriangleMesh [check::mesh] {
         /// A PLY or OBJ file.
-        file: Option<FileRef> = None,
+        file: Option<Asset<Mesh>> = None,
         /// Vertices, in place of a file.
         positions: Vec<DVec3> = Vec::new(),
         /// Three indices into `positions` each, from 0, counter-clockwise seen from the front.
@@ -149,8 +150,8 @@ describe! {
 /// Where a mesh's triangles are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeshSource<'a> {
-    /// In a file.
-    File(&'a FileRef),
+    /// Beside the description, as those of files are.
+    Asset(&'a Asset<Mesh>),
     /// In the description's own lists.
     Inline,
 }
@@ -158,7 +159,7 @@ pub enum MeshSource<'a> {
 impl TriangleMesh {
     /// Where the triangles are.
     pub fn source(&self) -> MeshSource<'_> {
-        self.file.as_ref().map_or(MeshSource::Inline, MeshSource::File)
+        self.file.as_ref().map_or(MeshSource::Inline, MeshSource::Asset)
     }
 }
 

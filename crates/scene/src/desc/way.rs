@@ -1,9 +1,10 @@
 //! The way of a camera that moves.
 
+use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 use straal_math::DVec3;
 
-use crate::decode::{Decoder, Describe};
+use crate::decode::{Decoder, Describe, Written};
 use crate::describe::describe;
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -105,10 +106,10 @@ impl Describe for Way {
     fn blank() -> Self {
         Self::default()
     }
-    fn write(&self) -> Json {
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self.poses.as_slice() {
-            [one] => one.value.write(),
-            poses => Json::Array(poses.iter().map(|pose| pose.value.write()).collect()),
+            [one] => one.value.write_to(out),
+            poses => out.collect_seq(poses.iter().map(|pose| Written(&pose.value))),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {

@@ -3,6 +3,7 @@
 use std::path::Path;
 use straal::{Control, Job, LoadOptions, Outcome, Overrides, Picture};
 use straal_render::camera::Camera;
+use straal_render::film::channel::DEPTH;
 
 /// Balls that glow and balls that don't, around the origin, without noise where only glow is seen.
 const WORLD: &str = "
@@ -174,11 +175,12 @@ fn what_only_compiling_finds_out_is_told() {
 fn around_a_fisheyes_circle_it_is_black_and_counted() {
     let layers = render(&of_kind("fisheye", ""), Overrides::default()).picture.layers;
     assert!(layers.samples.iter().all(|&n| n == 4));
+    let depth = &layers.channel(&DEPTH).expect("all layers").values;
     for (i, rgb) in layers.rgb.iter().enumerate() {
         let (x, y) = ((i % 60) as f64 + 0.5 - 30.0, (i / 60) as f64 + 0.5 - 22.0);
         let r = (x * x + y * y).sqrt();
         if r > 23.0 {
-            assert!(*rgb == [0.0; 3] && layers.depth[i] == 0.0, "{x} {y}");
+            assert!(*rgb == [0.0; 3] && depth[i] == 0.0, "{x} {y}");
         } else if r < 21.0 {
             assert!(rgb[2] > 0.0, "{x} {y}");
         }

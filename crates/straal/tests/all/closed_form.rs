@@ -5,8 +5,7 @@
 //! spread within a pixel says, so that for them the test is only stricter in truth than by its numbers.
 
 use std::path::{Path, PathBuf};
-use straal::job::{Job, Overrides};
-use straal::{Control, LoadOptions};
+use straal::{Control, Job, LoadOptions, Overrides};
 use straal_math::lowdisc::PatternKind;
 
 /// Standard errors that the mean may be off by.

@@ -4,9 +4,10 @@ use crate::common;
 
 use straal::compare::{Estimate, Tails, compare};
 use straal::{Control, Overrides, Picture};
+use straal_math::Ray;
 use straal_math::lowdisc::{PatternKind, Purpose};
 use straal_render::driver::Render;
-use straal_render::integrator::{Integrator, PathTracer, Wave};
+use straal_render::integrator::{Integrator, Out, PathTracer, Queue, Start};
 use straal_render::lanes::Lanes;
 use straal_render::world::World;
 use straal_scene::Image;
@@ -76,15 +77,23 @@ struct Forgetful(PathTracer);
 impl Integrator for Forgetful {
     type State<L: Lanes> = <PathTracer as Integrator>::State<L>;
 
-    fn start<L: Lanes>(&self, lanes: L) -> Self::State<L> {
-        self.0.start(lanes)
+    fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, Self::State<L>)> {
+        self.0.start(start)
     }
 
-    fn step<L: Lanes>(&self, world: &World, wave: &mut Wave<'_, Self::State<L>>) {
-        let pattern = wave.pattern;
-        self.0.step(world, wave);
-        for path in wave.paths.iter_mut() {
-            path.alive &= pattern.d1(&path.name, Purpose::Custom) >= 0.1;
+    fn step<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, Self::State<L>>,
+        out: &mut Out<'_, Self::State<L>>,
+    ) {
+        let before = out.next.len();
+        self.0.step(world, queue, out);
+        for i in (before..out.next.len()).rev() {
+            if queue.pattern.d1(&out.next[i].name, Purpose::Custom) < 0.1 {
+                out.next.swap_remove(i);
+                out.rays.swap_remove(i);
+            }
         }
     }
 }

@@ -3,8 +3,8 @@
 use crate::common;
 
 use std::sync::Arc;
-use straal::sums::{self, Allowed, Kept, Snapshot, SumsError};
-use straal::{Control, Job, Outcome, Overrides};
+use straal::sums::{self, Allowed, Kept, SumsError};
+use straal::{Control, Job, Outcome, Overrides, Snapshot};
 
 fn job(wish: &Overrides) -> Job {
     common::job("scenes/cornell-box.yaml", wish.clone())

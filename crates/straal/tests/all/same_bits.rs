@@ -4,6 +4,8 @@ use crate::common;
 
 use straal::{Overrides, Picture};
 use straal_accel::{Isa, Structure};
+use straal_render::film::Channel;
+use straal_render::film::channel::{NODES, NORMAL, PRIMITIVES, TIME};
 
 const SCENES: [&str; 4] = [
     "scenes/embedded.yaml",
@@ -70,14 +72,15 @@ fn costs() {
     for scene in SCENES {
         let cost = |wish: Overrides| {
             let picture = common::render(scene, Overrides { cost: Some(true), ..wish }).picture;
-            let cost = picture.layers.cost.clone().expect("costs were asked for");
-            assert_eq!(cost.time, None, "no clock, no time");
-            (picture.tells("film_hash").expect("a film hash").to_owned(), cost)
+            let cost = |of: &Channel| picture.layers.channel(of).map(|layer| layer.values.clone());
+            assert_eq!(cost(&TIME), None, "no clock, no time");
+            let counted = [&NODES, &PRIMITIVES].map(|of| cost(of).expect("costs were asked for"));
+            (picture.tells("film_hash").expect("a film hash").to_owned(), counted)
         };
         let one = cost(Overrides { threads: Some(1), ..small() });
         assert!(one.0 == hash(scene, small()), "{scene}: counting changes the picture");
         assert!(one == cost(Overrides { threads: Some(7), batch: Some(7), ..small() }), "{scene}");
-        assert!(one.1.nodes.iter().any(|n| *n > 0.0) && one.1.primitives.iter().any(|n| *n > 0.0));
+        assert!(one.1.iter().all(|values| values.iter().any(|n| *n > 0.0)));
     }
 }
 
@@ -91,7 +94,11 @@ fn a_crop_is_cut_from_the_whole() {
             for x in x0..x1 {
                 let at = |p: &Picture, x: u32, y: u32| {
                     let i = y as usize * p.layers.width + x as usize;
-                    (p.layers.rgb[i].map(f32::to_bits), p.layers.normal[i].map(f32::to_bits))
+                    let normal = &p.layers.channel(&NORMAL).expect("all layers").values[3 * i..3 * (i + 1)];
+                    (
+                        p.layers.rgb[i].map(f32::to_bits),
+                        normal.iter().map(|v| v.to_bits()).collect::<Vec<_>>(),
+                    )
                 };
                 assert_eq!(at(&crop, x - x0, y - y0), at(&whole, x, y), "{scene}, pixel {x},{y}");
             }

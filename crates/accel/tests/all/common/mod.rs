@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 use straal_accel::*;
-use straal_math::{Bounds, Ray, Vec3};
+use straal_math::{Affine, Bounds, DVec3, Ray, Vec3};
 
 /// A small generator (Steele et al. 2014, SplitMix64).
 pub struct Random(pub u64);
@@ -352,4 +352,50 @@ pub fn icosphere(levels: u32) -> (Arc<[Vec3]>, Arc<[[u32; 3]]>) {
         faces = next;
     }
     (p.into(), faces.into())
+}
+
+/// Shapes that are formulas, with their boxes.
+pub struct Formulas(pub Vec<(Option<Bounds>, Analytic)>);
+
+impl Shapes for Formulas {
+    fn bounds(&self, shape: u32) -> Option<Bounds> {
+        self.0[shape as usize].0
+    }
+
+    fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
+        self.0[shape as usize].1.intersect(ray)
+    }
+
+    fn analytic(&self, shape: u32) -> Option<Analytic> {
+        // Some are kept to themselves, and must be found all the same.
+        (shape % 13 != 12).then_some(self.0[shape as usize].1)
+    }
+}
+
+/// A shape of each kind in turn, about so large.
+pub fn formula(r: &mut Random, i: usize, size: f32) -> (Option<Bounds>, Analytic) {
+    let at = if r.below(3) == 0 { r.grid() } else { r.point() };
+    let around = |reach: f32| {
+        Some(Bounds { min: at - Vec3::splat(reach * 1.001), max: at + Vec3::splat(reach * 1.001) })
+    };
+    let center = at.as_dvec3();
+    let (a, b) = (r.direction().as_dvec3(), r.direction().as_dvec3());
+    let (a, b) = if r.below(4) == 0 { (DVec3::X, DVec3::Y) } else { (a, b) };
+    let normal = a.cross(b);
+    let scale = f64::from(size);
+    let dual = [b.cross(normal), normal.cross(a)].map(|v| v / (normal.dot(normal) * scale));
+    let patch = Patch { origin: center, normal, dual };
+    let map = Affine::scale(DVec3::new(1.0, 0.8, 0.5) * scale)
+        .then(&Affine::rotate(a, f64::from(r.signed()) * 180.0).unwrap())
+        .then(&Affine::translate(center));
+    let to_unit = map.inverse().unwrap();
+    match i % 6 {
+        0 => (around(size), Analytic::sphere(center, scale)),
+        1 => (around(2.0 * size), Analytic::parallelogram(&patch)),
+        2 => (around(2.0 * size), Analytic::disc(&patch)),
+        3 => (around(size), Analytic::ellipsoid(&to_unit)),
+        4 => (around(2.0 * size), Analytic::cylinder(&to_unit)),
+        _ if r.below(8) == 0 => (None, Analytic::plane(center, r.direction().as_dvec3())),
+        _ => (around(size), Analytic::sphere(center, scale)),
+    }
 }

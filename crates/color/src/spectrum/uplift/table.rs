@@ -92,6 +92,11 @@ impl UpliftTable {
         &EMBEDDED
     }
 
+    /// Bytes that the table of this library takes once it is used: in memory, and as it is kept in the program.
+    pub const fn embedded_bytes() -> usize {
+        2 * BYTES.len()
+    }
+
     /// The bytes of the table, worked out anew: the same on every machine.
     pub fn made(uplift: &Uplift) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(12 * NODES + wide::BYTES);

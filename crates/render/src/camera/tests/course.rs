@@ -80,7 +80,7 @@ fn straight_lines_stay_straight() {
     }
     // A fisheye bends what doesn't pass through its middle, so that this test can fail.
     let f = Fisheye::new(&v, (Projection::Equidistant, 180.0), 100.0, SIZE);
-    let f = Camera::Fisheye(Box::new(f));
+    let f = Camera::Fisheye(f);
     let across: Vec<[f64; 2]> =
         (-4..=4).map(|i| seen(&f, v.eye + v.forward + v.up * 0.7 + v.right * (0.4 * f64::from(i)))).collect();
     assert!(bend(&across) > 1.0);
@@ -181,7 +181,7 @@ fn a_sphere_becomes_an_ellipse_of_the_right_axes() {
         let (sin_a, cos_a) = ops::sin_cos_degrees(degrees);
         let center = v.eye + (v.forward * cos_a + v.right * sin_a) * distance;
         let ball = Sphere { center: center.as_vec3(), radius: radius as f32 };
-        let hit = |x: f64, y: f64| ball.intersect(&ray(&c, [x as f32, y as f32])).is_some();
+        let hit = |x: f64, y: f64| ball.analytic().intersect(&ray(&c, [x as f32, y as f32])).is_some();
         let sin_b = radius / distance;
         let q = cos_a * cos_a - sin_b * sin_b;
         let (along, across) = (sin_b * (1.0 - sin_b * sin_b).sqrt() / q, sin_b / q.sqrt());

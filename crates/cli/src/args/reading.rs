@@ -1,0 +1,51 @@
+//! How the files of a scene are read, and how much memory may be used: the same for all commands that read one.
+
+use super::heading::{MACHINE, TALK};
+use crate::machine;
+use crate::quantity;
+use clap::Args;
+use std::path::PathBuf;
+use straal::LoadOptions;
+
+/// How much memory is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Args)]
+pub struct MemoryArgs {
+    /// Memory that may be used, such as 8G or 512M; more is refused before it is taken
+    ///
+    /// When absent, what the machine or its control group has free, less a tenth.
+    #[arg(long, value_name = "SIZE", value_parser = quantity::memory, help_heading = MACHINE)]
+    pub memory: Option<u64>,
+}
+
+impl MemoryArgs {
+    /// Bytes that may be used, where that is known.
+    pub fn limit(&self) -> Option<u64> {
+        self.memory.or_else(machine::memory)
+    }
+}
+
+/// How the files of a scene are read.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Args)]
+pub struct ReadingArgs {
+    /// How much memory is taken
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+
+    /// Read files from this folder only: what a scene names, and what those files name
+    ///
+    /// Symbolic links are followed first.
+    #[arg(long, value_name = "DIR", help_heading = MACHINE)]
+    pub root: Option<PathBuf>,
+
+    /// Take unknown keys of the scene for warnings
+    #[arg(long, help_heading = TALK)]
+    pub lenient: bool,
+}
+
+impl ReadingArgs {
+    /// What it means for who loads a scene.
+    pub fn options(&self) -> LoadOptions {
+        let (lenient, root, memory) = (self.lenient, self.root.clone(), self.memory.limit());
+        LoadOptions { lenient, root, memory, ..LoadOptions::default() }
+    }
+}

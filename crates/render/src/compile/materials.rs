@@ -1,0 +1,94 @@
+//! Materials: from names and descriptions to an array.
+
+use super::{CompileError, Custom};
+use crate::lanes::Colour;
+use crate::material::{self, Material};
+use crate::paint::Paint;
+use crate::texture::Value;
+use std::collections::HashMap;
+use straal_scene::Scene;
+use straal_scene::decode::Describe;
+use straal_scene::desc::{self, MaterialRef};
+use straal_scene::value;
+
+/// The world's materials while it is built: the first is that of surfaces without one, then the scene's by their place in
+/// it, then a program's own, then those that are written where they are used.
+pub(super) struct Materials<'a> {
+    scene: &'a Scene,
+    paint: Paint<'a>,
+    list: material::Materials,
+    /// Where a material is, by what a scene would write of it.
+    known: HashMap<String, u32>,
+    custom: HashMap<String, u32>,
+    /// Where the scene's are; a program's own of the same name stands in for one.
+    scenes: Vec<u32>,
+}
+
+impl<'a> Materials<'a> {
+    pub fn new(scene: &'a Scene, custom: &Custom, paint: Paint<'a>) -> Result<Self, CompileError> {
+        let list = material::Materials::default();
+        let mut all =
+            Self { scene, paint, list, known: HashMap::new(), custom: HashMap::new(), scenes: Vec::new() };
+        all.push(&desc::Material::Diffuse(desc::Diffuse::default()))?;
+        for (_, m) in scene.materials.iter() {
+            let index = all.push(m)?;
+            all.scenes.push(index);
+        }
+        for (name, m) in &custom.materials {
+            let index = all.list.push_custom(m.clone());
+            all.custom.insert(name.clone(), index);
+            if let Some(place) = scene.materials.handle(name) {
+                all.scenes[place.index()] = index;
+            }
+        }
+        Ok(all)
+    }
+
+    pub fn finish(self) -> (material::Materials, Paint<'a>) {
+        (self.list, self.paint)
+    }
+
+    /// Light that a surface sends out.
+    pub fn emission(&mut self, s: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        self.paint.emission(s)
+    }
+
+    /// The index of the material that a node names or describes; `default` when it does neither.
+    pub fn of(&mut self, given: Option<&MaterialRef>, default: u32) -> Result<u32, CompileError> {
+        match given {
+            None => Ok(default),
+            // A scene without errors leads everywhere.
+            Some(MaterialRef::Named(link)) => {
+                Ok(link.to().and_then(|m| self.scenes.get(m.index())).copied().unwrap_or(default))
+            }
+            Some(MaterialRef::Inline(m)) => self.add(m),
+        }
+    }
+
+    pub fn named(&self, name: &str) -> Result<u32, CompileError> {
+        let custom = self.custom.get(name).copied();
+        custom
+            .or_else(|| self.scene.materials.handle(name).map(|m| m.index() as u32 + 1))
+            .ok_or_else(|| CompileError::new(format!("there is no material `{name}`")))
+    }
+
+    /// A material that has no name here; those that are written alike share a place.
+    pub fn add(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
+        match self.known.get(&key(m)) {
+            Some(&index) => Ok(index),
+            None => self.push(m),
+        }
+    }
+
+    /// A new place in the list; of several that are written alike the first is known.
+    fn push(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
+        let made = Material::of(m, &mut self.paint)?;
+        let index = self.list.push(made);
+        self.known.entry(key(m)).or_insert(index);
+        Ok(index)
+    }
+}
+
+fn key(m: &desc::Material) -> String {
+    m.write().to_string()
+}

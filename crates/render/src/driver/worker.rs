@@ -1,0 +1,350 @@
+//! One thread's work: a pool of paths, filled as paths end.
+//!
+//! The pool is a stack. In each turn the paths on top, up to as many as the pool is meant to hold, are advanced by one edge,
+//! and what their vertices emit is put back on top. So an integrator whose paths split goes deep before it goes wide, and the pool
+//! stays bounded by what a path can split into, not by what a picture can.
+
+use super::samples::{Pending, Samples};
+use super::sorting::Sorting;
+use super::stream::Stream;
+use crate::camera::{FilmPoint, Needs};
+use crate::film::channel::{FirstHit, Seen, see};
+use crate::film::{BandSample, FilmTile, Flying, LightSum, Sample, TILE};
+use crate::filter::{Filter, FilterSample};
+use crate::footprint::PackedFootprint;
+use crate::integrator::{Contribution, Integrator, Origin, Out, Path, PathTracer, Queue, Start, Target};
+use crate::lanes::{Lanes, Wavelengths};
+use crate::probe::{Answer, Asked, AskedShadows, Probe};
+use crate::settings::Settings;
+use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
+use crate::world::World;
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use straal_accel::Hit;
+use straal_color::Light;
+use straal_math::Ray;
+use straal_math::lowdisc::Purpose;
+
+/// Samples that may be under way for each path that the pool holds: a long path holds up those that were started after it.
+const SAMPLES_A_PATH: usize = 4;
+
+/// The pool is filled when this part of it is free, so that camera rays are searched many at a time.
+const REFILL: usize = 4;
+
+/// Bytes that each thread keeps for its pool, in a path tracer.
+pub fn thread_bytes(settings: &Settings) -> u64 {
+    type State = <PathTracer as Integrator>::State<Wavelengths>;
+    let batch = settings.batch as u64;
+    // Paths and their rays, those that go on as well; what they hit, their order; shadow rays and what they bring. Twice, since buffers double.
+    let path = 2 * (2 * (size_of::<Path<State>>() + size_of::<Ray>()) + size_of::<Hit>() + 8)
+        + size_of::<Ray>()
+        + size_of::<Contribution>()
+        + size_of::<Light>()
+        + 1;
+    let seen = if settings.layers { size_of::<Seen>() } else { 0 };
+    let sample = size_of::<Option<Pending<Wavelengths>>>() + size_of::<LightSum>() + 4 + seen;
+    batch.saturating_mul(path as u64 + (SAMPLES_A_PATH * sample) as u64)
+}
+
+/// What the workers of a pass share.
+pub(super) struct Pass<'a, 'f> {
+    pub tiles: &'a [Mutex<&'f mut FilmTile>],
+    /// The next tile to be worked on, if there is one.
+    pub take_tile: &'a (dyn Fn() -> Option<u32> + Sync),
+    /// The samples of each pixel.
+    pub indices: Range<u32>,
+}
+
+impl<'a, 'f> Pass<'a, 'f> {
+    /// A tile is one worker's from the moment it is taken, so that nobody waits.
+    fn tile(&self, tile: u32) -> MutexGuard<'a, &'f mut FilmTile> {
+        self.tiles[tile as usize].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// One thread's buffers.
+pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
+    world: &'a World,
+    integrator: &'a I,
+    settings: &'a Settings,
+    needs: Needs,
+    stopwatch: Stopwatch,
+    probe: P,
+    samples: Samples<L>,
+    stream: Stream,
+    /// The tile of the stream.
+    tile: u32,
+    /// Whether there may be samples that weren't started.
+    has_more: bool,
+    paths: Vec<Path<I::State<L>>>,
+    rays: Vec<Ray>,
+    /// How many of the paths, the last, have just been started.
+    fresh: usize,
+    hits: Vec<Hit>,
+    sorting: Sorting,
+    next: Vec<Path<I::State<L>>>,
+    next_rays: Vec<Ray>,
+    shadow_rays: Vec<Ray>,
+    shadows: Vec<Contribution>,
+    splats: Vec<Contribution>,
+    transmittance: Vec<Light>,
+    blocked: Vec<bool>,
+    /// What the sample that the film takes adds to bands of wavelengths.
+    bands: Vec<BandSample>,
+}
+
+impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
+    pub fn new(
+        world: &'a World,
+        integrator: &'a I,
+        settings: &'a Settings,
+        (clock, mut probe): (Option<Clock>, P),
+    ) -> Self {
+        let samples =
+            Samples::new(settings.batch.saturating_mul(SAMPLES_A_PATH).min(1 << 24), settings.layers);
+        probe.make_room(samples.room());
+        Self {
+            world,
+            integrator,
+            settings,
+            needs: world.camera.needs(),
+            stopwatch: Stopwatch::start(clock),
+            probe,
+            samples,
+            stream: Stream::empty(),
+            tile: 0,
+            has_more: true,
+            paths: Vec::new(),
+            rays: Vec::new(),
+            fresh: 0,
+            hits: Vec::new(),
+            sorting: Sorting::new(world),
+            next: Vec::new(),
+            next_rays: Vec::new(),
+            shadow_rays: Vec::new(),
+            shadows: Vec::new(),
+            splats: Vec::new(),
+            transmittance: Vec::new(),
+            blocked: Vec::new(),
+            bands: Vec::new(),
+        }
+    }
+
+    /// Takes tiles, and all their samples, until there are none.
+    pub fn render(&mut self, pass: &Pass<'_, '_>) {
+        loop {
+            self.refill(pass);
+            if self.samples.is_empty() {
+                return;
+            }
+            self.turn();
+            self.splat(pass);
+            self.finish(pass);
+        }
+    }
+
+    /// Where the time went, and the probe.
+    pub fn into_results(self) -> (Times, P) {
+        (self.stopwatch.times, self.probe)
+    }
+
+    /// Paths that are advanced together.
+    fn capacity(&self) -> usize {
+        self.settings.batch.max(1)
+    }
+
+    /// Starts samples if there is room for many.
+    fn refill(&mut self, pass: &Pass<'_, '_>) {
+        self.fresh = 0;
+        let room = self.capacity().saturating_sub(self.paths.len());
+        if !self.has_more || room * REFILL < self.capacity() {
+            return;
+        }
+        while self.paths.len() < self.capacity() && !self.samples.is_full() {
+            let Some(name) = self.stream.next() else {
+                let Some(tile) = (pass.take_tile)() else {
+                    self.has_more = false;
+                    break;
+                };
+                self.tile = tile;
+                self.stream = Stream::of(&pass.tile(tile), pass.indices.clone());
+                continue;
+            };
+            self.start(name);
+        }
+        self.stopwatch.lap(Phase::Camera);
+    }
+
+    /// Starts a sample.
+    fn start(&mut self, (pixel, index): ([u32; 2], u32)) {
+        let (world, settings) = (self.world, self.settings);
+        let pattern = settings.pattern;
+        let name = pattern.name(settings.seed, pixel, index);
+        // The first two of four numbers are the same as two by themselves, which are cheaper.
+        let (film, lens) = if self.needs.lens {
+            let [x, y, u, v] = pattern.d4(&name, Purpose::Film);
+            ([x, y], [u, v])
+        } else {
+            (pattern.d2(&name, Purpose::Film), [0.5; 2])
+        };
+        let time = if self.needs.time { pattern.d1(&name, Purpose::Time) } else { 0.0 };
+        let FilterSample { offset, weight } =
+            if settings.splat { Filter::Box.sample(film) } else { world.filter.sample(film) };
+        let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
+        let at = FilmPoint { pixel, position, lens, time };
+        let u = if L::DRAWN { pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
+        let lanes = L::drawn(&world.tables, u);
+        let taken = if self.needs.taken { world.camera.taken(&at) } else { [1.0; 3] };
+        let pending = Pending { name: (pixel, index), tile: self.tile, lanes, weight, offset, taken };
+        let sample = self.samples.begin(pending);
+        self.probe.begin(sample);
+
+        // Where nothing is seen there is no path, and the sample is black.
+        let camera_ray = if I::ORIGIN == Origin::Camera { world.camera.ray(&at) } else { None };
+        let mut footprint = PackedFootprint::NONE;
+        if I::ORIGIN == Origin::Camera && world.materials.vary() {
+            footprint = world.camera.footprint(&at).packed();
+        }
+        let start = Start { world, pattern, name, lanes, camera_ray, footprint };
+        if let Some((ray, state)) = self.integrator.start(&start) {
+            self.rays.push(ray);
+            self.paths.push(Path { name, sample, state });
+            self.samples.depart(sample);
+            self.fresh += 1;
+        }
+    }
+
+    /// The paths on top: search, step, shadows.
+    fn turn(&mut self) {
+        let world = self.world;
+        let base = self.paths.len() - self.paths.len().min(self.capacity());
+        let (paths, rays) = (&self.paths[base..], &self.rays[base..]);
+        let old = paths.len() - self.fresh;
+        self.hits.resize(paths.len(), Hit::MISS);
+        for (range, primary) in [(0..old, false), (old..paths.len(), I::ORIGIN == Origin::Camera)] {
+            if !range.is_empty() {
+                let asked = Asked { primary, paths: &paths[range.clone()], rays: &rays[range.clone()] };
+                self.probe.closest(world, &asked, &mut self.hits[range]);
+            }
+        }
+        self.stopwatch.times.rays += rays.len() as u64;
+        self.stopwatch.lap(Phase::Search);
+
+        if I::ORIGIN == Origin::Camera && !self.samples.seen.is_empty() {
+            for i in old..paths.len() {
+                let (ray, hit) = (&rays[i], &self.hits[i]);
+                if hit.is_hit() {
+                    let first = FirstHit {
+                        world,
+                        surface: world.surface(ray, hit, &PackedFootprint::NONE),
+                        distance: hit.t,
+                    };
+                    self.samples.seen[paths[i].sample as usize] = see(&first);
+                }
+            }
+        }
+        self.sorting.sort(world, &self.hits);
+        for (kind, order) in self.sorting.queues() {
+            let queue = Queue { kind, pattern: self.settings.pattern, order, paths, rays, hits: &self.hits };
+            let mut out = Out {
+                sums: &mut self.samples.sums,
+                next: &mut self.next,
+                rays: &mut self.next_rays,
+                shadow_rays: &mut self.shadow_rays,
+                shadows: &mut self.shadows,
+                splats: &mut self.splats,
+                stopwatch: &mut self.stopwatch,
+            };
+            self.integrator.step(world, &queue, &mut out);
+        }
+        self.next.iter().for_each(|path| self.samples.depart(path.sample));
+        paths.iter().for_each(|path| self.samples.arrive(path.sample));
+        self.paths.truncate(base);
+        self.rays.truncate(base);
+        self.paths.append(&mut self.next);
+        self.rays.append(&mut self.next_rays);
+        self.stopwatch.lap(Phase::Shading);
+        self.answer();
+    }
+
+    /// Light of the shadow rays that nothing is in the way of.
+    fn answer(&mut self) {
+        let asked = AskedShadows { shadows: &self.shadows, rays: &self.shadow_rays };
+        let answer = Answer { blocked: &mut self.blocked, light: &mut self.transmittance };
+        self.probe.transmittance(self.world, &asked, answer);
+        for (shadow, &t) in self.shadows.iter().zip(&self.transmittance) {
+            if t == Light::ZERO {
+                continue;
+            }
+            let arrived = Contribution { light: shadow.light * t, ..*shadow };
+            match shadow.target {
+                Target::Sample => self.samples.sums[shadow.sample as usize].add(arrived.light),
+                Target::Film(_) => self.splats.push(arrived),
+            }
+        }
+        self.stopwatch.times.shadow_rays += self.shadow_rays.len() as u64;
+        self.shadow_rays.clear();
+        self.shadows.clear();
+        self.stopwatch.lap(Phase::Search);
+    }
+
+    /// Brings light to the pixels whose filter reaches where it came down on the film.
+    fn splat(&mut self, pass: &Pass<'_, '_>) {
+        let (filter, size) = (&self.world.filter, self.settings.size);
+        let across = size[0].div_ceil(TILE);
+        for splat in self.splats.drain(..) {
+            let sample = splat.sample as usize;
+            let (Target::Film(at), Some(pending)) = (splat.target, &self.samples.pending[sample]) else {
+                continue;
+            };
+            let rgb = self.world.sensor.take(pending.lanes, splat.light);
+            let reach = |axis: usize| {
+                let first = (at[axis] - 0.5 - filter.radius()).ceil();
+                let end = (at[axis] - 0.5 + filter.radius()).floor() + 1.0;
+                // What is below 0, or no number, becomes 0.
+                first as u32..(end as u32).min(size[axis])
+            };
+            for y in reach(1) {
+                for x in reach(0) {
+                    let height =
+                        filter.height(at[0] - (x as f32 + 0.5)) * filter.height(at[1] - (y as f32 + 0.5));
+                    let mut tile = pass.tile(y / TILE * across + x / TILE);
+                    if height != 0.0 && !tile.add_light_splat([x, y], rgb.map(|v| v * height)) {
+                        self.samples.sums[sample].spoil();
+                    }
+                }
+            }
+        }
+    }
+
+    /// Gives the film the samples that are finished.
+    fn finish(&mut self, pass: &Pass<'_, '_>) {
+        let mut held: Option<(u32, MutexGuard<'_, &mut FilmTile>)> = None;
+        while let Some((place, pending)) = self.samples.finished() {
+            let tile = match &mut held {
+                Some((number, tile)) if *number == pending.tile => tile,
+                _ => &mut held.insert((pending.tile, pass.tile(pending.tile))).1,
+            };
+            let Pending { name: (pixel, index), lanes, weight, offset, taken, .. } = pending;
+            let light = self.samples.sums[place].light();
+            let rgb = self.world.sensor.take(lanes, light);
+            let sample = Sample {
+                rgb: std::array::from_fn(|i| rgb[i] * weight * taken[i]),
+                seen: self.samples.seen.get(place).copied().unwrap_or_default(),
+                negative: weight < 0.0,
+            };
+            self.bands.clear();
+            self.world.sensor.bands(lanes, light * weight, &mut self.bands);
+            let is_taken = tile.add(pixel, index, &sample, &self.bands);
+            if let Some(splats) = tile.splats() {
+                let sample = is_taken.then_some(&sample);
+                splats.add(&self.world.filter, &Flying { pixel, offset, sample, bands: &self.bands });
+            }
+            if let Some(cost) = self.probe.cost(place) {
+                tile.add_cost(pixel, &cost);
+            }
+            self.samples.leave();
+        }
+        self.stopwatch.lap(Phase::Film);
+    }
+}

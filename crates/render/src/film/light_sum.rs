@@ -1,0 +1,78 @@
+//! The light of one sample while it is gathered.
+
+use super::fixed::{MAX_VALUE, Value};
+use straal_color::Light;
+
+/// A sum of contributions, each rounded once to fixed point and added as integers, so that their order changes no bit.
+///
+/// Units are those of the film, 2^-62: a contribution of 2^-39 or more is held exactly. One that isn't finite, or of 2^32 or
+/// more, spoils the sum, whose sample is dropped then.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LightSum {
+    lanes: [Value; 4],
+    is_spoiled: bool,
+}
+
+impl LightSum {
+    /// Adds a contribution.
+    #[inline]
+    pub fn add(&mut self, light: Light) {
+        if light.0.iter().all(|v| v.abs() < MAX_VALUE) {
+            for (sum, v) in self.lanes.iter_mut().zip(light.0) {
+                sum.add(v);
+            }
+        } else {
+            self.spoil();
+        }
+    }
+
+    /// Makes the sample one that is dropped.
+    pub fn spoil(&mut self) {
+        self.is_spoiled = true;
+    }
+
+    /// The sum, rounded to single precision; not a number where it is spoiled.
+    #[inline]
+    pub fn light(&self) -> Light {
+        if self.is_spoiled { Light([f32::NAN; 4]) } else { Light(self.lanes.map(|v| v.to_f64() as f32)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_changes_nothing() {
+        let parts: Vec<Light> = (0..500_u32)
+            .map(|i| Light([1e-6, 0.3, 17.0, 1e6].map(|s| s * (i * 7919 % 500) as f32)))
+            .collect();
+        let sum = |order: &mut dyn Iterator<Item = &Light>| {
+            let mut sum = LightSum::default();
+            order.for_each(|v| sum.add(*v));
+            sum
+        };
+        assert_eq!(sum(&mut parts.iter()), sum(&mut parts.iter().rev()));
+        let total: f64 = (0..500).map(|i| f64::from(0.3_f32 * i as f32)).sum();
+        assert_eq!(sum(&mut parts.iter()).light().0[1], total as f32);
+    }
+
+    #[test]
+    fn one_number_that_is_none_spoils_it() {
+        for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY, MAX_VALUE] {
+            let mut sum = LightSum::default();
+            sum.add(Light([1.0; 4]));
+            sum.add(Light([0.0, bad, 0.0, 0.0]));
+            sum.add(Light([1.0; 4]));
+            assert!(sum.light().0[0].is_nan(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn faint_light_is_held() {
+        let mut sum = LightSum::default();
+        let faint = 1.0 / (1_u64 << 39) as f32;
+        (0..3).for_each(|_| sum.add(Light([faint; 4])));
+        assert_eq!(sum.light().0[0], 3.0 * faint);
+    }
+}

@@ -1,0 +1,411 @@
+//! Colours and spectra of the description as what paths read: numbers in the work space, and spectra of each nanometre.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use straal_color::spectrum::{
+    Bins, COUNT, Observer, Quantity, Spectrum, illuminant, metal, refraction, uplift,
+};
+use straal_color::{Light, Matrix3, Space};
+use straal_math::ops;
+use straal_scene::desc;
+use straal_scene::span::Span;
+use straal_scene::value::{self, Color};
+use straal_scene::{Assets, Image, Scene};
+
+use crate::error::CompileError;
+use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
+use crate::texture::Value;
+
+/// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
+pub(crate) struct Paint<'a> {
+    assets: &'a Assets,
+    space: Space,
+    /// `None` where linear sRGB is the work space itself.
+    to_work: Option<Matrix3>,
+    /// `None` in RGB.
+    uplift: Option<uplift::Uplift>,
+    /// Tables of RGB colours that were met, by their use and their bits.
+    known: BTreeMap<(Quantity, [u64; 3]), u32>,
+    /// Tables of measured spectra, by their bits.
+    tables: BTreeMap<Vec<u32>, u32>,
+    /// Colours of measured spectra, by their use and what the scene says of them: to make one takes half a millisecond.
+    measured: BTreeMap<(Quantity, Content), Colour>,
+    /// Indices of refraction of metals by name.
+    metals: BTreeMap<String, [Colour; 2]>,
+    /// Filled as colours are met.
+    pub spectra: SpectralTables,
+    /// What is worth telling of them.
+    pub notes: Vec<String>,
+}
+
+/// All that tells a measured spectrum from others: its name and file, and the bits of its numbers.
+type Content = ([Option<String>; 2], Option<bool>, Vec<u64>);
+
+fn content(m: &desc::Measured) -> Content {
+    let text = |name: &Option<value::Name>| name.as_ref().map(|n| n.value.clone());
+    let absent = f64::NAN;
+    let one = [m.blackbody.unwrap_or(absent), m.daylight.unwrap_or(absent), m.scale];
+    let numbers = one.iter().chain(&m.wavelengths).chain(&m.values).map(|v| v.to_bits());
+    let is_smooth = m.interpolation.as_ref().map(|i| *i == desc::Interpolation::Smooth);
+    ([text(&m.name), text(&m.file)], is_smooth, numbers.collect())
+}
+
+/// So many pixels are tried whether they are of a colour that light can have.
+const MOST_TRIED: usize = 4096;
+
+/// A pixel's channel is off by more than this part of the strongest where no light has its colour.
+const OFF: f32 = 0.01;
+
+/// Nobody reads more.
+const MOST_NOTES: usize = 20;
+
+impl<'a> Paint<'a> {
+    pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
+        let space = scene.color.space.space();
+        let uplift = spectral.then(uplift::Uplift::new);
+        let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
+        let spectra = if spectral { SpectralTables::spectral() } else { SpectralTables::in_rgb(to_work) };
+        Self {
+            assets,
+            space,
+            to_work,
+            uplift,
+            known: BTreeMap::new(),
+            tables: BTreeMap::new(),
+            measured: BTreeMap::new(),
+            metals: BTreeMap::new(),
+            spectra,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The assets.
+    pub const fn assets(&self) -> &'a Assets {
+        self.assets
+    }
+
+    /// Share of light that comes back.
+    pub fn reflectance(&mut self, v: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        Ok(self.colour(v.get(), Quantity::Reflectance)?.into())
+    }
+
+    /// Light that is sent out.
+    pub fn emission(&mut self, v: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        Ok(self.colour(v.get(), Quantity::Emission)?.into())
+    }
+
+    /// A number.
+    pub fn number(&mut self, v: &value::Value<f64>) -> Value<f32> {
+        (v.constant() as f32).into()
+    }
+
+    /// Light that is sent out, times a factor.
+    pub fn emission_times(&mut self, s: &desc::Spectrum, factor: f64) -> Result<Colour, CompileError> {
+        let colour = self.colour(s, Quantity::Emission)?;
+        if factor == 1.0 {
+            return Ok(colour);
+        }
+        let by = factor as f32;
+        let spectrum = if self.uplift.is_some() { self.spectra.add_scaled(colour.spectrum, by) } else { 0 };
+        Ok(Colour { rgb: colour.rgb * by, strength: colour.strength * by, spectrum })
+    }
+
+    /// A picture of radiance: in the work space, each channel 0 or more; or in linear sRGB, any channels, where its pixels
+    /// become spectra. Colours that are lost are told.
+    pub fn surroundings<'i>(&mut self, file: &value::FileRef, image: &'i Image) -> Cow<'i, Image> {
+        let spectral = self.uplift.is_some();
+        // Where wavelengths end.
+        let to_edge = spectral.then(|| Space::Srgb.to(Space::AcesCg)).or(self.to_work);
+        let held = |p: &[f32; 3]| to_edge.map_or(*p, |m| m.apply_f32(*p));
+        let mut near_primaries = 0;
+        let mut beyond = |p: &[f32; 3]| {
+            let q = held(p);
+            let most = q.iter().copied().fold(0.0, ops::max);
+            // Of the edge itself, only what is next to a primary is no light.
+            let pure = spectral && most > 0.0 && q.iter().filter(|v| **v < 0.1 * most).count() == 2;
+            near_primaries += usize::from(pure);
+            let got =
+                if pure && near_primaries <= MOST_TRIED { self.spectra.colour_of_pixel(*p) } else { None };
+            got.is_some_and(|got| {
+                let got = held(&got.map(|v| v as f32));
+                (0..3).any(|c| (got[c] - q[c]).abs() > OFF * most)
+            })
+        };
+        let lost = image.pixels.iter().filter(|p| is_lost(held(p).map(f64::from)) || beyond(p)).count();
+        if lost > 0 {
+            let (name, all) = (&file.value, image.pixels.len());
+            let what = if spectral {
+                "are more colourful than light can be".to_string()
+            } else {
+                format!("are of colours that the work space `{}` doesn't hold", self.space.name())
+            };
+            let told = format!("{lost} of the {all} pixels of `{name}` {what}: {}", self.clipped());
+            note(&mut self.notes, told);
+        }
+        let is_fit = |p: &[f32; 3]| p.iter().all(|v| *v >= 0.0);
+        if spectral || (self.to_work.is_none() && image.pixels.iter().all(is_fit)) {
+            return Cow::Borrowed(image);
+        }
+        let fit = |p: &[f32; 3]| held(p).map(|v| if v > 0.0 { v } else { 0.0 });
+        Cow::Owned(Image { pixels: image.pixels.iter().map(fit).collect(), ..*image })
+    }
+
+    /// What becomes of colours that are lost, and what helps.
+    fn clipped(&self) -> &'static str {
+        match (self.uplift.is_some(), self.space) {
+            (true, _) => "the nearest are taken",
+            (false, Space::Aces) => "what is below 0 is taken as 0",
+            (false, Space::AcesCg) => {
+                "what is below 0 is taken as 0; `color: { space: aces }` holds more, `spectral: true` all"
+            }
+            (false, _) => {
+                "what is below 0 is taken as 0; `color: { space: acescg }` holds more, `spectral: true` all"
+            }
+        }
+    }
+
+    fn colour(&mut self, s: &desc::Spectrum, of: Quantity) -> Result<Colour, CompileError> {
+        match s {
+            desc::Spectrum::Rgb(color) => Ok(self.rgb(*color, of)),
+            desc::Spectrum::Measured(m) => {
+                let key = (of, content(m));
+                if let Some(known) = self.measured.get(&key) {
+                    return Ok(*known);
+                }
+                let (spectrum, span) = self.spectrum(m)?;
+                let name = m.file.as_ref().map(|f| &f.value).or(m.name.as_ref().map(|n| &n.value));
+                let what = name.map_or("a spectrum".to_owned(), |name| format!("the spectrum `{name}`"));
+                let made = self.measured(&spectrum, (of, &what));
+                let colour = made.map_err(|message| CompileError::at(message, span))?;
+                self.measured.insert(key, colour);
+                Ok(colour)
+            }
+        }
+    }
+
+    /// What is a hair below 0 by rounding is 0. Indices of refraction are no colours: they are those of red, green and
+    /// blue in any space.
+    fn rgb(&mut self, color: Color, of: Quantity) -> Colour {
+        let rgb = match self.to_work {
+            Some(m) if of != Quantity::Index => m.apply(color.0),
+            _ => color.0,
+        };
+        let rgb = Light::rgb(rgb.map(|v| if v < 0.0 { 0.0 } else { v as f32 }));
+        let mut colour = Colour::from(rgb);
+        let Some(uplift) = &self.uplift else { return colour };
+        if color.0 == [0.0; 3] {
+            return colour;
+        }
+        let key = (of, color.0.map(f64::to_bits));
+        let known = self.known.get(&key).copied();
+        colour.spectrum = known.unwrap_or_else(|| {
+            let Lifted { table, nearest } = lift(uplift, color, of);
+            if let Some(nearest) = nearest {
+                note(&mut self.notes, beyond(color, nearest, of));
+            }
+            let id = self.spectra.add(table);
+            self.known.insert(key, id);
+            id
+        });
+        colour
+    }
+
+    /// The table that a description means, and where it says so.
+    fn spectrum(&self, m: &desc::Measured) -> Result<(Spectrum, Span), CompileError> {
+        let span = m.file.as_ref().or(m.name.as_ref()).map_or(Span::NONE, |name| name.span);
+        if let Some(file) = &m.file {
+            let read = self.assets.spectrum(file);
+            let read = read.ok_or_else(|| {
+                CompileError::at(format!("the spectrum `{}` was not read", file.value), file.span)
+            })?;
+            let read = m.of_table(read).map_err(|fault| CompileError::at(fault.to_string(), span))?;
+            return Ok((read, span));
+        }
+        let found = m.spectrum().ok_or_else(|| CompileError::at("this is no spectrum", span))?;
+        Ok((found, span))
+    }
+
+    /// The colour of a spectrum of some use, which `what` calls by name.
+    fn measured(&mut self, spectrum: &Spectrum, (of, what): (Quantity, &str)) -> Result<Colour, String> {
+        let bins = spectrum.means(of);
+        if of == Quantity::Reflectance
+            && let Some((nm, v)) = spectrum.above_one()
+        {
+            return Err(format!("this spectrum reflects more light than falls on it: {v} at {nm} nm"));
+        }
+        let matrix = uplift::rgb_from_xyz(self.space);
+        let rgb = match of {
+            Quantity::Reflectance => matrix.apply(Observer::Cie1931.surface(&bins, &illuminant::d65())),
+            Quantity::Emission | Quantity::Index => matrix.apply(Observer::Cie1931.light(&bins)),
+        };
+        self.tell_if_lost(rgb, what);
+        let most = if of == Quantity::Reflectance { 1.0 } else { f64::MAX };
+        let held = |v: f64| if v > 0.0 { if v < most { v } else { most } } else { 0.0 };
+        let mut colour = Colour::from(Light::rgb(rgb.map(|v| held(v) as f32)));
+        if self.uplift.is_some() && bins.iter().any(|v| *v > 0.0) {
+            colour.spectrum = self.table(table_of(spectrum, of));
+            if colour.strength == 0.0 {
+                colour.strength = (bins.iter().sum::<f64>() / COUNT as f64) as f32;
+            }
+        }
+        Ok(colour)
+    }
+
+    /// Where a table is, which is added unless it is there.
+    fn table(&mut self, table: [f32; COUNT]) -> u32 {
+        let spectra = &mut self.spectra;
+        let bits = table.iter().map(|v| v.to_bits()).collect();
+        *self.tables.entry(bits).or_insert_with(|| spectra.add(table))
+    }
+
+    /// In RGB, says which colour the work space doesn't hold.
+    fn tell_if_lost(&mut self, rgb: [f64; 3], what: &str) {
+        if self.uplift.is_none() && is_lost(rgb) {
+            let (space, rgb) = (self.space.name(), told(rgb));
+            let help = self.clipped();
+            let told =
+                format!("{what} has the colour {rgb}, which the work space `{space}` doesn't hold: {help}");
+            note(&mut self.notes, told);
+        }
+    }
+
+    /// Whether the index of refraction of something clear depends on the wavelength: in RGB its light must be parted.
+    pub fn index_of_refraction(
+        &mut self,
+        inside: &desc::Index,
+        outside: &desc::Index,
+    ) -> Result<Eta, CompileError> {
+        if let (desc::Index::Constant(inside), desc::Index::Constant(outside)) = (inside, outside) {
+            return Ok(Eta::Constant(*inside as f32 / *outside as f32));
+        }
+        let unknown = || CompileError::new("this index of refraction is unknown");
+        let inside = inside.index().ok_or_else(unknown)?;
+        let outside = outside.index().ok_or_else(unknown)?;
+        let eta = EtaTable::new(&inside, &outside);
+        if !eta.disperses() {
+            return Ok(Eta::Constant(eta.middle));
+        }
+        if self.uplift.is_none() {
+            self.spectra.prepare_dispersion(self.space);
+        }
+        Ok(Eta::Table(eta))
+    }
+
+    /// Real and imaginary part of a metal's index of refraction.
+    pub fn metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
+        if let Some(name) = &d.metal {
+            let key = name.value.to_ascii_lowercase();
+            if let Some(known) = self.metals.get(&key) {
+                return Ok(*known);
+            }
+            let parts = refraction::metal(&name.value).ok_or_else(|| {
+                CompileError::at(format!("there is no metal named `{}`", name.value), name.span)
+            })?;
+            let found = self.index(&parts.map(|s| s.means(Quantity::Index)), &key);
+            self.metals.insert(key, found);
+            return Ok(found);
+        }
+        let (Some(eta), Some(k)) = (&d.eta, &d.k) else {
+            return Err(CompileError::new("a conductor needs `metal`, or `eta` and `k`"));
+        };
+        let parts = [eta.get(), k.get()];
+        if let [desc::Spectrum::Rgb(eta), desc::Spectrum::Rgb(k)] = parts {
+            return Ok([self.rgb(*eta, Quantity::Index), self.rgb(*k, Quantity::Index)]);
+        }
+        let mut bins = [[0.0; COUNT]; 2];
+        for (bins, part) in bins.iter_mut().zip(parts) {
+            *bins = match part {
+                desc::Spectrum::Rgb(Color(rgb)) => index_between(*rgb),
+                desc::Spectrum::Measured(m) => self.spectrum(m)?.0.means(Quantity::Index),
+            };
+        }
+        Ok(self.index(&bins, "a metal"))
+    }
+
+    /// An index of refraction by wavelength, and in RGB the one that looks like it.
+    fn index(&mut self, [eta, k]: &[Bins; 2], what: &str) -> [Colour; 2] {
+        let fit = metal::in_rgb(eta, k, self.space);
+        self.tell_if_lost(fit.facing, what);
+        let mut colours = [fit.eta, fit.k].map(|rgb| Colour::from(Light::rgb(rgb.map(|v| v as f32))));
+        if self.uplift.is_some() {
+            for (colour, bins) in colours.iter_mut().zip([eta, k]) {
+                colour.spectrum = self.table(bins.map(|v| v as f32));
+            }
+        }
+        colours
+    }
+}
+
+fn note(notes: &mut Vec<String>, note: String) {
+    if notes.len() < MOST_NOTES {
+        notes.push(note);
+    }
+}
+
+/// Whether a colour has a channel below 0 by more than rounding.
+fn is_lost(rgb: [f64; 3]) -> bool {
+    let most = rgb.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+    most > 0.0 && rgb.iter().any(|v| *v < -1e-3 * most)
+}
+
+/// Three numbers, for people.
+fn told(rgb: [f64; 3]) -> String {
+    format!("[{}]", rgb.map(|v| format!("{v:.3}")).join(", "))
+}
+
+/// The spectrum of an RGB colour.
+struct Lifted {
+    table: [f32; COUNT],
+    /// The linear sRGB that it has, where no spectrum has the colour itself.
+    nearest: Option<[f64; 3]>,
+}
+
+/// What is said of a colour that nothing has.
+fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Quantity) -> String {
+    let (what, why) = match of {
+        Quantity::Emission => ("light", "is of a colour that no light has"),
+        Quantity::Reflectance | Quantity::Index => (
+            "a surface",
+            "is more colourful than one can be without sending back more light than falls on it",
+        ),
+    };
+    let (rgb, nearest) = (told(rgb), told(nearest));
+    format!("{what} of linear sRGB {rgb} {why}: by wavelengths it becomes {nearest}")
+}
+
+fn lift(uplift: &uplift::Uplift, Color(rgb): Color, of: Quantity) -> Lifted {
+    let exact = |table| Lifted { table, nearest: None };
+    match of {
+        Quantity::Reflectance => match uplift.reach(rgb) {
+            Ok(smooth) => exact(smooth.bins().map(|v| v as f32)),
+            Err(smooth) => {
+                let bins = smooth.bins();
+                Lifted { table: bins.map(|v| v as f32), nearest: Some(uplift.rgb_of_reflectance(&bins)) }
+            }
+        },
+        Quantity::Emission => {
+            let found = uplift.reach_light(rgb);
+            let (smooth, scale) = found.unwrap_or_else(|nearest| nearest);
+            let bins = smooth.bins();
+            let table = std::array::from_fn(|i| (bins[i] * scale * uplift.white()[i]) as f32);
+            let nearest = || uplift.rgb_of_reflectance(&bins).map(|v| v * scale);
+            Lifted { table, nearest: found.is_err().then(nearest) }
+        }
+        Quantity::Index => exact(index_between(rgb).map(|v| v as f32)),
+    }
+}
+
+/// An index of refraction of which red, green and blue are known: each where it sees most of the light, and between them what
+/// lies between.
+fn index_between(rgb: [f64; 3]) -> Bins {
+    let parts = uplift::positive_parts(Space::Srgb);
+    let mut last = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
+    std::array::from_fn(|i| {
+        let sum: f64 = parts.iter().map(|p| p[i]).sum();
+        if sum > 0.0 {
+            last = (0..3).map(|c| rgb[c] * parts[c][i]).sum::<f64>() / sum;
+        }
+        last
+    })
+}

@@ -1,0 +1,277 @@
+//! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it. How much memory
+//! that takes is not known here.
+
+use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, TriangleMesh};
+use crate::{Assets, Handle};
+
+/// What a world will hold.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contents {
+    /// All that is kept, in the world itself and in the objects that it has instances of.
+    pub kept: Tally,
+    /// Triangles and other shapes that rays can meet, instances counted each time.
+    pub visible: u64,
+    /// Triangles, and shapes and instances, of each space that gets a search structure of its own, the world's first.
+    pub spaces: Vec<[u64; 2]>,
+    /// Pixels of each picture that is all around.
+    pub surroundings: Vec<u64>,
+}
+
+/// Numbers of things.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Triangles.
+    pub triangles: u64,
+    /// Vertices.
+    pub vertices: u64,
+    /// Those of them that have normals.
+    pub normals: u64,
+    /// Those of them that have texture coordinates.
+    pub uvs: u64,
+    /// Vertices whose normals are computed from the faces around them.
+    pub smoothed: u64,
+    /// Meshes, or parts of them with a material of their own.
+    pub meshes: u64,
+    /// Shapes that aren't meshes.
+    pub shapes: u64,
+    /// Discs among them, the caps of cylinders as well.
+    pub discs: u64,
+    /// Rectangles among them.
+    pub rectangles: u64,
+    /// Cylinders among them, without their caps.
+    pub cylinders: u64,
+    /// Instances of objects that don't glow; those of others are copies of all that is inside.
+    pub instances: u64,
+    /// Surfaces that glow.
+    pub lights: u64,
+    /// Triangles of those.
+    pub lit_triangles: u64,
+}
+
+impl Tally {
+    fn add(&mut self, o: &Self) {
+        let sum = |a: &mut u64, b: u64| *a = a.saturating_add(b);
+        sum(&mut self.triangles, o.triangles);
+        sum(&mut self.vertices, o.vertices);
+        sum(&mut self.normals, o.normals);
+        sum(&mut self.uvs, o.uvs);
+        sum(&mut self.smoothed, o.smoothed);
+        sum(&mut self.meshes, o.meshes);
+        sum(&mut self.shapes, o.shapes);
+        sum(&mut self.discs, o.discs);
+        sum(&mut self.rectangles, o.rectangles);
+        sum(&mut self.cylinders, o.cylinders);
+        sum(&mut self.instances, o.instances);
+        sum(&mut self.lights, o.lights);
+        sum(&mut self.lit_triangles, o.lit_triangles);
+    }
+
+    /// One mesh; of what its vertices have besides positions.
+    fn mesh(triangles: u64, vertices: u64, [normals, uvs]: [bool; 2]) -> Self {
+        let of = |is_held: bool| if is_held { vertices } else { 0 };
+        Self { triangles, vertices, normals: of(normals), uvs: of(uvs), meshes: 1, ..Self::default() }
+    }
+
+    /// A shape of one of the kinds that are counted apart, or of another.
+    fn shape(kind: Self) -> Self {
+        Self { shapes: 1, ..kind }
+    }
+}
+
+/// Control points of the built-in teapot make this many patches.
+const TEAPOT_PATCHES: u64 = 32;
+
+/// Counts what a scene without errors will hold.
+pub fn count(scene: &Scene, assets: &Assets) -> Contents {
+    let mut walk = Walk {
+        scene,
+        assets,
+        objects: vec![None; scene.objects.len()],
+        kept: Tally::default(),
+        spaces: vec![[0; 2]],
+    };
+    let (mut world, mut visible) = (Tally::default(), 0_u64);
+    for node in &scene.world {
+        let found = walk.node(node);
+        world.add(&found.own);
+        visible = visible.saturating_add(found.visible);
+    }
+    walk.keep(&world, 0);
+    let mut surroundings = Vec::new();
+    for light in &scene.lights {
+        if let Light::Environment(l) = light
+            && let Some(file) = &l.file
+        {
+            surroundings.push(assets.image(file.handle).pixels.len() as u64);
+        }
+    }
+    Contents { kept: walk.kept, visible, spaces: walk.spaces, surroundings }
+}
+
+impl Scene {
+    /// Bytes of its nodes, and of the lists in them.
+    pub fn heap_bytes(&self) -> u64 {
+        let mut bytes = 0;
+        self.visit(|node| {
+            let lists = match node {
+                Node::Mesh(TriangleMesh { positions, normals, uvs, triangles, .. }) => {
+                    size_of_val(positions.as_slice())
+                        + size_of_val(normals.as_slice())
+                        + size_of_val(uvs.as_slice())
+                        + size_of_val(triangles.as_slice())
+                }
+                Node::Bezier(b) => size_of_val(b.points.as_slice()) + size_of_val(b.patches.as_slice()),
+                _ => 0,
+            };
+            bytes += (size_of::<Node>() + lists) as u64;
+        });
+        bytes
+    }
+}
+
+/// A node, or an object, as it is found.
+#[derive(Clone, Copy, Default)]
+struct Found {
+    /// What it brings to the space that it stands in.
+    own: Tally,
+    visible: u64,
+    /// Whether anything inside glows.
+    glows: bool,
+}
+
+struct Walk<'a> {
+    scene: &'a Scene,
+    assets: &'a Assets,
+    /// What each object that was met holds.
+    objects: Vec<Option<Found>>,
+    kept: Tally,
+    spaces: Vec<[u64; 2]>,
+}
+
+impl Walk<'_> {
+    /// Takes note of what stands in a space.
+    fn keep(&mut self, own: &Tally, space: usize) {
+        self.kept.add(own);
+        self.spaces[space] = [own.triangles, own.shapes.saturating_add(own.instances)];
+    }
+
+    fn node(&mut self, node: &Node) -> Found {
+        match node {
+            Node::Group(g) => {
+                let mut all = Found::default();
+                for child in &g.children {
+                    let found = self.node(child);
+                    all.own.add(&found.own);
+                    all.visible = all.visible.saturating_add(found.visible);
+                    all.glows |= found.glows;
+                }
+                all
+            }
+            Node::Instance(i) => {
+                let Some(object) = i.of.to() else { return Found::default() };
+                let inside = self.object(object);
+                if inside.glows {
+                    return inside;
+                }
+                Found { own: Tally { instances: 1, ..Tally::default() }, ..inside }
+            }
+            Node::Mesh(m) => self.mesh(m),
+            Node::Bezier(b) => {
+                let side = u64::from(b.resolution);
+                let [quads, vertices] =
+                    [side * side, (side + 1) * (side + 1)].map(|n| n.saturating_mul(patches(b)));
+                let normals = !matches!(b.shading, Shading::Flat);
+                lit(node, Tally::mesh(quads.saturating_mul(2), vertices, [normals, true]))
+            }
+            Node::Box(_) => lit(node, Tally::mesh(12, 24, [false, true])),
+            Node::Triangle(_) => lit(node, Tally::mesh(1, 3, [false, false])),
+            Node::Sphere(_) | Node::Plane(_) => lit(node, Tally::shape(Tally::default())),
+            Node::Cylinder(c) if c.caps => {
+                let parts = Tally { shapes: 3, cylinders: 1, discs: 2, ..Tally::default() };
+                let mut found = lit(node, parts);
+                found.own.lights *= 3;
+                found
+            }
+            Node::Disc(_) => lit(node, Tally::shape(Tally { discs: 1, ..Tally::default() })),
+            Node::Rectangle(_) => lit(node, Tally::shape(Tally { rectangles: 1, ..Tally::default() })),
+            Node::Cylinder(_) => lit(node, Tally::shape(Tally { cylinders: 1, ..Tally::default() })),
+        }
+    }
+
+    /// Validation has made sure that objects end.
+    fn object(&mut self, object: Handle<Node>) -> Found {
+        let i = object.index();
+        if let Some(known) = self.objects.get(i).copied().flatten() {
+            return known;
+        }
+        let scene = self.scene;
+        let Some((_, node)) = scene.objects.at(object) else { return Found::default() };
+        let found = self.node(node);
+        self.objects[i] = Some(found);
+        if !found.glows {
+            self.spaces.push([0; 2]);
+            self.keep(&found.own, self.spaces.len() - 1);
+        }
+        found
+    }
+
+    fn mesh(&self, m: &TriangleMesh) -> Found {
+        let smooth = |has: bool| match m.shading {
+            Shading::Flat => false,
+            Shading::Smooth(_) => true,
+            Shading::Auto => has,
+        };
+        let smoothed = |has: bool, vertices: u64| {
+            let computed = matches!(&m.shading, Shading::Smooth(s) if !has || s.recompute);
+            if computed { vertices } else { 0 }
+        };
+        let asset = match m.source() {
+            MeshSource::Inline => {
+                let mut own = Tally::mesh(
+                    m.triangles.len() as u64,
+                    m.positions.len() as u64,
+                    [smooth(!m.normals.is_empty()), !m.uvs.is_empty()],
+                );
+                own.smoothed = smoothed(!m.normals.is_empty(), own.vertices);
+                return lit_if(m.surface.emission.is_some(), own);
+            }
+            MeshSource::Asset(asset) => self.assets.mesh(asset.handle),
+        };
+        let mesh = &asset.mesh;
+        let mut own = Tally::mesh(
+            mesh.triangles.len() as u64,
+            mesh.positions.len() as u64,
+            [smooth(!mesh.normals.is_empty()), !mesh.uvs.is_empty()],
+        );
+        own.smoothed = smoothed(!mesh.normals.is_empty(), own.vertices);
+        let glows = asset.materials.values().any(|p| p.emission.is_some());
+        if m.surface.material.is_none() && !asset.materials.is_empty() {
+            let mut names: Vec<_> = mesh.parts.iter().map(|p| p.material.as_deref()).collect();
+            names.sort_unstable();
+            names.dedup();
+            own.meshes = (names.len() as u64).max(1);
+        }
+        lit_if(m.surface.emission.is_some() || glows, own)
+    }
+}
+
+/// What a node holds, which may glow.
+fn lit(node: &Node, own: Tally) -> Found {
+    lit_if(node.surface().is_some_and(|s| s.emission.is_some()), own)
+}
+
+fn lit_if(glows: bool, own: Tally) -> Found {
+    let visible = own.triangles.saturating_add(own.shapes);
+    if !glows {
+        return Found { own, visible, glows };
+    }
+    let lights = if own.meshes > 0 { own.meshes } else { 1 };
+    Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
+}
+
+fn patches(b: &Bezier) -> u64 {
+    match b.source() {
+        BezierPatches::Builtin(_) => TEAPOT_PATCHES,
+        BezierPatches::Inline => b.patches.len() as u64,
+    }
+}

@@ -1,0 +1,17 @@
+//! What explains: pictures and figures of what straal does, and why.
+//!
+//! It stands beside the front door, `straal`, and uses it; nothing that renders uses this crate.
+//!
+//! - [`lab`] compares search structures on the rays of a scene;
+//! - [`points`] judges and draws sampling patterns;
+//! - [`cost`] shows where the searches of a render were expensive, in the colours of [`false_colour`];
+//! - [`gamma_chart`] is the picture by which a screen's gamma is found.
+#![forbid(unsafe_code)]
+
+pub mod cost;
+pub mod false_colour;
+pub mod gamma_chart;
+pub mod lab;
+pub mod points;
+
+pub use false_colour::SaveError;
