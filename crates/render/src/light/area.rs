@@ -88,7 +88,6 @@ impl Shine for AreaLight {
         (&Receiver { p, .. }, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        let p = from.p;
         if self.radiance.most() == 0.0 {
             return None;
         }
