@@ -85,10 +85,9 @@ impl Shine for AreaLight {
     fn sample<L: Lanes>(
         &self,
         geometry: &Geometry,
-        (from, u): (&Receiver, [f32; 2]),
+        (&Receiver { p, .. }, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        let p = from.p;
         if self.radiance.most() == 0.0 {
             return None;
         }

@@ -49,13 +49,13 @@ impl Shine for ConstantEnvironment {
         (at, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        let (n, radiance) = (at.n, reading.eval(&self.radiance, &ShadingPoint::NOWHERE));
-        let wi = if n == Vec3::ZERO {
+        let radiance = reading.eval(&self.radiance, &ShadingPoint::NOWHERE);
+        let wi = if at.n == Vec3::ZERO {
             warp::uniform_sphere(u)
         } else {
-            Frame::from_normal(n).to_world(warp::cosine_hemisphere(u)).try_normalize()?
+            Frame::from_normal(at.n).to_world(warp::cosine_hemisphere(u)).try_normalize()?
         };
-        let pdf = self.pdf_from(n, wi);
+        let pdf = self.pdf_from(at.n, wi);
         let sound = !radiance.is_black() && pdf > 0.0;
         sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
     }
@@ -192,6 +192,9 @@ struct Place {
 impl ImageEnvironment {
     /// Bytes that a pixel takes: its colour, and its places in the tables that it is chosen by.
     pub const BYTES_A_PIXEL: usize = size_of::<[f32; 3]>() + Table1::BYTES;
+
+    /// Bytes of tables that don't grow with the picture, once it has a few hundred pixels.
+    pub const BYTES: usize = Facing::BYTES;
 
     /// Bytes that it takes besides while the tables are made: a weight in double precision and one in single.
     pub const MAKING_BYTES_A_PIXEL: usize = size_of::<f64>() + size_of::<f32>();

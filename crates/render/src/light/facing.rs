@@ -44,6 +44,9 @@ pub(super) struct Drawn {
 }
 
 impl Facing {
+    /// Bytes of the tables by normals, and of the blocks' own beside their cells: a block's cell in the tables takes at most eight and a half.
+    pub const BYTES: usize = (SIDE * SIDE + 1) * ACROSS * DOWN * 17 / 2 + ACROSS * DOWN * size_of::<Table2>();
+
     /// For `weights` of cells, row by row; `direction` tells where the place (across, down) of the unit square lies in the world, a unit
     /// vector. `None` where all is black.
     pub fn new(

@@ -18,8 +18,8 @@ macro_rules! emitters {
                 }
             }
 
-            /// A direction from a place towards the light; `u` uniform in the unit square. Surroundings leave out what is behind the
-            /// surface.
+            /// A direction from a place towards the light; `u` uniform in the unit square. Surroundings leave out what is
+            /// behind the surface.
             #[inline]
             pub fn sample<L: Lanes>(
                 &self,

@@ -45,10 +45,10 @@ impl Shine for PointLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (at, _): (&Receiver, [f32; 2]),
+        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        towards(self.position, at.p, |_| reading.eval(&self.intensity, &self.place()))
+        towards(self.position, p, |_| reading.eval(&self.intensity, &self.place()))
     }
 
     fn power(&self, _: &Geometry, _: f64) -> f64 {

@@ -129,10 +129,10 @@ impl Shine for SpotLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (at, _): (&Receiver, [f32; 2]),
+        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        towards(self.position, at.p, |wi| reading.eval(&self.intensity, &self.place()) * self.share(-wi))
+        towards(self.position, p, |wi| reading.eval(&self.intensity, &self.place()) * self.share(-wi))
     }
 
     /// The full beam, and half of what is between it and the cutoff.

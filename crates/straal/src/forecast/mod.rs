@@ -68,6 +68,7 @@ impl Forecast {
         let world::Cost { geometry, lights, making } = world::cost(&contents.kept);
         let (search, building) = search_of(&contents, &plan.structure);
         let pixels: u64 = contents.surroundings.iter().sum();
+        let large = contents.surroundings.iter().filter(|pixels| **pixels > 500).count() as u64;
         let largest = contents.surroundings.iter().copied().max().unwrap_or(0);
         let extent = plan.settings.extent(plan.recording, plan.filter_radius);
         let region = plan.settings.rendered(plan.filter_radius);
@@ -91,7 +92,9 @@ impl Forecast {
             search,
             building: building.saturating_add(making),
             lights,
-            images: pixels.saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64),
+            images: pixels
+                .saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64)
+                .saturating_add(large.saturating_mul(ImageEnvironment::BYTES as u64)),
             film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
             layers: crop.saturating_mul(each),
             threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&plan.settings)),
