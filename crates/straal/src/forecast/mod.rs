@@ -59,9 +59,6 @@ pub fn forecast(loaded: &Loaded, wish: &Overrides) -> Result<Forecast, Error> {
 /// What a thread takes besides: the part of its stack that is used, and the allocator's share.
 const THREAD: u64 = 100_000;
 
-/// Where the batches of a pixel end.
-const BATCHES: u64 = 48;
-
 impl Forecast {
     pub(crate) fn of(loaded: &Loaded, plan: &Plan) -> Self {
         let contents = count::count(&loaded.scene, &loaded.assets);
@@ -80,7 +77,8 @@ impl Forecast {
         };
         // Of samples that others come before, batches are kept exact, which takes as much again.
         let is_later = plan.first > 0 && extent.batches;
-        let later = if is_later { BATCHES.saturating_mul(region.area() as u64) } else { 0 };
+        let later =
+            if is_later { (Film::BATCH_BYTES as u64).saturating_mul(region.area() as u64) } else { 0 };
         let mut f = Self {
             triangles: contents.kept.triangles,
             vertices: contents.kept.vertices,
