@@ -8,12 +8,15 @@
 pub mod camera;
 pub mod compile;
 pub mod driver;
+mod error;
 pub mod film;
 pub mod filter;
+pub mod footprint;
 pub mod integrator;
 pub mod lanes;
 pub mod light;
 pub mod material;
+mod paint;
 pub mod probe;
 pub mod settings;
 pub mod shape;
@@ -21,4 +24,5 @@ pub mod stopwatch;
 pub mod surface;
 #[doc(hidden)]
 pub mod testing;
+pub mod texture;
 pub mod world;

@@ -1,6 +1,7 @@
 //! A hit as shading sees it.
 
 use crate::shape::SurfacePoint;
+use crate::texture::ShadingPoint;
 use straal_math::{Frame, Vec3};
 
 /// The surface where a ray arrived, in world space.
@@ -16,4 +17,17 @@ pub struct Surface {
     pub material: u32,
     /// Index of the emitter in the world, if the surface glows.
     pub emitter: Option<u32>,
+    /// What of the point its material reads, if that differs from point to point.
+    pub at: Option<ShadingPoint>,
+}
+
+/// A frame about a unit normal whose first tangent follows another vector: what is left of that across the normal.
+pub(crate) fn frame_along(n: Vec3, tangent: Vec3) -> Frame {
+    // Along the normal there is none.
+    let across = tangent - n * n.dot(tangent);
+    if across.length_squared() <= 1e-12 * tangent.length_squared() {
+        return Frame::from_normal(n);
+    }
+    let Some(s) = across.try_normalize() else { return Frame::from_normal(n) };
+    Frame { s, t: n.cross(s), n }
 }

@@ -1,13 +1,16 @@
 //! The world: a scene ready for rays. Flat arrays and indices, read-only while rays fly.
 
 use crate::camera::Camera;
+use crate::film::Sensor;
 use crate::filter::Filter;
-use crate::lanes::{Lanes, Palette, Reading, Rgb};
+use crate::footprint::{Bend, PackedFootprint};
+use crate::lanes::{Lanes, Reading, Rgb, SpectralTables};
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
-use crate::material::{Bsdf, Materials, TexturePoint};
-use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, TriangleMesh};
-use crate::surface::Surface;
+use crate::material::{Bsdf, BsdfSample, Materials};
+use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
+use crate::surface::{Surface, frame_along};
+use crate::texture::{Place, ShadingPoint, Texture};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
@@ -64,8 +67,12 @@ pub struct World {
     pub accel: accel::Scene,
     /// Materials; the first is that of surfaces without one.
     pub materials: Materials,
+    /// What their values are read off.
+    pub textures: Vec<Texture>,
     /// Spectra of the colours, when light is computed by wavelengths.
-    pub palette: Palette,
+    pub tables: SpectralTables,
+    /// What the film sees of light.
+    pub sensor: Sensor,
     /// All that emits light.
     pub emitters: Vec<Emitter>,
     /// Which emitter to sample.
@@ -113,9 +120,88 @@ impl World {
         out.extend(blocked.iter().map(|&b| if b { Light::ZERO } else { Light::ONE }));
     }
 
-    /// The surface at a hit of this very ray.
+    /// The surface at a hit of this very ray, and what a pixel sees of it by the ray's footprint.
     #[inline]
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+    pub fn surface(&self, ray: &Ray, hit: &Hit, footprint: &PackedFootprint) -> Surface {
+        let look = &self.looks[hit.geometry as usize];
+        let point = self.surface_point(ray, hit);
+        let (n, ng) = shading_normal(point.n, point.ng, -ray.d);
+        let frame = Frame::from_normal(n);
+        let ng = ng.map(|ng| frame.to_local(ng));
+        let mut surface =
+            Surface { point, frame, ng, material: self.material_of(hit), emitter: look.emitter, at: None };
+        if self.materials.vary() {
+            self.look_closely(&mut surface, (ray, hit), footprint);
+        }
+        surface
+    }
+
+    /// What of a point only some materials want.
+    #[cold]
+    fn look_closely(&self, surface: &mut Surface, (ray, hit): (&Ray, &Hit), footprint: &PackedFootprint) {
+        let wants = self.materials.wants(surface.material);
+        if !wants.point {
+            return;
+        }
+        let point = &surface.point;
+        let (tangents, p) = self.tangents(ray, hit);
+        let dp = footprint.unpacked().on_surface(ray, hit.t, point.ng);
+        let [duvdx, duvdy] = dp.map(|dp| tangents.coordinates(dp));
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let [dpdx, dpdy] = dp.map(|dp| transforms().fold(dp, |v, m| m.inverse_vector(v)));
+        let frame = frame_along(surface.frame.n, tangents.dpdu);
+        if wants.tangent {
+            let ng = surface.ng.map(|ng| frame.to_local(surface.frame.to_world(ng)));
+            (surface.frame, surface.ng) = (frame, ng);
+        }
+        surface.at = Some(ShadingPoint {
+            world: Place { p: surface.point.p, dpdx: dp[0], dpdy: dp[1] },
+            object: Place { p, dpdx, dpdy },
+            uv: surface.point.uv,
+            duvdx,
+            duvdy,
+            dpdu: tangents.dpdu,
+            dpdv: tangents.dpdv,
+            frame,
+        });
+    }
+
+    /// How a hit point moves with its texture coordinates, and where it is on its object.
+    fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, Vec3) {
+        let look = &self.looks[hit.geometry as usize];
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
+        let point = self.local_surface(look, &local, hit);
+        let own = match look.kind {
+            Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].tangents(hit.primitive, hit.u, hit.v),
+            Kind::Shapes(first) => self.geometry.tangents(first + hit.primitive, &point),
+        };
+        let outwards = transforms().rev().fold((own, point.n), |(tangents, n), m| {
+            (tangents.to_world(m, n), m.normal(n).try_normalize().unwrap_or(n))
+        });
+        let tangents = if look.flip { outwards.0.flipped() } else { outwards.0 };
+        (tangents, point.p)
+    }
+
+    /// The footprint of the ray that goes on from a hit in the direction of a sample whose `wi` is in the world.
+    /// Asked only where [`Materials::vary`].
+    #[cold]
+    pub fn footprint_beyond(
+        &self,
+        footprint: &PackedFootprint,
+        (ray, hit): (&Ray, &Hit),
+        sample: &BsdfSample,
+    ) -> PackedFootprint {
+        let surface = self.surface_point(ray, hit);
+        let (tangents, _) = self.tangents(ray, hit);
+        let arriving = footprint.unpacked();
+        let dp = arriving.on_surface(ray, hit.t, surface.ng);
+        let bend = Bend { dp, n: surface.n, tangents: &tangents };
+        arriving.scattered(ray.d, &bend, sample).packed()
+    }
+
+    #[inline]
+    fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let look = &self.looks[hit.geometry as usize];
         let mut point = if hit.chain.is_empty() {
             self.local_surface(look, ray, hit)
@@ -126,10 +212,7 @@ impl World {
             // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
             point.n = -point.n;
         }
-        let (n, ng) = shading_normal(point.n, point.ng, -ray.d);
-        let frame = Frame::from_normal(n);
-        let ng = ng.map(|ng| frame.to_local(ng));
-        Surface { point, frame, ng, material: self.material_of(hit), emitter: look.emitter }
+        point
     }
 
     #[inline]
@@ -165,8 +248,8 @@ impl World {
     /// How light scatters there.
     #[inline]
     pub fn bsdf<L: Lanes>(&self, surface: &Surface, lanes: L) -> Bsdf<'_> {
-        let at = TexturePoint { uv: surface.point.uv, p: surface.point.p };
-        self.materials.bsdf(surface.material, &at, &self.reading(lanes))
+        let at = surface.at.as_ref().unwrap_or(&ShadingPoint::NOWHERE);
+        self.materials.bsdf(surface.material, at, &self.reading(lanes))
     }
 
     /// The colour of a surface, in the work space whatever the lanes, as [`Bsdf::albedo`] of red, green and blue.
@@ -177,7 +260,7 @@ impl World {
     /// How a path reads colours.
     #[inline(always)]
     pub fn reading<L: Lanes>(&self, lanes: L) -> Reading<'_, L> {
-        Reading { palette: &self.palette, lanes }
+        Reading { tables: &self.tables, lanes, textures: &self.textures }
     }
 
     /// The material of what a ray hit; `None` where it met nothing.

@@ -17,6 +17,7 @@ use crate::span::Span;
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree, shown};
 use crate::value::Color;
+use crate::visit::Visitor;
 
 /// A type of the scene language.
 ///
@@ -45,6 +46,9 @@ pub trait Describe: Sized {
     fn may_be_empty() -> bool {
         false
     }
+
+    /// Shows what is in it to a visitor; nothing, unless it says otherwise. `limit` is what its numbers must be within.
+    fn show<'a>(&'a self, _limit: Limit, _visitor: &mut dyn Visitor<'a>) {}
 }
 
 /// A type that is read from the keys of a mapping, perhaps beside another's.
@@ -66,6 +70,9 @@ pub trait Fields: Sized {
 
     /// Whether all of its keys have defaults.
     fn all_optional() -> bool;
+
+    /// Shows what is in its keys to a visitor.
+    fn show_fields<'a>(&'a self, visitor: &mut dyn Visitor<'a>);
 }
 
 /// What writes a value wherever serde's serializers lead: to a tree, or as text to a file or a hash.

@@ -19,6 +19,7 @@ use crate::span::{Span, Spanned};
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
 use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Link, Matrix, Name, Named, Value};
+use crate::visit::Visitor;
 
 impl Describe for f64 {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
@@ -163,6 +164,11 @@ impl<T: Describe> Describe for Option<T> {
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "anyOf": [T::schema(limit, defs), { "type": "null" }] })
     }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        if let Some(v) = self {
+            v.show(limit, visitor);
+        }
+    }
 }
 
 impl<T: Describe> Describe for Vec<T> {
@@ -185,6 +191,9 @@ impl<T: Describe> Describe for Vec<T> {
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "array", "items": T::schema(limit, defs) })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.iter().for_each(|v| v.show(limit, visitor));
     }
 }
 
@@ -209,6 +218,9 @@ impl<T: Describe, const N: usize> Describe for [T; N] {
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "array", "items": T::schema(limit, defs), "minItems": N, "maxItems": N })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.iter().for_each(|v| v.show(limit, visitor));
     }
 }
 
@@ -376,6 +388,9 @@ impl Describe for Spectrum {
         let name = json!({ "type": "string", "pattern": "^[A-Za-z]" });
         json!({ "anyOf": [Color::schema(limit, defs), name, Measured::schema(limit, defs)] })
     }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        visitor.spectrum(self, limit);
+    }
 }
 
 impl Describe for Index {
@@ -425,6 +440,9 @@ impl<T: Describe> Describe for Value<T> {
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         T::schema(limit, defs)
     }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.get().show(limit, visitor);
+    }
 }
 
 impl<T: Describe> Describe for Named<T> {
@@ -453,6 +471,9 @@ impl<T: Describe> Describe for Named<T> {
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "object", "additionalProperties": T::schema(limit, defs) })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        self.iter().for_each(|(_, thing)| thing.show(limit, visitor));
     }
 }
 
@@ -708,5 +729,10 @@ impl Describe for MaterialRef {
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "anyOf": [<Spanned<String>>::schema(limit, defs), Material::schema(limit, defs)] })
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        if let Self::Inline(material) = self {
+            material.show(limit, visitor);
+        }
     }
 }

@@ -1,4 +1,5 @@
-//! The single definition from which come a description type, its reading, its writing, its defaults and its schema.
+//! The single definition from which come a description type, its reading, its writing, its defaults, its schema and a way to look
+//! through its values.
 
 /// Defines a struct or an enum of the scene language.
 ///
@@ -79,6 +80,12 @@ macro_rules! describe {
                 $( describe!(@optional $($default)?) && )*
                 $( <$Flat as $crate::decode::Fields>::all_optional() && )? true
             }
+
+            fn show_fields<'a>(&'a self, visitor: &mut dyn $crate::visit::Visitor<'a>) {
+                $( $crate::decode::Describe::show(&self.$f, describe!(@limit $($limit)?), visitor); )*
+                $( <$Flat as $crate::decode::Fields>::show_fields(&self.$flat, visitor); )?
+                let _ = visitor;
+            }
         }
 
         impl $crate::decode::Describe for $T {
@@ -113,6 +120,14 @@ macro_rules! describe {
 
             fn may_be_empty() -> bool {
                 <Self as $crate::decode::Fields>::all_optional()
+            }
+
+            fn show<'a>(
+                &'a self,
+                _: $crate::limit::Limit,
+                visitor: &mut dyn $crate::visit::Visitor<'a>,
+            ) {
+                $crate::decode::Fields::show_fields(self, visitor);
             }
         }
     };
@@ -178,6 +193,16 @@ macro_rules! describe {
                     choices.into_schema(&[$($doc),+])
                 })
             }
+
+            fn show<'a>(
+                &'a self,
+                _: $crate::limit::Limit,
+                visitor: &mut dyn $crate::visit::Visitor<'a>,
+            ) {
+                match self {
+                    $( describe!(@pattern inner $V $($P)?) => describe!(@show inner visitor $($P)?), )+
+                }
+            }
         }
     };
 
@@ -218,6 +243,11 @@ macro_rules! describe {
     (@write $inner:ident $out:ident $key:literal) => { $out.serialize_str($key) };
     (@write $inner:ident $out:ident $key:literal $P:ty) => {
         $out.collect_map([($key, $crate::decode::Written($inner))])
+    };
+
+    (@show $inner:ident $visitor:ident) => {{ let _ = $visitor; }};
+    (@show $inner:ident $visitor:ident $P:ty) => {
+        $crate::decode::Describe::show($inner, $crate::limit::Limit::FINITE, $visitor)
     };
 
     (@choice $choices:ident $defs:ident $key:literal [$($doc:literal),+]) => {

@@ -26,6 +26,7 @@ pub mod suggest;
 pub mod tree;
 pub mod validate;
 pub mod value;
+pub mod visit;
 
 pub use assets::{Assets, MeshAsset, PartMaterial};
 pub use desc::Scene;

@@ -10,9 +10,10 @@ use crate::desc::{
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::handle::Handle;
+use crate::limit::Limit;
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{Asset, Color, FileRef, Link, Name, Places, Value};
+use crate::value::{Asset, Color, FileRef, Link, Name, Places};
 use crate::{Image, Mesh};
 
 /// Most instances inside one another.
@@ -178,29 +179,12 @@ impl Scene {
 
     /// The spectra that are in files, and these.
     pub fn spectra_of_files(&self) -> Vec<(&FileRef, &Measured)> {
-        let mut spectra: Vec<&Spectrum> = self.lights.iter().filter_map(Light::spectrum).collect();
-        for (_, material) in self.materials.iter() {
-            spectra.extend(material.spectra());
-        }
-        self.visit(|node| {
-            if let Some(MaterialRef::Inline(material)) = node.material() {
-                spectra.extend(material.spectra());
-            }
-            let emission = node.surface().and_then(|s| s.emission.as_ref());
-            spectra.extend(emission.map(Value::get));
-        });
-        spectra.into_iter().filter_map(Spectrum::in_file).collect()
+        self.spectra().into_iter().filter_map(|(spectrum, _)| spectrum.in_file()).collect()
     }
 
-    /// The colours of surfaces that are parts of the light that arrives.
+    /// The colours that are parts of the light that arrives.
     pub fn reflectances(&self) -> Vec<&Spectrum> {
-        let mut found: Vec<&Spectrum> = self.materials.iter().flat_map(|(_, m)| m.reflectances()).collect();
-        self.visit(|node| {
-            if let Some(MaterialRef::Inline(material)) = node.material() {
-                found.extend(material.reflectances());
-            }
-        });
-        found
+        self.spectra().into_iter().filter(|(_, limit)| *limit == Limit::UNIT).map(|(s, _)| s).collect()
     }
 
     /// The picture files that are named, with repetitions.

@@ -1,8 +1,11 @@
 //! Cube maps: all directions on six square faces.
 
 use super::view::Axes;
-use super::{FilmPoint, View};
+use super::{Camera, Facts, FilmPoint, Sees, Setup, View, turned};
+use crate::error::CompileError;
+use crate::footprint::Footprint;
 use straal_math::{DVec3, Ray, Vec3};
+use straal_scene::desc;
 
 /// Where in the picture the faces are. Each is what a pinhole of 90 degrees sees from the middle of the cube, those to the
 /// sides with the same direction up, the upper one with its lower edge to the front, the lower one with its upper edge.
@@ -73,14 +76,55 @@ impl CubeMap {
         (side > 0).then_some(Self { eye: view.eye.as_vec3(), faces, layout, side })
     }
 
+    /// The face that is looked through, and the direction, not of unit length.
     #[inline]
-    pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    fn direction(&self, at: &FilmPoint) -> Option<(&Axes, Vec3)> {
         let [column, row] = at.pixel.map(|n| n / self.side);
         let face = &self.faces[self.layout.face(column, row)?];
         // From -1 to 1 over the face; a little more where a filter reaches over its edge.
         let within = |position: f32, first: u32| 2.0 * (position - first as f32) / self.side as f32 - 1.0;
         let x = within(at.position[0], column * self.side);
         let y = -within(at.position[1], row * self.side);
-        Some(Ray { time: at.time, ..Ray::new(self.eye, face.direction(x, y, 1.0).normalize()) })
+        Some((face, face.direction(x, y, 1.0)))
+    }
+
+    /// Of what a scene says.
+    pub(super) fn of(c: &desc::CubeMap, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+        let layout = match c.layout {
+            desc::CubeLayout::Cross => CubeLayout::Cross,
+            desc::CubeLayout::Row => CubeLayout::Row,
+        };
+        let [columns, rows] = layout.faces();
+        let map = Self::new(&setup.view, layout, setup.size).map(Camera::CubeMap);
+        map.ok_or_else(|| {
+            let [w, h] = setup.size;
+            CompileError::new(format!(
+                "a picture of {w} x {h} pixels has no room for {columns} x {rows} faces"
+            ))
+        })
+    }
+}
+
+impl Sees for CubeMap {
+    #[inline]
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        let (_, d) = self.direction(at)?;
+        Some(Ray { time: at.time, ..Ray::new(self.eye, d.normalize()) })
+    }
+
+    fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let Some((face, d)) = self.direction(at) else { return Footprint::NONE };
+        let pixel = 2.0 / self.side as f32;
+        Footprint { d: turned(d, face.right * pixel, face.up * -pixel), ..Footprint::NONE }
+    }
+
+    fn facts(&self) -> Facts {
+        Facts::plain("cube map")
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        let cube = |layout| Camera::CubeMap(Self::new(view, layout, size).expect("room for faces"));
+        vec![("cross", cube(CubeLayout::Cross)), ("row", cube(CubeLayout::Row))]
     }
 }

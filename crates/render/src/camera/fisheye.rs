@@ -1,8 +1,11 @@
 //! Fisheyes: pictures of up to all directions in a circle.
 
 use super::view::Axes;
-use super::{FilmPoint, View};
+use super::{Camera, Facts, FilmPoint, Sees, Setup, View};
+use crate::error::CompileError;
+use crate::footprint::Footprint;
 use straal_math::{Ray, ops};
+use straal_scene::desc;
 
 /// How the angle a to the view follows from the distance r from the middle, both relative to those of the circle's edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +51,22 @@ impl Fisheye {
         }
     }
 
+    /// Of what a scene says.
+    pub(super) fn of(c: &desc::Fisheye, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+        let projection = match c.projection {
+            desc::FisheyeProjection::Equidistant => Projection::Equidistant,
+            desc::FisheyeProjection::Equisolid => Projection::Equisolid,
+            desc::FisheyeProjection::Orthographic => Projection::Orthographic,
+            desc::FisheyeProjection::Stereographic => Projection::Stereographic,
+        };
+        let diameter = c.fov_axis.extent(setup.size.map(f64::from));
+        Ok(Camera::Fisheye(Self::new(&setup.view, (projection, c.fov), diameter, setup.size)))
+    }
+}
+
+impl Sees for Fisheye {
     #[inline]
-    pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
         let x = (at.position[0] - self.middle[0]) * self.scale;
         let y = (self.middle[1] - at.position[1]) * self.scale;
         let r = (x * x + y * y).sqrt();
@@ -70,5 +87,53 @@ impl Fisheye {
         let across = if r > 0.0 { sin / r } else { 0.0 };
         let d = self.axes.direction(x * across, y * across, cos);
         Some(Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) })
+    }
+
+    /// Outwards the angle a to the view grows by da/dr, and about the view a step is as long as sin a / r.
+    fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let x = (at.position[0] - self.middle[0]) * self.scale;
+        let y = (self.middle[1] - at.position[1]) * self.scale;
+        let r = (x * x + y * y).sqrt();
+        if r > 1.0 {
+            return Footprint::NONE;
+        }
+        let q = r * self.edge;
+        // At the edge of half a sphere, or of a whole one, the angle grows without bound.
+        let rest = ops::max(1.0 - q * q, 1e-6).sqrt();
+        let (growth, sin, cos) = match self.projection {
+            Projection::Equidistant => {
+                let (sin, cos) = ops::sin_cos(q);
+                (1.0, sin, cos)
+            }
+            Projection::Equisolid => (2.0 / rest, 2.0 * q * rest, 1.0 - 2.0 * q * q),
+            Projection::Orthographic => (1.0 / rest, q, rest),
+            Projection::Stereographic => {
+                let n = 1.0 / (1.0 + q * q);
+                (2.0 * n, 2.0 * q * n, (1.0 - q * q) * n)
+            }
+        };
+        let outwards = growth * self.edge * self.scale;
+        let (out, about) =
+            if r > 0.0 { (([x / r, y / r]), sin / r * self.scale) } else { ([1.0, 0.0], outwards) };
+        let radial = self.axes.direction(out[0] * cos, out[1] * cos, -sin) * outwards;
+        let round = self.axes.direction(-out[1], out[0], 0.0) * about;
+        let d = [radial * out[0] - round * out[1], -(radial * out[1] + round * out[0])];
+        Footprint { d, ..Footprint::NONE }
+    }
+
+    fn facts(&self) -> Facts {
+        Facts::plain("fisheye")
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        let fisheye =
+            |projection, degrees| Camera::Fisheye(Self::new(view, (projection, degrees), 100.0, size));
+        vec![
+            ("equidistant", fisheye(Projection::Equidistant, 360.0)),
+            ("equisolid", fisheye(Projection::Equisolid, 360.0)),
+            ("orthographic fisheye", fisheye(Projection::Orthographic, 180.0)),
+            ("stereographic", fisheye(Projection::Stereographic, 300.0)),
+        ]
     }
 }

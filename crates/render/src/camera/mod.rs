@@ -10,12 +10,17 @@
 //!   light, and its guides are 0.
 //! - The place may be outside of the pixel, where a filter is wider than that. Where a picture is put together from several
 //!   (two eyes, six faces), the pixel says which of them it belongs to, so that none bleeds into another.
+//! - [`Camera::footprint`] is the ray's derivative by the place on the film: what a pixel sees, to first order.
 //! - It is a pure function of what it is given, of plain operations in a fixed order.
+//!
+//! To add one: its file, which implements [`Sees`] and gives examples to be tested; its line in the list below; its keys in the
+//! description.
 
 mod cube_map;
 mod facts;
 mod fisheye;
 mod iris;
+mod list;
 mod moving;
 mod orthographic;
 mod panorama;
@@ -39,7 +44,11 @@ pub use stereo::{Eyes, Stereo, StereoLayout};
 pub use thin_lens::ThinLens;
 pub use view::View;
 
-use straal_math::Ray;
+use crate::error::CompileError;
+use crate::footprint::Footprint;
+use straal_math::{Ray, Vec3};
+use straal_scene::desc;
+use straal_scene::value::Name;
 
 /// What a camera ray is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +70,13 @@ impl FilmPoint {
     }
 }
 
+/// How the unit vector along `d` changes from pixel to pixel when `d`, not of unit length, changes by `across` and `down`.
+fn turned(d: Vec3, across: Vec3, down: Vec3) -> [Vec3; 2] {
+    let square = d.length_squared();
+    let length = square.sqrt();
+    [across, down].map(|change| (change - d * (d.dot(change) / square)) / length)
+}
+
 /// What a camera makes use of, known before the first ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
@@ -72,74 +88,66 @@ pub struct Needs {
     pub taken: bool,
 }
 
-/// A camera of a picture of known size.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Camera {
+list::cameras! {
     /// All rays start at one point.
-    Perspective(Perspective),
+    Perspective of Perspective,
     /// Rays start on a lens and meet, pixel by pixel, in a plane.
-    ThinLens(Box<ThinLens>),
+    ThinLens,
     /// All rays are parallel.
-    Orthographic(Orthographic),
+    Orthographic of Orthographic,
     /// The angle to the view depends on the distance from the middle.
-    Fisheye(Box<Fisheye>),
+    Fisheye of Fisheye,
     /// Longitude and latitude.
-    Panorama(Box<Panorama>),
+    Panorama of Panorama,
     /// Six faces.
-    CubeMap(Box<CubeMap>),
+    CubeMap of CubeMap,
     /// Two eyes.
-    Stereo(Box<Stereo>),
+    Stereo,
     /// One of the others, carried along.
-    Moving(Box<Moving>),
+    Moving,
 }
 
-impl Camera {
-    /// The ray through a point of the film; `None` where nothing is seen.
-    #[inline]
-    pub fn ray(&self, at: &FilmPoint) -> Option<Ray> {
-        match self {
-            Self::Perspective(c) => Some(c.ray(at)),
-            Self::ThinLens(c) => Some(c.ray(at)),
-            Self::Orthographic(c) => Some(c.ray(at)),
-            Self::Fisheye(c) => c.ray(at),
-            Self::Panorama(c) => Some(c.ray(at)),
-            Self::CubeMap(c) => c.ray(at),
-            Self::Stereo(c) => c.ray(at),
-            Self::Moving(c) => c.ray(at),
-        }
+/// What a kind of camera does, by [the contract](self).
+trait Sees {
+    /// See [`Camera::ray`].
+    fn ray(&self, at: &FilmPoint) -> Option<Ray>;
+
+    /// See [`Camera::footprint`].
+    fn footprint(&self, at: &FilmPoint) -> Footprint;
+
+    /// See [`Camera::facts`].
+    fn facts(&self) -> Facts;
+
+    /// See [`Camera::needs`].
+    fn needs(&self) -> Needs {
+        Needs::default()
     }
 
-    /// How much of a sample's red, green and blue the film takes. All of it, unless glasses are worn: this is said where
-    /// light has become RGB, so that along the ray it stays four numbers of any meaning.
-    pub fn taken(&self, at: &FilmPoint) -> [f32; 3] {
-        match self {
-            Self::Stereo(c) => c.taken(at),
-            Self::Moving(c) => c.still().taken(at),
-            _ => [1.0; 3],
-        }
+    /// See [`Camera::taken`].
+    fn taken(&self, _at: &FilmPoint) -> [f32; 3] {
+        [1.0; 3]
     }
 
-    /// Pixels to which a length on a plane at distance 1 is magnified, for cameras that magnify by distance alone.
-    pub fn focal_pixels(&self) -> Option<f64> {
-        match self {
-            Self::Perspective(c) => Some(c.plane.window.focal_pixels()),
-            Self::ThinLens(c) => Some(c.plane.window.focal_pixels()),
-            Self::Moving(c) => c.still().focal_pixels(),
-            Self::Orthographic(_)
-            | Self::Fisheye(_)
-            | Self::Panorama(_)
-            | Self::CubeMap(_)
-            | Self::Stereo(_) => None,
-        }
+    /// See [`Camera::focal_pixels`].
+    fn focal_pixels(&self) -> Option<f64> {
+        None
     }
 
-    /// What of a sample's numbers it makes use of.
-    pub fn needs(&self) -> Needs {
-        match self {
-            Self::ThinLens(_) => Needs { lens: true, ..Needs::default() },
-            Self::Stereo(c) => c.needs(),
-            Self::Moving(c) => Needs { time: true, ..c.still().needs() },
-            _ => Needs::default(),
-        }
-    }
+    /// Some for the tests of the contract, each with a name.
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)>;
+}
+
+/// What a camera is made with, besides its own settings.
+pub(crate) struct Setup<'a> {
+    /// Where it stands in its own frame: in the world, unless it is carried along.
+    pub view: View,
+    /// Where it stands in the world when the shutter opens.
+    pub at_start: View,
+    /// Width and height of the picture that the scene describes, in pixels.
+    pub film: [u32; 2],
+    /// Those of the picture that is made.
+    pub size: [u32; 2],
+    /// Distance along a view to what goes by a name.
+    pub distance: &'a dyn Fn(&Name, &View) -> Result<f64, CompileError>,
 }

@@ -1,7 +1,10 @@
 //! A camera at infinity.
 
-use super::{FilmPoint, View};
+use super::{Camera, Facts, FilmPoint, Sees, Setup, View};
+use crate::error::CompileError;
+use crate::footprint::Footprint;
 use straal_math::{Ray, Vec3};
+use straal_scene::desc;
 
 /// Parallel rays: a point of the film is a point of a plane through the eye.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,9 +28,29 @@ impl Orthographic {
         }
     }
 
+    /// Of what a scene says.
+    pub(super) fn of(c: &desc::Orthographic, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+        Ok(Camera::Orthographic(Self::new(&setup.view, c.width, setup.size)))
+    }
+}
+
+impl Sees for Orthographic {
     #[inline]
-    pub(super) fn ray(&self, at: &FilmPoint) -> Ray {
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
         let [x, y] = at.position;
-        Ray { time: at.time, ..Ray::new(self.corner + self.dx * x + self.dy * y, self.forward) }
+        Some(Ray { time: at.time, ..Ray::new(self.corner + self.dx * x + self.dy * y, self.forward) })
+    }
+
+    fn footprint(&self, _: &FilmPoint) -> Footprint {
+        Footprint { o: [self.dx, self.dy], ..Footprint::NONE }
+    }
+
+    fn facts(&self) -> Facts {
+        Facts::plain("orthographic")
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        vec![("orthographic", Camera::Orthographic(Self::new(view, 4.0, size)))]
     }
 }

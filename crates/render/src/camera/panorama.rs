@@ -1,8 +1,11 @@
 //! Panoramas: all directions by longitude and latitude.
 
 use super::view::Axes;
-use super::{FilmPoint, View};
+use super::{Camera, Facts, FilmPoint, Sees, Setup, View};
+use crate::error::CompileError;
+use crate::footprint::Footprint;
 use straal_math::{Ray, ops};
+use straal_scene::desc;
 
 /// Where in the picture the ends of the latitudes are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,12 +49,42 @@ impl Panorama {
         }
     }
 
+    /// Of what a scene says.
+    pub(super) fn of(c: &desc::Panorama, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+        let rows = match c.rows {
+            desc::PanoramaRows::Even => Rows::Even,
+            desc::PanoramaRows::Centered => Rows::Centered,
+        };
+        Ok(Camera::Panorama(Self::new(&setup.view, c.longitude, (c.latitude, rows), setup.size)))
+    }
+}
+
+impl Sees for Panorama {
     #[inline]
-    pub(super) fn ray(&self, at: &FilmPoint) -> Ray {
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
         let [x, y] = at.position;
         let (sin_l, cos_l) = ops::sin_cos(self.left + self.across * x);
         let (sin_b, cos_b) = ops::sin_cos(self.top - self.down * y);
         let d = self.axes.direction(sin_l * cos_b, sin_b, cos_l * cos_b);
-        Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) }
+        Some(Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) })
+    }
+
+    fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let [x, y] = at.position;
+        let (sin_l, cos_l) = ops::sin_cos(self.left + self.across * x);
+        let (sin_b, cos_b) = ops::sin_cos(self.top - self.down * y);
+        let across = self.axes.direction(cos_l, 0.0, -sin_l) * (cos_b * self.across);
+        let down = self.axes.direction(-sin_l * sin_b, cos_b, -cos_l * sin_b) * -self.down;
+        Footprint { d: [across, down], ..Footprint::NONE }
+    }
+
+    fn facts(&self) -> Facts {
+        Facts::plain("panorama")
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        let panorama = |rows| Camera::Panorama(Self::new(view, [-180.0, 180.0], ([-90.0, 90.0], rows), size));
+        vec![("panorama", panorama(Rows::Even)), ("panorama for surroundings", panorama(Rows::Centered))]
     }
 }

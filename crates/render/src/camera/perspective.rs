@@ -1,7 +1,11 @@
 //! An ideal pinhole.
 
-use super::{FilmPoint, View};
+use super::facts::degrees;
+use super::{Camera, Facts, FilmPoint, Iris, Sees, Setup, Stereo, ThinLens, View, turned};
+use crate::error::CompileError;
+use crate::footprint::Footprint;
 use straal_math::{Ray, Vec3};
+use straal_scene::desc;
 
 /// The part of the view plane that the film sees, the plane being at distance 1 from the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +55,8 @@ pub struct Perspective {
 pub(super) struct ViewPlane {
     /// Through the picture's upper left corner, and the change with each pixel.
     corner: Vec3,
-    dx: Vec3,
-    dy: Vec3,
+    pub dx: Vec3,
+    pub dy: Vec3,
     pub window: Window,
 }
 
@@ -80,8 +84,84 @@ impl Perspective {
         Self { eye: view.eye.as_vec3(), plane: ViewPlane::new(view, window) }
     }
 
-    #[inline]
-    pub(super) fn ray(&self, at: &FilmPoint) -> Ray {
-        Ray { time: at.time, ..Ray::new(self.eye, self.plane.direction(at.position).normalize()) }
+    /// Of what a scene says: this, one with a lens, or two.
+    pub(super) fn of(c: &desc::Perspective, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+        if let Some(pair) = &c.stereo {
+            return Stereo::of(c, pair, setup);
+        }
+        let window = Window::new(c.tan_x(setup.film, setup.size), setup.size).shifted(c.shift);
+        one_eye(&setup.view, &window, lens(c, setup)?)
     }
+}
+
+impl Sees for Perspective {
+    #[inline]
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        Some(Ray { time: at.time, ..Ray::new(self.eye, self.plane.direction(at.position).normalize()) })
+    }
+
+    fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let plane = &self.plane;
+        Footprint { d: turned(plane.direction(at.position), plane.dx, plane.dy), ..Footprint::NONE }
+    }
+
+    fn focal_pixels(&self) -> Option<f64> {
+        Some(self.plane.window.focal_pixels())
+    }
+
+    fn facts(&self) -> Facts {
+        Facts { degrees: Some(degrees(&self.plane.window)), ..Facts::plain("perspective") }
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        let window = Window::new(0.5, size).shifted([0.1, -0.2]);
+        vec![("pinhole", Camera::Perspective(Self::new(view, &window)))]
+    }
+}
+
+/// Beyond these, single precision has no room for rays.
+const PLANE: std::ops::Range<f64> = 1e-12..1e12;
+
+/// A pinhole, or a lens.
+pub(super) fn one_eye(
+    view: &View,
+    window: &Window,
+    lens: Option<(Iris, f64)>,
+) -> Result<Camera, CompileError> {
+    let aside = |v: f64| v.abs() < PLANE.end;
+    if !(PLANE.contains(&window.tan_x)
+        && PLANE.contains(&window.tan_y())
+        && window.middle.into_iter().all(aside))
+    {
+        let message = format!(
+            "the camera's angle is beyond the range of numbers: its half has a tangent of {:e}",
+            window.tan_x
+        );
+        return Err(CompileError::new(message));
+    }
+    Ok(match lens {
+        None => Camera::Perspective(Perspective::new(view, window)),
+        Some((iris, _)) if !iris.radius().is_finite() => {
+            return Err(CompileError::new("the camera's lens is too wide for numbers"));
+        }
+        Some((iris, focus)) => Camera::ThinLens(ThinLens::new(view, window, iris, focus)),
+    })
+}
+
+/// The opening, and the distance that is in focus.
+pub(super) fn lens(c: &desc::Perspective, setup: &Setup<'_>) -> Result<Option<(Iris, f64)>, CompileError> {
+    let Some(lens) = &c.lens else { return Ok(None) };
+    let focus = match (&lens.focus_on, lens.focus_distance) {
+        (Some(name), _) => (setup.distance)(name, &setup.at_start)?,
+        (None, Some(distance)) => distance,
+        (None, None) => c.observer.distance(),
+    };
+    let radius = c.lens_radius(lens, setup.film, setup.size);
+    let iris = match (lens.blades, &lens.profile) {
+        (Some(blades), _) => Iris::polygon(radius, blades, lens.rotation),
+        (None, desc::LensProfile::Uniform) => Iris::round(radius),
+        (None, desc::LensProfile::Gaussian(g)) => Iris::gaussian(radius, g.sigma),
+    };
+    Ok(Some((iris, focus)))
 }

@@ -1,7 +1,11 @@
 //! Two eyes.
 
-use super::{Camera, FilmPoint, Needs, View, Window};
+use super::perspective::{lens, one_eye};
+use super::{Camera, Facts, FilmPoint, Needs, Sees, Setup, View, Window};
+use crate::error::CompileError;
+use crate::footprint::Footprint;
 use straal_math::Ray;
+use straal_scene::desc;
 
 /// Where two eyes are and what they look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +45,7 @@ pub enum StereoLayout {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stereo {
     /// The left and the right one.
-    eyes: [Camera; 2],
+    eyes: Box<[Camera; 2]>,
     layout: StereoLayout,
     /// Width of the picture of one eye in pixels.
     width: u32,
@@ -58,21 +62,18 @@ impl Stereo {
 
     /// The left and the right eye, whose pictures are `width` pixels wide.
     pub fn new(eyes: [Camera; 2], layout: StereoLayout, width: u32) -> Self {
-        Self { eyes, layout, width }
+        Self { eyes: Box::new(eyes), layout, width }
     }
 
-    /// The camera of the left eye.
-    pub fn left(&self) -> &Camera {
-        &self.eyes[0]
-    }
-
-    pub(super) fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    /// The eye that sees a point, and the point in its own picture.
+    #[inline]
+    fn eye(&self, at: &FilmPoint) -> Option<(&Camera, FilmPoint)> {
         let (half, crossed) = match self.layout {
             StereoLayout::Anaglyph => {
                 let eye = usize::from(at.lens[0] >= 0.5);
                 // What is left of the number is as good as before, for the lens.
                 let lens = [2.0 * at.lens[0] - eye as f32, at.lens[1]];
-                return self.eyes[eye].ray(&FilmPoint { lens, ..*at });
+                return Some((&self.eyes[eye], FilmPoint { lens, ..*at }));
             }
             StereoLayout::Parallel => (at.pixel[0] / self.width, 0),
             StereoLayout::Crossed => (at.pixel[0] / self.width, 1),
@@ -81,10 +82,54 @@ impl Stereo {
         let [x, y] = at.position;
         let own =
             FilmPoint { pixel: [at.pixel[0] - first, at.pixel[1]], position: [x - first as f32, y], ..*at };
-        self.eyes.get((half ^ crossed) as usize).filter(|_| half < 2)?.ray(&own)
+        Some((self.eyes.get((half ^ crossed) as usize).filter(|_| half < 2)?, own))
     }
 
-    pub(super) fn taken(&self, at: &FilmPoint) -> [f32; 3] {
+    /// Of what a scene says of a pair of eyes.
+    pub(super) fn of(
+        c: &desc::Perspective,
+        pair: &desc::Stereo,
+        setup: &Setup<'_>,
+    ) -> Result<Camera, CompileError> {
+        let layout = match pair.layout {
+            desc::StereoLayout::Parallel => StereoLayout::Parallel,
+            desc::StereoLayout::Crossed => StereoLayout::Crossed,
+            // One eye by itself has the whole picture, as each has in an anaglyph.
+            desc::StereoLayout::Anaglyph | desc::StereoLayout::Left | desc::StereoLayout::Right => {
+                StereoLayout::Anaglyph
+            }
+        };
+        let (film, own) = (Self::picture(layout, setup.film), Self::picture(layout, setup.size));
+        if own[0] == 0 {
+            return Err(CompileError::new("a picture one pixel wide has no room for two eyes"));
+        }
+        let window = Window::new(c.tan_x(film, own), own).shifted(c.shift);
+        let lens = lens(c, &Setup { film, size: own, ..*setup })?;
+        let convergence = pair.convergence.unwrap_or_else(|| c.observer.distance());
+        let eyes = Eyes { separation: pair.separation, convergence };
+        let eye = |i: usize| {
+            let (view, window) = eyes.eye(i, &setup.view, &window);
+            one_eye(&view, &window, lens.clone())
+        };
+        Ok(match pair.layout {
+            desc::StereoLayout::Left => eye(0)?,
+            desc::StereoLayout::Right => eye(1)?,
+            _ => Camera::Stereo(Self::new([eye(0)?, eye(1)?], layout, own[0])),
+        })
+    }
+}
+
+impl Sees for Stereo {
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        let (eye, own) = self.eye(at)?;
+        eye.ray(&own)
+    }
+
+    fn footprint(&self, at: &FilmPoint) -> Footprint {
+        self.eye(at).map_or(Footprint::NONE, |(eye, own)| eye.footprint(&own))
+    }
+
+    fn taken(&self, at: &FilmPoint) -> [f32; 3] {
         match self.layout {
             StereoLayout::Anaglyph if at.lens[0] < 0.5 => [2.0, 0.0, 0.0],
             StereoLayout::Anaglyph => [0.0, 2.0, 2.0],
@@ -92,9 +137,30 @@ impl Stereo {
         }
     }
 
-    pub(super) fn needs(&self) -> Needs {
+    fn needs(&self) -> Needs {
         let anaglyph = self.layout == StereoLayout::Anaglyph;
         let eye = self.eyes[0].needs();
         Needs { lens: eye.lens || anaglyph, taken: anaglyph, ..eye }
+    }
+
+    fn facts(&self) -> Facts {
+        Facts { kind: "stereo", ..self.eyes[0].facts() }
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        let stereo = |layout| {
+            let own = Window::new(0.5, Self::picture(layout, size)).shifted([0.1, -0.2]);
+            let eyes = [0, 1].map(|i| {
+                let (view, window) = Eyes { separation: 0.3, convergence: 4.0 }.eye(i, view, &own);
+                Camera::Perspective(super::Perspective::new(&view, &window))
+            });
+            Camera::Stereo(Self::new(eyes, layout, own.size[0]))
+        };
+        vec![
+            ("parallel", stereo(StereoLayout::Parallel)),
+            ("crossed", stereo(StereoLayout::Crossed)),
+            ("anaglyph", stereo(StereoLayout::Anaglyph)),
+        ]
     }
 }

@@ -1,7 +1,11 @@
 //! A thin lens.
 
+#[cfg(test)]
+use super::Camera;
+use super::facts::degrees;
 use super::perspective::ViewPlane;
-use super::{FilmPoint, Iris, View, Window};
+use super::{Facts, FilmPoint, Focus, Iris, Needs, Sees, View, Window, turned};
+use crate::footprint::Footprint;
 use straal_math::{Ray, Vec3};
 
 /// A lens without thickness or faults: of all light that leaves a point of the plane in focus, every place on the lens sends
@@ -44,12 +48,52 @@ impl ThinLens {
     pub fn focus(&self) -> f32 {
         self.focus
     }
+}
 
+impl Sees for ThinLens {
     #[inline]
-    pub(super) fn ray(&self, at: &FilmPoint) -> Ray {
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
         let [x, y] = self.iris.sample(at.lens);
         let place = self.right * x + self.up * y;
         let towards = self.plane.direction(at.position) * self.focus - place;
-        Ray { time: at.time, ..Ray::new(self.middle + place, towards.normalize()) }
+        Some(Ray { time: at.time, ..Ray::new(self.middle + place, towards.normalize()) })
+    }
+
+    fn footprint(&self, at: &FilmPoint) -> Footprint {
+        let [x, y] = self.iris.sample(at.lens);
+        let place = self.right * x + self.up * y;
+        let towards = self.plane.direction(at.position) * self.focus - place;
+        let [dx, dy] = [self.plane.dx, self.plane.dy].map(|d| d * self.focus);
+        Footprint { d: turned(towards, dx, dy), ..Footprint::NONE }
+    }
+
+    fn needs(&self) -> Needs {
+        Needs { lens: true, ..Needs::default() }
+    }
+
+    fn focal_pixels(&self) -> Option<f64> {
+        Some(self.plane.window.focal_pixels())
+    }
+
+    fn facts(&self) -> Facts {
+        let (radius, distance) = (f64::from(self.iris.radius()), f64::from(self.focus));
+        let window = &self.plane.window;
+        // Half a pixel's width in the plane in focus, over the radius: a point at distance z is spread over
+        // 2 r |z - f| / z there.
+        let part = window.tan_x * distance / f64::from(window.size[0]) / radius;
+        let far = if part < 1.0 { distance / (1.0 - part) } else { f64::INFINITY };
+        let focus = Focus { radius, distance, sharp: [distance / (1.0 + part), far] };
+        Facts { kind: "thin lens", degrees: Some(degrees(window)), focus: Some(focus) }
+    }
+
+    #[cfg(test)]
+    fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
+        let window = Window::new(0.5, size).shifted([0.1, -0.2]);
+        let lens = |iris| Camera::ThinLens(Self::new(view, &window, iris, 3.0));
+        vec![
+            ("round lens", lens(Iris::round(0.2))),
+            ("soft lens", lens(Iris::gaussian(0.2, 0.4))),
+            ("blades", lens(Iris::polygon(0.2, 5, 10.0))),
+        ]
     }
 }

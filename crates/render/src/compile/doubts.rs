@@ -20,8 +20,7 @@ const CAUGHT: f64 = 0.5;
 
 /// Lights without size behind glass: shadow rays don't pass through it, and no path can meet a point by chance.
 pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
-    let glass = |m: &Material| matches!(m, Material::Dielectric { .. } | Material::Prism { .. });
-    if !world.materials.list.iter().any(glass) {
+    if !world.materials.iter().any(Material::is_clear) {
         return;
     }
     for light in world.emitters.iter().filter(|l| l.is_delta()).take(MOST_LIGHTS) {
@@ -30,7 +29,9 @@ pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
         world.closest(&rays, &mut hits);
         let met = hits.iter().filter(|h| h.is_hit()).count();
         let is_glass = |h: &&Hit| {
-            world.material_hit(h).is_some_and(|m| world.materials.list.get(m as usize).is_some_and(glass))
+            { world.material_hit(h) }
+                .and_then(|m| world.materials.get(m as usize))
+                .is_some_and(Material::is_clear)
         };
         let caught = hits.iter().filter(is_glass).count();
         if met == 0 || (caught as f64) < CAUGHT * met as f64 {

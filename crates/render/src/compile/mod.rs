@@ -9,13 +9,13 @@ mod doubts;
 mod dropped;
 mod focus;
 mod lights;
-mod look;
-mod paint;
+mod materials;
 mod place;
 
 pub use place::GLOWING_BYTES;
 
-use crate::film::Recording;
+pub use crate::error::CompileError;
+use crate::film::{Recording, Sensor};
 use crate::filter::{Filter, Profile, Separable};
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
@@ -24,28 +24,7 @@ use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::DVec3;
 use straal_scene::desc;
-use straal_scene::span::Span;
 use straal_scene::{Assets, Scene};
-
-/// Why a description has no world. Validation finds nearly all of this earlier, with better words.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{message}")]
-pub struct CompileError {
-    /// What is wrong.
-    pub message: String,
-    /// Where the description says it, as far as that is known.
-    pub span: Span,
-}
-
-impl CompileError {
-    fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), span: Span::NONE }
-    }
-
-    fn at(message: impl Into<String>, span: Span) -> Self {
-        Self { message: message.into(), span }
-    }
-}
 
 /// What a program adds to a description.
 #[derive(Clone, Debug, Default)]
@@ -135,14 +114,16 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         lights::Around { geometry: &geometry, search: &accel, centre },
         glowing,
     )?;
-    paint.palette.record(recording, scene.color.space.space());
+    let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
         camera,
         filter: filter(&scene.film.filter)?,
         geometry,
         accel,
         materials,
-        palette: paint.palette,
+        textures: Vec::new(),
+        tables: paint.spectra,
+        sensor,
         emitters: lights.emitters,
         lights: lights.table,
         looks,

@@ -1,13 +1,14 @@
 //! The walk over the tree of the world.
 
-use super::look::Materials;
-use super::paint::Paint;
+use super::materials::Materials;
 use super::{CompileError, Custom, Detail};
 use crate::lanes::Colour;
 use crate::light::LightTable;
 use crate::material;
+use crate::paint::Paint;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
+use crate::texture::Value;
 use crate::world::{INHERIT, Kind, Look, TopLevel};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -26,7 +27,7 @@ const MAX_DISSOLVED: usize = 1_000_000;
 /// A surface that glows.
 pub(super) struct Glowing {
     pub kind: Kind,
-    pub radiance: Colour,
+    pub radiance: Value<Colour>,
     pub two_sided: bool,
     pub flip: bool,
 }
@@ -401,7 +402,7 @@ impl<'a> Build<'a> {
         let material = self.materials.of(surface.material.as_ref(), place.material)?;
         let mut look = self.add_shape(shape, place.group, material, flip);
         if let Some(emission) = &surface.emission {
-            let radiance = self.materials.emission(emission.get())?;
+            let radiance = self.materials.emission(emission)?;
             look.emitter = Some(self.glow(look.kind, radiance, surface.two_sided_emission, flip));
         }
         self.looks.push(look);
@@ -422,7 +423,7 @@ impl<'a> Build<'a> {
         self.input.groups[group as usize].geometries.push(id);
     }
 
-    fn glow(&mut self, kind: Kind, radiance: Colour, two_sided: bool, flip: bool) -> u32 {
+    fn glow(&mut self, kind: Kind, radiance: Value<Colour>, two_sided: bool, flip: bool) -> u32 {
         self.glowing.push(Glowing { kind, radiance, two_sided, flip });
         (self.glowing.len() - 1) as u32
     }
@@ -473,7 +474,7 @@ impl<'a> Build<'a> {
             mesh.normals.iter_mut().for_each(|n| *n = -*n);
         }
         let default = self.materials.of(surface.material.as_ref(), place.material)?;
-        let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e.get())).transpose()?;
+        let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e)).transpose()?;
         let mut known = Vec::new();
         for run in runs {
             let material = match run.material {
@@ -483,7 +484,7 @@ impl<'a> Build<'a> {
             let part_glow = run.material.and_then(|part| part.emission);
             let radiance = match (own_glow, part_glow) {
                 (Some(own), _) => Some(own),
-                (None, Some(part)) => Some(self.materials.emission(&part.into())?),
+                (None, Some(part)) => Some(self.materials.emission(&desc::Spectrum::from(part).into())?),
                 (None, None) => None,
             };
             let id = self.geometry.meshes.len() as u32;

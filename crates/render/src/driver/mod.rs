@@ -74,7 +74,7 @@ impl<'w, I: Integrator> Render<'w, I> {
             false => settings.rendered(f64::from(world.filter.radius())),
         };
         let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
-        if let Some(bands) = world.palette.recording().bands() {
+        if let Some(bands) = world.sensor.recording().bands() {
             film.hold_bands(*bands);
         }
         if settings.splat {
@@ -154,7 +154,7 @@ impl<'w, I: Integrator> Render<'w, I> {
 
     /// The same, each worker asking what rays hit through a probe of its own; gives the probes back.
     pub fn advance_through<P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
-        if self.world.palette.is_spectral() {
+        if self.world.tables.is_spectral() {
             self.advance_by::<Wavelengths, P>(samples, probe)
         } else {
             self.advance_by::<Rgb, P>(samples, probe)

@@ -1,8 +1,25 @@
 //! Paths sorted into queues.
 
 use crate::integrator::Kind;
+use crate::lanes::Rgb;
+use crate::material::BsdfKind;
+use crate::texture::ShadingPoint;
 use crate::world::World;
 use straal_accel::Hit;
+
+/// What must be computed where a ray meets a material.
+fn kind_of(world: &World, material: u32) -> Kind {
+    if world.materials.wants(material).point {
+        return Kind::Varying;
+    }
+    let reading = world.reading(Rgb::default());
+    match world.materials.bsdf(material, &ShadingPoint::NOWHERE, &reading).kind() {
+        // What is black in red, green and blue may not be at every wavelength.
+        BsdfKind::Black if !world.tables.is_spectral() => Kind::Dark,
+        BsdfKind::Black => Kind::Varying,
+        kind => Kind::Scattering(kind),
+    }
+}
 
 /// Sorts the paths of a turn by what must be computed where their rays arrived, and within that by material, so that like is
 /// shaded beside like.
@@ -20,14 +37,11 @@ pub(super) struct Sorting {
 
 impl Sorting {
     pub fn new(world: &World) -> Self {
-        let materials = &world.materials.list;
-        let kind = |m: &u32| materials[*m as usize].kind();
-        let mut by_kind: Vec<u32> = (0..materials.len() as u32).collect();
-        by_kind.sort_by_key(|m| match kind(m) {
-            Kind::Scattering(kind) => u16::from(kind) + 1,
-            _ => 0,
-        });
-        let mut rank = vec![0; materials.len()];
+        let count = world.materials.len();
+        let kind = |m: &u32| kind_of(world, *m);
+        let mut by_kind: Vec<u32> = (0..count as u32).collect();
+        by_kind.sort_by_key(kind);
+        let mut rank = vec![0; count];
         for (place, &m) in by_kind.iter().enumerate() {
             rank[m as usize] = place as u32;
         }

@@ -11,6 +11,7 @@ use crate::camera::{FilmPoint, Needs};
 use crate::film::channel::{FirstHit, Seen, see};
 use crate::film::{BandSample, FilmTile, Flying, LightSum, Sample, TILE};
 use crate::filter::{Filter, FilterSample};
+use crate::footprint::PackedFootprint;
 use crate::integrator::{Contribution, Integrator, Origin, Out, Path, PathTracer, Queue, Start, Target};
 use crate::lanes::{Lanes, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, Probe};
@@ -192,7 +193,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
         let at = FilmPoint { pixel, position, lens, time };
         let u = if L::DRAWN { pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
-        let lanes = L::drawn(&world.palette, u);
+        let lanes = L::drawn(&world.tables, u);
         let taken = if self.needs.taken { world.camera.taken(&at) } else { [1.0; 3] };
         let pending = Pending { name: (pixel, index), tile: self.tile, lanes, weight, offset, taken };
         let sample = self.samples.begin(pending);
@@ -200,7 +201,11 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
 
         // Where nothing is seen there is no path, and the sample is black.
         let camera_ray = if I::ORIGIN == Origin::Camera { world.camera.ray(&at) } else { None };
-        let start = Start { world, pattern, name, lanes, camera_ray };
+        let mut footprint = PackedFootprint::NONE;
+        if I::ORIGIN == Origin::Camera && world.materials.vary() {
+            footprint = world.camera.footprint(&at).packed();
+        }
+        let start = Start { world, pattern, name, lanes, camera_ray, footprint };
         if let Some((ray, state)) = self.integrator.start(&start) {
             self.rays.push(ray);
             self.paths.push(Path { name, sample, state });
@@ -229,7 +234,11 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             for i in old..paths.len() {
                 let (ray, hit) = (&rays[i], &self.hits[i]);
                 if hit.is_hit() {
-                    let first = FirstHit { world, surface: world.surface(ray, hit), distance: hit.t };
+                    let first = FirstHit {
+                        world,
+                        surface: world.surface(ray, hit, &PackedFootprint::NONE),
+                        distance: hit.t,
+                    };
                     self.samples.seen[paths[i].sample as usize] = see(&first);
                 }
             }
@@ -288,7 +297,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             let (Target::Film(at), Some(pending)) = (splat.target, &self.samples.pending[sample]) else {
                 continue;
             };
-            let rgb = pending.lanes.film(&self.world.palette, splat.light);
+            let rgb = self.world.sensor.take(pending.lanes, splat.light);
             let reach = |axis: usize| {
                 let first = (at[axis] - 0.5 - filter.radius()).ceil();
                 let end = (at[axis] - 0.5 + filter.radius()).floor() + 1.0;
@@ -310,7 +319,6 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
 
     /// Gives the film the samples that are finished.
     fn finish(&mut self, pass: &Pass<'_, '_>) {
-        let palette = &self.world.palette;
         let mut held: Option<(u32, MutexGuard<'_, &mut FilmTile>)> = None;
         while let Some((place, pending)) = self.samples.finished() {
             let tile = match &mut held {
@@ -319,14 +327,14 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             };
             let Pending { name: (pixel, index), lanes, weight, offset, taken, .. } = pending;
             let light = self.samples.sums[place].light();
-            let rgb = lanes.film(palette, light);
+            let rgb = self.world.sensor.take(lanes, light);
             let sample = Sample {
                 rgb: std::array::from_fn(|i| rgb[i] * weight * taken[i]),
                 seen: self.samples.seen.get(place).copied().unwrap_or_default(),
                 negative: weight < 0.0,
             };
             self.bands.clear();
-            lanes.bands(palette, light * weight, &mut self.bands);
+            self.world.sensor.bands(lanes, light * weight, &mut self.bands);
             let is_taken = tile.add(pixel, index, &sample, &self.bands);
             if let Some(splats) = tile.splats() {
                 let sample = is_taken.then_some(&sample);

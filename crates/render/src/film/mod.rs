@@ -11,6 +11,7 @@ mod fixed;
 mod hash;
 mod light_sum;
 mod recording;
+mod sensor;
 mod splat;
 mod sums;
 
@@ -21,6 +22,7 @@ pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
 pub use light_sum::LightSum;
 pub use recording::Recording;
+pub use sensor::Sensor;
 pub use splat::{Flying, Splats, reach};
 pub use sums::{Held, Joined, Span};
 

@@ -17,6 +17,7 @@ pub use path::PathTracer;
 pub use queue::{Arrival, Kind, Queue};
 pub use sine_product::SineProduct;
 
+use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::world::World;
 use straal_math::Ray;
@@ -69,6 +70,8 @@ pub struct Start<'a, L> {
     pub lanes: L,
     /// What the camera sees by this sample; `None` where that is nothing, and for paths from lights.
     pub camera_ray: Option<Ray>,
+    /// What of a surface that ray stands for; none in a world where nothing asks for it.
+    pub footprint: PackedFootprint,
 }
 
 /// A path in flight.

@@ -1,9 +1,10 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
 use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
+use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
-use crate::material::{Bsdf, Shaded, Transport};
+use crate::material::{Bsdf, BsdfSample, Shaded, Transport};
 use crate::shape::offset::End;
 use crate::stopwatch::Phase;
 use crate::surface::Surface;
@@ -39,6 +40,8 @@ impl Default for PathTracer {
 pub struct State<L> {
     /// By what it reads colours.
     lanes: L,
+    /// What of a surface its ray stands for; none in a world where nothing asks for it.
+    footprint: PackedFootprint,
     /// Share of the light at the ray's end that reaches the film.
     beta: Light,
     /// The previous vertex, as light sampling saw it.
@@ -86,6 +89,7 @@ impl Integrator for PathTracer {
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
         let state = State {
             lanes: start.lanes,
+            footprint: start.footprint,
             beta: start.lanes.full(),
             from: Receiver { p: Vec3::ZERO, n: Vec3::ZERO },
             pdf: 0.0,
@@ -100,10 +104,10 @@ impl Integrator for PathTracer {
         match queue.kind {
             Kind::Missed => queue.arrivals().for_each(|arrival| miss(world, &arrival, out)),
             Kind::Dark => queue.arrivals().for_each(|arrival| {
-                let surface = world.surface(arrival.ray, arrival.hit);
+                let surface = world.surface(arrival.ray, arrival.hit, &arrival.path.state.footprint);
                 meet_light(world, &arrival, &surface, out);
             }),
-            Kind::Scattering(_) => self.scatter_all(world, queue, out),
+            Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, out),
         }
     }
 }
@@ -123,7 +127,7 @@ impl PathTracer {
             }
             out.stopwatch.lap(Phase::Lights);
             for vertex in vertices.iter().flatten() {
-                self.scatter(queue, vertex, out);
+                self.scatter(world, queue, vertex, out);
             }
             out.stopwatch.lap(Phase::Shading);
         }
@@ -140,13 +144,13 @@ impl PathTracer {
     ) -> Option<Vertex<'w>> {
         let arrival = queue.arrival(path);
         let state = &arrival.path.state;
-        let surface = world.surface(arrival.ray, arrival.hit);
+        let surface = world.surface(arrival.ray, arrival.hit, &state.footprint);
         meet_light(world, &arrival, &surface, out);
         if state.depth >= self.max_depth {
             return None;
         }
         let bsdf = world.bsdf(&surface, state.lanes);
-        if matches!(bsdf, Bsdf::Black) {
+        if matches!(bsdf, Bsdf::Black(_)) {
             return None;
         }
         let wo = surface.frame.to_local(-arrival.ray.d);
@@ -158,6 +162,7 @@ impl PathTracer {
     #[inline]
     fn scatter<L: Lanes>(
         &self,
+        world: &World,
         queue: &Queue<'_, State<L>>,
         vertex: &Vertex<'_>,
         out: &mut Out<'_, State<L>>,
@@ -192,10 +197,16 @@ impl PathTracer {
 
         let wi = vertex.frame.to_world(s.wi);
         let ray = &queue.rays[vertex.path as usize];
+        let mut footprint = state.footprint;
+        if world.materials.vary() {
+            let hit = &queue.hits[vertex.path as usize];
+            footprint = world.footprint_beyond(&footprint, (ray, hit), &BsdfSample { wi, ..s });
+        }
         let next = Ray { o: vertex.end.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
         let state = State {
             // A direction of a single wavelength: the others end here, and their lanes are 0.
             lanes: if s.wavelength > 0.0 { state.lanes.only(s.wavelength) } else { state.lanes },
+            footprint,
             beta,
             from: vertex.receiver(),
             pdf: s.pdf,

@@ -1,19 +1,22 @@
 //! Queues: paths that wait for the same computation.
 
 use super::Path;
+use crate::material::BsdfKind;
 use straal_accel::Hit;
 use straal_math::Ray;
 use straal_math::lowdisc::Pattern;
 
 /// What must be computed where a ray arrived.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// It met nothing: the surroundings alone are seen.
     Missed,
     /// The surface scatters nothing, but may shine.
     Dark,
-    /// Light is scattered by a BSDF of one kind, told by its number.
-    Scattering(u8),
+    /// Light is scattered by a BSDF of one kind.
+    Scattering(BsdfKind),
+    /// Light is scattered by a BSDF whose kind differs from point to point.
+    Varying,
 }
 
 /// Paths whose rays have arrived where the same must be computed.

@@ -27,7 +27,7 @@ impl Integrator for SineProduct {
             if xy.is_finite() {
                 let value = (0.5 + 0.5 * ops::sin_cos_d(xy * xy).0) as f32;
                 let lanes = arrival.path.state;
-                let light = lanes.radiance_of_rgb(&world.palette, Light::rgb([value; 3]));
+                let light = lanes.radiance_of_rgb(&world.tables, Light::rgb([value; 3]));
                 out.add(Contribution::own(arrival.path, light));
             }
         }

@@ -1,14 +1,15 @@
 //! Surfaces that shine.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::{Vec3, table::Table1};
 
-use super::{LightSample, Target, strength};
+use super::reach::Lamp;
+use super::{Extent, LightSample, Reach, Shine, Target, strength};
 use crate::shape::{Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
-/// A surface that sends the same radiance from every point in every direction on its lit side.
+/// A surface that sends the same radiance in every direction on its lit side.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// What shines.
@@ -71,28 +72,23 @@ impl Sides {
     }
 }
 
-/// Where the radiance of a point is looked up.
-fn at(point: &SurfacePoint) -> TexturePoint {
-    TexturePoint { uv: point.uv, p: point.p }
+/// Where the radiance of a point is looked up. Without a footprint, which a point that is sampled has not: both ways to find
+/// light must find the same.
+fn at(point: &SurfacePoint) -> ShadingPoint {
+    ShadingPoint::of(point.uv, point.p)
 }
 
-impl AreaLight {
-    /// The most that any point sends: black only when all are.
-    pub(super) fn strongest(&self) -> Colour {
-        let Value::Constant(radiance) = self.radiance;
-        radiance
-    }
+impl Shine for AreaLight {
+    const EXTENT: Extent = Extent::Surface;
 
-    /// See [`super::Emitter::sample`].
     #[inline]
-    pub fn sample<L: Lanes>(
+    fn sample<L: Lanes>(
         &self,
         geometry: &Geometry,
-        p: Vec3,
-        u: [f32; 2],
+        (p, u): (Vec3, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        if self.strongest().is_black() {
+        if self.radiance.most() == 0.0 {
             return None;
         }
         let s = match &self.surface {
@@ -109,19 +105,17 @@ impl AreaLight {
             return None;
         }
         let target = Target::Point((&s.point).into());
-        let radiance = reading.light(&self.radiance.eval(&at(&s.point)));
+        let radiance = reading.eval(&self.radiance, &at(&s.point));
         Some(LightSample { wi: s.wi, radiance, pdf: s.pdf, delta: false, target })
     }
 
-    /// See [`super::Emitter::radiance_at`].
     #[inline]
-    pub fn radiance<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
-        if self.sides.lit(hit.ng, wo) { reading.light(&self.radiance.eval(&at(hit))) } else { Light::ZERO }
+    fn radiance_at<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
+        if self.sides.lit(hit.ng, wo) { reading.eval(&self.radiance, &at(hit)) } else { Light::ZERO }
     }
 
-    /// See [`super::Emitter::pdf_at`].
-    pub fn pdf(&self, geometry: &Geometry, p: Vec3, primitive: u32, hit: &SurfacePoint) -> f32 {
-        if self.strongest().is_black() || !self.sides.lit(hit.ng, p - hit.p) {
+    fn pdf_at(&self, geometry: &Geometry, p: Vec3, (primitive, hit): (u32, &SurfacePoint)) -> f32 {
+        if self.radiance.most() == 0.0 || !self.sides.lit(hit.ng, p - hit.p) {
             return 0.0;
         }
         match &self.surface {
@@ -136,12 +130,41 @@ impl AreaLight {
     }
 
     /// pi A L for each lit side.
-    pub fn power(&self, geometry: &Geometry) -> f64 {
+    fn power(&self, geometry: &Geometry, _: f64) -> f64 {
         let area = match &self.surface {
             LitSurface::Shape(shape) => f64::from(geometry.area(*shape).unwrap_or(0.0)),
             LitSurface::Mesh { area, .. } => *area,
         };
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
-        sides * std::f64::consts::PI * area * strength(self.strongest())
+        sides * std::f64::consts::PI * area * strength(&self.radiance)
+    }
+
+    fn reach(&self, geometry: &Geometry) -> Option<Reach> {
+        Lamp::of(self, geometry).map(Reach::Surface)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        use super::tests::{mesh, shape, turned};
+        use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Shape, Sphere, TriangleMesh};
+        use straal_math::{Affine, DVec3};
+        let squash = Affine::scale(DVec3::new(1.0, 0.3, 0.6)).then(&turned());
+        let sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.3), radius: 0.7 };
+        let (a, b) = (Vec3::new(1.5, 0.2, 0.0), Vec3::new(0.3, 0.1, -1.2));
+        let flat = Parallelogram::new(Vec3::new(-0.7, -0.6, 0.5), a, b);
+        let disc = Disc::new(Vec3::new(0.2, 0.1, 0.0), a, b);
+        let tube = Cylinder::between(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.9, 0.4, 0.2), 0.3).unwrap();
+        let cuboid = TriangleMesh::cuboid(Vec3::new(-0.5, -0.2, -0.8), Vec3::new(0.6, 0.3, 0.7));
+        vec![
+            shape("sphere", Shape::Sphere(sphere), Sides::Front),
+            shape("sphere, inside", Shape::Sphere(sphere), Sides::Back),
+            shape("ellipsoid", Shape::Ellipsoid(Box::new(Ellipsoid::new(squash).unwrap())), Sides::Both),
+            shape("disc", Shape::Disc(Box::new(disc)), Sides::Front),
+            shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
+            shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
+            shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
+            mesh("cuboid", cuboid.clone(), Sides::Front),
+            mesh("cuboid, both", cuboid.transformed(&squash).unwrap(), Sides::Both),
+        ]
     }
 }

@@ -1,10 +1,14 @@
 //! Parallel light.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
-use straal_math::Vec3;
+use crate::texture::{ShadingPoint, Value};
+use straal_math::{DVec3, Vec3};
+use straal_scene::desc;
 
-use super::{LightSample, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use crate::error::CompileError;
+use crate::paint::Paint;
+use crate::shape::Geometry;
 
 /// Parallel light from infinitely far away, like the sun's (without its disc).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,19 +24,29 @@ impl DirectionalLight {
         Some(Self { wi: (-direction).try_normalize()?, irradiance: irradiance.into() })
     }
 
-    /// Unit vector towards it.
-    pub(super) fn wi(&self) -> Vec3 {
-        self.wi
+    /// Of what a scene says.
+    pub(super) fn of(
+        l: &desc::DirectionalLight,
+        paint: &mut Paint<'_>,
+        _: DVec3,
+    ) -> Result<Emitter, CompileError> {
+        Self::new(l.axis().as_vec3(), paint.emission(&l.irradiance)?)
+            .map(Emitter::Directional)
+            .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))
     }
+}
 
-    /// Its irradiance.
-    pub(super) fn strongest(&self) -> Colour {
-        self.irradiance.eval(&TexturePoint::default())
-    }
+impl Shine for DirectionalLight {
+    const EXTENT: Extent = Extent::None;
 
-    /// See [`super::Emitter::sample`].
-    pub fn sample<L: Lanes>(&self, reading: &Reading<'_, L>) -> Option<LightSample> {
-        let radiance = reading.light(&self.irradiance.eval(&TexturePoint::default()));
+    #[inline]
+    fn sample<L: Lanes>(
+        &self,
+        _: &Geometry,
+        _: (Vec3, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        let radiance = reading.eval(&self.irradiance, &ShadingPoint::NOWHERE);
         (!radiance.is_black()).then_some(LightSample {
             wi: self.wi,
             radiance,
@@ -43,7 +57,17 @@ impl DirectionalLight {
     }
 
     /// What falls on the scene's disc.
-    pub fn power(&self, disc: f64) -> f64 {
-        disc * strength(self.irradiance.eval(&TexturePoint::default()))
+    fn power(&self, _: &Geometry, disc: f64) -> f64 {
+        disc * strength(&self.irradiance)
+    }
+
+    fn reach(&self, _: &Geometry) -> Option<Reach> {
+        Some(Reach::Parallel { wi: self.wi, irradiance: strength(&self.irradiance) as f32 })
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        let light = Self::new(Vec3::new(1.0, -2.0, 0.3), super::tests::RADIANCE).expect("a direction");
+        vec![super::tests::Example::alone("directional", Emitter::Directional(light))]
     }
 }

@@ -1,13 +1,18 @@
 //! Light from all around: one radiance, or a picture.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::table::{Table1, Table2};
 use straal_math::{Affine, DVec3, Vec3, ops, warp};
-use straal_scene::Image;
+use straal_scene::{Image, desc, value};
 
-use super::{LightSample, Target, strength};
+use super::cube::latitude_longitude;
+use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use crate::camera::CubeLayout;
+use crate::error::CompileError;
+use crate::paint::Paint;
+use crate::shape::Geometry;
 
 /// The same radiance from everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,18 +22,33 @@ pub struct ConstantEnvironment {
 }
 
 impl ConstantEnvironment {
-    /// See [`super::Emitter::radiance_from`].
-    pub fn light<L: Lanes>(&self, reading: &Reading<'_, L>) -> Light {
-        reading.light(&self.colour())
+    /// Of what a scene says of surroundings: this, or a picture.
+    pub(super) fn of(
+        l: &desc::Environment,
+        paint: &mut Paint<'_>,
+        _: DVec3,
+    ) -> Result<Emitter, CompileError> {
+        if let Some(file) = &l.file {
+            return Ok(Emitter::Image(Box::new(ImageEnvironment::of(l, file, paint)?)));
+        }
+        let black = desc::Spectrum::grey(0.0);
+        let radiance = l.radiance.as_ref().map_or(&black, value::Value::get);
+        let radiance = paint.emission_times(radiance, l.scale)?.into();
+        Ok(Emitter::Constant(Self { radiance }))
     }
+}
 
-    pub(super) fn colour(&self) -> Colour {
-        self.radiance.eval(&TexturePoint::default())
-    }
+impl Shine for ConstantEnvironment {
+    const EXTENT: Extent = Extent::Around;
 
-    /// See [`super::Emitter::sample`].
-    pub fn sample<L: Lanes>(&self, u: [f32; 2], reading: &Reading<'_, L>) -> Option<LightSample> {
-        let radiance = self.light(reading);
+    #[inline]
+    fn sample<L: Lanes>(
+        &self,
+        _: &Geometry,
+        (_, u): (Vec3, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        let radiance = reading.eval(&self.radiance, &ShadingPoint::NOWHERE);
         (!radiance.is_black()).then_some(LightSample {
             wi: warp::uniform_sphere(u),
             radiance,
@@ -38,14 +58,29 @@ impl ConstantEnvironment {
         })
     }
 
-    /// See [`super::Emitter::pdf_from`].
-    pub fn pdf(&self) -> f32 {
-        if self.colour().is_black() { 0.0 } else { warp::uniform_sphere_pdf() }
+    #[inline]
+    fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        (reading.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdf_from(wi))
+    }
+
+    #[inline]
+    fn pdf_from(&self, _: Vec3) -> f32 {
+        if self.radiance.most() == 0.0 { 0.0 } else { warp::uniform_sphere_pdf() }
     }
 
     /// What falls on the scene's disc from all sides.
-    pub fn power(&self, disc: f64) -> f64 {
-        4.0 * std::f64::consts::PI * disc * strength(self.colour())
+    fn power(&self, _: &Geometry, disc: f64) -> f64 {
+        4.0 * std::f64::consts::PI * disc * strength(&self.radiance)
+    }
+
+    fn reach(&self, _: &Geometry) -> Option<Reach> {
+        Some(Reach::Around([std::f32::consts::PI * strength(&self.radiance) as f32; 6]))
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        let light = Self { radiance: super::tests::RADIANCE.into() };
+        vec![super::tests::Example::alone("constant", Emitter::Constant(light))]
     }
 }
 
@@ -76,6 +111,58 @@ pub struct ImageEnvironment {
     total: f64,
     /// Of that lane, roughly what falls on surfaces that face +x, -x, +y, -y, +z and -z of the world; 0 only where all is black.
     irradiance: [f32; 6],
+}
+
+impl Shine for Box<ImageEnvironment> {
+    const EXTENT: Extent = Extent::Around;
+
+    #[inline]
+    fn sample<L: Lanes>(
+        &self,
+        _: &Geometry,
+        (_, u): (Vec3, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        ImageEnvironment::sample(self, u, reading)
+    }
+
+    #[inline]
+    fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        self.radiance_pdf(wi, reading)
+    }
+
+    #[inline]
+    fn pdf_from(&self, wi: Vec3) -> f32 {
+        self.pdf(wi)
+    }
+
+    fn power(&self, _: &Geometry, disc: f64) -> f64 {
+        ImageEnvironment::power(self, disc)
+    }
+
+    fn reach(&self, _: &Geometry) -> Option<Reach> {
+        Some(Reach::Around(self.irradiance))
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        use super::tests::{image, surroundings, turned};
+        // Mostly dark, with a lamp of one pixel, one on the wrap, and poles of their own.
+        let studio = image(16, 9, |x, y| match (x, y) {
+            (3, 4) => [100.0, 80.0, 60.0],
+            (15, 5) => [0.0, 0.0, 50.0],
+            (_, 0) => [1.0; 3],
+            (_, 8) => [0.0; 3],
+            (x, y) if (x + y) % 3 == 0 => [0.2, 0.1, 0.3],
+            _ => [0.0; 3],
+        });
+        vec![
+            surroundings("image", &studio, &Affine::IDENTITY),
+            surroundings("image, turned", &studio, &turned()),
+            surroundings("image, smallest", &image(1, 1, |_, _| [1.0, 2.0, 3.0]), &Affine::IDENTITY),
+            surroundings("image, rows", &image(2, 3, |_, y| [y as f32; 3]), &turned()),
+        ]
+    }
 }
 
 /// No pixel is brighter, so that sums of pixels are finite.
@@ -160,6 +247,29 @@ impl ImageEnvironment {
         Some(Self { width, height, pixels, cells, cosines, axes, total, irradiance })
     }
 
+    fn of(
+        l: &desc::Environment,
+        asset: &value::Asset<Image>,
+        paint: &mut Paint<'_>,
+    ) -> Result<Self, CompileError> {
+        let (file, image) = (&asset.file, paint.assets().image(asset.handle));
+        let cube = match l.layout {
+            desc::EnvironmentLayout::LatitudeLongitude => None,
+            desc::EnvironmentLayout::Cross => Some(CubeLayout::Cross),
+            desc::EnvironmentLayout::Row => Some(CubeLayout::Row),
+        };
+        let unfolded = cube.map(|layout| latitude_longitude(image, layout)).transpose();
+        let unfolded = unfolded.map_err(|message| CompileError::at(message, file.span))?;
+        let image = unfolded.as_ref().unwrap_or(image);
+        // The scene language has the middle column along -z, the emitter its left edge: half a turn.
+        let placed = Affine::rotate(DVec3::Y, 180.0 + l.rotate)
+            .zip(l.transform.affine())
+            .map(|(turn, own)| turn.then(&own))
+            .ok_or_else(|| CompileError::at("this transform is singular", l.transform.span))?;
+        let map = Self::new(&paint.surroundings(file, image), l.scale as f32, &placed);
+        map.ok_or_else(|| CompileError::at(format!("the picture `{}` has no pixels", file.value), file.span))
+    }
+
     /// See [`super::Emitter::radiance_from`].
     pub fn radiance<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> Light {
         reading.radiance_of_rgb(self.interpolate(&self.place(wi)))
@@ -208,11 +318,6 @@ impl ImageEnvironment {
     /// What falls on the scene's disc from all sides.
     pub fn power(&self, disc: f64) -> f64 {
         disc * self.total
-    }
-
-    /// Roughly what falls on surfaces that face +x, -x, +y, -y, +z and -z.
-    pub(super) fn irradiance(&self) -> [f32; 6] {
-        self.irradiance
     }
 
     /// A density over the unit square, in a row of cells, as density by solid angle: the square's (height - 1) equal

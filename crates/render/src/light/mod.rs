@@ -11,13 +11,18 @@
 //!   [`Emitter::radiance_from`] and [`Emitter::pdf_from`]. The pdf is that with which `sample` at `p` would have found the
 //!   same direction, and 0 where it never would.
 //!
-//! Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
+//! To add one: its file, which implements [`Shine`] and gives examples to be tested; its line in the list below; its keys in the
+//! description. Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
 //! and mesh ids are those of its [`Geometry`].
 
 use crate::lanes::{Colour, Lanes, Reading};
+use crate::texture::Value;
 use straal_color::Light;
-use straal_math::{Ray, Vec3};
+use straal_math::{DVec3, Ray, Vec3};
+use straal_scene::desc;
 
+use crate::error::CompileError;
+use crate::paint::Paint;
 use crate::shape::offset::{End, offset_origin, ray_between};
 use crate::shape::{Geometry, SurfacePoint};
 
@@ -25,6 +30,7 @@ pub mod area;
 pub(crate) mod cube;
 pub mod directional;
 pub mod environment;
+mod list;
 pub mod point;
 mod reach;
 pub mod spot;
@@ -34,25 +40,83 @@ pub use area::{AreaLight, LitSurface, Sides};
 pub use directional::DirectionalLight;
 pub use environment::{ConstantEnvironment, ImageEnvironment};
 pub use point::PointLight;
+use reach::Reach;
 pub use reach::Receiver;
 pub use spot::{Falloff, SpotLight};
 pub use table::{LightTable, Pick};
 
-/// One thing that shines. (`Light` is the four numbers that it sends.)
-#[derive(Clone, Debug)]
-pub enum Emitter {
+list::emitters! {
     /// A point that shines evenly all around.
-    Point(PointLight),
+    Point(PointLight) of Point,
     /// A point that shines in a cone.
-    Spot(SpotLight),
+    Spot(SpotLight) of Spot,
     /// Parallel light from infinitely far away.
-    Directional(DirectionalLight),
+    Directional(DirectionalLight) of Directional,
     /// A surface.
     Area(AreaLight),
     /// The same radiance from all around.
-    Constant(ConstantEnvironment),
+    Constant(ConstantEnvironment) of Environment,
     /// A picture of all that is around.
     Image(Box<ImageEnvironment>),
+}
+
+/// How large a kind of light is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Extent {
+    /// None: only sampling finds it.
+    None,
+    /// A surface, which rays hit.
+    Surface,
+    /// It is all around: rays that hit nothing see it.
+    Around,
+}
+
+/// What a kind of emitter does, by [the contract](self). What is not said here of some is nothing.
+trait Shine {
+    /// How large it is.
+    const EXTENT: Extent;
+
+    /// See [`Emitter::sample`]: a direction from the point, by two numbers.
+    fn sample<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        from: (Vec3, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample>;
+
+    /// See [`Emitter::radiance_at`].
+    #[inline]
+    fn radiance_at<L: Lanes>(&self, _hit: &SurfacePoint, _wo: Vec3, _reading: &Reading<'_, L>) -> Light {
+        Light::ZERO
+    }
+
+    /// See [`Emitter::pdf_at`]: of a point of the surface, on this triangle.
+    #[inline]
+    fn pdf_at(&self, _geometry: &Geometry, _p: Vec3, _hit: (u32, &SurfacePoint)) -> f32 {
+        0.0
+    }
+
+    /// See [`Emitter::radiance_pdf_from`].
+    #[inline]
+    fn radiance_pdf_from<L: Lanes>(&self, _wi: Vec3, _reading: &Reading<'_, L>) -> (Light, f32) {
+        (Light::ZERO, 0.0)
+    }
+
+    /// See [`Emitter::pdf_from`].
+    #[inline]
+    fn pdf_from(&self, _wi: Vec3) -> f32 {
+        0.0
+    }
+
+    /// See [`Emitter::power`]; `disc` is the area of the scene's, which light from afar falls on.
+    fn power(&self, geometry: &Geometry, disc: f64) -> f64;
+
+    /// See [`Emitter::reach`].
+    fn reach(&self, geometry: &Geometry) -> Option<Reach>;
+
+    /// Some for the tests of the contract.
+    #[cfg(test)]
+    fn examples() -> Vec<tests::Example>;
 }
 
 /// A direction towards an emitter, and what comes from there.
@@ -90,102 +154,9 @@ impl LightSample {
     }
 }
 
-impl Emitter {
-    /// A direction from `p` towards the light; `u` uniform in the unit square.
-    #[inline]
-    pub fn sample<L: Lanes>(
-        &self,
-        geometry: &Geometry,
-        p: Vec3,
-        u: [f32; 2],
-        reading: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        match self {
-            Self::Point(l) => l.sample(p, reading),
-            Self::Spot(l) => l.sample(p, reading),
-            Self::Directional(l) => l.sample(reading),
-            Self::Area(l) => l.sample(geometry, p, u, reading),
-            Self::Constant(l) => l.sample(u, reading),
-            Self::Image(l) => l.sample(u, reading),
-        }
-    }
-
-    /// The radiance that a point of an emitting surface sends in the unit direction `wo`; 0 for all other lights.
-    #[inline]
-    pub fn radiance_at<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
-        match self {
-            Self::Area(l) => l.radiance(hit, wo, reading),
-            _ => Light::ZERO,
-        }
-    }
-
-    /// The density by solid angle with which [`Emitter::sample`] at `p` gives the direction to `hit`, a point of this
-    /// emitting surface (on triangle `primitive`, when that is a mesh); 0 for all other lights.
-    #[inline]
-    pub fn pdf_at(&self, geometry: &Geometry, p: Vec3, primitive: u32, hit: &SurfacePoint) -> f32 {
-        match self {
-            Self::Area(l) => l.pdf(geometry, p, primitive, hit),
-            _ => 0.0,
-        }
-    }
-
-    /// The radiance that arrives from the unit direction `wi`, from beyond everything; 0 but for environments.
-    #[inline]
-    pub fn radiance_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> Light {
-        match self {
-            Self::Constant(l) => l.light(reading),
-            Self::Image(l) => l.radiance(wi, reading),
-            _ => Light::ZERO,
-        }
-    }
-
-    /// The density by solid angle with which [`Emitter::sample`] gives `wi`; 0 but for environments.
-    #[inline]
-    pub fn pdf_from(&self, wi: Vec3) -> f32 {
-        match self {
-            Self::Constant(l) => l.pdf(),
-            Self::Image(l) => l.pdf(wi),
-            _ => 0.0,
-        }
-    }
-
-    /// [`Emitter::radiance_from`] and [`Emitter::pdf_from`] at once.
-    #[inline]
-    pub fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        match self {
-            Self::Image(l) => l.radiance_pdf(wi, reading),
-            _ => (self.radiance_from(wi, reading), self.pdf_from(wi)),
-        }
-    }
-
-    /// Whether the light is all around: what a ray that hits nothing sees.
-    pub fn is_environment(&self) -> bool {
-        matches!(self, Self::Constant(_) | Self::Image(_))
-    }
-
-    /// Whether the light has no extent, so that only sampling finds it.
-    pub fn is_delta(&self) -> bool {
-        matches!(self, Self::Point(_) | Self::Spot(_) | Self::Directional(_))
-    }
-
-    /// An estimate of the power in W that the light sends into a scene of the given radius, by its strongest lane. 0
-    /// for a light that can't be sampled.
-    pub fn power(&self, geometry: &Geometry, scene_radius: f64) -> f64 {
-        let disc = std::f64::consts::PI * scene_radius * scene_radius;
-        match self {
-            Self::Point(l) => l.power(),
-            Self::Spot(l) => l.power(),
-            Self::Directional(l) => l.power(disc),
-            Self::Area(l) => l.power(geometry),
-            Self::Constant(l) => l.power(disc),
-            Self::Image(l) => l.power(disc),
-        }
-    }
-}
-
-/// The strongest lane, in double precision.
-fn strength(colour: Colour) -> f64 {
-    f64::from(colour.strength)
+/// The strongest lane anywhere, in double precision.
+fn strength(value: &Value<Colour>) -> f64 {
+    f64::from(value.most())
 }
 
 #[cfg(test)]

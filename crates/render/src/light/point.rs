@@ -1,11 +1,15 @@
 //! The point light.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
+use crate::texture::{ShadingPoint, Value};
 use straal_color::Light;
-use straal_math::Vec3;
+use straal_math::{DVec3, Vec3};
+use straal_scene::desc;
 
-use super::{LightSample, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use crate::error::CompileError;
+use crate::paint::Paint;
+use crate::shape::Geometry;
 use crate::shape::offset::End;
 
 /// A point that shines evenly all around.
@@ -19,23 +23,46 @@ pub struct PointLight {
 
 impl PointLight {
     /// Where its intensity is looked up.
-    fn place(&self) -> TexturePoint {
-        TexturePoint { uv: [0.0; 2], p: self.position }
+    fn place(&self) -> ShadingPoint {
+        ShadingPoint::of([0.0; 2], self.position)
     }
 
-    /// See [`super::Emitter::sample`].
-    pub fn sample<L: Lanes>(&self, p: Vec3, reading: &Reading<'_, L>) -> Option<LightSample> {
-        towards(self.position, p, |_| reading.light(&self.intensity.eval(&self.place())))
+    /// Of what a scene says.
+    pub(super) fn of(
+        l: &desc::PointLight,
+        paint: &mut Paint<'_>,
+        centre: DVec3,
+    ) -> Result<Emitter, CompileError> {
+        let position = (l.position - centre).as_vec3();
+        Ok(Emitter::Point(Self { position, intensity: paint.emission(&l.intensity)? }))
+    }
+}
+
+impl Shine for PointLight {
+    const EXTENT: Extent = Extent::None;
+
+    #[inline]
+    fn sample<L: Lanes>(
+        &self,
+        _: &Geometry,
+        (p, _): (Vec3, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        towards(self.position, p, |_| reading.eval(&self.intensity, &self.place()))
     }
 
-    /// Its intensity.
-    pub(super) fn strongest(&self) -> Colour {
-        self.intensity.eval(&self.place())
+    fn power(&self, _: &Geometry, _: f64) -> f64 {
+        4.0 * std::f64::consts::PI * strength(&self.intensity)
     }
 
-    /// See [`super::Emitter::power`].
-    pub fn power(&self) -> f64 {
-        4.0 * std::f64::consts::PI * strength(self.strongest())
+    fn reach(&self, _: &Geometry) -> Option<Reach> {
+        Some(Reach::Point { position: self.position, intensity: strength(&self.intensity) as f32 })
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        let light = Self { position: Vec3::new(0.1, 0.2, -0.1), intensity: super::tests::RADIANCE.into() };
+        vec![super::tests::Example::alone("point", Emitter::Point(light))]
     }
 }
 

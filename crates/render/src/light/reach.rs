@@ -3,7 +3,7 @@
 use straal_math::Vec3;
 
 use super::area::Sides;
-use super::{AreaLight, Emitter, LitSurface, SpotLight, strength};
+use super::{AreaLight, LitSurface, SpotLight, strength};
 use crate::shape::{Geometry, Shape};
 
 /// Where light is to arrive.
@@ -52,19 +52,6 @@ pub(super) struct Lamp {
 }
 
 impl Reach {
-    /// `None` for a light that isn't sampled.
-    pub fn of(emitter: &Emitter, geometry: &Geometry) -> Option<Self> {
-        let at = |colour| strength(colour) as f32;
-        Some(match emitter {
-            Emitter::Point(l) => Self::Point { position: l.position, intensity: at(l.strongest()) },
-            Emitter::Spot(l) => Self::Spot { spot: *l, intensity: at(l.strongest()) },
-            Emitter::Directional(l) => Self::Parallel { wi: l.wi(), irradiance: at(l.strongest()) },
-            Emitter::Area(l) => Self::Surface(Lamp::of(l, geometry)?),
-            Emitter::Constant(l) => Self::Around([std::f32::consts::PI * at(l.colour()); 6]),
-            Emitter::Image(l) => Self::Around(l.irradiance()),
-        })
-    }
-
     /// The irradiance, or what goes with it; 0 only where no light arrives.
     #[inline]
     pub fn estimate(&self, at: &Receiver) -> f32 {
@@ -104,7 +91,7 @@ impl Reach {
 }
 
 impl Lamp {
-    fn of(light: &AreaLight, geometry: &Geometry) -> Option<Self> {
+    pub fn of(light: &AreaLight, geometry: &Geometry) -> Option<Self> {
         let bounds;
         let (mut facing, area);
         match &light.surface {
@@ -150,7 +137,7 @@ impl Lamp {
             facing,
             flatness,
             both_sides: light.sides == Sides::Both,
-            flux: strength(light.strongest()) as f32 * area,
+            flux: strength(&light.radiance) as f32 * area,
             spread: area * std::f32::consts::FRAC_1_PI,
         };
         lamp.flux.is_finite().then_some(lamp)

@@ -1,10 +1,14 @@
 //! The spot light.
 
 use crate::lanes::{Colour, Lanes, Reading};
-use crate::material::{TexturePoint, Value};
-use straal_math::{Frame, Vec3, ops, warp};
+use crate::texture::{ShadingPoint, Value};
+use straal_math::{DVec3, Frame, Vec3, ops, warp};
+use straal_scene::desc;
 
-use super::{LightSample, point::towards, strength};
+use super::{Emitter, Extent, LightSample, Reach, Shine, point::towards, strength};
+use crate::error::CompileError;
+use crate::paint::Paint;
+use crate::shape::Geometry;
 
 /// A point that shines in a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +48,8 @@ pub struct Cone {
 
 impl SpotLight {
     /// Where its intensity is looked up.
-    fn place(&self) -> TexturePoint {
-        TexturePoint { uv: [0.0; 2], p: self.position }
+    fn place(&self) -> ShadingPoint {
+        ShadingPoint::of([0.0; 2], self.position)
     }
 
     /// Where it is.
@@ -78,11 +82,6 @@ impl SpotLight {
         })
     }
 
-    /// See [`super::Emitter::sample`].
-    pub fn sample<L: Lanes>(&self, p: Vec3, reading: &Reading<'_, L>) -> Option<LightSample> {
-        towards(self.position, p, |wi| reading.light(&self.intensity.eval(&self.place())) * self.share(-wi))
-    }
-
     /// How much of the full intensity goes in direction `w`, of any length.
     pub(super) fn share(&self, w: Vec3) -> f32 {
         // By its tangent: near the axis the cosine has lost the angle.
@@ -103,14 +102,56 @@ impl SpotLight {
         }
     }
 
-    /// Its intensity on the axis.
-    pub(super) fn strongest(&self) -> Colour {
-        self.intensity.eval(&self.place())
+    /// Of what a scene says.
+    pub(super) fn of(
+        l: &desc::SpotLight,
+        paint: &mut Paint<'_>,
+        centre: DVec3,
+    ) -> Result<Emitter, CompileError> {
+        let cone = Cone {
+            axis: l.axis().as_vec3(),
+            beam: l.full_beam(),
+            cutoff: l.cutoff,
+            falloff: match l.falloff {
+                desc::Falloff::Linear => Falloff::Linear,
+                desc::Falloff::Smooth => Falloff::Smooth,
+            },
+        };
+        let spot = Self::new((l.position - centre).as_vec3(), paint.emission(&l.intensity)?, &cone);
+        spot.map(Emitter::Spot).ok_or_else(|| CompileError::new("the axis of a spot light has no length"))
+    }
+}
+
+impl Shine for SpotLight {
+    const EXTENT: Extent = Extent::None;
+
+    #[inline]
+    fn sample<L: Lanes>(
+        &self,
+        _: &Geometry,
+        (p, _): (Vec3, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        towards(self.position, p, |wi| reading.eval(&self.intensity, &self.place()) * self.share(-wi))
     }
 
     /// The full beam, and half of what is between it and the cutoff.
-    pub fn power(&self) -> f64 {
+    fn power(&self, _: &Geometry, _: f64) -> f64 {
         let cosines = 0.5 * (f64::from(self.cos_beam) + f64::from(self.cos_cutoff));
-        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(self.strongest())
+        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(&self.intensity)
+    }
+
+    fn reach(&self, _: &Geometry) -> Option<Reach> {
+        Some(Reach::Spot { spot: *self, intensity: strength(&self.intensity) as f32 })
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::tests::Example> {
+        let spot = |name, falloff| {
+            let cone = Cone { axis: Vec3::new(0.1, 1.0, 0.3), beam: 30.0, cutoff: 120.0, falloff };
+            let light = Self::new(Vec3::new(0.1, 0.2, -0.1), super::tests::RADIANCE, &cone);
+            super::tests::Example::alone(name, Emitter::Spot(light.expect("an axis")))
+        };
+        vec![spot("spot", Falloff::Linear), spot("spot, smooth", Falloff::Smooth)]
     }
 }

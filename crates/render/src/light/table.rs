@@ -64,7 +64,7 @@ impl LightTable {
             [] => Way::Nothing,
             [only] => Way::Only(only),
             _ if shining.len() <= FEW => {
-                let reach = |&i: &u32| Some((i, Reach::of(&emitters[i as usize], geometry)?));
+                let reach = |&i: &u32| Some((i, emitters[i as usize].reach(geometry)?));
                 Way::Few(shining.iter().filter_map(reach).collect())
             }
             _ => Self::by_power(&powers, shining.len()),

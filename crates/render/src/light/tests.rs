@@ -8,81 +8,94 @@ use straal_scene::Image;
 use super::spot::Cone;
 use super::*;
 use crate::shape::tests::{Rng, assert_agrees, monte_carlo};
-use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Shape, Sphere, TriangleMesh};
+use crate::shape::{Disc, Parallelogram, Shape, Sphere, TriangleMesh};
 use crate::testing::in_rgb;
 
 mod density;
 
-const RADIANCE: Light = Light::rgb([2.0, 3.0, 0.5]);
+pub(super) const RADIANCE: Light = Light::rgb([2.0, 3.0, 0.5]);
 
-struct Entry {
+/// An emitter with what it stands on.
+pub(super) struct Example {
     name: &'static str,
     geometry: Geometry,
     emitter: Emitter,
 }
 
-fn shape(name: &'static str, shape: Shape, sides: Sides) -> Entry {
+pub(super) fn shape(name: &'static str, shape: Shape, sides: Sides) -> Example {
     let geometry = Geometry { shapes: vec![shape], ..Geometry::default() };
     let surface = LitSurface::Shape(0);
-    Entry { name, geometry, emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), sides }) }
+    Example {
+        name,
+        geometry,
+        emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), sides }),
+    }
 }
 
-fn mesh(name: &'static str, mesh: TriangleMesh, sides: Sides) -> Entry {
+pub(super) fn mesh(name: &'static str, mesh: TriangleMesh, sides: Sides) -> Example {
     let geometry = Geometry { meshes: vec![mesh], ..Geometry::default() };
     let surface = LitSurface::mesh(&geometry, 0);
-    Entry { name, geometry, emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), sides }) }
+    Example {
+        name,
+        geometry,
+        emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), sides }),
+    }
 }
 
-fn image(width: usize, height: usize, f: impl Fn(usize, usize) -> [f32; 3]) -> Image {
+pub(super) fn image(width: usize, height: usize, f: impl Fn(usize, usize) -> [f32; 3]) -> Image {
     let pixels = (0..width * height).map(|i| f(i % width, i / width)).collect();
     Image { width, height, pixels }
 }
 
-fn surroundings(name: &'static str, image: &Image, to_world: &Affine) -> Entry {
+pub(super) fn surroundings(name: &'static str, image: &Image, to_world: &Affine) -> Example {
     let environment = ImageEnvironment::new(image, 0.5, to_world).unwrap();
-    Entry { name, geometry: Geometry::default(), emitter: Emitter::Image(Box::new(environment)) }
+    Example { name, geometry: Geometry::default(), emitter: Emitter::Image(Box::new(environment)) }
 }
 
-/// Everything that can be sampled and has an extent. All stand within 2 of the origin and are lit towards some of
+pub(super) fn turned() -> Affine {
+    Affine::rotate(DVec3::new(1.0, 2.0, -1.0), 70.0).unwrap()
+}
+
+/// Everything in the list that can be sampled and has an extent. All stand within 2 of the origin and are lit towards some of
 /// [`VIEWS`].
-fn registry() -> Vec<Entry> {
-    let turn = Affine::rotate(DVec3::new(1.0, 2.0, -1.0), 70.0).unwrap();
-    let squash = Affine::scale(DVec3::new(1.0, 0.3, 0.6)).then(&turn);
-    let sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.3), radius: 0.7 };
-    let (a, b) = (Vec3::new(1.5, 0.2, 0.0), Vec3::new(0.3, 0.1, -1.2));
-    let flat = Parallelogram::new(Vec3::new(-0.7, -0.6, 0.5), a, b);
-    let disc = Disc::new(Vec3::new(0.2, 0.1, 0.0), a, b);
-    let tube = Cylinder::between(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.9, 0.4, 0.2), 0.3).unwrap();
-    let cuboid = TriangleMesh::cuboid(Vec3::new(-0.5, -0.2, -0.8), Vec3::new(0.6, 0.3, 0.7));
-    // Mostly dark, with a lamp of one pixel, one on the wrap, and poles of their own.
-    let studio = image(16, 9, |x, y| match (x, y) {
-        (3, 4) => [100.0, 80.0, 60.0],
-        (15, 5) => [0.0, 0.0, 50.0],
-        (_, 0) => [1.0; 3],
-        (_, 8) => [0.0; 3],
-        (x, y) if (x + y) % 3 == 0 => [0.2, 0.1, 0.3],
-        _ => [0.0; 3],
-    });
-    vec![
-        shape("sphere", Shape::Sphere(sphere), Sides::Front),
-        shape("sphere, inside", Shape::Sphere(sphere), Sides::Back),
-        shape("ellipsoid", Shape::Ellipsoid(Box::new(Ellipsoid::new(squash).unwrap())), Sides::Both),
-        shape("disc", Shape::Disc(Box::new(disc)), Sides::Front),
-        shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
-        shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
-        shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
-        mesh("cuboid", cuboid.clone(), Sides::Front),
-        mesh("cuboid, both", cuboid.transformed(&squash).unwrap(), Sides::Both),
-        Entry {
-            name: "constant",
-            geometry: Geometry::default(),
-            emitter: Emitter::Constant(ConstantEnvironment { radiance: RADIANCE.into() }),
-        },
-        surroundings("image", &studio, &Affine::IDENTITY),
-        surroundings("image, turned", &studio, &turn),
-        surroundings("image, smallest", &image(1, 1, |_, _| [1.0, 2.0, 3.0]), &Affine::IDENTITY),
-        surroundings("image, rows", &image(2, 3, |_, y| [y as f32; 3]), &turn),
-    ]
+fn registry() -> Vec<Example> {
+    super::registry().into_iter().flat_map(|(_, all)| all).filter(|e| !e.emitter.is_delta()).collect()
+}
+
+#[test]
+fn every_kind_is_registered() {
+    for (name, examples) in super::registry() {
+        assert!(!examples.is_empty(), "{name} has no example");
+        for e in &examples {
+            // Rust's own name of the variant.
+            assert!(format!("{:?}", e.emitter).starts_with(name), "{} is no {name}", e.name);
+            assert!(e.emitter.power(&e.geometry, 1.0) > 0.0, "{}", e.name);
+        }
+    }
+}
+
+/// A light without extent has one direction, which no ray finds, and is picked where it shines.
+#[test]
+fn lights_without_extent_keep_the_contract() {
+    let all = super::registry().into_iter().flat_map(|(_, all)| all);
+    for e in all.filter(|e| e.emitter.is_delta()) {
+        let mut seen = 0;
+        for p in VIEWS {
+            assert_eq!((e.emitter.pdf_from(Vec3::Y), e.emitter.is_environment()), (0.0, false), "{}", e.name);
+            assert_eq!(e.emitter.radiance_from(Vec3::Y, &in_rgb()), Light::ZERO, "{}", e.name);
+            let Some(s) = e.emitter.sample(&e.geometry, p, [0.3, 0.6], &in_rgb()) else { continue };
+            seen += 1;
+            assert!(s.delta && s.pdf == 1.0 && (s.wi.length() - 1.0).abs() < 1e-6, "{}", e.name);
+            assert!(s.radiance.is_finite() && !s.radiance.is_black(), "{}", e.name);
+            assert_eq!(e.emitter.sample(&e.geometry, p, [0.9, 0.1], &in_rgb()), Some(s), "{}", e.name);
+            let table = LightTable::new(std::slice::from_ref(&e.emitter), &e.geometry, 1.0);
+            assert!(table.pmf(0, &Receiver { p, n: Vec3::ZERO }) > 0.0, "{}", e.name);
+            let reach = e.emitter.reach(&e.geometry).map(|r| r.estimate(&Receiver { p, n: s.wi }));
+            let irradiance = s.radiance.max_lane();
+            assert!((reach.expect("it is sampled") / irradiance - 1.0).abs() < 1e-4, "{}", e.name);
+        }
+        assert!(seen > 0, "{} lights nothing", e.name);
+    }
 }
 
 const VIEWS: [Vec3; 4] = [
@@ -92,7 +105,12 @@ const VIEWS: [Vec3; 4] = [
     Vec3::new(0.12, 0.25, 0.2),
 ];
 
-impl Entry {
+impl Example {
+    /// A light that isn't a surface.
+    pub fn alone(name: &'static str, emitter: Emitter) -> Self {
+        Self { name, geometry: Geometry::default(), emitter }
+    }
+
     /// All points of the surface on a half-line, nearest first, with their triangle.
     fn crossings(&self, p: Vec3, w: Vec3) -> Vec<(u32, SurfacePoint)> {
         let mut out = vec![];
@@ -172,11 +190,11 @@ fn what_is_sampled_is_what_is_hit() {
 }
 
 fn blank() -> SurfacePoint {
-    SurfacePoint { p: Vec3::ZERO, p_err: Vec3::ZERO, ng: Vec3::Z, n: Vec3::Z, uv: [0.0; 2], dpdu: Vec3::X }
+    SurfacePoint { p: Vec3::ZERO, p_err: Vec3::ZERO, ng: Vec3::Z, n: Vec3::Z, uv: [0.0; 2] }
 }
 
 /// Irradiance (first lane) at `p` on a surface facing `n`, with nothing in the way.
-fn irradiance(entry: &Entry, p: Vec3, n: Vec3) -> (f64, f64) {
+fn irradiance(entry: &Example, p: Vec3, n: Vec3) -> (f64, f64) {
     monte_carlo(41, 100_000, |u| {
         entry.emitter.sample(&entry.geometry, p, u, &in_rgb()).map_or(0.0, |s| {
             let cos = s.wi.dot(n);
@@ -240,7 +258,7 @@ fn spheres_and_discs_give_their_closed_form_irradiance() {
 fn an_even_environment_gives_pi_times_its_radiance() {
     let even = image(8, 4, |_, _| [4.0, 6.0, 1.0]); // halved by the scale
     let constant = Emitter::Constant(ConstantEnvironment { radiance: RADIANCE.into() });
-    let constant = Entry { name: "constant", geometry: Geometry::default(), emitter: constant };
+    let constant = Example { name: "constant", geometry: Geometry::default(), emitter: constant };
     for entry in [constant, surroundings("even image", &even, &Affine::IDENTITY)] {
         let want = PI * f64::from(RADIANCE[0]);
         for n in [Vec3::Y, -Vec3::X] {
@@ -367,9 +385,10 @@ fn power_is_what_leaves_in_all_directions() {
     }
     let spot = |cutoff| {
         let cone = Cone { axis: Vec3::X, beam: cutoff, cutoff, falloff: Falloff::Linear };
-        SpotLight::new(Vec3::ZERO, RADIANCE, &cone).unwrap().power()
+        Emitter::Spot(SpotLight::new(Vec3::ZERO, RADIANCE, &cone).unwrap()).power(&Geometry::default(), 1.0)
     };
-    let point = PointLight { position: Vec3::ZERO, intensity: RADIANCE.into() }.power();
+    let point = Emitter::Point(PointLight { position: Vec3::ZERO, intensity: RADIANCE.into() });
+    let point = point.power(&Geometry::default(), 1.0);
     assert!((spot(180.0) / point - 1.0).abs() < 1e-6 && (spot(90.0) / point - 0.5).abs() < 1e-6);
 }
 
@@ -529,7 +548,7 @@ fn few_lights_are_picked_by_what_they_bring() {
 fn estimates_are_near_what_lights_bring() {
     let mut rng = Rng(72);
     for entry in registry() {
-        let Some(reach) = super::reach::Reach::of(&entry.emitter, &entry.geometry) else { continue };
+        let Some(reach) = entry.emitter.reach(&entry.geometry) else { continue };
         for p in VIEWS {
             for n in [Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z, (-p).try_normalize().unwrap_or(Vec3::X)]
             {

@@ -6,8 +6,75 @@
 
 use straal_color::Light;
 use straal_math::{Vec3, ops};
+use straal_scene::desc;
 
-use super::{BsdfSample, facing, fresnel, ggx::Ggx, mirror::reflected};
+use super::{
+    Bsdf, BsdfSample, Recipe, RoughConductor, Scatter, Transport, Wants, facing, fresnel, mirror::reflected,
+};
+use crate::error::CompileError;
+use crate::lanes::{Colour, Lanes, Reading};
+use crate::paint::Paint;
+use crate::texture::{ShadingPoint, Value};
+
+/// A metal, polished or rough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConductorMaterial {
+    /// Real part of the index of refraction, relative to the outside.
+    pub eta: Colour,
+    /// Imaginary part: absorption.
+    pub k: Colour,
+    /// GGX alpha; 0 is polished.
+    pub roughness: Value<f32>,
+    /// Tint of what is reflected; physical is 1.
+    pub reflectance: Value<Colour>,
+    /// Whether the back looks like the front; else it is black.
+    pub two_sided: bool,
+}
+
+impl Recipe for ConductorMaterial {
+    type Described = desc::Conductor;
+
+    fn of(d: &desc::Conductor, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        let [eta, k] = paint.metal(d)?;
+        Ok(Self {
+            eta,
+            k,
+            roughness: paint.number(&d.roughness),
+            reflectance: paint.reflectance(&d.reflectance)?,
+            two_sided: d.two_sided,
+        })
+    }
+
+    fn wants(&self) -> Wants {
+        Wants::point(self.roughness.varies() || self.reflectance.varies())
+    }
+
+    #[inline]
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        let (eta, k) = (reading.light(&self.eta), reading.light(&self.k));
+        let metal = Metal { eta, k, reflectance: reading.eval(&self.reflectance, at) };
+        let (alpha, two_sided) = (reading.eval(&self.roughness, at), self.two_sided);
+        if alpha > 0.0 {
+            let rough = RoughConductor::new(metal, alpha);
+            Bsdf::RoughConductor(if two_sided { rough } else { rough.one_sided() })
+        } else {
+            Bsdf::Conductor(Conductor { metal, two_sided })
+        }
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, super::BsdfKind)> {
+        let super::Metal { eta, k, reflectance } = super::testing::gold();
+        let of = |alpha: f32| Self {
+            eta: eta.into(),
+            k: k.into(),
+            roughness: alpha.into(),
+            reflectance: reflectance.into(),
+            two_sided: true,
+        };
+        vec![(of(0.0), super::BsdfKind::Conductor), (of(0.1), super::BsdfKind::RoughConductor)]
+    }
+}
 
 /// What metal it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +95,7 @@ impl Metal {
 
     /// Share of light that is reflected at an angle.
     #[inline]
-    fn reflected(&self, cos: f32) -> Light {
+    pub(super) fn reflected(&self, cos: f32) -> Light {
         self.reflectance * fresnel::conductor(ops::clamp(cos, 0.0, 1.0), self.eta, self.k)
     }
 }
@@ -42,71 +109,24 @@ pub struct Conductor {
     pub two_sided: bool,
 }
 
-impl Conductor {
+impl Scatter for Conductor {
     #[inline]
-    pub(super) fn sample(&self, wo: Vec3) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, _: f32, _: [f32; 2], _: Transport) -> Option<BsdfSample> {
         facing(wo, self.two_sided)?;
         Some(reflected(wo, self.metal.reflected(wo.z.abs()), 1.0))
     }
-}
 
-/// Metal of GGX microfacets with Smith's shadowing, `wo` and `wi` shadowed independently (G = G1 G1), and facets
-/// drawn as they are seen (Heitz 2018): the weight of a sample is then Fresnel's reflectance times G1(wi).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughConductor {
-    /// What the facets are made of.
-    pub metal: Metal,
-    facets: Ggx,
-    two_sided: bool,
-}
-
-impl RoughConductor {
-    /// Metal that looks the same from both sides, of GGX's `alpha` above 0, held within [10^-4, 1].
-    #[inline]
-    pub fn new(metal: Metal, alpha: f32) -> Self {
-        Self { metal, facets: Ggx::new(alpha), two_sided: true }
+    fn albedo(&self) -> Light {
+        self.metal.albedo()
     }
 
-    /// The same, black from behind.
-    #[inline]
-    pub fn one_sided(self) -> Self {
-        Self { two_sided: false, ..self }
-    }
-
-    #[inline]
-    pub(super) fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Light, f32) {
-        let Some(side) = facing(wo, self.two_sided) else { return (Light::ZERO, 0.0) };
-        let (wo, wi) = (Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z));
-        let h = wo + wi;
-        let hh = h.length_squared();
-        // Opposite directions along the surface have no half-way; f is 0 in the limit.
-        if wi.z <= 0.0 || hh <= f32::MIN_POSITIVE {
-            return (Light::ZERO, 0.0);
-        }
-        // G1(wo) D (wo.m) / cos wo is the density of facets, 4 (wo.m) the stretch of reflecting.
-        let pdf = 0.5 * self.facets.density(h) * self.facets.seen_over_twice_cos(wo);
-        let share = self.metal.reflected(wo.dot(h) / hh.sqrt());
-        (share * (pdf * self.facets.seen(wi)), pdf)
-    }
-
-    #[inline]
-    pub(super) fn sample(&self, wo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
-        let wo = Vec3::new(wo.x, wo.y, side * wo.z);
-        let m = self.facets.sample_seen(wo, u);
-        let cos = wo.dot(m);
-        let wi = m * (2.0 * cos) - wo;
-        if !(wi.z > 0.0 && cos > 0.0) {
-            return None;
-        }
-        Some(BsdfSample {
-            wi: Vec3::new(wi.x, wi.y, side * wi.z),
-            weight: self.metal.reflected(cos) * self.facets.seen(wi),
-            pdf: 0.5 * self.facets.density(m) * self.facets.seen_over_twice_cos(wo),
-            delta: false,
-            transmitted: false,
-            eta: 1.0,
-            wavelength: 0.0,
-        })
+    #[cfg(test)]
+    fn examples() -> Vec<super::testing::Example> {
+        use super::testing::{Example, gold, lossless};
+        let polished = |metal| Bsdf::Conductor(Self { metal, two_sided: true });
+        vec![
+            Example::new("gold, polished", polished(gold())),
+            Example::new("lossless metal, polished", polished(lossless())).albedo(1.0),
+        ]
     }
 }

@@ -5,8 +5,76 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_scene::desc;
 
-use super::{BsdfSample, Transport, fresnel, mirror::reflected};
+use super::{
+    Bsdf, BsdfSample, DispersiveDielectric, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected,
+};
+use crate::error::CompileError;
+use crate::lanes::{Colour, Eta, Lanes, Reading};
+use crate::paint::Paint;
+use crate::texture::{ShadingPoint, Value};
+
+/// A smooth boundary between transparent media; the shading normal points outside. Where the index of refraction depends on the
+/// wavelength it is read as a [`DispersiveDielectric`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct DielectricMaterial {
+    /// Index of refraction inside over that outside.
+    pub eta: Eta,
+    /// Tint of what is reflected; physical is 1.
+    pub reflectance: Value<Colour>,
+    /// Tint of what passes; physical is 1.
+    pub transmittance: Value<Colour>,
+}
+
+impl Recipe for DielectricMaterial {
+    type Described = desc::Dielectric;
+
+    const CLEAR: bool = true;
+
+    fn of(d: &desc::Dielectric, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        Ok(Self {
+            reflectance: paint.reflectance(&d.reflectance)?,
+            transmittance: paint.reflectance(&d.transmittance)?,
+            eta: paint.index_of_refraction(&d.eta, &d.eta_outside)?,
+        })
+    }
+
+    fn wants(&self) -> Wants {
+        Wants::point(self.reflectance.varies() || self.transmittance.varies())
+    }
+
+    #[inline]
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        let reflectance = reading.eval(&self.reflectance, at);
+        let transmittance = reading.eval(&self.transmittance, at);
+        match &self.eta {
+            &Eta::Constant(eta) => Bsdf::Dielectric(Dielectric { eta, reflectance, transmittance }),
+            Eta::Table(eta) => Bsdf::DispersiveDielectric(DispersiveDielectric {
+                eta,
+                tables: reading.tables,
+                carried: reading.lanes.carried().packed(),
+                reflectance,
+                transmittance,
+            }),
+        }
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, super::BsdfKind)> {
+        use straal_color::spectrum::refraction::{Index, glass};
+        let white = || super::testing::WHITE.into();
+        let of = |eta| Self { eta, reflectance: white(), transmittance: white() };
+        let crown = glass("BK7").expect("a glass");
+        vec![
+            (of(Eta::Constant(1.5)), super::BsdfKind::Dielectric),
+            (
+                of(Eta::Table(crate::lanes::EtaTable::new(&crown, &Index::Constant(1.0)))),
+                super::BsdfKind::DispersiveDielectric,
+            ),
+        ]
+    }
+}
 
 /// A smooth boundary between transparent media.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,8 +87,10 @@ pub struct Dielectric {
     pub transmittance: Light,
 }
 
-impl Dielectric {
-    pub(super) fn albedo(&self) -> Light {
+impl Scatter for Dielectric {
+    const CHOOSES_LOBE: bool = true;
+
+    fn albedo(&self) -> Light {
         let share = fresnel::dielectric(1.0, self.eta).reflected;
         self.reflectance * share + self.transmittance * (1.0 - share)
     }
@@ -28,7 +98,7 @@ impl Dielectric {
     /// Reflects with the probability of Fresnel's share, so that both weights are 1 but for tint and the
     /// compression of radiance.
     #[inline]
-    pub(super) fn sample(&self, wo: Vec3, u_lobe: f32, transport: Transport) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u_lobe: f32, _: [f32; 2], transport: Transport) -> Option<BsdfSample> {
         if wo.z == 0.0 {
             return None;
         }
@@ -40,6 +110,18 @@ impl Dielectric {
         self.refracted(wo, transport)
     }
 
+    #[cfg(test)]
+    fn examples() -> Vec<super::testing::Example> {
+        use super::testing::{Example, WHITE};
+        let glass = |name, eta| {
+            let glass = Self { eta, reflectance: WHITE, transmittance: WHITE };
+            Example::new(name, Bsdf::Dielectric(glass)).albedo(1.0)
+        };
+        vec![glass("glass", 1.5), glass("bubble", 1.0 / 1.33), glass("nothing at all", 1.0)]
+    }
+}
+
+impl Dielectric {
     /// What passes, at its full share; `None` where all is reflected.
     #[inline]
     pub(super) fn refracted(&self, wo: Vec3, transport: Transport) -> Option<BsdfSample> {

@@ -4,8 +4,44 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_scene::desc;
 
-use super::{BsdfSample, facing};
+use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
+use crate::error::CompileError;
+use crate::lanes::{Colour, Lanes, Reading};
+use crate::paint::Paint;
+use crate::texture::{ShadingPoint, Value};
+
+/// What is a perfect mirror.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MirrorMaterial {
+    /// Share of light that is reflected.
+    pub reflectance: Value<Colour>,
+    /// Whether the back looks like the front; else it is black.
+    pub two_sided: bool,
+}
+
+impl Recipe for MirrorMaterial {
+    type Described = desc::Mirror;
+
+    fn of(d: &desc::Mirror, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        Ok(Self { reflectance: paint.reflectance(&d.reflectance)?, two_sided: d.two_sided })
+    }
+
+    fn wants(&self) -> Wants {
+        Wants::point(self.reflectance.varies())
+    }
+
+    #[inline]
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        Bsdf::Mirror(Mirror { reflectance: reading.eval(&self.reflectance, at), two_sided: self.two_sided })
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, super::BsdfKind)> {
+        vec![(Self { reflectance: super::testing::WHITE.into(), two_sided: true }, super::BsdfKind::Mirror)]
+    }
+}
 
 /// A perfect mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,11 +52,25 @@ pub struct Mirror {
     pub two_sided: bool,
 }
 
-impl Mirror {
+impl Scatter for Mirror {
     #[inline]
-    pub(super) fn sample(&self, wo: Vec3) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, _: f32, _: [f32; 2], _: Transport) -> Option<BsdfSample> {
         facing(wo, self.two_sided)?;
         Some(reflected(wo, self.reflectance, 1.0))
+    }
+
+    fn albedo(&self) -> Light {
+        self.reflectance
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::testing::Example> {
+        use super::testing::{Example, WHITE};
+        let mirror = |two_sided| Bsdf::Mirror(Self { reflectance: WHITE, two_sided });
+        vec![
+            Example::new("mirror", mirror(true)).albedo(1.0),
+            Example::new("mirror, one-sided", mirror(false)).albedo(1.0),
+        ]
     }
 }
 

@@ -18,36 +18,143 @@
 //!
 //! Opaque surfaces look the same from both sides, unless they are told to be black from behind (z < 0).
 //!
-//! To add a material, write its file, add an arm here, in the description, and to the registry in `tests.rs`: its
-//! BSDF then has to pass the chi-square, reciprocity and energy tests.
+//! A material is a [`Recipe`] that is read as a BSDF, of a kind of its own ([`Scatter`]) or one that is there. To add one: its file,
+//! with both; its line in the list below; its keys in the description. The list makes the rest, and hands what the file gives for
+//! examples to the tests: chi-square, reciprocity, energy.
 
 use std::fmt;
 use std::sync::Arc;
 
-use crate::integrator::Kind;
-use crate::lanes::{Colour, EtaTable, Lanes, ReadRgb, Reading};
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_scene::desc;
 
+use crate::error::CompileError;
+use crate::lanes::{Lanes, ReadRgb, Reading};
+use crate::paint::Paint;
+use crate::texture::ShadingPoint;
+
+mod black;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod dispersive;
 pub mod fresnel;
 mod ggx;
+mod list;
 mod mirror;
-mod prism;
+mod rough_conductor;
 pub mod shaded;
 #[cfg(test)]
+mod testing;
+#[cfg(test)]
 mod tests;
-mod value;
 
-pub use conductor::{Conductor, Metal, RoughConductor};
-pub use dielectric::Dielectric;
-pub use diffuse::Diffuse;
-pub use mirror::Mirror;
-pub use prism::Prism;
+pub use black::Black;
+pub use conductor::{Conductor, ConductorMaterial, Metal};
+pub use dielectric::{Dielectric, DielectricMaterial};
+pub use diffuse::{Diffuse, DiffuseMaterial};
+pub use dispersive::DispersiveDielectric;
+pub use mirror::{Mirror, MirrorMaterial};
+pub use rough_conductor::RoughConductor;
 pub use shaded::Shaded;
-pub use value::{TexturePoint, Value};
+
+list::materials! {
+    /// Scatters evenly.
+    Diffuse(DiffuseMaterial),
+    /// A perfect mirror.
+    Mirror(MirrorMaterial),
+    /// A smooth boundary between transparent media.
+    Dielectric(DielectricMaterial),
+    /// A metal, polished or rough.
+    Conductor(ConductorMaterial),
+}
+
+list::bsdfs! {
+    /// Scatters nothing.
+    Black(Black),
+    /// Evenly.
+    Diffuse(Diffuse),
+    /// As a mirror.
+    Mirror(Mirror),
+    /// As smooth glass.
+    Dielectric(Dielectric),
+    /// As smooth glass with dispersion.
+    DispersiveDielectric(DispersiveDielectric<'w>),
+    /// As polished metal.
+    Conductor(Conductor),
+    /// As rough metal.
+    RoughConductor(RoughConductor),
+    /// As a user of the library says.
+    Custom(CustomBsdf<'w>),
+}
+
+/// A material as a recipe: its parameters, how they come of what a scene says, and what they are at a point.
+pub(crate) trait Recipe: Sized {
+    /// What a scene says of it.
+    type Described;
+
+    /// Whether light passes through it.
+    const CLEAR: bool = false;
+
+    /// Of what a scene says.
+    fn of(described: &Self::Described, paint: &mut Paint<'_>) -> Result<Self, CompileError>;
+
+    /// What it must know of a point: a [`ShadingPoint`], if any of its values [varies](crate::texture::Value::varies).
+    fn wants(&self) -> Wants;
+
+    /// How it scatters at a point. Values are read by [`Reading::eval`].
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w>;
+
+    /// Some for the tests, each with the kind of BSDF as which it is read.
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, BsdfKind)>;
+}
+
+/// What a kind of BSDF does, by [the contract](self). It is small, plain data.
+pub(crate) trait Scatter: Copy {
+    /// Whether [`Self::sample`] reads the number that chooses a lobe.
+    const CHOOSES_LOBE: bool = false;
+
+    /// Whether what it would send into the surface is lost; else a mirror on the surface sends it out, see [`shaded`].
+    const LOSES_BELOW: bool = false;
+
+    /// See [`Bsdf::is_delta`].
+    #[inline]
+    fn is_delta(&self) -> bool {
+        true
+    }
+
+    /// See [`Bsdf::eval_pdf`].
+    #[inline]
+    fn eval_pdf(&self, _wo: Vec3, _wi: Vec3, _transport: Transport) -> (Light, f32) {
+        (Light::ZERO, 0.0)
+    }
+
+    /// See [`Bsdf::sample`].
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample>;
+
+    /// See [`Bsdf::albedo`].
+    fn albedo(&self) -> Light;
+
+    /// Some for the tests of the contract.
+    #[cfg(test)]
+    fn examples() -> Vec<testing::Example>;
+}
+
+impl Bsdf<'_> {
+    /// f(wo, wi) |cos wi| without delta lobes.
+    #[inline]
+    pub fn eval(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Light {
+        self.eval_pdf(wo, wi, transport).0
+    }
+
+    /// The density with which [`Self::sample`] draws `wi`, per solid angle, without delta lobes.
+    #[inline]
+    pub fn pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> f32 {
+        self.eval_pdf(wo, wi, transport).1
+    }
+}
 
 /// What a path carries from the surface on: radiance is traced from the camera, importance from a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,100 +184,6 @@ pub struct BsdfSample {
     pub wavelength: f32,
 }
 
-/// How a point of a surface scatters. Where it shines is another's business.
-#[derive(Clone, Copy, Debug)]
-pub enum Bsdf<'w> {
-    /// Scatters nothing.
-    Black,
-    /// Evenly.
-    Diffuse(Diffuse),
-    /// As a mirror.
-    Mirror(Mirror),
-    /// As smooth glass.
-    Dielectric(Dielectric),
-    /// As smooth glass with dispersion.
-    Prism(Prism<'w>),
-    /// As polished metal.
-    Conductor(Conductor),
-    /// As rough metal.
-    RoughConductor(RoughConductor),
-    /// As a user of the library says.
-    Custom(CustomBsdf<'w>),
-}
-
-impl Bsdf<'_> {
-    /// f(wo, wi) |cos wi| without delta lobes.
-    #[inline]
-    pub fn eval(&self, wo: Vec3, wi: Vec3, transport: Transport) -> Light {
-        self.eval_pdf(wo, wi, transport).0
-    }
-
-    /// The density with which [`Self::sample`] draws `wi`, per solid angle, without delta lobes.
-    #[inline]
-    pub fn pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> f32 {
-        self.eval_pdf(wo, wi, transport).1
-    }
-
-    /// [`Self::eval`] and [`Self::pdf`] at once.
-    #[inline]
-    pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
-        match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Prism(_) | Self::Conductor(_) => {
-                (Light::ZERO, 0.0)
-            }
-            Self::Diffuse(b) => b.eval_pdf(wo, wi),
-            Self::RoughConductor(b) => b.eval_pdf(wo, wi),
-            Self::Custom(b) => b.scattering.eval_pdf(&b.parameters, Pair { wo, wi }, transport),
-        }
-    }
-
-    /// Draws a direction by numbers in [0, 1): `u_lobe` chooses a lobe, `u` where in it.
-    #[inline]
-    pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        match self {
-            Self::Black => None,
-            Self::Diffuse(b) => b.sample(wo, u),
-            Self::Mirror(b) => b.sample(wo),
-            Self::Dielectric(b) => b.sample(wo, u_lobe, transport),
-            Self::Prism(b) => b.sample(wo, [u_lobe, u[0]], transport),
-            Self::Conductor(b) => b.sample(wo),
-            Self::RoughConductor(b) => b.sample(wo, u),
-            Self::Custom(b) => b.scattering.sample(&b.parameters, wo, [u_lobe, u[0], u[1]], transport),
-        }
-    }
-
-    /// Whether [`Self::sample`] reads the number that chooses a lobe.
-    #[inline]
-    pub fn chooses_lobe(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::Prism(_) | Self::Custom(_))
-    }
-
-    /// Whether it has nothing but delta lobes: `eval` and `pdf` are 0 everywhere, asking lights is in vain.
-    #[inline]
-    pub fn is_delta(&self) -> bool {
-        match self {
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Prism(_) | Self::Conductor(_) => true,
-            Self::Diffuse(_) | Self::RoughConductor(_) => false,
-            Self::Custom(b) => b.scattering.is_delta(&b.parameters),
-        }
-    }
-
-    /// The colour of the surface, as denoisers and people want it: the share of light that comes back from the
-    /// front, 1 for glass.
-    pub fn albedo(&self) -> Light {
-        match self {
-            Self::Black => Light::ZERO,
-            Self::Diffuse(b) => b.reflectance,
-            Self::Mirror(b) => b.reflectance,
-            Self::Dielectric(b) => b.albedo(),
-            Self::Prism(b) => b.albedo(),
-            Self::Conductor(b) => b.metal.albedo(),
-            Self::RoughConductor(b) => b.metal.albedo(),
-            Self::Custom(b) => b.scattering.albedo(&b.parameters),
-        }
-    }
-}
-
 /// The factor to z that brings `wo` to the front: -1 for a back that looks like the front. `None` where nothing is
 /// seen: a black back, or along the surface.
 #[inline(always)]
@@ -184,135 +197,119 @@ fn facing(wo: Vec3, two_sided: bool) -> Option<f32> {
     }
 }
 
-/// What a surface is made of.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Material {
-    /// Scatters evenly.
-    Diffuse {
-        /// Share of light that is reflected.
-        reflectance: Value<Colour>,
-        /// Whether the back looks like the front; else it is black.
-        two_sided: bool,
-    },
-    /// A perfect mirror.
-    Mirror {
-        /// Share of light that is reflected.
-        reflectance: Value<Colour>,
-        /// Whether the back looks like the front; else it is black.
-        two_sided: bool,
-    },
-    /// A smooth boundary between transparent media; the shading normal points outside.
-    Dielectric {
-        /// Index of refraction inside.
-        eta: Value<f32>,
-        /// Index of refraction outside.
-        eta_outside: Value<f32>,
-        /// Tint of what is reflected; physical is 1.
-        reflectance: Value<Colour>,
-        /// Tint of what passes; physical is 1.
-        transmittance: Value<Colour>,
-    },
-    /// The same with an index that depends on the wavelength.
-    Prism {
-        /// Index inside over index outside.
-        eta: EtaTable,
-        /// Tint of what is reflected; physical is 1.
-        reflectance: Value<Colour>,
-        /// Tint of what passes; physical is 1.
-        transmittance: Value<Colour>,
-    },
-    /// A metal, polished or rough.
-    Conductor {
-        /// Real part of the index of refraction, relative to the outside.
-        eta: Value<Colour>,
-        /// Imaginary part: absorption.
-        k: Value<Colour>,
-        /// GGX alpha; 0 is polished.
-        roughness: Value<f32>,
-        /// Tint of what is reflected; physical is 1.
-        reflectance: Value<Colour>,
-        /// Whether the back looks like the front; else it is black.
-        two_sided: bool,
-    },
-    /// A material of the library's user: index into [`Materials::custom`].
-    Custom(u32),
-}
-
-impl Material {
-    /// What must be computed where a ray meets it.
-    pub(crate) fn kind(&self) -> Kind {
-        match self {
-            Self::Diffuse { reflectance: Value::Constant(c), .. } if c.strength == 0.0 => Kind::Dark,
-            Self::Diffuse { .. } => Kind::Scattering(0),
-            Self::Mirror { .. } => Kind::Scattering(1),
-            Self::Dielectric { .. } => Kind::Scattering(2),
-            Self::Prism { .. } => Kind::Scattering(3),
-            Self::Conductor { .. } => Kind::Scattering(4),
-            Self::Custom(_) => Kind::Scattering(5),
-        }
-    }
-}
-
 /// All materials of a world.
 #[derive(Clone, Debug, Default)]
 pub struct Materials {
     /// What surfaces refer to by index.
-    pub list: Vec<Material>,
+    list: Vec<Material>,
+    /// What each wants to know of a point.
+    wants: Vec<Wants>,
+    /// Whether any wants anything.
+    vary: bool,
     /// What [`Material::Custom`] refers to.
-    pub custom: Vec<Arc<dyn CustomMaterial>>,
+    custom: Vec<Arc<dyn CustomMaterial>>,
+}
+
+/// What a material must know of a point. What none wants isn't computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wants {
+    /// Where it is, and what a pixel sees there: a [`ShadingPoint`].
+    pub point: bool,
+    /// Besides, that the frame in which it scatters has a tangent that follows the texture's u, as anisotropic
+    /// scattering must.
+    pub tangent: bool,
+}
+
+impl Wants {
+    /// A point, or nothing.
+    pub const fn point(point: bool) -> Self {
+        Self { point, tangent: false }
+    }
 }
 
 impl Materials {
+    /// Adds a material; gives its index.
+    pub fn push(&mut self, material: Material) -> u32 {
+        self.list.push(material);
+        self.wants.push(Wants::default());
+        let index = (self.list.len() - 1) as u32;
+        self.note(index);
+        index
+    }
+
+    /// Adds a user's material; gives its index.
+    pub fn push_custom(&mut self, material: Arc<dyn CustomMaterial>) -> u32 {
+        self.custom.push(material);
+        self.push(Material::Custom((self.custom.len() - 1) as u32))
+    }
+
+    /// Puts another material in the place of one that is there.
+    pub fn replace(&mut self, index: u32, material: Material) {
+        self.list[index as usize] = material;
+        self.note(index);
+    }
+
+    fn note(&mut self, index: u32) {
+        let wants = match &self.list[index as usize] {
+            Material::Custom(i) => self.custom.get(*i as usize).map_or(Wants::default(), |m| m.wants()),
+            material => material.wants(),
+        };
+        self.wants[index as usize] = wants;
+        self.vary = self.wants.iter().any(|w| w.point);
+    }
+
+    /// How many.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Those in the list.
+    pub fn iter(&self) -> std::slice::Iter<'_, Material> {
+        self.list.iter()
+    }
+
+    /// Material `index`.
+    pub fn get(&self, index: usize) -> Option<&Material> {
+        self.list.get(index)
+    }
+
+    /// Whether any differs from point to point.
+    #[inline(always)]
+    pub fn vary(&self) -> bool {
+        self.vary
+    }
+
+    /// What material `index` must know of a point.
+    pub fn wants(&self, index: u32) -> Wants {
+        self.wants.get(index as usize).copied().unwrap_or_default()
+    }
+
     /// How material `index` scatters at a point. Black when there is no such material.
     #[inline]
-    pub fn bsdf<'w, L: Lanes>(&'w self, index: u32, at: &TexturePoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
-        let black = Bsdf::Black;
-        let light = |value: &Value<Colour>| reading.light(&value.eval(at));
-        match self.list.get(index as usize) {
-            None => black,
-            Some(Material::Diffuse { reflectance, two_sided }) => {
-                let reflectance = light(reflectance);
-                if reflectance.is_black() {
-                    return black;
-                }
-                Bsdf::Diffuse(Diffuse { reflectance, two_sided: *two_sided })
-            }
-            Some(Material::Mirror { reflectance, two_sided }) => {
-                Bsdf::Mirror(Mirror { reflectance: light(reflectance), two_sided: *two_sided })
-            }
-            Some(Material::Dielectric { eta, eta_outside, reflectance, transmittance }) => {
-                Bsdf::Dielectric(Dielectric {
-                    eta: eta.eval(at) / eta_outside.eval(at),
-                    reflectance: light(reflectance),
-                    transmittance: light(transmittance),
-                })
-            }
-            Some(Material::Prism { eta, reflectance, transmittance }) => Bsdf::Prism(Prism {
-                eta,
-                palette: reading.palette,
-                hue: reading.lanes.hue().packed(),
-                reflectance: light(reflectance),
-                transmittance: light(transmittance),
-            }),
-            Some(Material::Conductor { eta, k, roughness, reflectance, two_sided }) => {
-                let metal = Metal { eta: light(eta), k: light(k), reflectance: light(reflectance) };
-                let (alpha, two_sided) = (roughness.eval(at), *two_sided);
-                if alpha > 0.0 {
-                    let rough = RoughConductor::new(metal, alpha);
-                    Bsdf::RoughConductor(if two_sided { rough } else { rough.one_sided() })
-                } else {
-                    Bsdf::Conductor(Conductor { metal, two_sided })
-                }
-            }
-            Some(Material::Custom(i)) => self.custom.get(*i as usize).map_or(black, |m| m.bsdf(at, reading)),
-        }
+    pub fn bsdf<'w, L: Lanes>(&'w self, index: u32, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        let found = match self.list.get(index as usize) {
+            Some(Material::Custom(i)) => self.custom.get(*i as usize).map(|m| m.bsdf(at, reading)),
+            Some(material) => material.bsdf(at, reading),
+            None => None,
+        };
+        found.unwrap_or(Bsdf::Black(Black))
     }
 }
 
 /// A material that a user of the library brings. It is pure: the same input gives the same bits.
 pub trait CustomMaterial: fmt::Debug + Send + Sync {
     /// How it scatters at a point: one of the built-in BSDFs, or [`Bsdf::Custom`]. Colours become light through `read`.
-    fn bsdf(&self, at: &TexturePoint, read: &dyn ReadRgb) -> Bsdf<'_>;
+    fn bsdf(&self, at: &ShadingPoint, read: &dyn ReadRgb) -> Bsdf<'_>;
+    /// What it must know of a point: where it is, unless it says otherwise.
+    fn wants(&self) -> Wants {
+        Wants::point(true)
+    }
     /// A number that differs when the material does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
 }
@@ -351,4 +348,32 @@ pub trait CustomScattering: fmt::Debug + Sync {
     fn is_delta(&self, parameters: &[Light; 2]) -> bool;
     /// See [`Bsdf::albedo`].
     fn albedo(&self, parameters: &[Light; 2]) -> Light;
+}
+
+impl Scatter for CustomBsdf<'_> {
+    const CHOOSES_LOBE: bool = true;
+
+    #[inline]
+    fn is_delta(&self) -> bool {
+        self.scattering.is_delta(&self.parameters)
+    }
+
+    #[inline]
+    fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
+        self.scattering.eval_pdf(&self.parameters, Pair { wo, wi }, transport)
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
+        self.scattering.sample(&self.parameters, wo, [u_lobe, u[0], u[1]], transport)
+    }
+
+    fn albedo(&self) -> Light {
+        self.scattering.albedo(&self.parameters)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<testing::Example> {
+        vec![tests::varnish()]
+    }
 }

@@ -66,7 +66,7 @@ impl Shaded<'_> {
         if goes_on(ng, wo, wi) {
             (value, pdf) = self.bsdf.eval_pdf(wo, wi, transport);
         }
-        if matches!(self.bsdf, Bsdf::Diffuse(_)) {
+        if self.bsdf.loses_below() {
             return (value, pdf);
         }
         let image = mirrored(wi, ng);
@@ -94,7 +94,7 @@ impl Shaded<'_> {
         transport: Transport,
     ) -> Option<BsdfSample> {
         let kept = goes_on(ng, wo, drawn.wi);
-        if matches!(self.bsdf, Bsdf::Diffuse(_)) {
+        if self.bsdf.loses_below() {
             return kept.then_some(drawn);
         }
         let image = mirrored(drawn.wi, ng);

@@ -4,91 +4,21 @@ use straal_color::Light;
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 use straal_math::{Vec3, ops, warp};
 
+use super::testing::{Example, WHITE, flint, gold, lossless};
 use super::*;
-use crate::lanes::{Colour, EtaTable, Hue, Palette, ReadRgb};
+use crate::lanes::{Carried, ReadRgb};
 use crate::testing::in_rgb;
 use crate::testing::{ChiSquare, SphereGrid};
-use std::sync::LazyLock;
-use straal_color::Space;
-use straal_color::spectrum::refraction::{Index, glass};
-
-/// One BSDF under test.
-struct Entry {
-    name: &'static str,
-    bsdf: Bsdf<'static>,
-    /// 1 for those without lobes; more makes the cells smaller about the mirror direction.
-    focus: i32,
-    /// The share of light that comes back in the first lane, where the model promises one for all angles.
-    albedo: Option<f64>,
-}
-
-const GOLD_LIKE: [[f32; 3]; 2] = [[0.2, 0.92, 1.1], [3.91, 2.45, 2.14]];
-
-/// A conductor of index 0 reflects everything.
-fn lossless() -> Metal {
-    Metal { eta: Light::ZERO, k: Light::ZERO, reflectance: Light::rgb([1.0; 3]) }
-}
-
-fn registry() -> Vec<Entry> {
-    let [eta, k] = GOLD_LIKE.map(Light::rgb);
-    let gold = Metal { eta, k, reflectance: Light::rgb([0.9, 0.8, 0.7]) };
-    let white = Light::rgb([1.0; 3]);
-    let entry = |name, bsdf, focus, albedo| Entry { name, bsdf, focus, albedo };
-    let rough = |metal, alpha| Bsdf::RoughConductor(RoughConductor::new(metal, alpha));
-    let polished = |metal| Bsdf::Conductor(Conductor { metal, two_sided: true });
-    let one_sided = RoughConductor::new(gold, 0.2).one_sided();
-    let glass = |eta| Bsdf::Dielectric(Dielectric { eta, reflectance: white, transmittance: white });
-    let diffuse = |reflectance, two_sided| Bsdf::Diffuse(Diffuse { reflectance, two_sided });
-    vec![
-        entry("black", Bsdf::Black, 1, Some(0.0)),
-        entry("diffuse", diffuse(Light::rgb([0.8, 0.5, 0.2]), true), 1, Some(f64::from(0.8_f32))),
-        entry("diffuse, one-sided", diffuse(white, false), 1, Some(1.0)),
-        entry("mirror", Bsdf::Mirror(Mirror { reflectance: white, two_sided: true }), 1, Some(1.0)),
-        entry(
-            "mirror, one-sided",
-            Bsdf::Mirror(Mirror { reflectance: white, two_sided: false }),
-            1,
-            Some(1.0),
-        ),
-        entry("glass", glass(1.5), 1, Some(1.0)),
-        entry("bubble", glass(1.0 / 1.33), 1, Some(1.0)),
-        entry("nothing at all", glass(1.0), 1, Some(1.0)),
-        entry("gold, polished", polished(gold), 1, None),
-        entry("lossless metal, polished", polished(lossless()), 1, Some(1.0)),
-        entry("gold, almost polished", rough(gold, 0.01), 6, None),
-        entry("gold, satin", rough(gold, 0.05), 4, None),
-        entry("flint, one wavelength", prism(Hue::One(450.0)), 1, Some(1.0)),
-        entry("gold, rough", rough(gold, 0.3), 2, None),
-        entry("lossless metal, rough", rough(lossless(), 0.5), 1, None),
-        entry("lossless metal, very rough", rough(lossless(), 1.0), 1, None),
-        entry("one-sided metal", Bsdf::RoughConductor(one_sided), 2, None),
-        entry(
-            "a user's varnish",
-            Bsdf::Custom(CustomBsdf { scattering: &Varnish, parameters: [white, Light::rgb([0.25; 3])] }),
-            1,
-            Some(1.0),
-        ),
-    ]
-}
-
-/// Flint glass in air.
-fn prism(hue: Hue) -> Bsdf<'static> {
-    static FLINT: LazyLock<(EtaTable, Palette)> = LazyLock::new(|| {
-        let mut palette = Palette::default();
-        palette.see_rainbows(Space::Srgb);
-        (EtaTable::new(&glass("SF11").unwrap(), &Index::Constant(1.0)), palette)
-    });
-    let (eta, palette) = &*FLINT;
-    let lanes = if matches!(hue, Hue::Four(_)) { Light::ONE } else { Light::rgb([1.0; 3]) };
-    Bsdf::Prism(Prism { eta, palette, hue: hue.packed(), reflectance: lanes, transmittance: lanes })
-}
+use crate::texture::{TextureRef, Value};
+use std::collections::BTreeSet;
+use straal_color::spectrum::refraction::glass;
 
 /// Through a prism of 60 degrees by Snell's law with Schott's Sellmeier figures: each wavelength leaves at its angle.
 #[test]
 fn a_prism_bends_as_snell_says() {
-    let flint = glass("SF11").unwrap();
+    let sf11 = glass("SF11").unwrap();
     for nm in [380.0, 404.656, 435.8, 486.13, 546.07, 587.56, 656.27, 706.5, 780.0] {
-        let n = flint.at(nm);
+        let n = sf11.at(nm);
         // About the angle of least deviation of yellow, where all get through; angles in degrees.
         for incidence in [66.0_f64, 70.0, 75.0] {
             let (sin, cos) = ops::sin_cos_degrees(incidence);
@@ -97,7 +27,7 @@ fn a_prism_bends_as_snell_says() {
             let (sin_a, cos_a) = ops::sin_cos_degrees(60.0);
             let at_second = sin_a * (1.0 - inside * inside).sqrt() - cos_a * inside;
             let want = n * at_second;
-            let b = prism(Hue::One(nm as f32));
+            let b = flint(Carried::One(nm as f32));
             let wo = Vec3::new(sin as f32, 0.0, cos as f32);
             let first = b.sample(wo, 0.999_999, [0.5; 2], Transport::Radiance).unwrap();
             assert!(first.transmitted && first.delta);
@@ -119,7 +49,7 @@ fn a_prism_bends_as_snell_says() {
 /// Four lanes together lose nothing: what is reflected and, four times over, what the first lane lets through.
 #[test]
 fn parted_lanes_lose_nothing() {
-    let b = prism(Hue::Four([450.0, 500.0, 550.0, 650.0]));
+    let b = flint(Carried::Four([450.0, 500.0, 550.0, 650.0]));
     for wo in [Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.3, 0.1, -0.948_683_3), Vec3::new(0.9, 0.0, -0.435_889_9)]
     {
         let (mut reflected, mut passed) = (Light::ZERO, Light::ZERO);
@@ -145,7 +75,7 @@ fn rainbows_average_to_white() {
     let (mut red, mut blue) = (Vec3::ZERO, Vec3::ZERO);
     for i in 0..N {
         let u = (i as f32 + 0.5) / N as f32;
-        let s = prism(Hue::All).sample(wo, 0.999, [u, 0.0], Transport::Importance).unwrap();
+        let s = flint(Carried::All).sample(wo, 0.999, [u, 0.0], Transport::Importance).unwrap();
         assert!(s.transmitted && s.wavelength > 360.0 - 1.0);
         for (c, sum) in sum.iter_mut().enumerate() {
             *sum += f64::from(s.weight[c]);
@@ -161,20 +91,6 @@ fn rainbows_average_to_white() {
     }
     assert!(sum.iter().all(|v| (v / passed - 1.0).abs() < 2e-3), "{sum:?}");
     assert!(red.x.abs() > blue.x.abs() && blue.x != 0.0);
-}
-
-/// Which arm a BSDF is. A new arm doesn't compile until it has a number, and then fails until it is registered.
-fn arm(bsdf: &Bsdf) -> usize {
-    match bsdf {
-        Bsdf::Black => 0,
-        Bsdf::Diffuse(_) => 1,
-        Bsdf::Mirror(_) => 2,
-        Bsdf::Dielectric(_) => 3,
-        Bsdf::Conductor(_) => 4,
-        Bsdf::RoughConductor(_) => 5,
-        Bsdf::Custom(_) => 6,
-        Bsdf::Prism(_) => 7,
-    }
 }
 
 /// Mirrors a share of the light (the second parameter) and scatters the rest evenly.
@@ -220,6 +136,11 @@ impl CustomScattering for Varnish {
     }
 }
 
+pub(super) fn varnish() -> Example {
+    let bsdf = Bsdf::Custom(CustomBsdf { scattering: &Varnish, parameters: [WHITE, Light::rgb([0.25; 3])] });
+    Example::new("a user's varnish", bsdf).albedo(1.0)
+}
+
 /// A direction by the angle to the normal and the angle about it, in degrees.
 fn direction(theta: f64, phi: f64) -> Vec3 {
     let ((s, c), (sp, cp)) = (ops::sin_cos_degrees(theta), ops::sin_cos_degrees(phi));
@@ -238,7 +159,7 @@ fn numbers(seed: u64, i: u32) -> [f32; 4] {
 }
 
 /// `f` with every registered BSDF and view.
-fn for_all(mut f: impl FnMut(&Entry, Vec3)) {
+fn for_all(mut f: impl FnMut(&Example, Vec3)) {
     for entry in registry() {
         for wo in views() {
             f(&entry, wo);
@@ -246,11 +167,24 @@ fn for_all(mut f: impl FnMut(&Entry, Vec3)) {
     }
 }
 
+/// Every kind of BSDF in the list is put through the tests below, and every material in its list is read as what it says.
 #[test]
-fn every_arm_is_registered() {
-    let mut found = [false; 8];
-    registry().iter().for_each(|e| found[arm(&e.bsdf)] = true);
-    assert_eq!(found, [true; 8]);
+fn every_kind_is_registered() {
+    let tried: BTreeSet<BsdfKind> = registry().iter().map(|e| e.bsdf.kind()).collect();
+    assert_eq!(tried.into_iter().collect::<Vec<_>>(), BsdfKind::ALL);
+    for (kind, &of) in BsdfKind::ALL.iter().enumerate() {
+        assert_eq!(of as usize, kind);
+    }
+    for (name, examples) in recipes() {
+        assert!(!examples.is_empty(), "{name} has no example");
+        for (material, kind) in examples {
+            assert_eq!(material.wants(), Wants::default(), "{name} of constants wants nothing");
+            let mut materials = Materials::default();
+            let index = materials.push(material);
+            let bsdf = materials.bsdf(index, &ShadingPoint::NOWHERE, &in_rgb());
+            assert_eq!(bsdf.kind(), kind, "{name}: {bsdf:?}");
+        }
+    }
 }
 
 #[test]
@@ -332,7 +266,7 @@ fn scattering_is_reciprocal() {
 
 /// The lobe that leads from `wo` to `s.wi` must lead back, for importance, with the same coefficient but for
 /// the compression of radiance.
-fn delta_lobe_leads_back(entry: &Entry, wo: Vec3, s: &BsdfSample) {
+fn delta_lobe_leads_back(entry: &Example, wo: Vec3, s: &BsdfSample) {
     let back = (0..=8)
         .filter_map(|j| entry.bsdf.sample(s.wi, j as f32 / 8.1, [0.5; 2], Transport::Importance))
         .find(|b| b.delta && b.transmitted == s.transmitted);
@@ -373,7 +307,7 @@ fn no_more_comes_out_than_goes_in() {
             assert!((mean[0] - want).abs() < 1e-5, "{} from {wo:?}: {mean:?}", entry.name);
         }
         // What is evaluated integrates to the same.
-        if spread > 0.0 && arm(&entry.bsdf) != 6 {
+        if spread > 0.0 && entry.bsdf.kind() != BsdfKind::Custom {
             let grid = SphereGrid {
                 axis: Vec3::new(-wo.x, -wo.y, wo.z),
                 focus: entry.focus,
@@ -419,8 +353,7 @@ fn rough_metal_is_that_of_mitsuba() {
         (1.0, [60.0, 200.0], [55.0, 30.0], [0.073_262_02, 0.048_247_42, 0.040_712_38], 0.106_103_33),
         (1.0, [80.0, -75.0], [82.0, 100.0], [0.031_479_02, 0.024_904_45, 0.023_230_18], 0.135_607),
     ];
-    let [eta, k] = GOLD_LIKE.map(Light::rgb);
-    let metal = Metal { eta, k, reflectance: Light::rgb([1.0; 3]) };
+    let metal = Metal { reflectance: WHITE, ..gold() };
     for (alpha, [theta_o, phi_o], [theta_i, phi_i], f, pdf) in TABLE {
         let bsdf = Bsdf::RoughConductor(RoughConductor::new(metal, alpha));
         let (wo, wi) = (direction(theta_o, phi_o), direction(theta_i, phi_i));
@@ -458,7 +391,10 @@ fn glass_compresses_radiance_and_gives_it_back() {
 
 #[test]
 fn backs_look_like_fronts_or_are_black() {
-    for entry in registry().iter().filter(|e| !matches!(arm(&e.bsdf), 3 | 7)) {
+    for entry in registry()
+        .iter()
+        .filter(|e| !matches!(e.bsdf.kind(), BsdfKind::Dielectric | BsdfKind::DispersiveDielectric))
+    {
         let turned = |d: Vec3| Vec3::new(d.x, d.y, -d.z);
         let one_sided = entry.name.contains("one-sided");
         for i in 0..200 {
@@ -524,7 +460,7 @@ fn extremes_give_nothing_or_finite_numbers() {
 struct Halves;
 
 impl CustomMaterial for Halves {
-    fn bsdf(&self, at: &TexturePoint, _: &dyn ReadRgb) -> Bsdf<'_> {
+    fn bsdf(&self, at: &ShadingPoint, _: &dyn ReadRgb) -> Bsdf<'_> {
         if at.uv[0] < 0.5 {
             Bsdf::Custom(CustomBsdf { scattering: &Varnish, parameters: [Light::ONE; 2] })
         } else {
@@ -538,40 +474,25 @@ impl CustomMaterial for Halves {
 }
 
 #[test]
-fn materials_become_the_bsdfs_they_describe() {
-    let grey: Value<Colour> = Light::rgb([0.5; 3]).into();
-    let metal = |roughness: f32| Material::Conductor {
-        eta: grey,
-        k: grey,
-        roughness: roughness.into(),
-        reflectance: grey,
-        two_sided: true,
-    };
-    let materials = Materials {
-        list: vec![
-            Material::Diffuse { reflectance: grey, two_sided: true },
-            Material::Diffuse { reflectance: Light::ZERO.into(), two_sided: true },
-            Material::Mirror { reflectance: grey, two_sided: true },
-            Material::Dielectric {
-                eta: 1.5.into(),
-                eta_outside: 1.2.into(),
-                reflectance: grey,
-                transmittance: grey,
-            },
-            metal(0.0),
-            metal(0.1),
-            Material::Custom(0),
-            Material::Custom(7),
-        ],
-        custom: vec![Arc::new(Halves)],
-    };
-    let at = TexturePoint { uv: [0.2, 0.3], p: Vec3::ZERO };
-    let arms: Vec<usize> = (0..9).map(|i| arm(&materials.bsdf(i, &at, &in_rgb()))).collect();
-    assert_eq!(arms, [1, 0, 2, 3, 4, 5, 6, 0, 0]);
-    let Bsdf::Dielectric(glass) = materials.bsdf(3, &at, &in_rgb()) else { panic!("not glass") };
-    assert!((glass.eta - 1.25).abs() < 1e-6);
-    let other = TexturePoint { uv: [0.7, 0.3], ..at };
-    assert_eq!(materials.bsdf(6, &other, &in_rgb()).albedo(), Light::rgb([0.3; 3]));
+fn materials_are_known_by_their_place() {
+    let grey = DiffuseMaterial { reflectance: Light::rgb([0.5; 3]).into(), two_sided: true };
+    let mut materials = Materials::default();
+    materials.push(Material::Diffuse(grey));
+    assert!(!materials.vary());
+    assert_eq!(materials.push_custom(Arc::new(Halves)), 1);
+    materials.push(Material::Custom(7));
+    assert!(materials.vary() && materials.wants(1).point && !materials.wants(0).point);
+    let at = ShadingPoint::of([0.2, 0.3], Vec3::ZERO);
+    let kinds: Vec<BsdfKind> = (0..4).map(|i| materials.bsdf(i, &at, &in_rgb()).kind()).collect();
+    assert_eq!(kinds, [BsdfKind::Diffuse, BsdfKind::Custom, BsdfKind::Black, BsdfKind::Black]);
+    let other = ShadingPoint { uv: [0.7, 0.3], ..at };
+    assert_eq!(materials.bsdf(1, &other, &in_rgb()).albedo(), Light::rgb([0.3; 3]));
     // Small enough to be handed around by value.
     assert!(std::mem::size_of::<Bsdf>() <= 80);
+
+    let texture = Value::Texture(TextureRef { id: 0, most: 1.0 });
+    materials.replace(1, Material::Diffuse(grey));
+    assert!(!materials.vary());
+    materials.replace(0, Material::Diffuse(DiffuseMaterial { reflectance: texture, ..grey }));
+    assert!(materials.vary() && materials.wants(0).point);
 }

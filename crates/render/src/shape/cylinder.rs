@@ -1,9 +1,10 @@
 //! The cylinder without caps.
 
-use straal_math::{Affine, Bounds, DVec3, Ray, ops};
+use straal_math::{Affine, Bounds, DVec3, Ray, Vec3, ops};
 
 use super::exact::{at, outward, rounded, size};
-use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, sampling};
+use super::tangents::unit_change;
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// The image of the open unit cylinder x² + z² = 1, 0 <= y <= 1, under an affine map; its normal points away from the
 /// axis.
@@ -78,10 +79,23 @@ impl Cylinder {
         let on = DVec3::new(out.x, q.y, out.z);
         let (p, p_err) = rounded(self.map.point(on), self.size());
         let n = self.inverse.normal_by_inverse(out).try_normalize().unwrap_or(DVec3::Y).as_vec3();
-        let turn = DVec3::new(out.z, 0.0, -out.x) * (2.0 * std::f64::consts::PI);
         let u = ops::atan2(out.x as f32, out.z as f32) * (0.5 * std::f32::consts::FRAC_1_PI);
         let uv = [if u < 0.0 { u + 1.0 } else { u }, q.y as f32];
-        SurfacePoint { p, p_err, ng: n, n, uv, dpdu: self.map.vector(turn).as_vec3() }
+        SurfacePoint { p, p_err, ng: n, n, uv }
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        let q = self.inverse.point(at.p.as_dvec3());
+        let out = DVec3::new(q.x, 0.0, q.z).try_normalize().unwrap_or(DVec3::Z);
+        let turn = DVec3::new(out.z, 0.0, -out.x) * (2.0 * std::f64::consts::PI);
+        let normal = |d: DVec3| self.inverse.normal_by_inverse(d).as_vec3();
+        Tangents {
+            dpdu: self.map.vector(turn).as_vec3(),
+            dpdv: self.map.vector(DVec3::Y).as_vec3(),
+            dndu: unit_change(normal(out), normal(turn)),
+            dndv: Vec3::ZERO,
+        }
     }
 
     /// See [`super::Geometry::area`].

@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, sampling};
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// A disc, or an ellipse: center + x a + y b for x² + y² <= 1. Its normal is a × b.
 ///
@@ -48,6 +48,12 @@ impl Disc {
         with_texture(self.patch.surface(ray, hit))
     }
 
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self) -> Tangents {
+        let Tangents { dpdu, dpdv, .. } = self.patch.tangents();
+        Tangents::flat(dpdu * 2.0, dpdv * 2.0)
+    }
+
     /// See [`super::Geometry::area`].
     pub fn area(&self) -> f32 {
         (std::f64::consts::PI * self.patch.area()) as f32
@@ -71,5 +77,5 @@ impl Disc {
 #[inline(always)]
 fn with_texture(point: SurfacePoint) -> SurfacePoint {
     let [x, y] = point.uv;
-    SurfacePoint { uv: [0.5 + 0.5 * x, 0.5 + 0.5 * y], dpdu: point.dpdu * 2.0, ..point }
+    SurfacePoint { uv: [0.5 + 0.5 * x, 0.5 + 0.5 * y], ..point }
 }

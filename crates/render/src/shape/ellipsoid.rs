@@ -3,9 +3,11 @@
 use straal_math::{Affine, Bounds, DVec3, Ray, Vec3};
 
 use super::exact::{at, outward, rounded};
-use super::sphere::{Cone, finite_or_zero, sphere_uv};
+use super::sphere::{Cone, finite_or_zero, sphere_tangents, sphere_uv};
+use super::tangents::unit_change;
 use super::{
-    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf,
+    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
+    solid_angle_pdf,
 };
 
 /// The image of the unit sphere under an affine map; its normal points outwards.
@@ -53,8 +55,17 @@ impl Ellipsoid {
         let q = q.try_normalize().unwrap_or(DVec3::Y);
         let (p, p_err) = rounded(self.map.point(q), self.size());
         let n = self.inverse.normal_by_inverse(q).try_normalize().unwrap_or(DVec3::Y).as_vec3();
-        let (uv, turn) = sphere_uv(q.as_vec3());
-        SurfacePoint { p, p_err, ng: n, n, uv, dpdu: self.map.vector(turn.as_dvec3()).as_vec3() }
+        SurfacePoint { p, p_err, ng: n, n, uv: sphere_uv(q.as_vec3()) }
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        let q = self.inverse.point(at.p.as_dvec3()).try_normalize().unwrap_or(DVec3::Y);
+        let turns = sphere_tangents(q.as_vec3()).map(Vec3::as_dvec3);
+        let [dpdu, dpdv] = turns.map(|d| self.map.vector(d).as_vec3());
+        let long = self.inverse.normal_by_inverse(q).as_vec3();
+        let [dndu, dndv] = turns.map(|d| unit_change(long, self.inverse.normal_by_inverse(d).as_vec3()));
+        Tangents { dpdu, dpdv, dndu, dndv }
     }
 
     /// See [`super::Geometry::area`].

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use straal_math::{Affine, DVec3, Frame, Vec3, warp};
+use straal_math::{Affine, DVec3, Vec3, warp};
 
 use super::exact::{HALF_ULP, SUBNORMAL, bound};
-use super::{AreaSample, SurfacePoint};
+use super::tangents::unit_change;
+use super::{AreaSample, SurfacePoint, Tangents};
 
 /// An indexed triangle mesh. Every index is in range, and `normals` and `uvs` are empty or as long as `positions`:
 /// readers guarantee it and [`TriangleMesh::is_whole`] tells.
@@ -132,23 +133,47 @@ impl TriangleMesh {
                 (n0 * b0 as f32 + n1 * u + n2 * v).try_normalize().unwrap_or(ng)
             }
         };
-        let (uv, dpdu) = self.texture(index, [u, v], [e1.as_vec3(), e2.as_vec3()]);
-        let dpdu = if dpdu.is_finite() && dpdu != Vec3::ZERO { dpdu } else { Frame::from_normal(ng).s };
-        SurfacePoint { p: q.as_vec3(), p_err, ng, n, uv, dpdu }
+        SurfacePoint { p: q.as_vec3(), p_err, ng, n, uv: self.uv(index, [u, v]) }
     }
 
-    /// Texture coordinates, and the edge direction along the first of them.
     #[inline]
-    fn texture(&self, index: [usize; 3], [u, v]: [f32; 2], [e1, e2]: [Vec3; 2]) -> ([f32; 2], Vec3) {
+    fn uv(&self, index: [usize; 3], [u, v]: [f32; 2]) -> [f32; 2] {
         if self.uvs.is_empty() {
-            return ([u, v], e1);
+            return [u, v];
         }
         let [t0, t1, t2] = index.map(|i| self.uvs[i]);
         let b0 = 1.0 - u - v;
-        let uv = [0, 1].map(|k| b0 * t0[k] + u * t1[k] + v * t2[k]);
-        let (d1, d2) = ([t1[0] - t0[0], t1[1] - t0[1]], [t2[0] - t0[0], t2[1] - t0[1]]);
-        let det = d1[0] * d2[1] - d2[0] * d1[1];
-        (uv, (e1 * d2[1] - e2 * d1[1]) / det)
+        [0, 1].map(|k| b0 * t0[k] + u * t1[k] + v * t2[k])
+    }
+
+    /// How a point of a triangle moves with its texture coordinates: by those of the mesh; along the edges from vertex 0
+    /// where it has none, or a triangle's have no extent.
+    pub fn tangents(&self, primitive: u32, u: f32, v: f32) -> Tangents {
+        let index = self.indices[primitive as usize].map(|i| i as usize);
+        let [p0, p1, p2] = index.map(|i| self.positions[i]);
+        let edges = [p1 - p0, p2 - p0];
+        // How the normal turns from vertex 0 to the others.
+        let turns = match self.normals.get(index[0]..) {
+            None | Some([]) => [Vec3::ZERO; 2],
+            Some(_) => {
+                let [n0, n1, n2] = index.map(|i| self.normals[i]);
+                let n = n0 * (1.0 - u - v) + n1 * u + n2 * v;
+                [unit_change(n, n1 - n0), unit_change(n, n2 - n0)]
+            }
+        };
+        let sound_ones = |[dpdu, dpdv]: [Vec3; 2], [dndu, dndv]: [Vec3; 2]| {
+            let sound = dpdu != Vec3::ZERO && [dpdu, dpdv, dndu, dndv].iter().all(|v| v.is_finite());
+            sound.then_some(Tangents { dpdu, dpdv, dndu, dndv })
+        };
+        let by_texture = (!self.uvs.is_empty()).then(|| {
+            let [t0, t1, t2] = index.map(|i| self.uvs[i]);
+            let (d1, d2) = ([t1[0] - t0[0], t1[1] - t0[1]], [t2[0] - t0[0], t2[1] - t0[1]]);
+            let det = d1[0] * d2[1] - d2[0] * d1[1];
+            let by_uv = |[a, b]: [Vec3; 2]| [(a * d2[1] - b * d1[1]) / det, (b * d1[0] - a * d2[0]) / det];
+            sound_ones(by_uv(edges), by_uv(turns))
+        });
+        let found = by_texture.flatten().or_else(|| sound_ones(edges, turns));
+        found.unwrap_or_else(|| Tangents::about(self.surface(primitive, u, v).ng))
     }
 
     /// A point of a triangle, uniformly; `pdf_area` is that of the triangle alone.
@@ -185,7 +210,7 @@ mod tests {
             let s = m.surface(i, 0.3, 0.3);
             assert!(s.ng.dot(s.p - center) > 0.0, "face {i}");
             assert_eq!(s.n, s.ng);
-            assert!(s.dpdu.dot(s.ng).abs() < 1e-6);
+            assert!(m.tangents(i, 0.3, 0.3).dpdu.dot(s.ng).abs() < 1e-6);
         }
     }
 
@@ -220,7 +245,10 @@ mod tests {
         assert_eq!((s.ng, s.uv), (Vec3::Z, [1.0, 1.0]));
         assert!((s.n - Vec3::new(1.0, 0.0, 3.0).normalize()).length() < 1e-6);
         // Texture u grows along +y, 2 over 3 metres.
-        assert!((s.dpdu - Vec3::new(0.0, 1.5, 0.0)).length() < 1e-6);
+        let t = m.tangents(0, 0.25, 0.5);
+        assert!((t.dpdu - Vec3::new(0.0, 1.5, 0.0)).length() < 1e-6);
+        // v grows along x, 4 over 2 metres.
+        assert!((t.dpdv - Vec3::new(0.5, 0.0, 0.0)).length() < 1e-6);
     }
 
     #[test]
@@ -235,7 +263,9 @@ mod tests {
                 flip: false,
             };
             let s = m.surface(0, 0.25, 0.25);
-            assert!(s.ng.is_finite() && s.n.is_finite() && s.dpdu.is_finite() && s.dpdu != Vec3::ZERO);
+            let t = m.tangents(0, 0.25, 0.25);
+            assert!(s.ng.is_finite() && s.n.is_finite());
+            assert!([t.dpdu, t.dpdv, t.dndu, t.dndv].iter().all(|v| v.is_finite()) && t.dpdu != Vec3::ZERO);
             assert_eq!(m.triangle_area(0), 0.0);
         }
     }

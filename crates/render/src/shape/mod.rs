@@ -13,6 +13,8 @@
 //!   a bound of its rounding error that is a few units in the last place of its coordinates, the unit geometric normal
 //!   `ng` and the unit shading normal `n`. `ng` points out of closed shapes, and follows the right hand from the
 //!   first edge or axis to the second on open ones;
+//! - tells with [`Geometry::tangents`] how such a point, and its shading normal, move with the texture coordinates: the
+//!   first tangent is never zero, and both lie in the surface;
 //! - says, when it can shine, its [`Geometry::area`], and samples its points ([`Geometry::sample_area`], pdf by area)
 //!   and the directions towards it from a point ([`Geometry::sample_from`], [`Geometry::pdf_from`], pdf by solid
 //!   angle). `sample_from` covers every point that is visible from the reference point; it may also return points that
@@ -40,6 +42,7 @@ pub mod plane;
 mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
+mod tangents;
 
 pub use cylinder::Cylinder;
 pub use disc::Disc;
@@ -51,6 +54,7 @@ pub use plane::Plane;
 pub use smooth::SMOOTHING_BYTES;
 pub use sphere::Sphere;
 pub use straal_accel::{Analytic, ShapeHit};
+pub use tangents::Tangents;
 
 /// One shape. Large ones are boxed, so that a sphere takes 40 bytes.
 #[derive(Clone, Debug)]
@@ -81,6 +85,10 @@ pub trait CustomShape: fmt::Debug + Send + Sync {
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit>;
     /// See [`Geometry::surface`].
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
+    /// See [`Geometry::tangents`]; those of a flat surface, unless it says otherwise.
+    fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        Tangents::about(at.n)
+    }
     /// A number that differs when the shape does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
 }
@@ -98,8 +106,6 @@ pub struct SurfacePoint {
     pub n: Vec3,
     /// Texture coordinates.
     pub uv: [f32; 2],
-    /// A tangent: how the point moves with the first texture coordinate. Never zero.
-    pub dpdu: Vec3,
 }
 
 impl SurfacePoint {
@@ -113,7 +119,6 @@ impl SurfacePoint {
             ng,
             n: if self.n == self.ng { ng } else { m.normal(self.n).try_normalize().unwrap_or(ng) },
             uv: self.uv,
-            dpdu: m.vector(self.dpdu),
         }
     }
 }
@@ -197,6 +202,19 @@ impl Geometry {
             Shape::Parallelogram(s) => s.surface(ray, hit),
             Shape::Cylinder(s) => s.surface(ray, hit),
             Shape::Custom(i) => self.custom[*i as usize].surface(ray, hit),
+        }
+    }
+
+    /// How a point that [`Geometry::surface`] gave moves with its texture coordinates.
+    pub fn tangents(&self, shape: u32, at: &SurfacePoint) -> Tangents {
+        match &self.shapes[shape as usize] {
+            Shape::Sphere(s) => s.tangents(at),
+            Shape::Ellipsoid(s) => s.tangents(at),
+            Shape::Plane(s) => s.tangents(),
+            Shape::Disc(s) => s.tangents(),
+            Shape::Parallelogram(s) => s.tangents(),
+            Shape::Cylinder(s) => s.tangents(at),
+            Shape::Custom(i) => self.custom[*i as usize].tangents(at),
         }
     }
 

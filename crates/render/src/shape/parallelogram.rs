@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{Analytic, AreaSample, ShapeHit, SurfacePoint};
+use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents};
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
 ///
@@ -41,6 +41,11 @@ impl Parallelogram {
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         self.patch.surface(ray, hit)
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self) -> Tangents {
+        self.patch.tangents()
     }
 
     /// See [`super::Geometry::area`].

@@ -5,7 +5,7 @@ use straal_math::{DVec3, Ray, Vec3};
 
 use super::exact::{at, bound, padding, size};
 use super::plane::project;
-use super::{ShapeHit, SurfacePoint};
+use super::{ShapeHit, SurfacePoint, Tangents};
 
 /// A plane with coordinates: origin + x a + y b; in double precision, with what follows from it kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,13 +43,13 @@ impl Patch {
         accel::Patch { origin: self.origin, normal: self.n, dual: self.dual }
     }
 
-    /// The point of a hit of this ray, with the coordinates of the hit and the first axis as texture's.
+    /// The point of a hit of this ray, with the coordinates of the hit as texture's.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         self.point(project(at(ray, hit.t), self.origin, self.n), [hit.u, hit.v])
     }
 
-    /// The point at x and y, with these and the first axis as texture's.
+    /// The point at x and y, with these as texture's.
     #[inline(always)]
     pub fn point_at(&self, [x, y]: [f32; 2]) -> SurfacePoint {
         self.point(self.origin + self.a * f64::from(x) + self.b * f64::from(y), [x, y])
@@ -60,6 +60,11 @@ impl Patch {
         let bound = |x: f64| bound(x, self.pad);
         let p_err = Vec3::new(bound(q.x), bound(q.y), bound(q.z));
         let ng = self.n.as_vec3();
-        SurfacePoint { p: q.as_vec3(), p_err, ng, n: ng, uv, dpdu: self.a.as_vec3() }
+        SurfacePoint { p: q.as_vec3(), p_err, ng, n: ng, uv }
+    }
+
+    /// The axes.
+    pub fn tangents(&self) -> Tangents {
+        Tangents::flat(self.a.as_vec3(), self.b.as_vec3())
     }
 }

@@ -3,7 +3,7 @@
 use straal_math::{DVec3, Frame, Ray, Vec3};
 
 use super::exact::{at, rounded, size};
-use super::{Analytic, ShapeHit, SurfacePoint};
+use super::{Analytic, ShapeHit, SurfacePoint, Tangents};
 
 /// A plane through a point; its normal is the one given.
 ///
@@ -33,7 +33,12 @@ impl Plane {
         let ng = n.as_vec3();
         let frame = Frame::from_normal(ng);
         let r = (q - c).as_vec3();
-        SurfacePoint { p, p_err, ng, n: ng, uv: [r.dot(frame.s), r.dot(frame.t)], dpdu: frame.s }
+        SurfacePoint { p, p_err, ng, n: ng, uv: [r.dot(frame.s), r.dot(frame.t)] }
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self) -> Tangents {
+        Tangents::about(self.normal.try_normalize().unwrap_or(Vec3::Y))
     }
 }
 

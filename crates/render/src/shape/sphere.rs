@@ -4,7 +4,8 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, ops, warp};
 
 use super::exact::{at, outward, rounded, size};
 use super::{
-    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, by_solid_angle, sampling, solid_angle_pdf,
+    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
+    solid_angle_pdf,
 };
 
 /// A sphere; its normal points outwards.
@@ -44,8 +45,13 @@ impl Sphere {
         let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
         let (p, p_err) = rounded(c + n * r, size(c) + r);
         let ng = n.as_vec3();
-        let (uv, turn) = sphere_uv(ng);
-        SurfacePoint { p, p_err, ng, n: ng, uv, dpdu: turn * self.radius }
+        SurfacePoint { p, p_err, ng, n: ng, uv: sphere_uv(ng) }
+    }
+
+    /// See [`super::Geometry::tangents`].
+    pub fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        let [du, dv] = sphere_tangents(at.ng);
+        Tangents { dpdu: du * self.radius, dpdv: dv * self.radius, dndu: du, dndv: dv }
     }
 
     /// See [`super::Geometry::area`].
@@ -145,12 +151,24 @@ pub(super) fn finite_or_zero(pdf: f32) -> f32 {
     if pdf.is_finite() { pdf } else { 0.0 }
 }
 
-/// Texture coordinates of a unit vector, and how it moves with the first of them.
+/// Texture coordinates of a unit vector.
 #[inline]
-pub(super) fn sphere_uv(n: Vec3) -> ([f32; 2], Vec3) {
-    use std::f32::consts::{FRAC_1_PI, TAU};
+pub(super) fn sphere_uv(n: Vec3) -> [f32; 2] {
+    use std::f32::consts::FRAC_1_PI;
     let u = ops::atan2(n.x, n.z) * (0.5 * FRAC_1_PI);
     let v = 1.0 - ops::acos(n.y) * FRAC_1_PI;
-    let turn = Vec3::new(n.z, 0.0, -n.x) * TAU;
-    ([if u < 0.0 { u + 1.0 } else { u }, v], if turn == Vec3::ZERO { Vec3::X } else { turn })
+    [if u < 0.0 { u + 1.0 } else { u }, v]
+}
+
+/// How a unit vector moves with each of its texture coordinates; at the poles, where u has no meaning, as next to them
+/// at u = 0.
+pub(super) fn sphere_tangents(n: Vec3) -> [Vec3; 2] {
+    use std::f32::consts::{PI, TAU};
+    // Sine of the angle to the axis, and the direction about it.
+    let sin = (n.x * n.x + n.z * n.z).sqrt();
+    if sin == 0.0 {
+        return [Vec3::X, Vec3::Z * (-PI * n.y)];
+    }
+    let (x, z) = (n.x / sin, n.z / sin);
+    [Vec3::new(n.z, 0.0, -n.x) * TAU, Vec3::new(-n.y * x, sin, -n.y * z) * PI]
 }

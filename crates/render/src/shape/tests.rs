@@ -1,6 +1,6 @@
 //! Every shape against the contract: a registry of shapes at many scales, each with the equation of its surface.
 
-use straal_math::{Affine, ops};
+use straal_math::{Affine, Frame, ops};
 
 use super::*;
 
@@ -147,9 +147,16 @@ impl Case {
         // The normal is that of the point before rounding; no shape here curves within a thirtieth of its reach.
         let turn = 1e-6 + 30.0 * f64::from(s.p_err.length() / self.reach);
         assert!((n - s.ng.as_dvec3()).length() < turn, "{}: normal {:?} against {n:?}", self.name, s.ng);
-        assert!(s.dpdu.is_finite() && s.dpdu != Vec3::ZERO, "{}: {s:?}", self.name);
-        let along = s.dpdu.normalize().dot(s.ng).abs();
-        assert!(along < 1e-5, "{}: dpdu leaves the surface by {along}", self.name);
+        let t = self.geometry.tangents(0, s);
+        assert!(t.dpdu.is_finite() && t.dpdu != Vec3::ZERO, "{}: {t:?}", self.name);
+        for tangent in [t.dpdu, t.dpdv] {
+            let along = tangent.normalize().dot(s.ng).abs();
+            assert!(
+                along < 1e-5 + 3.0 * turn as f32,
+                "{}: {tangent:?} leaves the surface by {along}",
+                self.name
+            );
+        }
     }
 }
 
@@ -168,6 +175,43 @@ fn points_lie_on_the_surface_within_their_error() {
             let cos = ray.d.normalize().dot(s.ng).abs();
             assert!(slip <= 4.0 * f32::EPSILON * way / cos, "{}: slipped {slip}", case.name);
         }
+    }
+}
+
+/// From a hit to one close by, point and normal move by what the texture coordinates move, times the tangents.
+#[test]
+fn tangents_are_the_change_with_texture_coordinates() {
+    for case in cases() {
+        let mut tried = 0;
+        for (ray, _, s) in case.hits(300) {
+            // Away from the poles of balls, where u turns quickly, and where single precision tells points and t apart.
+            let step = case.reach * 1e-3;
+            let near = Ray { o: ray.o + Frame::from_normal(s.ng).s * step, ..ray };
+            let Some(hit) = case.geometry.intersect(0, &near) else { continue };
+            let other = case.geometry.surface(0, &near, &hit);
+            let moved = other.p - s.p;
+            let t = case.geometry.tangents(0, &s);
+            let duv = [0, 1].map(|k| other.uv[k] - s.uv[k]);
+            let rounding = 4.0 * f32::EPSILON * (s.p.length() + case.center.length() + ray.o.length());
+            if moved.length() > 3.0 * step
+                || !case.is_flat() && (duv[0].abs() > 1e-3 || case.is_closed() && duv[1].abs() > 1e-3)
+                || rounding > 0.02 * step
+            {
+                continue;
+            }
+            tried += 1;
+            let off = (t.dpdu * duv[0] + t.dpdv * duv[1] - moved).length();
+            assert!(off < 0.05 * moved.length() + rounding, "{}: {t:?} {duv:?} {moved:?}", case.name);
+            let turned = other.n - s.n;
+            let off = (t.turn(duv) - turned).length();
+            assert!(off < 0.1 * turned.length() + 1e-4, "{}: {t:?} {duv:?} {turned:?}", case.name);
+            // And back: the coordinates of the step.
+            let back = t.coordinates(moved);
+            let scale =
+                t.dpdu.length() * (back[0] - duv[0]).abs() + t.dpdv.length() * (back[1] - duv[1]).abs();
+            assert!(scale < 0.2 * moved.length() + 4.0 * rounding, "{}: {back:?} {duv:?}", case.name);
+        }
+        assert!(tried > 50 || case.center.length() > 50.0 * case.reach, "{}: {tried}", case.name);
     }
 }
 

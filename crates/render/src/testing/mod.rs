@@ -20,6 +20,7 @@ pub fn sidak(level: f64, tests: usize) -> f64 {
 
 /// How a path reads colours in RGB, where no world is at hand.
 pub fn in_rgb() -> crate::lanes::Reading<'static, crate::lanes::Rgb> {
-    static EMPTY: std::sync::LazyLock<crate::lanes::Palette> = std::sync::LazyLock::new(Default::default);
-    crate::lanes::Reading { palette: &EMPTY, lanes: crate::lanes::Rgb::default() }
+    static EMPTY: std::sync::LazyLock<crate::lanes::SpectralTables> =
+        std::sync::LazyLock::new(Default::default);
+    crate::lanes::Reading { tables: &EMPTY, lanes: crate::lanes::Rgb::default(), textures: &[] }
 }

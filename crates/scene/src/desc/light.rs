@@ -24,18 +24,6 @@ describe! {
     }
 }
 
-impl Light {
-    /// Its colour, unless that is a picture.
-    pub fn spectrum(&self) -> Option<&Spectrum> {
-        match self {
-            Self::Point(l) => Some(l.intensity.get()),
-            Self::Directional(l) => Some(l.irradiance.get()),
-            Self::Spot(l) => Some(l.intensity.get()),
-            Self::Environment(l) => l.radiance.as_ref().map(Value::get),
-        }
-    }
-}
-
 describe! {
     /// A point that shines evenly in all directions.
     pub struct PointLight {

@@ -80,28 +80,3 @@ describe! {
         two_sided: bool = true,
     }
 }
-
-impl Material {
-    /// Its colours.
-    pub fn spectra(&self) -> Vec<&Spectrum> {
-        let values: Vec<&Value<Spectrum>> = match self {
-            Self::Diffuse(m) => vec![&m.reflectance],
-            Self::Mirror(m) => vec![&m.reflectance],
-            Self::Dielectric(m) => vec![&m.reflectance, &m.transmittance],
-            Self::Conductor(m) => {
-                [Some(&m.reflectance), m.eta.as_ref(), m.k.as_ref()].into_iter().flatten().collect()
-            }
-        };
-        values.into_iter().map(Value::get).collect()
-    }
-
-    /// Those of its colours that are parts of the light that arrives.
-    pub fn reflectances(&self) -> Vec<&Spectrum> {
-        match self {
-            Self::Diffuse(m) => vec![m.reflectance.get()],
-            Self::Mirror(m) => vec![m.reflectance.get()],
-            Self::Dielectric(m) => vec![m.reflectance.get(), m.transmittance.get()],
-            Self::Conductor(m) => vec![m.reflectance.get()],
-        }
-    }
-}

@@ -115,7 +115,7 @@ impl Job {
 
     /// What the three numbers of the film's pixels are.
     pub fn film_space(&self) -> RgbSpace {
-        match self.world.palette.recording() {
+        match self.world.sensor.recording() {
             Recording::Xyz => RgbSpace::XYZ,
             Recording::Rgb | Recording::Spectral(_) => self.space.rgb(),
         }
@@ -157,7 +157,7 @@ impl Job {
         };
         let noise = s.noise.map(|noise| ("noise", noise.to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
-        let recording = self.world.palette.recording();
+        let recording = self.world.sensor.recording();
         let channels = (recording != Recording::Rgb).then(|| ("channels", recording.name().to_string()));
         let magnified = self.world.camera.focal_pixels().map(|f| ("focal_pixels", f.to_string()));
         [
@@ -166,7 +166,7 @@ impl Job {
             ("seed", s.seed.to_string()),
             ("sampler", s.pattern.kind().to_string()),
             ("space", self.space.name().to_string()),
-            ("light", if self.world.palette.is_spectral() { "wavelengths" } else { "rgb" }.to_string()),
+            ("light", if self.world.tables.is_spectral() { "wavelengths" } else { "rgb" }.to_string()),
             ("integrator", if self.chart.is_some() { "sine_product" } else { "path" }.to_string()),
             ("max_depth", depth),
             ("roulette_depth", self.integrator.roulette_depth.to_string()),

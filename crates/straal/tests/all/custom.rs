@@ -6,8 +6,9 @@ use straal::{Control, Job, LoadOptions, Overrides};
 use straal_math::{Bounds, Ray, Vec3};
 use straal_render::compile::Custom;
 use straal_render::lanes::ReadRgb;
-use straal_render::material::{Bsdf, CustomMaterial, Diffuse, TexturePoint};
+use straal_render::material::{Bsdf, CustomMaterial, Diffuse};
 use straal_render::shape::{CustomShape, ShapeHit, Sphere, SurfacePoint};
+use straal_render::texture::ShadingPoint;
 
 #[derive(Debug)]
 struct Ball(Sphere);
@@ -34,7 +35,7 @@ impl CustomShape for Ball {
 struct Paint;
 
 impl CustomMaterial for Paint {
-    fn bsdf(&self, _at: &TexturePoint, read: &dyn ReadRgb) -> Bsdf<'_> {
+    fn bsdf(&self, _at: &ShadingPoint, read: &dyn ReadRgb) -> Bsdf<'_> {
         Bsdf::Diffuse(Diffuse { reflectance: read.reflectance([0.8, 0.4, 0.2]), two_sided: true })
     }
 

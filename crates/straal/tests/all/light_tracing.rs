@@ -8,6 +8,7 @@ use straal_math::lowdisc::Purpose;
 use straal_math::{Ray, Vec3, warp};
 use straal_render::driver::{Render, RenderError};
 use straal_render::film::{Layers, hash_of};
+use straal_render::footprint::PackedFootprint;
 use straal_render::integrator::{Contribution, Integrator, Origin, Out, PathTracer, Queue, Start};
 use straal_render::lanes::Lanes;
 use straal_render::material::{Shaded, Transport};
@@ -42,7 +43,7 @@ impl Integrator for LightTracer {
 
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, (Light, u32))> {
         let d = warp::uniform_sphere(start.pattern.d2(&start.name, Purpose::Custom));
-        let intensity = start.lanes.radiance_of_rgb(&start.world.palette, Light::rgb([9.0, 7.0, 5.0]));
+        let intensity = start.lanes.radiance_of_rgb(&start.world.tables, Light::rgb([9.0, 7.0, 5.0]));
         let share = 4.0 * std::f32::consts::PI / (SIZE[0] * SIZE[1]) as f32;
         Some((Ray::new(LIGHT, d), (intensity * share, 2)))
     }
@@ -54,8 +55,9 @@ impl Integrator for LightTracer {
         out: &mut Out<'_, (Light, u32)>,
     ) {
         for a in queue.arrivals().filter(|a| a.hit.is_hit()) {
-            let (surface, (beta, depth)) = (world.surface(a.ray, a.hit), a.path.state);
-            let shaded = Shaded { bsdf: world.bsdf(&surface, L::drawn(&world.palette, 0.0)), ng: surface.ng };
+            let (surface, (beta, depth)) =
+                (world.surface(a.ray, a.hit, &PackedFootprint::NONE), a.path.state);
+            let shaded = Shaded { bsdf: world.bsdf(&surface, L::drawn(&world.tables, 0.0)), ng: surface.ng };
             let (wo, end) = (surface.frame.to_local(-a.ray.d), End::from(&surface.point));
 
             // To the pinhole, and from there to the film.

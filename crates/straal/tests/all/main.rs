@@ -19,4 +19,5 @@ mod power;
 mod resume;
 mod same_bits;
 mod spectral;
+mod textures;
 mod wide_gamut;

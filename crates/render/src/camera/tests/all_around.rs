@@ -12,7 +12,7 @@ fn angle(ray: &Ray, view: &View) -> f64 {
 }
 
 fn fisheye(projection: Projection, degrees: f64) -> Camera {
-    Camera::Fisheye(Box::new(Fisheye::new(&slanted(), (projection, degrees), 100.0, SIZE)))
+    Camera::Fisheye(Fisheye::new(&slanted(), (projection, degrees), 100.0, SIZE))
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn an_equisolid_fisheye_gives_equal_areas_to_equal_solid_angles() {
 fn panoramas_and_cubes_see_everything_once() {
     let sphere = 4.0 * std::f64::consts::PI;
     let p = Panorama::new(&slanted(), [-180.0, 180.0], ([-90.0, 90.0], Rows::Even), SIZE);
-    let p = Camera::Panorama(Box::new(p));
+    let p = Camera::Panorama(p);
     let pixels = |c: &Camera| -> f64 {
         let all = (0..SIZE[0] * SIZE[1]).map(|i| [(i % SIZE[0]) as f32, (i / SIZE[0]) as f32]);
         all.filter(|at| c.ray(&FilmPoint::at([at[0] + 0.5, at[1] + 0.5])).is_some())
@@ -91,7 +91,7 @@ fn panoramas_and_cubes_see_everything_once() {
     // Flat pixels are smaller than round ones by the square of their angle.
     assert!((pixels(&p) / sphere - 1.0).abs() < 1e-3);
     for layout in [CubeLayout::Cross, CubeLayout::Row] {
-        let c = Camera::CubeMap(Box::new(CubeMap::new(&slanted(), layout, SIZE).unwrap()));
+        let c = Camera::CubeMap(CubeMap::new(&slanted(), layout, SIZE).unwrap());
         assert!((pixels(&c) / sphere - 1.0).abs() < 1e-3, "{layout:?} {}", pixels(&c) / sphere);
     }
 }
@@ -100,7 +100,7 @@ fn panoramas_and_cubes_see_everything_once() {
 fn panorama_has_its_angles() {
     let v = slanted();
     let c = Panorama::new(&v, [-30.0, 60.0], ([-20.0, 40.0], Rows::Even), SIZE);
-    let c = Camera::Panorama(Box::new(c));
+    let c = Camera::Panorama(c);
     let want = |l: f64, b: f64| {
         let ((sl, cl), (sb, cb)) = (ops::sin_cos_degrees(l), ops::sin_cos_degrees(b));
         (v.right * (sl * cb) + v.forward * (cl * cb) + v.up * sb).as_vec3()
@@ -132,7 +132,7 @@ fn surroundings_are_read_as_they_were_seen() {
         ([-90.0, 90.0], Rows::Centered),
         [width as u32, height as u32],
     );
-    let c = Camera::Panorama(Box::new(c));
+    let c = Camera::Panorama(c);
     for i in 0..width * height {
         // The first and the last row are the poles, where one direction is all columns.
         let (x, y) = (i % width, i / width);
@@ -153,8 +153,8 @@ fn surroundings_are_read_as_they_were_seen() {
 fn cube_faces_are_where_they_are_told() {
     let v = slanted();
     let size = [80, 60];
-    let cross = Camera::CubeMap(Box::new(CubeMap::new(&v, CubeLayout::Cross, size).unwrap()));
-    let row = Camera::CubeMap(Box::new(CubeMap::new(&v, CubeLayout::Row, [120, 21]).unwrap()));
+    let cross = Camera::CubeMap(CubeMap::new(&v, CubeLayout::Cross, size).unwrap());
+    let row = Camera::CubeMap(CubeMap::new(&v, CubeLayout::Row, [120, 21]).unwrap());
     let middles = [
         (v.right, [50.0, 30.0], 0.0),
         (-v.right, [10.0, 30.0], 1.0),

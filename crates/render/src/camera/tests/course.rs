@@ -80,7 +80,7 @@ fn straight_lines_stay_straight() {
     }
     // A fisheye bends what doesn't pass through its middle, so that this test can fail.
     let f = Fisheye::new(&v, (Projection::Equidistant, 180.0), 100.0, SIZE);
-    let f = Camera::Fisheye(Box::new(f));
+    let f = Camera::Fisheye(f);
     let across: Vec<[f64; 2]> =
         (-4..=4).map(|i| seen(&f, v.eye + v.forward + v.up * 0.7 + v.right * (0.4 * f64::from(i)))).collect();
     assert!(bend(&across) > 1.0);

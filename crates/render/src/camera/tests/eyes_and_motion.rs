@@ -12,7 +12,7 @@ fn stereo(layout: StereoLayout) -> Camera {
         let (view, window) = eyes.eye(i, &slanted(), &Window::new(0.5, own));
         Camera::Perspective(Perspective::new(&view, &window))
     });
-    Camera::Stereo(Box::new(Stereo::new(cameras, layout, own[0])))
+    Camera::Stereo(Stereo::new(cameras, layout, own[0]))
 }
 
 /// Where the left and the right eye see a point, each on its own whole picture.
@@ -87,7 +87,7 @@ fn way() -> Vec<(f64, Stand)> {
 #[track_caller]
 fn is_carried(way: &[(f64, Stand)], shutter: [f64; 2], moments: &[(f32, Stand)]) {
     for (name, own) in every_kind(&View::ORIGIN).into_iter().filter(|(n, _)| *n != "moving") {
-        let moving = Camera::Moving(Box::new(Moving::new(own, way.to_vec(), shutter).unwrap()));
+        let moving = Camera::Moving(Moving::new(own, way.to_vec(), shutter).unwrap());
         for &(time, stand) in moments {
             let view = View::look_at(stand.eye, stand.look_at, stand.up).unwrap();
             let still = every_kind(&view.rolled(stand.roll)).into_iter().find(|(n, _)| *n == name).unwrap().1;
@@ -149,9 +149,8 @@ fn a_moment_without_view_has_no_ray() {
     let stand =
         |z: f64| Stand { eye: DVec3::new(0.0, 0.0, z), look_at: DVec3::ZERO, up: DVec3::Y, roll: 0.0 };
     let own = pinhole(&View::ORIGIN);
-    let through = Camera::Moving(Box::new(
-        Moving::new(own, vec![(0.0, stand(1.0)), (1.0, stand(-1.0))], [0.0, 1.0]).unwrap(),
-    ));
+    let through =
+        Camera::Moving(Moving::new(own, vec![(0.0, stand(1.0)), (1.0, stand(-1.0))], [0.0, 1.0]).unwrap());
     let at = |time| FilmPoint { time, ..FilmPoint::at([100.0, 50.0]) };
     assert!(through.ray(&at(0.25)).is_some() && through.ray(&at(0.75)).is_some());
     assert_eq!(through.ray(&at(0.5)), None);

@@ -9,7 +9,7 @@ const FOCUS: f64 = 3.0;
 const RADIUS: f64 = 0.2;
 
 fn lens(iris: Iris) -> Camera {
-    Camera::ThinLens(Box::new(ThinLens::new(&slanted(), &Window::new(0.5, SIZE), iris, FOCUS)))
+    Camera::ThinLens(ThinLens::new(&slanted(), &Window::new(0.5, SIZE), iris, FOCUS))
 }
 
 /// Places in the unit square whose places on a round lens are the rim's; the last is the middle.

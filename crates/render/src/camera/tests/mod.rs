@@ -3,6 +3,7 @@
 mod all_around;
 mod course;
 mod eyes_and_motion;
+mod footprints;
 mod lens;
 
 use super::*;
@@ -68,49 +69,21 @@ fn near(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
     (a[0] - b[0]).abs() < tolerance && (a[1] - b[1]).abs() < tolerance
 }
 
-/// Every kind of camera for a picture of [`SIZE`].
+/// Every kind of camera in the list, for a picture of [`SIZE`].
 fn every_kind(view: &View) -> Vec<(&'static str, Camera)> {
-    let window = Window::new(0.5, SIZE).shifted([0.1, -0.2]);
-    let lens = |iris| Camera::ThinLens(Box::new(ThinLens::new(view, &window, iris, 3.0)));
-    let fisheye = |projection, degrees| {
-        Camera::Fisheye(Box::new(Fisheye::new(view, (projection, degrees), 100.0, SIZE)))
-    };
-    let panorama = |rows| {
-        let p = Panorama::new(view, [-180.0, 180.0], ([-90.0, 90.0], rows), SIZE);
-        Camera::Panorama(Box::new(p))
-    };
-    let cube = |layout| Camera::CubeMap(Box::new(CubeMap::new(view, layout, SIZE).unwrap()));
-    let stereo = |layout| {
-        let own = Window { size: Stereo::picture(layout, SIZE), ..window };
-        let eyes = [0, 1].map(|i| {
-            let (view, window) = Eyes { separation: 0.3, convergence: 4.0 }.eye(i, view, &own);
-            Camera::Perspective(Perspective::new(&view, &window))
-        });
-        Camera::Stereo(Box::new(Stereo::new(eyes, layout, own.size[0])))
-    };
-    let own = Camera::Perspective(Perspective::new(&View::ORIGIN, &window));
-    let stand =
-        |x: f64| Stand { eye: DVec3::new(x, 0.0, 4.0), look_at: DVec3::ZERO, up: DVec3::Y, roll: 9.0 * x };
-    let moving = Moving::new(own, vec![(0.0, stand(-1.0)), (1.0, stand(1.0))], [0.25, 0.75]);
-    vec![
-        ("pinhole", Camera::Perspective(Perspective::new(view, &window))),
-        ("round lens", lens(Iris::round(0.2))),
-        ("soft lens", lens(Iris::gaussian(0.2, 0.4))),
-        ("blades", lens(Iris::polygon(0.2, 5, 10.0))),
-        ("orthographic", Camera::Orthographic(Orthographic::new(view, 4.0, SIZE))),
-        ("equidistant", fisheye(Projection::Equidistant, 360.0)),
-        ("equisolid", fisheye(Projection::Equisolid, 360.0)),
-        ("orthographic fisheye", fisheye(Projection::Orthographic, 180.0)),
-        ("stereographic", fisheye(Projection::Stereographic, 300.0)),
-        ("panorama", panorama(Rows::Even)),
-        ("panorama for surroundings", panorama(Rows::Centered)),
-        ("cross", cube(CubeLayout::Cross)),
-        ("row", cube(CubeLayout::Row)),
-        ("parallel", stereo(StereoLayout::Parallel)),
-        ("crossed", stereo(StereoLayout::Crossed)),
-        ("anaglyph", stereo(StereoLayout::Anaglyph)),
-        ("moving", Camera::Moving(Box::new(moving.unwrap()))),
-    ]
+    registry(view, SIZE).into_iter().flat_map(|(_, examples)| examples).collect()
+}
+
+#[test]
+fn every_kind_is_registered() {
+    for (kind, examples) in registry(&slanted(), SIZE) {
+        assert!(!examples.is_empty(), "{kind} has no example");
+        for (name, camera) in examples {
+            // Rust's own name of the variant.
+            assert!(format!("{camera:?}").starts_with(kind), "{name} is no {kind}");
+            assert!(!camera.facts().kind.is_empty());
+        }
+    }
 }
 
 #[test]

@@ -1,13 +1,15 @@
-//! Materials: from names and colours to an array.
+//! Materials: from names and descriptions to an array.
 
-use super::paint::Paint;
 use super::{CompileError, Custom};
 use crate::lanes::Colour;
 use crate::material::{self, Material};
-use std::collections::BTreeMap;
+use crate::paint::Paint;
+use crate::texture::Value;
+use std::collections::HashMap;
 use straal_scene::Scene;
+use straal_scene::decode::Describe;
 use straal_scene::desc::{self, MaterialRef};
-use straal_scene::value::Name;
+use straal_scene::value;
 
 /// The world's materials while it is built: the first is that of surfaces without one, then the scene's by their place in
 /// it, then a program's own, then those that are written where they are used.
@@ -15,28 +17,31 @@ pub(super) struct Materials<'a> {
     scene: &'a Scene,
     paint: Paint<'a>,
     list: material::Materials,
-    custom: BTreeMap<String, u32>,
+    /// Where a material is, by what a scene would write of it.
+    known: HashMap<String, u32>,
+    custom: HashMap<String, u32>,
     /// Where the scene's are; a program's own of the same name stands in for one.
     scenes: Vec<u32>,
 }
 
 impl<'a> Materials<'a> {
-    pub fn new(scene: &'a Scene, custom: &Custom, mut paint: Paint<'a>) -> Result<Self, CompileError> {
-        let grey = paint.reflectance(&desc::Spectrum::grey(0.5))?.into();
-        let default = Material::Diffuse { reflectance: grey, two_sided: true };
-        let mut list = material::Materials { list: vec![default], custom: vec![] };
+    pub fn new(scene: &'a Scene, custom: &Custom, paint: Paint<'a>) -> Result<Self, CompileError> {
+        let list = material::Materials::default();
+        let mut all =
+            Self { scene, paint, list, known: HashMap::new(), custom: HashMap::new(), scenes: Vec::new() };
+        all.push(&desc::Material::Diffuse(desc::Diffuse::default()))?;
         for (_, m) in scene.materials.iter() {
-            list.list.push(paint.material(m)?);
+            let index = all.push(m)?;
+            all.scenes.push(index);
         }
-        let mut names = BTreeMap::new();
-        for (i, (name, m)) in custom.materials.iter().enumerate() {
-            names.insert(name.clone(), list.list.len() as u32);
-            list.list.push(Material::Custom(i as u32));
-            list.custom.push(m.clone());
+        for (name, m) in &custom.materials {
+            let index = all.list.push_custom(m.clone());
+            all.custom.insert(name.clone(), index);
+            if let Some(place) = scene.materials.handle(name) {
+                all.scenes[place.index()] = index;
+            }
         }
-        let place = |(i, name): (usize, &Name)| names.get(&name.value).copied().unwrap_or(i as u32 + 1);
-        let scenes = scene.materials.iter().map(|(name, _)| name).enumerate().map(place).collect();
-        Ok(Self { scene, paint, list, custom: names, scenes })
+        Ok(all)
     }
 
     pub fn finish(self) -> (material::Materials, Paint<'a>) {
@@ -44,7 +49,7 @@ impl<'a> Materials<'a> {
     }
 
     /// Light that a surface sends out.
-    pub fn emission(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+    pub fn emission(&mut self, s: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
         self.paint.emission(s)
     }
 
@@ -67,13 +72,23 @@ impl<'a> Materials<'a> {
             .ok_or_else(|| CompileError::new(format!("there is no material `{name}`")))
     }
 
-    /// A material that has no name here; equal ones share a place.
+    /// A material that has no name here; those that are written alike share a place.
     pub fn add(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
-        let m = self.paint.material(m)?;
-        let known = self.list.list.iter().position(|other| *other == m);
-        Ok(known.unwrap_or_else(|| {
-            self.list.list.push(m);
-            self.list.list.len() - 1
-        }) as u32)
+        match self.known.get(&key(m)) {
+            Some(&index) => Ok(index),
+            None => self.push(m),
+        }
     }
+
+    /// A new place in the list; of several that are written alike the first is known.
+    fn push(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
+        let made = Material::of(m, &mut self.paint)?;
+        let index = self.list.push(made);
+        self.known.entry(key(m)).or_insert(index);
+        Ok(index)
+    }
+}
+
+fn key(m: &desc::Material) -> String {
+    m.write().to_string()
 }

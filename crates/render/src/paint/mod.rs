@@ -1,4 +1,4 @@
-//! Colours and spectra of the description as light.
+//! Colours and spectra of the description as what paths read: numbers in the work space, and spectra of each nanometre.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,12 +13,12 @@ use straal_scene::span::Span;
 use straal_scene::value::{self, Color};
 use straal_scene::{Assets, Image, Scene};
 
-use super::CompileError;
-use crate::lanes::{Colour, EtaTable, Palette, table_of};
-use crate::material::{Material, Value};
+use crate::error::CompileError;
+use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
+use crate::texture::Value;
 
 /// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
-pub(super) struct Paint<'a> {
+pub(crate) struct Paint<'a> {
     assets: &'a Assets,
     space: Space,
     /// `None` where linear sRGB is the work space itself.
@@ -34,7 +34,7 @@ pub(super) struct Paint<'a> {
     /// Indices of refraction of metals by name.
     metals: BTreeMap<String, [Colour; 2]>,
     /// Filled as colours are met.
-    pub palette: Palette,
+    pub spectra: SpectralTables,
     /// What is worth telling of them.
     pub notes: Vec<String>,
 }
@@ -64,8 +64,8 @@ impl<'a> Paint<'a> {
     pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
         let space = scene.color.space.space();
         let uplift = spectral.then(uplift::Uplift::new);
-        let palette = if spectral { Palette::spectral(space) } else { Palette::default() };
         let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
+        let spectra = if spectral { SpectralTables::spectral() } else { SpectralTables::in_rgb(to_work) };
         Self {
             assets,
             space,
@@ -75,7 +75,7 @@ impl<'a> Paint<'a> {
             tables: BTreeMap::new(),
             measured: BTreeMap::new(),
             metals: BTreeMap::new(),
-            palette,
+            spectra,
             notes: Vec::new(),
         }
     }
@@ -86,23 +86,28 @@ impl<'a> Paint<'a> {
     }
 
     /// Share of light that comes back.
-    pub fn reflectance(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
-        self.colour(s, Quantity::Reflectance)
+    pub fn reflectance(&mut self, v: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        Ok(self.colour(v.get(), Quantity::Reflectance)?.into())
     }
 
     /// Light that is sent out.
-    pub fn emission(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
-        self.colour(s, Quantity::Emission)
+    pub fn emission(&mut self, v: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        Ok(self.colour(v.get(), Quantity::Emission)?.into())
     }
 
-    /// The same times a factor.
+    /// A number.
+    pub fn number(&mut self, v: &value::Value<f64>) -> Value<f32> {
+        (v.constant() as f32).into()
+    }
+
+    /// Light that is sent out, times a factor.
     pub fn emission_times(&mut self, s: &desc::Spectrum, factor: f64) -> Result<Colour, CompileError> {
-        let colour = self.emission(s)?;
+        let colour = self.colour(s, Quantity::Emission)?;
         if factor == 1.0 {
             return Ok(colour);
         }
         let by = factor as f32;
-        let spectrum = if self.uplift.is_some() { self.palette.add_scaled(colour.spectrum, by) } else { 0 };
+        let spectrum = if self.uplift.is_some() { self.spectra.add_scaled(colour.spectrum, by) } else { 0 };
         Ok(Colour { rgb: colour.rgb * by, strength: colour.strength * by, spectrum })
     }
 
@@ -121,7 +126,7 @@ impl<'a> Paint<'a> {
             let pure = spectral && most > 0.0 && q.iter().filter(|v| **v < 0.1 * most).count() == 2;
             near_primaries += usize::from(pure);
             let got =
-                if pure && near_primaries <= MOST_TRIED { self.palette.colour_of_pixel(*p) } else { None };
+                if pure && near_primaries <= MOST_TRIED { self.spectra.colour_of_pixel(*p) } else { None };
             got.is_some_and(|got| {
                 let got = held(&got.map(|v| v as f32));
                 (0..3).any(|c| (got[c] - q[c]).abs() > OFF * most)
@@ -199,7 +204,7 @@ impl<'a> Paint<'a> {
             if let Some(nearest) = nearest {
                 note(&mut self.notes, beyond(color, nearest, of));
             }
-            let id = self.palette.add(table);
+            let id = self.spectra.add(table);
             self.known.insert(key, id);
             id
         });
@@ -247,11 +252,11 @@ impl<'a> Paint<'a> {
         Ok(colour)
     }
 
-    /// Where the palette has a table, which is added unless it is there.
+    /// Where a table is, which is added unless it is there.
     fn table(&mut self, table: [f32; COUNT]) -> u32 {
-        let palette = &mut self.palette;
+        let spectra = &mut self.spectra;
         let bits = table.iter().map(|v| v.to_bits()).collect();
-        *self.tables.entry(bits).or_insert_with(|| palette.add(table))
+        *self.tables.entry(bits).or_insert_with(|| spectra.add(table))
     }
 
     /// In RGB, says which colour the work space doesn't hold.
@@ -265,54 +270,30 @@ impl<'a> Paint<'a> {
         }
     }
 
-    /// What a surface is made of.
-    pub fn material(&mut self, m: &desc::Material) -> Result<Material, CompileError> {
-        let number = |v: &value::Value<f64>| -> Value<f32> { (v.constant() as f32).into() };
-        Ok(match m {
-            desc::Material::Diffuse(d) => Material::Diffuse {
-                reflectance: self.reflectance(d.reflectance.get())?.into(),
-                two_sided: d.two_sided,
-            },
-            desc::Material::Mirror(d) => Material::Mirror {
-                reflectance: self.reflectance(d.reflectance.get())?.into(),
-                two_sided: d.two_sided,
-            },
-            desc::Material::Dielectric(d) => self.dielectric(d)?,
-            desc::Material::Conductor(d) => {
-                let [eta, k] = self.metal(d)?;
-                Material::Conductor {
-                    eta: eta.into(),
-                    k: k.into(),
-                    roughness: number(&d.roughness),
-                    reflectance: self.reflectance(d.reflectance.get())?.into(),
-                    two_sided: d.two_sided,
-                }
-            }
-        })
-    }
-
-    fn dielectric(&mut self, d: &desc::Dielectric) -> Result<Material, CompileError> {
-        let reflectance = self.reflectance(d.reflectance.get())?.into();
-        let transmittance = self.reflectance(d.transmittance.get())?.into();
-        if let (desc::Index::Constant(eta), desc::Index::Constant(outside)) = (&d.eta, &d.eta_outside) {
-            let (eta, eta_outside) = ((*eta as f32).into(), (*outside as f32).into());
-            return Ok(Material::Dielectric { eta, eta_outside, reflectance, transmittance });
+    /// Whether the index of refraction of something clear depends on the wavelength: in RGB its light must be parted.
+    pub fn index_of_refraction(
+        &mut self,
+        inside: &desc::Index,
+        outside: &desc::Index,
+    ) -> Result<Eta, CompileError> {
+        if let (desc::Index::Constant(inside), desc::Index::Constant(outside)) = (inside, outside) {
+            return Ok(Eta::Constant(*inside as f32 / *outside as f32));
         }
         let unknown = || CompileError::new("this index of refraction is unknown");
-        let inside = d.eta.index().ok_or_else(unknown)?;
-        let outside = d.eta_outside.index().ok_or_else(unknown)?;
+        let inside = inside.index().ok_or_else(unknown)?;
+        let outside = outside.index().ok_or_else(unknown)?;
         let eta = EtaTable::new(&inside, &outside);
         if !eta.disperses() {
-            let (eta, eta_outside) = (eta.middle.into(), 1.0.into());
-            return Ok(Material::Dielectric { eta, eta_outside, reflectance, transmittance });
+            return Ok(Eta::Constant(eta.middle));
         }
         if self.uplift.is_none() {
-            self.palette.see_rainbows(self.space);
+            self.spectra.prepare_dispersion(self.space);
         }
-        Ok(Material::Prism { eta, reflectance, transmittance })
+        Ok(Eta::Table(eta))
     }
 
-    fn metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
+    /// Real and imaginary part of a metal's index of refraction.
+    pub fn metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
         if let Some(name) = &d.metal {
             let key = name.value.to_ascii_lowercase();
             if let Some(known) = self.metals.get(&key) {

@@ -8,55 +8,67 @@
 use straal_color::Light;
 use straal_math::{Vec3, ops};
 
-use super::{BsdfSample, Dielectric, Transport, fresnel, mirror::reflected};
-use crate::lanes::{EtaTable, Hue, Palette};
+use super::{BsdfSample, Dielectric, Scatter, Transport, fresnel, mirror::reflected};
+use crate::lanes::{Carried, EtaTable, SpectralTables};
 
 /// A smooth boundary of a medium with dispersion.
 #[derive(Clone, Copy, Debug)]
-pub struct Prism<'w> {
+pub struct DispersiveDielectric<'w> {
     /// Index on the side of -z over that on the side of z.
     pub eta: &'w EtaTable,
     /// Draws wavelengths for RGB.
-    pub palette: &'w Palette,
-    /// The path's wavelengths, see [`Hue::packed`].
-    pub hue: [f32; 4],
+    pub tables: &'w SpectralTables,
+    /// The path's wavelengths, see [`Carried::packed`].
+    pub carried: [f32; 4],
     /// Tint of what is reflected; physical is 1.
     pub reflectance: Light,
     /// Tint of what passes; physical is 1.
     pub transmittance: Light,
 }
 
-impl Prism<'_> {
+impl Scatter for DispersiveDielectric<'_> {
+    const CHOOSES_LOBE: bool = true;
+
+    fn albedo(&self) -> Light {
+        self.with(self.eta.middle).albedo()
+    }
+
+    /// `u_lobe` chooses the lobe, `u[0]` a wavelength.
+    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
+        // Straight through, all go the same way.
+        let parts = wo.x != 0.0 || wo.y != 0.0;
+        match Carried::unpacked(self.carried) {
+            Carried::One(nm) => self.with(self.eta.at(nm)).sample(wo, u_lobe, u, transport),
+            Carried::All if parts => self.part_rgb(wo, [u_lobe, u[0]], transport),
+            Carried::All => self.with(self.eta.middle).sample(wo, u_lobe, u, transport),
+            Carried::Four(nm) => self.part_lanes(wo, u_lobe, &nm.map(|nm| self.eta.at(nm)), transport),
+        }
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::testing::Example> {
+        vec![
+            super::testing::Example::new("flint, one wavelength", super::testing::flint(Carried::One(450.0)))
+                .albedo(1.0),
+        ]
+    }
+}
+
+impl DispersiveDielectric<'_> {
     /// The same for one index.
     fn with(&self, eta: f32) -> Dielectric {
         Dielectric { eta, reflectance: self.reflectance, transmittance: self.transmittance }
     }
 
-    pub(super) fn albedo(&self) -> Light {
-        self.with(self.eta.middle).albedo()
-    }
-
-    /// `u[0]` chooses the lobe, `u[1]` a wavelength.
-    pub(super) fn sample(&self, wo: Vec3, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        // Straight through, all go the same way.
-        let parts = wo.x != 0.0 || wo.y != 0.0;
-        match Hue::unpacked(self.hue) {
-            Hue::One(nm) => self.with(self.eta.at(nm)).sample(wo, u[0], transport),
-            Hue::All if parts => self.part_rgb(wo, u, transport),
-            Hue::All => self.with(self.eta.middle).sample(wo, u[0], transport),
-            Hue::Four(nm) => self.part_lanes(wo, u[0], &nm.map(|nm| self.eta.at(nm)), transport),
-        }
-    }
-
     /// The lobe by the index of yellow, so that both together lose nothing; the direction by a wavelength.
     fn part_rgb(&self, wo: Vec3, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        let yellow = self.with(self.eta.middle).sample(wo, u[0], transport)?;
+        let yellow = self.with(self.eta.middle).sample(wo, u[0], [0.0; 2], transport)?;
         if !yellow.transmitted {
             return Some(yellow);
         }
-        let (nm, colour) = self.palette.draw_hue(u[1]);
+        let (nm, colour) = self.tables.draw_wavelength(u[1]);
         // A number of 1 is above every share: refracted, where anything is.
-        let one = self.with(self.eta.at(nm)).sample(wo, 1.0, transport)?;
+        let one = self.with(self.eta.at(nm)).sample(wo, 1.0, [0.0; 2], transport)?;
         if one.pdf == 0.0 {
             // Just beyond the critical angle for this wavelength.
             return Some(BsdfSample { pdf: yellow.pdf, ..reflected(wo, self.reflectance * colour, 1.0) });

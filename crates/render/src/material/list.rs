@@ -1,0 +1,143 @@
+//! What follows from the lists of kinds in [`super`].
+
+/// From a list of BSDFs: the enum [`Bsdf`](super::Bsdf), the name of its kinds [`BsdfKind`](super::BsdfKind), the one place where
+/// its functions are sent to the kind's own ([`Scatter`](super::Scatter)), and the registry of what the tests try.
+macro_rules! bsdfs {
+    ($( $(#[doc = $doc:literal])+ $Kind:ident($Type:ty), )+) => {
+        /// How a point of a surface scatters. Where it shines is another's business.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Bsdf<'w> {
+            $( $(#[doc = $doc])+ $Kind($Type), )+
+        }
+
+        /// Which kind a BSDF is of: vertices of one kind are shaded together.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[repr(u8)]
+        pub enum BsdfKind {
+            $( $(#[doc = $doc])+ $Kind, )+
+        }
+
+        impl BsdfKind {
+            /// All kinds, each at the place of its number.
+            pub const ALL: &'static [Self] = &[$(Self::$Kind),+];
+            /// How many.
+            pub const COUNT: usize = Self::ALL.len();
+        }
+
+        impl<'w> Bsdf<'w> {
+            /// Which kind it is of.
+            #[inline(always)]
+            pub fn kind(&self) -> BsdfKind {
+                match self { $( Self::$Kind(_) => BsdfKind::$Kind, )+ }
+            }
+
+            /// f(wo, wi) |cos wi| and the density with which [`Self::sample`] draws `wi`, per solid angle; both without
+            /// delta lobes.
+            #[inline]
+            pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
+                match self { $( Self::$Kind(b) => b.eval_pdf(wo, wi, transport), )+ }
+            }
+
+            /// Draws a direction by numbers in [0, 1): `u_lobe` chooses a lobe, `u` where in it.
+            #[inline]
+            pub fn sample(
+                &self,
+                wo: Vec3,
+                u_lobe: f32,
+                u: [f32; 2],
+                transport: Transport,
+            ) -> Option<BsdfSample> {
+                match self { $( Self::$Kind(b) => b.sample(wo, u_lobe, u, transport), )+ }
+            }
+
+            /// Whether [`Self::sample`] reads the number that chooses a lobe.
+            #[inline]
+            pub fn chooses_lobe(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Scatter>::CHOOSES_LOBE, )+ }
+            }
+
+            /// Whether it has nothing but delta lobes: `eval` and `pdf` are 0 everywhere, asking lights is in vain.
+            #[inline]
+            pub fn is_delta(&self) -> bool {
+                match self { $( Self::$Kind(b) => b.is_delta(), )+ }
+            }
+
+            /// Whether what it would send into the surface is lost, see [`shaded`].
+            #[inline]
+            fn loses_below(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Scatter>::LOSES_BELOW, )+ }
+            }
+
+            /// The colour of the surface, as denoisers and people want it: the share of light that comes back from the
+            /// front, 1 for glass.
+            pub fn albedo(&self) -> Light {
+                match self { $( Self::$Kind(b) => b.albedo(), )+ }
+            }
+        }
+
+        /// What the tests try of every kind.
+        #[cfg(test)]
+        fn registry<'w>() -> Vec<testing::Example> {
+            let mut all = Vec::new();
+            $( all.extend(<$Type as Scatter>::examples()); )+
+            all
+        }
+    };
+}
+
+/// From a list of materials: the enum [`Material`](super::Material) (the scene's `desc::Material` has the same names), how each is
+/// made of what the scene says and read at a point ([`Recipe`](super::Recipe)), and what the tests try.
+macro_rules! materials {
+    ($( $(#[doc = $doc:literal])+ $Kind:ident($Recipe:ty), )+) => {
+        /// What a surface is made of.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Material {
+            $( $(#[doc = $doc])+ $Kind($Recipe), )+
+            /// A material of the library's user, by its place in [`Materials`].
+            Custom(u32),
+        }
+
+        impl Material {
+            /// Of what the scene says.
+            pub(crate) fn of(described: &desc::Material, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+                Ok(match described { $( desc::Material::$Kind(d) => Self::$Kind(<$Recipe>::of(d, paint)?), )+ })
+            }
+
+            /// What it must know of a point; of a user's, his material says it.
+            fn wants(&self) -> Wants {
+                match self {
+                    $( Self::$Kind(m) => m.wants(), )+
+                    Self::Custom(_) => Wants::default(),
+                }
+            }
+
+            /// Whether light passes through it.
+            pub fn is_clear(&self) -> bool {
+                match self {
+                    $( Self::$Kind(_) => <$Recipe as Recipe>::CLEAR, )+
+                    Self::Custom(_) => false,
+                }
+            }
+
+            /// How it scatters at a point; `None` of a user's.
+            #[inline]
+            fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Option<Bsdf<'w>> {
+                Some(match self {
+                    $( Self::$Kind(m) => m.bsdf(at, reading), )+
+                    Self::Custom(_) => return None,
+                })
+            }
+        }
+
+        /// What the tests try of every kind, by its name.
+        #[cfg(test)]
+        fn recipes() -> Vec<(&'static str, Vec<testing::Reads>)> {
+            vec![$( (
+                stringify!($Kind),
+                <$Recipe as Recipe>::examples().into_iter().map(|(m, kind)| (Material::$Kind(m), kind)).collect(),
+            ), )+]
+        }
+    };
+}
+
+pub(super) use {bsdfs, materials};

@@ -1,0 +1,66 @@
+//! What a file of a BSDF or material gives to be tested.
+
+use super::{Bsdf, BsdfKind, DispersiveDielectric, Material, Metal};
+use crate::lanes::{Carried, EtaTable, SpectralTables};
+use std::sync::LazyLock;
+use straal_color::spectrum::refraction::{Index, glass};
+use straal_color::{Light, Space};
+
+/// A BSDF to be put through every test of the contract.
+pub(crate) struct Example {
+    pub name: &'static str,
+    pub bsdf: Bsdf<'static>,
+    /// 1 for those without lobes; more makes the cells smaller about the mirror direction.
+    pub focus: i32,
+    /// The share of light that comes back in the first lane, where the model promises one for all angles.
+    pub albedo: Option<f64>,
+}
+
+impl Example {
+    /// One without sharp lobes that promises no albedo.
+    pub const fn new(name: &'static str, bsdf: Bsdf<'static>) -> Self {
+        Self { name, bsdf, focus: 1, albedo: None }
+    }
+
+    pub const fn albedo(self, share: f64) -> Self {
+        Self { albedo: Some(share), ..self }
+    }
+
+    pub const fn focus(self, focus: i32) -> Self {
+        Self { focus, ..self }
+    }
+}
+
+/// A material, and the kind of BSDF as which it is read.
+pub(crate) type Reads = (Material, BsdfKind);
+
+pub(super) const WHITE: Light = Light([1.0, 1.0, 1.0, 0.0]);
+
+/// Gold, tinted.
+pub(super) fn gold() -> Metal {
+    let [eta, k] = [[0.2, 0.92, 1.1], [3.91, 2.45, 2.14]].map(Light::rgb);
+    Metal { eta, k, reflectance: Light::rgb([0.9, 0.8, 0.7]) }
+}
+
+/// A conductor of index 0 reflects everything.
+pub(super) fn lossless() -> Metal {
+    Metal { eta: Light::ZERO, k: Light::ZERO, reflectance: WHITE }
+}
+
+/// Flint glass in air.
+pub(super) fn flint(carried: Carried) -> Bsdf<'static> {
+    static FLINT: LazyLock<(EtaTable, SpectralTables)> = LazyLock::new(|| {
+        let mut tables = SpectralTables::default();
+        tables.prepare_dispersion(Space::Srgb);
+        (EtaTable::new(&glass("SF11").expect("a glass"), &Index::Constant(1.0)), tables)
+    });
+    let (eta, tables) = &*FLINT;
+    let lanes = if matches!(carried, Carried::Four(_)) { Light::ONE } else { WHITE };
+    Bsdf::DispersiveDielectric(DispersiveDielectric {
+        eta,
+        tables,
+        carried: carried.packed(),
+        reflectance: lanes,
+        transmittance: lanes,
+    })
+}

@@ -1,0 +1,240 @@
+//! Values that differ from point to point. This page is the contract; each kind of texture has its file.
+//!
+//! Every number and colour of a material or light is a [`Value`]: a constant, or what a [`Texture`] has at a point. All are read in
+//! one way, [`Reading::eval`](crate::lanes::Reading::eval), which gives a number, or light as the path's lanes have it:
+//!
+//! - a texture knows nothing of lanes. It has RGB, and whoever reads it knows whether that is a share of light that
+//!   comes back or light that is sent out ([`Use`]): by wavelengths these become different spectra;
+//! - where it is read is a [`ShadingPoint`]: the place in the world and on the object, texture coordinates and tangents, the
+//!   shading frame, and what the pixel sees of all this ([`crate::footprint`]). It is made where a material wants it only;
+//! - it is pure: the same point gives the same bits.
+
+use crate::lanes::{Colour, Lanes, Reading};
+use std::fmt;
+use std::sync::Arc;
+use straal_color::Light;
+use straal_math::{Frame, Vec3};
+
+/// A place, and how it moves on the surface from one pixel to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Where.
+    pub p: Vec3,
+    /// Change from a pixel to its neighbour to the right.
+    pub dpdx: Vec3,
+    /// Change from a pixel to the one below.
+    pub dpdy: Vec3,
+}
+
+/// Where a value is looked up: a point of a surface and its neighbourhood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadingPoint {
+    /// The place in the world.
+    pub world: Place,
+    /// The place in the coordinates of the innermost object that it is an instance of, so that what is carved of wood turns with its
+    /// grain; that in the world where there is no instance.
+    pub object: Place,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+    /// Change of the texture coordinates from a pixel to its neighbour to the right.
+    pub duvdx: [f32; 2],
+    /// Change of the texture coordinates from a pixel to the one below.
+    pub duvdy: [f32; 2],
+    /// How the point moves with u, in the world.
+    pub dpdu: Vec3,
+    /// How the point moves with v, in the world.
+    pub dpdv: Vec3,
+    /// About the shading normal; its first tangent follows `dpdu`.
+    pub frame: Frame,
+}
+
+impl ShadingPoint {
+    /// Where constants are looked up.
+    pub const NOWHERE: Self = Self::of([0.0; 2], Vec3::ZERO);
+
+    /// Of which no more is known than texture coordinates and a place in the world.
+    pub const fn of(uv: [f32; 2], p: Vec3) -> Self {
+        let place = Place { p, dpdx: Vec3::ZERO, dpdy: Vec3::ZERO };
+        Self {
+            world: place,
+            object: place,
+            uv,
+            duvdx: [0.0; 2],
+            duvdy: [0.0; 2],
+            dpdu: Vec3::X,
+            dpdv: Vec3::Y,
+            frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
+        }
+    }
+}
+
+/// A number or colour that may differ from point to point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value<T> {
+    /// The same everywhere.
+    Constant(T),
+    /// Read off a texture.
+    Texture(TextureRef),
+}
+
+/// A texture of the world, and the most that it has anywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Its place in the world's list.
+    pub id: u32,
+    /// Its largest number or channel: 0 only where it is 0 all over.
+    pub most: f32,
+}
+
+/// What a [`Value`] is of, and what it is read as.
+pub trait Readable: Copy {
+    /// A number, or light.
+    type As;
+    /// The largest lane.
+    fn most(self) -> f32;
+    /// A constant.
+    fn read<L: Lanes>(self, reading: &Reading<'_, L>) -> Self::As;
+    /// What a texture has at a point.
+    fn of_texture<L: Lanes>(texture: &Texture, at: &ShadingPoint, reading: &Reading<'_, L>) -> Self::As;
+}
+
+impl Readable for f32 {
+    type As = Self;
+
+    #[inline(always)]
+    fn most(self) -> f32 {
+        self
+    }
+
+    #[inline(always)]
+    fn read<L: Lanes>(self, _: &Reading<'_, L>) -> f32 {
+        self
+    }
+
+    fn of_texture<L: Lanes>(texture: &Texture, at: &ShadingPoint, _: &Reading<'_, L>) -> f32 {
+        texture.kind.number(at)
+    }
+}
+
+impl Readable for Colour {
+    type As = Light;
+
+    #[inline(always)]
+    fn most(self) -> f32 {
+        self.strength
+    }
+
+    #[inline(always)]
+    fn read<L: Lanes>(self, reading: &Reading<'_, L>) -> Light {
+        reading.light(&self)
+    }
+
+    fn of_texture<L: Lanes>(texture: &Texture, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+        let rgb = texture.kind.rgb(at);
+        match texture.of {
+            Use::Reflectance => reading.reflectance_of_srgb(rgb),
+            Use::Emission => reading.emission_of_srgb(rgb),
+        }
+    }
+}
+
+impl<T: Readable> Value<T> {
+    /// The largest lane that it has anywhere: 0 only where it is 0 all over.
+    #[inline(always)]
+    pub fn most(&self) -> f32 {
+        match self {
+            Self::Constant(v) => v.most(),
+            Self::Texture(t) => t.most,
+        }
+    }
+
+    /// Whether it differs from point to point.
+    #[inline(always)]
+    pub fn varies(&self) -> bool {
+        matches!(self, Self::Texture(_))
+    }
+}
+
+impl<T> From<T> for Value<T> {
+    fn from(v: T) -> Self {
+        Self::Constant(v)
+    }
+}
+
+/// A colour in RGB alone.
+impl From<Light> for Value<Colour> {
+    fn from(v: Light) -> Self {
+        Self::Constant(v.into())
+    }
+}
+
+impl<L: Lanes> Reading<'_, L> {
+    /// A number, or light, at a point. `at` may be [`ShadingPoint::NOWHERE`] where nothing [varies](Value::varies).
+    #[inline(always)]
+    pub fn eval<T: Readable>(&self, value: &Value<T>, at: &ShadingPoint) -> T::As {
+        match value {
+            Value::Constant(v) => v.read(self),
+            Value::Texture(texture) => self.look_up::<T>(texture.id, at),
+        }
+    }
+
+    /// Out of the way of constants.
+    #[cold]
+    #[inline(never)]
+    fn look_up<T: Readable>(&self, id: u32, at: &ShadingPoint) -> T::As {
+        T::of_texture(&self.textures[id as usize], at, self)
+    }
+}
+
+/// What a texture's colours are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Shares of the light that arrives, 0 to 1.
+    Reflectance,
+    /// Light that is sent out.
+    Emission,
+}
+
+/// A texture of a world.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// What it has where.
+    pub kind: TextureKind,
+    /// What its colours are; unused where it is read as a number.
+    pub of: Use,
+}
+
+/// What a texture has where.
+#[derive(Clone, Debug)]
+pub enum TextureKind {
+    /// That of a user of the library.
+    Custom(Arc<dyn CustomTexture>),
+}
+
+impl TextureKind {
+    /// Linear sRGB at a point.
+    pub fn rgb(&self, at: &ShadingPoint) -> [f32; 3] {
+        match self {
+            Self::Custom(t) => t.rgb(at),
+        }
+    }
+
+    /// A number at a point.
+    pub fn number(&self, at: &ShadingPoint) -> f32 {
+        match self {
+            Self::Custom(t) => t.number(at),
+        }
+    }
+}
+
+/// A texture that a user of the library brings. It is pure: the same input gives the same bits.
+pub trait CustomTexture: fmt::Debug + Send + Sync {
+    /// Linear sRGB at a point.
+    fn rgb(&self, at: &ShadingPoint) -> [f32; 3];
+    /// A number at a point: the red, unless it says otherwise.
+    fn number(&self, at: &ShadingPoint) -> f32 {
+        self.rgb(at)[0]
+    }
+    /// A number that differs when the texture does: it goes into the scene's hash.
+    fn fingerprint(&self) -> u64;
+}

@@ -1,0 +1,52 @@
+//! Looking through a description without knowing what is in it.
+//!
+//! [`Describe::show`](crate::decode::Describe::show) comes from the same definition as reading and writing does: a new key of a new
+//! material is seen by all who look for colours, without a list of colours that anyone has to keep.
+
+use crate::decode::Describe;
+use crate::desc::{Scene, Spectrum};
+use crate::limit::Limit;
+
+/// Is shown the values of a description, in the order of its keys.
+pub trait Visitor<'a> {
+    /// A colour, and what its numbers must be within.
+    fn spectrum(&mut self, spectrum: &'a Spectrum, limit: Limit);
+}
+
+/// A list of colours.
+impl<'a> Visitor<'a> for Vec<(&'a Spectrum, Limit)> {
+    fn spectrum(&mut self, spectrum: &'a Spectrum, limit: Limit) {
+        self.push((spectrum, limit));
+    }
+}
+
+impl Scene {
+    /// Every colour of the scene, with what its numbers must be within.
+    pub fn spectra(&self) -> Vec<(&Spectrum, Limit)> {
+        let mut found = Vec::new();
+        self.show(Limit::FINITE, &mut found);
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::decode::Describe;
+    use crate::desc::{Material, Spectrum};
+    use crate::limit::Limit;
+
+    #[test]
+    fn all_colours_are_found() {
+        let conductor = Material::Conductor(crate::desc::Conductor {
+            eta: Some(Spectrum::grey(0.2).into()),
+            k: Some(Spectrum::grey(3.0).into()),
+            ..crate::desc::Conductor::default()
+        });
+        let glass = Material::Dielectric(crate::desc::Dielectric::default());
+        let mut found: Vec<(&Spectrum, Limit)> = Vec::new();
+        conductor.show(Limit::FINITE, &mut found);
+        glass.show(Limit::FINITE, &mut found);
+        let limits: Vec<Limit> = found.iter().map(|(_, limit)| *limit).collect();
+        assert_eq!(limits, [Limit::NON_NEGATIVE, Limit::NON_NEGATIVE, Limit::UNIT, Limit::UNIT, Limit::UNIT]);
+    }
+}
