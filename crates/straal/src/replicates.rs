@@ -63,10 +63,10 @@ impl Job {
             (None, Some(partial)) => partial,
             (None, None) => return Err(Error::Request("0 replicates: there must be at least 1".into())),
         };
-        picture.story = self.story(samples);
-        picture.story.push(("straal.replicates".into(), whole.to_string()));
-        picture.story.push(("straal.passes".into(), passes.to_string()));
-        picture.story.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
+        picture.metadata = self.metadata(samples);
+        picture.metadata.push(("straal.replicates".into(), whole.to_string()));
+        picture.metadata.push(("straal.passes".into(), passes.to_string()));
+        picture.metadata.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
         let complete = whole == replicates;
         Ok(Outcome {
             picture,
