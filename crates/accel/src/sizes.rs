@@ -1,5 +1,6 @@
 //! Bytes of the parts that search structures are made of, for who forecasts what a structure takes.
 
+use crate::analytic::{Kind, NUMBERS, block};
 use crate::bvh::{self, Block};
 use crate::scene::Object;
 use crate::structure::{Packed, Prim, PrimKind};
@@ -25,6 +26,17 @@ pub const BLOCK: usize = size_of::<Block>();
 
 /// The same in a compact tree, which asks the meshes for vertices.
 pub const OUTLINE: usize = bvh::OUTLINE_BYTES;
+
+/// Up to eight spheres of the wide tree.
+pub const BLOCK_OF_SPHERES: usize = block_of(Kind::Sphere.numbers());
+
+/// Up to eight shapes of another kind.
+pub const BLOCK_OF_SHAPES: usize = block_of(NUMBERS);
+
+/// A block of shapes that have so many numbers.
+const fn block_of(numbers: usize) -> usize {
+    size_of::<block::Head>() + numbers * block::ROW_BYTES
+}
 
 /// A node of the binary tree of boxes.
 pub const BINARY_NODE: usize = bvh2::NODE_BYTES;

@@ -169,8 +169,8 @@ impl Forecast {
 
 /// What the search structures of all spaces take, and building the costliest.
 fn search_of(contents: &Contents, structure: &Structure) -> (u64, u64) {
-    contents.spaces.iter().fold((0, 0), |(kept, building), &[triangles, objects]| {
-        let needs = search::needs(structure, triangles, objects);
+    contents.spaces.iter().fold((0, 0), |(kept, building), space| {
+        let needs = search::needs(structure, space);
         (needs.kept.saturating_add(kept), needs.building.max(building))
     })
 }

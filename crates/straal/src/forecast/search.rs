@@ -9,6 +9,7 @@
 use straal_accel::{
     BspChoice, BspParams, Build, Bvh2Params, BvhParams, GridParams, KdParams, Structure, sizes,
 };
+use straal_scene::count::Space;
 
 /// Bytes that a structure takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,23 +25,26 @@ fn of(count: f64, bytes: usize) -> f64 {
     count * bytes as f64
 }
 
-/// Bytes of a structure over so many triangles, and shapes and instances.
-pub(super) fn needs(structure: &Structure, triangles: u64, objects: u64) -> Needs {
-    let n = triangles.saturating_add(objects) as f64;
+/// Bytes of a structure over what is in a space.
+pub(super) fn needs(structure: &Structure, space: &Space) -> Needs {
+    let counts = [space.triangles, space.spheres, space.shapes, space.instances].map(|count| count as f64);
+    let n: f64 = counts.iter().sum();
     // What is kept of a primitive; and what is held while the structure is built, by the size of a primitive in the list that it is
     // built from.
     let (each, building) = match structure {
         Structure::Brute => (of(1.0, sizes::PLAIN_REFERENCE), 0.0),
         Structure::Volumes(_) => (of(1.0, sizes::REFERENCE), 0.0),
         Structure::Bvh(p) => {
-            let [t, o] = [triangles, objects].map(|count| count as f64);
-            let share = |of_triangles: f64, of_objects: f64| {
-                if n > 0.0 { (of_triangles * t + of_objects * o) / n } else { 0.0 }
+            let mean = |each: [f64; 4]| {
+                let sum: f64 = each.iter().zip(counts).map(|(each, count)| each * count).sum();
+                if n > 0.0 { sum / n } else { 0.0 }
             };
             let wide = Wide::of(p);
+            let [spheres, shapes] = [sizes::BLOCK_OF_SPHERES, sizes::BLOCK_OF_SHAPES].map(Shapes::of);
+            let building = [wide.building(), spheres.building, shapes.building, instance_building()];
             (
-                share(wide.kept(p), OBJECT),
-                share(wide.building(), object_building()) / of(1.0, sizes::PRIMITIVE),
+                mean([wide.kept(p), spheres.kept, shapes.kept, INSTANCE]),
+                mean(building) / of(1.0, sizes::PRIMITIVE),
             )
         }
         Structure::Bvh2(p) => (binary(p), 1.6),
@@ -58,12 +62,28 @@ pub(super) fn needs(structure: &Structure, triangles: u64, objects: u64) -> Need
     Needs { kept: (n * each) as u64, building: (n * of(1.0 + building, sizes::PRIMITIVE)) as u64 }
 }
 
-/// A shape or instance in the wide tree: it is a leaf by itself, and has its part of a node, of which six slots are used.
-const OBJECT: f64 = sizes::WIDE_NODE as f64 / 6.1;
+/// How the wide tree holds a shape.
+struct Shapes {
+    kept: f64,
+    building: f64,
+}
+
+impl Shapes {
+    /// In blocks that take so many bytes. They are nearly full, and so are the nodes above them. While they are laid out there are two
+    /// more of each, since lists double as they grow; and a node of the binary tree.
+    fn of(block: usize) -> Self {
+        let part = of(1.0 / 7.0, block);
+        let node = of(1.0 / 49.0, sizes::WIDE_NODE);
+        Self { kept: part + node, building: 2.0 * part + of(1.1, sizes::BINARY_NODE) }
+    }
+}
+
+/// An instance in the wide tree: it is a leaf by itself, and has its part of a node, of which six slots are used.
+const INSTANCE: f64 = sizes::WIDE_NODE as f64 / 6.1;
 
 /// The same while the tree is built: a reference, two nodes of the binary tree with what they weigh, and a part of a node once more.
-fn object_building() -> f64 {
-    of(1.0, sizes::PRIMITIVE) + of(2.5, sizes::BINARY_NODE) + OBJECT
+fn instance_building() -> f64 {
+    of(1.0, sizes::PRIMITIVE) + of(2.5, sizes::BINARY_NODE) + INSTANCE
 }
 
 /// How the wide tree holds triangles.
@@ -151,7 +171,9 @@ mod tests {
             (wide(Build::Default, false), 33.0),
             (wide(Build::Best, true), 13.0),
         ] {
-            let told = needs(&Structure::Bvh(params), 1_000_000, 0).kept as f64 / 1e6;
+            let told = needs(&Structure::Bvh(params), &Space { triangles: 1_000_000, ..Space::default() })
+                .kept as f64
+                / 1e6;
             assert!((told / kept - 1.0_f64).abs() < 0.03, "{params:?}: {told}");
         }
     }
