@@ -3,6 +3,7 @@
 //! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
 mod answers;
+mod batch;
 pub(crate) mod block;
 mod build;
 pub(crate) mod bundle;

@@ -10,6 +10,7 @@ mod evidence;
 mod fixed;
 mod hash;
 mod light_sum;
+mod planes;
 mod recording;
 mod sensor;
 mod splat;

@@ -86,7 +86,12 @@ fn colours_that_are_lost_are_told() {
         note.starts_with("40 of the 40 pixels of `wide.exr` are of colours that the work space `srgb`"),
         "{note}"
     );
-    // Beyond all light.
+    // Beyond all light, if only just: what is seen has .028 of red.
+    let spectral = seen(folder.path(), ("acescg", [0.0, 1.0, 0.0]), "acescg", true);
+    assert!(
+        matches!(spectral.notes.as_slice(), [note] if note.contains("are more colourful than light can be"))
+    );
+    // Far beyond it.
     let spectral = seen(folder.path(), ("aces", [0.0, 0.0, 1.0]), "srgb", true);
     let [note] = spectral.notes.as_slice() else { panic!("{:?}", spectral.notes) };
     assert!(note.contains("are more colourful than light can be"), "{note}");
