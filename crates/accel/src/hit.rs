@@ -37,6 +37,15 @@ impl Chain {
         self.ids[..self.len()].iter().map(|id| id - 1)
     }
 
+    /// This chain in one more instance around it. A build refuses scenes in which there is no room left.
+    #[inline]
+    pub(crate) fn inside(&self, id: u32) -> Self {
+        let mut out = *self;
+        out.ids.copy_within(..MAX_DEPTH - 1, 1);
+        out.ids[0] = id + 1;
+        out
+    }
+
     /// This chain with one more instance inside. A build refuses scenes in which there is no room left.
     #[inline]
     pub(crate) fn with(&self, id: u32) -> Self {

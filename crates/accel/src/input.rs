@@ -67,8 +67,8 @@ pub trait Shapes: Sync {
     /// against every ray.
     fn bounds(&self, shape: u32) -> Option<Bounds>;
 
-    /// The hit with the least t in [`t_min`, `t_max`] of the ray, which is given in the group's space with its full
-    /// interval, whatever was found already.
+    /// The hit with the least t in [`t_min`, `t_max`] of the ray, which is given in the group's space. Its end may be where
+    /// something nearer was found already.
     fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit>;
 
     /// The formula that the shape is, if it is one: it is then tested many at a time, and [`Self::intersect`] gives the same

@@ -46,6 +46,7 @@ mod partition;
 mod query;
 mod scene;
 mod section;
+pub mod sizes;
 mod slab;
 mod structure;
 mod triangle;

@@ -27,7 +27,7 @@ pub(crate) struct Query<'a, K, const COUNT: bool> {
 /// The least t at which a hit at `t` in a box entered at `entry` counts. A branch rather than a maximum: that the entry comes
 /// later is rare, and what follows the hit needn't wait for the box.
 #[inline(always)]
-fn not_before(t: f32, entry: f32) -> f32 {
+pub(crate) fn not_before(t: f32, entry: f32) -> f32 {
     if entry > t { later(entry) } else { t }
 }
 
@@ -199,15 +199,15 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
 
     /// The entry into an object's box if the ray can see the object and crosses the box.
     #[inline]
-    fn enter(&mut self, at: &Place<'_>, o: &Object) -> Option<f32> {
+    pub fn enter(&mut self, ray: &LocalRay, o: &Object) -> Option<f32> {
         if COUNT {
             self.cost.primitives += 1;
         }
-        if o.mask & at.ray.ray.mask == 0 {
+        if o.mask & ray.ray.mask == 0 {
             return None;
         }
         match &o.bounds {
-            Some(b) => slab::entry(b, at.ray),
+            Some(b) => slab::entry(b, ray),
             None => Some(f32::NEG_INFINITY),
         }
     }
@@ -259,7 +259,7 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
     #[inline(never)]
     pub fn object_closest(&mut self, at: &Place<'_>, object: u32, best: &mut Hit) {
         let o = &at.group.objects[object as usize];
-        let Some(entry) = self.enter(at, o) else { return };
+        let Some(entry) = self.enter(at.ray, o) else { return };
         match o.kind {
             ObjectKind::Shape { shape, geometry, primitive } => {
                 let Some(h) = self.shape(at, shape) else { return };
@@ -283,7 +283,7 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
     #[inline(never)]
     pub fn object_occluded(&mut self, at: &Place<'_>, object: u32) -> bool {
         let o = &at.group.objects[object as usize];
-        if self.enter(at, o).is_none() {
+        if self.enter(at.ray, o).is_none() {
             return false;
         }
         match o.kind {

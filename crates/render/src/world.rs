@@ -280,11 +280,11 @@ impl World {
     pub fn sample_light<L: Lanes>(
         &self,
         emitter: u32,
-        p: Vec3,
+        at: &Receiver,
         u: [f32; 2],
         lanes: L,
     ) -> Option<LightSample> {
-        self.emitters[emitter as usize].sample(&self.geometry, p, u, &self.reading(lanes))
+        self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
     }
 
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting

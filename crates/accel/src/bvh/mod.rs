@@ -3,6 +3,7 @@
 //! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
 mod answers;
+mod batch;
 pub(crate) mod block;
 mod build;
 pub(crate) mod bundle;
@@ -38,6 +39,9 @@ pub(crate) use block::{Block, Row};
 pub(crate) use build::STACK;
 
 use block::Outline;
+
+/// Bytes of what a compact tree keeps of up to eight triangles.
+pub(crate) const OUTLINE_BYTES: usize = size_of::<Outline>();
 
 /// Eight boxes and what is inside each: four cache lines.
 #[derive(Clone, Copy)]

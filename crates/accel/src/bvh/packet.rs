@@ -10,6 +10,7 @@
 use super::{
     Bvh, Child, ChildKind, STACK, WIDTH,
     answers::Answers,
+    batch::{self, Batch},
     bundle::{Bundle, PACKET},
     many::Members,
     near::Near,
@@ -247,6 +248,27 @@ impl Bvh {
                     } else if Self::block_closest(q, &at, block, &mut p.near[i], &p.best[i]) {
                         p.bundle.set_limit(i, p.near[i].limit);
                     }
+                }
+            }
+            ChildKind::Object(o) if batch::pays(&group.objects[o as usize], entering) => {
+                let o = &group.objects[o as usize];
+                let mut batch = Batch::EMPTY;
+                for i in Members::<PACKET>(entering) {
+                    batch.add(q, &p.rays[i], o, p.near[i].t, i);
+                }
+                if ANY {
+                    for i in batch.occluded(q, o) {
+                        p.near[i].set_found(&mut p.best[i]);
+                        p.bundle.set_limit(i, -1.0);
+                    }
+                } else {
+                    batch.closest(q, o, |i, hit| {
+                        let (near, best) = (&mut p.near[i], &mut p.best[i]);
+                        near.settle(&Place { group, ray: &p.rays[i], chain: &Chain::EMPTY }, best);
+                        best.offer(hit);
+                        *near = Near::new(best);
+                        p.bundle.set_limit(i, near.limit);
+                    });
                 }
             }
             ChildKind::Object(o) => {

@@ -149,6 +149,7 @@ macro_rules! entry_points {
         fn closest_slice(
             self,
             scene: &$crate::Scene,
+            group: &$crate::scene::GroupData,
             shapes: &dyn $crate::Shapes,
             rays: &[straal_math::Ray],
             hits: &mut [$crate::Hit],
@@ -158,22 +159,24 @@ macro_rules! entry_points {
             fn compiled<K: $crate::kernel::Kernel>(
                 kernel: K,
                 scene: &$crate::Scene,
+                group: &$crate::scene::GroupData,
                 shapes: &dyn $crate::Shapes,
                 rays: &[straal_math::Ray],
                 hits: &mut [$crate::Hit],
             ) {
-                $crate::kernel::closest_rays(kernel, scene, shapes, rays, hits);
+                $crate::kernel::closest_rays(kernel, scene, group, shapes, rays, hits);
             }
             // SAFETY: `self` is the proof that the processor has the features.
             #[allow(unused_unsafe)]
             unsafe {
-                compiled(self, scene, shapes, rays, hits)
+                compiled(self, scene, group, shapes, rays, hits)
             }
         }
 
         fn occluded_slice(
             self,
             scene: &$crate::Scene,
+            group: &$crate::scene::GroupData,
             shapes: &dyn $crate::Shapes,
             rays: &[straal_math::Ray],
             blocked: &mut [bool],
@@ -183,16 +186,17 @@ macro_rules! entry_points {
             fn compiled<K: $crate::kernel::Kernel>(
                 kernel: K,
                 scene: &$crate::Scene,
+                group: &$crate::scene::GroupData,
                 shapes: &dyn $crate::Shapes,
                 rays: &[straal_math::Ray],
                 blocked: &mut [bool],
             ) {
-                $crate::kernel::occluded_rays(kernel, scene, shapes, rays, blocked);
+                $crate::kernel::occluded_rays(kernel, scene, group, shapes, rays, blocked);
             }
             // SAFETY: `self` is the proof that the processor has the features.
             #[allow(unused_unsafe)]
             unsafe {
-                compiled(self, scene, shapes, rays, blocked)
+                compiled(self, scene, group, shapes, rays, blocked)
             }
         }
     };

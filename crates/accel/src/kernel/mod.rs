@@ -39,7 +39,7 @@ use crate::{
     lanes::Wide,
     local::LocalRay,
     query::Query,
-    scene::Scene,
+    scene::{GroupData, Scene},
     slab,
     structure::{Place, Searcher},
 };
@@ -296,11 +296,25 @@ pub(crate) trait Kernel: Wide {
     /// Whether each ray hits anything, one after the other.
     fn occluded_each(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]);
 
-    /// The first hit of each ray.
-    fn closest_slice(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]);
+    /// The first hit of each ray in a group's space, with the chain from there on.
+    fn closest_slice(
+        self,
+        scene: &Scene,
+        group: &GroupData,
+        shapes: &dyn Shapes,
+        rays: &[Ray],
+        hits: &mut [Hit],
+    );
 
-    /// Whether each ray hits anything.
-    fn occluded_slice(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]);
+    /// Whether each ray hits anything in a group's space.
+    fn occluded_slice(
+        self,
+        scene: &Scene,
+        group: &GroupData,
+        shapes: &dyn Shapes,
+        rays: &[Ray],
+        blocked: &mut [bool],
+    );
 }
 
 /// Sets of rays by class, from those that have each of its two bits.
@@ -408,7 +422,7 @@ pub(crate) fn closest(scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &m
     let (rays, hits) = (&rays[..n], &mut hits[..n]);
     match n < MANY || !scene.many() {
         true => with_kernel!(scene, k => k.closest_each(scene, shapes, rays, hits)),
-        false => with_kernel!(scene, k => k.closest_slice(scene, shapes, rays, hits)),
+        false => with_kernel!(scene, k => k.closest_slice(scene, &scene.groups[0], shapes, rays, hits)),
     }
 }
 
@@ -417,7 +431,7 @@ pub(crate) fn occluded(scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked
     let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
     match n < MANY || !scene.many() {
         true => with_kernel!(scene, k => k.occluded_each(scene, shapes, rays, blocked)),
-        false => with_kernel!(scene, k => k.occluded_slice(scene, shapes, rays, blocked)),
+        false => with_kernel!(scene, k => k.occluded_slice(scene, &scene.groups[0], shapes, rays, blocked)),
     }
 }
 
@@ -480,10 +494,17 @@ fn occluded_one_by_one<K: Kernel>(
     }
 }
 
-/// `Kernel::closest_slice` without the change of instruction set. The textbook's structures search one ray after the other.
+/// `Kernel::closest_slice` without the change of instruction set. The textbook's structures search one ray after the other, and
+/// the world's rays alone.
 #[inline(always)]
-fn closest_rays<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
-    let group = &scene.groups[0];
+fn closest_rays<K: Kernel>(
+    kernel: K,
+    scene: &Scene,
+    group: &GroupData,
+    shapes: &dyn Shapes,
+    rays: &[Ray],
+    hits: &mut [Hit],
+) {
     let Searcher::Bvh(bvh) = &group.searcher else { return kernel.closest_each(scene, shapes, rays, hits) };
     let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
     bvh.closest_many(&mut q, group, rays, hits);
@@ -494,11 +515,11 @@ fn closest_rays<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, rays: 
 fn occluded_rays<K: Kernel>(
     kernel: K,
     scene: &Scene,
+    group: &GroupData,
     shapes: &dyn Shapes,
     rays: &[Ray],
     blocked: &mut [bool],
 ) {
-    let group = &scene.groups[0];
     let Searcher::Bvh(bvh) = &group.searcher else {
         return kernel.occluded_each(scene, shapes, rays, blocked);
     };

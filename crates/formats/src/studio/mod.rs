@@ -12,7 +12,7 @@ use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
     Accel, Bezier, ColorSettings, Conductor, Dielectric, Diffuse, Environment, Film, Group, Integrator,
     Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum,
-    Step, Surface, Tone, Transform, TriangleMesh, Varying, Viewpoint,
+    Step, Surface, Transform, TriangleMesh, Varying, Viewpoint,
 };
 use straal_scene::value::{Asset, Axis, Color, Factors, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
@@ -211,7 +211,7 @@ pub fn around(
     let points = points(asset).map(|p| place.point(p));
     let mut scene = Scene {
         camera: frame::camera(points, wish.view, size),
-        film: Film { size, tone: Tone::KhronosNeutral, ..Film::default() },
+        film: Film { size, ..Film::default() },
         sampler: Sampler { spp: 64, ..Sampler::default() },
         materials,
         world: vec![mesh, set],

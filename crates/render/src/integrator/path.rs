@@ -252,7 +252,7 @@ fn miss<L: Lanes>(world: &World, arrival: &Arrival<'_, State<L>>, out: &mut Out<
         let (radiance, weight) = if state.delta {
             (environment.radiance_from(d, &reading), 1.0)
         } else {
-            let (radiance, pdf) = environment.radiance_pdf_from(d, &reading);
+            let (radiance, pdf) = environment.radiance_pdf_from(state.from.n, d, &reading);
             (radiance, power_heuristic(state.pdf, world.lights.pmf(emitter, &state.from) * pdf))
         };
         out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
@@ -298,9 +298,9 @@ fn light<L: Lanes>(
     // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
     // beside them.
     let [u, v] = queue.pattern.d2(&path.name, Purpose::LightPoint);
-    let Some(pick) = world.lights.pick(u, &vertex.receiver()) else { return };
-    let at = vertex.end.p;
-    let Some(light) = world.sample_light(pick.index, at, [pick.rest, v], path.state.lanes) else {
+    let at = vertex.receiver();
+    let Some(pick) = world.lights.pick(u, &at) else { return };
+    let Some(light) = world.sample_light(pick.index, &at, [pick.rest, v], path.state.lanes) else {
         return;
     };
 

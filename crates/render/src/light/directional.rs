@@ -5,7 +5,7 @@ use crate::texture::{ShadingPoint, Value};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -43,7 +43,7 @@ impl Shine for DirectionalLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        _: (Vec3, [f32; 2]),
+        _: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         let radiance = reading.eval(&self.irradiance, &ShadingPoint::NOWHERE);

@@ -6,7 +6,7 @@ use straal_color::Light;
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -45,7 +45,7 @@ impl Shine for PointLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (p, _): (Vec3, [f32; 2]),
+        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         towards(self.position, p, |_| reading.eval(&self.intensity, &self.place()))

@@ -5,7 +5,7 @@ use crate::texture::{ShadingPoint, Value};
 use straal_math::{DVec3, Frame, Vec3, ops, warp};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Shine, point::towards, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, point::towards, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -129,7 +129,7 @@ impl Shine for SpotLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (p, _): (Vec3, [f32; 2]),
+        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         towards(self.position, p, |wi| reading.eval(&self.intensity, &self.place()) * self.share(-wi))

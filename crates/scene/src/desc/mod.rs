@@ -4,8 +4,8 @@ pub mod accel;
 pub mod camera;
 pub(crate) mod check;
 pub mod color;
+pub mod development;
 pub mod light;
-pub mod look;
 pub mod material;
 pub mod node;
 pub mod settings;
@@ -25,8 +25,8 @@ pub use camera::{
 };
 pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
+pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use light::{DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight};
-pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{

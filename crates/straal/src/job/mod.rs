@@ -6,8 +6,8 @@ mod run;
 pub use keep::Snapshot;
 pub use run::{Blocks, Control, Outcome, Progress, Verdict};
 
+use crate::development::Development;
 use crate::forecast::Forecast;
-use crate::look::Look;
 use crate::resolve::{Error, Overrides, Plan, needs_count};
 use straal_accel::{Isa, Structure};
 use straal_color::{RgbSpace, Space};
@@ -37,7 +37,7 @@ pub struct Job {
     /// What it takes of memory.
     pub forecast: Forecast,
     memory: Option<u64>,
-    look: Look,
+    development: Development,
     space: Space,
     structure: Structure,
 }
@@ -94,15 +94,15 @@ impl Job {
             scene_hash: scene_hash(loaded, custom),
             forecast,
             memory: plan.memory,
-            look: Look::of(&scene.film),
+            development: Development::of(&scene.film),
             space: plan.space,
             structure,
         })
     }
 
     /// How the scene wants its picture developed.
-    pub fn look(&self) -> Look {
-        self.look
+    pub fn development(&self) -> Development {
+        self.development
     }
 
     /// The work space.
@@ -147,10 +147,10 @@ impl Job {
     }
 
     /// What all pictures of this job tell about themselves, with so many samples.
-    pub(crate) fn story(&self, samples: u32) -> Vec<(String, String)> {
-        let mut story = self.facts();
-        story.push(("straal.samples".into(), samples.to_string()));
-        story
+    pub(crate) fn metadata(&self, samples: u32) -> Vec<(String, String)> {
+        let mut metadata = self.facts();
+        metadata.push(("straal.samples".into(), samples.to_string()));
+        metadata
     }
 
     /// The same but for what comes of it.

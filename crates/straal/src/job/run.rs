@@ -85,7 +85,7 @@ pub struct Blocks {
 /// What a render leaves.
 #[derive(Debug)]
 pub struct Outcome {
-    /// The picture with its layers and story.
+    /// The picture with its layers and metadata.
     pub picture: Picture,
     /// Samples per pixel taken; of an adaptive render, of the pixels that have the most.
     pub samples: u32,
@@ -126,9 +126,9 @@ impl Job {
         let mut progress = Progress { of: u64::from(of - self.first), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
         let mut picture = Picture::new(&run.film, run.film.layers(), self.film_space());
-        picture.story = self.story(run.samples);
-        picture.story.push(("straal.passes".into(), run.passes.to_string()));
-        picture.story.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
+        picture.metadata = self.metadata(run.samples);
+        picture.metadata.push(("straal.passes".into(), run.passes.to_string()));
+        picture.metadata.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
         Ok(Outcome {
             picture,
             samples: run.samples,
