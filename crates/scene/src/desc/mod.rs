@@ -5,6 +5,7 @@ pub mod camera;
 pub(crate) mod check;
 pub mod color;
 pub mod development;
+mod keyframes;
 pub mod light;
 pub mod material;
 pub mod node;
@@ -13,7 +14,6 @@ pub mod shape;
 pub mod spectrum;
 pub mod texture;
 pub mod transform;
-mod way;
 
 pub use accel::{
     Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, PlaneChoice, Split, Structure,
@@ -26,6 +26,7 @@ pub use camera::{
 pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
+pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight};
 pub use material::*;
 pub use node::{Group, Instance, Node};
@@ -40,7 +41,6 @@ pub use shape::{
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;
 pub use transform::{AxisAngle, Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint, facing};
-pub use way::{Moment, Pose, Way};
 
 use crate::describe::describe;
 use crate::value::Named;

@@ -94,7 +94,7 @@ fn a_way_may_be_told_in_several_ways() {
     let straight = at("{ eye: [0.5, 0.2, 2], roll: 5 }");
     assert_eq!(at("[{ eye: [0.5, 0.2, 2], roll: 5 }]"), straight);
     assert_eq!(at("[{ time: 1, eye: [0.5, 0.2, 2], roll: 5 }]"), straight);
-    // What a pose leaves out stays as it was in the pose before.
+    // What a keyframe leaves out stays as it was in the one before.
     let bent = at("[{ eye: [0.5, 0.2, 2] }, { roll: 5 }]");
     assert_eq!(at("[{ time: 0.5, eye: [0.5, 0.2, 2] }, { time: 1, eye: [0.5, 0.2, 2], roll: 5 }]"), bent);
     assert_ne!(bent, straight);
