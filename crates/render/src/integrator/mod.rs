@@ -7,6 +7,7 @@
 //!
 //! To add an integrator, write its file: a state, where its paths start, and a step.
 
+mod numbers;
 mod out;
 mod path;
 mod queue;
