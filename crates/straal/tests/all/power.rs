@@ -14,9 +14,9 @@ use straal_scene::Image;
 
 const REPLICATES: u32 = 16;
 
-fn replicates(scene: &str, seed: u64, spp: u32) -> Picture {
+fn replicates(scene: &str, side: u32, seed: u64, spp: u32) -> Picture {
     let wish = Overrides {
-        size: Some([64, 64]),
+        size: Some([side, side]),
         spp: Some(spp),
         seed: Some(seed),
         pattern: Some(PatternKind::Random),
@@ -28,7 +28,7 @@ fn replicates(scene: &str, seed: u64, spp: u32) -> Picture {
 
 /// The box under another seed, which two tests compare with.
 fn another() -> &'static Picture {
-    static ANOTHER: std::sync::LazyLock<Picture> = std::sync::LazyLock::new(|| replicates(BOX, 1001, 32));
+    static ANOTHER: std::sync::LazyLock<Picture> = std::sync::LazyLock::new(|| replicates(BOX, 64, 1001, 32));
     &ANOTHER
 }
 
@@ -62,7 +62,7 @@ fn shifted(image: &Image) -> Image {
 
 #[test]
 fn independent_renders_agree_and_small_faults_show() {
-    let (mean, variance) = images(&replicates(BOX, 1, 32));
+    let (mean, variance) = images(&replicates(BOX, 64, 1, 32));
     let b = another();
     assert!(!differs((&mean, &variance), b, Tails::Light), "independent renders differ");
     assert!(differs((&brighter(&mean, 1.01), &variance), b, Tails::Light), "x 1.01 passes");
@@ -72,7 +72,7 @@ fn independent_renders_agree_and_small_faults_show() {
 #[test]
 fn heavy_tails_hide_no_two_percent() {
     let scene = "scenes/glass-and-mirror.yaml";
-    let (a, b) = (replicates(scene, 1, 64), replicates(scene, 1001, 64));
+    let (a, b) = (replicates(scene, 48, 1, 64), replicates(scene, 48, 1001, 64));
     let (mean, variance) = images(&a);
     assert!(!differs((&mean, &variance), &b, Tails::Heavy), "independent renders differ");
     assert!(differs((&brighter(&mean, 1.02), &variance), &b, Tails::Heavy), "x 1.02 passes");
