@@ -67,7 +67,7 @@ pub fn run(words: &[String]) -> Result<bool, Failure> {
         let picture = format!("{FOLDER}/{name}.png");
         let size = outcome.picture.size;
         let small = if shows_samples { outcome.picture } else { smaller(outcome.picture, shown) };
-        small.save(&root().join(&picture), &job.look())?;
+        small.save(&root().join(&picture), &job.development())?;
         println!(
             "{picture}: {} x {}, rendered {} x {}, up to {} samples a pixel, {} blocks noisier than {} %, {:.1} s",
             shown[0],
@@ -116,7 +116,7 @@ fn smaller(mut picture: Picture, to: [u32; 2]) -> Picture {
     (picture.layers.width, picture.layers.height) = (width, height);
     picture.size = to;
     // The hash is that of the pixels that were rendered.
-    picture.story.retain(|(key, _)| key != "straal.film_hash");
+    picture.metadata.retain(|(key, _)| key != "straal.film_hash");
     picture
 }
 

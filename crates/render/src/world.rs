@@ -15,6 +15,7 @@ use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
+use straal_math::simd::Simd;
 use straal_math::{DVec3, Frame, Ray, Vec3};
 use straal_scene::Span;
 
@@ -105,6 +106,11 @@ pub struct Dropped {
 }
 
 impl World {
+    /// By which instruction set shading works: the one that search was told to.
+    pub fn simd(&self) -> Simd {
+        Simd::new(self.accel.isa()).unwrap_or(Simd::PLAIN)
+    }
+
     /// What each ray hits first.
     pub fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         self.accel.closest(&self.geometry, rays, hits);

@@ -27,6 +27,9 @@ pub(crate) struct Member {
 #[repr(C, align(64))]
 struct Row(Doubles);
 
+/// Bytes of a number of each shape.
+pub(crate) const ROW_BYTES: usize = size_of::<Row>();
+
 /// What each shape of a block has besides its numbers.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]

@@ -40,6 +40,9 @@ pub(crate) use build::STACK;
 
 use block::Outline;
 
+/// Bytes of what a compact tree keeps of up to eight triangles.
+pub(crate) const OUTLINE_BYTES: usize = size_of::<Outline>();
+
 /// Eight boxes and what is inside each: four cache lines.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]

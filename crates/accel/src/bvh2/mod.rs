@@ -78,6 +78,9 @@ struct Node {
 /// No tree is deeper, whatever the input.
 const MAX_DEPTH: usize = 192;
 
+/// Bytes of a node.
+pub(crate) const NODE_BYTES: usize = size_of::<Node>();
+
 /// The tree.
 pub(crate) struct Bvh2 {
     params: Bvh2Params,

@@ -58,6 +58,9 @@ enum Node {
     Leaf { first: u32, count: u32 },
 }
 
+/// Bytes of a node.
+pub(crate) const NODE_BYTES: usize = size_of::<Node>();
+
 /// The tree.
 pub(crate) struct KdTree {
     /// Around all primitives.

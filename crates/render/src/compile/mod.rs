@@ -121,7 +121,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         geometry,
         accel,
         materials,
-        textures: Vec::new(),
+        textures: paint.textures,
         tables: paint.spectra,
         sensor,
         emitters: lights.emitters,

@@ -30,7 +30,7 @@ impl DirectionalLight {
         paint: &mut Paint<'_>,
         _: DVec3,
     ) -> Result<Emitter, CompileError> {
-        Self::new(l.axis().as_vec3(), paint.emission(&l.irradiance)?)
+        Self::new(l.axis().as_vec3(), paint.light(&l.irradiance)?)
             .map(Emitter::Directional)
             .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))
     }

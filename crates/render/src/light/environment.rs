@@ -33,7 +33,7 @@ impl ConstantEnvironment {
             return Ok(Emitter::Image(Box::new(ImageEnvironment::of(l, file, paint)?)));
         }
         let black = desc::Spectrum::grey(0.0);
-        let radiance = l.radiance.as_ref().map_or(&black, value::Value::get);
+        let radiance = l.radiance.as_ref().unwrap_or(&black);
         let radiance = paint.emission_times(radiance, l.scale)?.into();
         Ok(Emitter::Constant(Self { radiance }))
     }

@@ -34,7 +34,7 @@ impl PointLight {
         centre: DVec3,
     ) -> Result<Emitter, CompileError> {
         let position = (l.position - centre).as_vec3();
-        Ok(Emitter::Point(Self { position, intensity: paint.emission(&l.intensity)? }))
+        Ok(Emitter::Point(Self { position, intensity: paint.light(&l.intensity)? }))
     }
 }
 

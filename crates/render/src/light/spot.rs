@@ -117,7 +117,7 @@ impl SpotLight {
                 desc::Falloff::Smooth => Falloff::Smooth,
             },
         };
-        let spot = Self::new((l.position - centre).as_vec3(), paint.emission(&l.intensity)?, &cone);
+        let spot = Self::new((l.position - centre).as_vec3(), paint.light(&l.intensity)?, &cone);
         spot.map(Emitter::Spot).ok_or_else(|| CompileError::new("the axis of a spot light has no length"))
     }
 }

@@ -39,7 +39,7 @@ impl Recipe for ConductorMaterial {
         Ok(Self {
             eta,
             k,
-            roughness: paint.number(&d.roughness),
+            roughness: paint.number(&d.roughness)?,
             reflectance: paint.reflectance(&d.reflectance)?,
             two_sided: d.two_sided,
         })

@@ -13,6 +13,11 @@ use crate::texture::{TextureRef, Value};
 use std::collections::BTreeSet;
 use straal_color::spectrum::refraction::glass;
 
+/// Every kind of BSDF in the list.
+fn registry() -> Vec<Example> {
+    Bsdf::registry()
+}
+
 /// Through a prism of 60 degrees by Snell's law with Schott's Sellmeier figures: each wavelength leaves at its angle.
 #[test]
 fn a_prism_bends_as_snell_says() {

@@ -223,7 +223,7 @@ fn a_panorama_gives_back_the_surroundings() {
     let panorama = of_kind("panorama", "rows: centered");
     let seen = job(&panorama, Overrides { size: Some([256, 129]), spp: Some(16), ..Overrides::default() });
     let picture = seen.render(&mut Control::to_the_end()).expect("a picture").picture;
-    picture.save(&folder.join("around.pfm"), &seen.look()).expect("room for the picture");
+    picture.save(&folder.join("around.pfm"), &seen.development()).expect("room for the picture");
 
     let views = [
         "perspective: { eye: [0, 0.2, 0], look_at: [0.4, 0.3, -2], fov: 80 }",

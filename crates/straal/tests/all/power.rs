@@ -111,7 +111,8 @@ fn a_roulette_weight_left_out_shows() {
     let job = common::job(BOX, wish);
     let mut settings = job.settings.clone();
     let render = |settings| {
-        let mut render = Render::new(&job.world, Forgetful(job.integrator), settings, None).expect("threads");
+        let mut render =
+            Render::new(&job.world, Forgetful(job.path_tracer()), settings, None).expect("threads");
         render.advance(REPLICATES * 32);
         render.into_film().layers()
     };

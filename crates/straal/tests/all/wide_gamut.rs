@@ -1,7 +1,7 @@
 //! Surroundings whose colours sRGB doesn't hold.
 
 use std::path::Path;
-use straal::{Control, Job, LoadOptions, Look, Overrides, Picture, Recording};
+use straal::{Control, Development, Job, LoadOptions, Overrides, Picture, Recording};
 
 struct Rendered {
     picture: Picture,
@@ -36,7 +36,7 @@ lights: [environment: {{ radiance: {{ rgb: {rgb:?}, space: {space} }} }}]
     let loaded = straal::load_str("make.yaml", &make, folder, &LoadOptions::default());
     let job = Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), Overrides::default()).expect("a job");
     let picture = job.render(&mut Control::to_the_end()).expect("a picture").picture;
-    picture.save(&folder.join("wide.exr"), &Look::default()).expect("a file");
+    picture.save(&folder.join("wide.exr"), &Development::default()).expect("a file");
     let text = format!(
         "camera: {{ perspective: {{ eye: [0, 0, 0], look_at: [0, 0, -1] }} }}
 film: {{ size: [8, 8] }}
