@@ -1,6 +1,7 @@
 //! A scene ready to be searched, and how it is put together.
 
 use crate::{
+    Isa,
     analytic::block::Member,
     brute::Brute,
     bsp::BspTree,
@@ -10,7 +11,6 @@ use crate::{
     grid::Grid,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
-    isa::Isa,
     kd::KdTree,
     kernel::{self, Chosen},
     octree::Octree,

@@ -4,17 +4,18 @@ use crate::camera::Camera;
 use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
-use crate::lanes::{Lanes, Reading, Rgb, SpectralTables};
+use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Surface, frame_along};
-use crate::texture::{Place, ShadingPoint, Texture};
+use crate::texture::{Place, Reading, ShadingPoint, Texture};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
+use straal_math::simd::Simd;
 use straal_math::{DVec3, Frame, Ray, Vec3};
 use straal_scene::Span;
 
@@ -105,6 +106,11 @@ pub struct Dropped {
 }
 
 impl World {
+    /// By which instruction set shading works: the one that search was told to.
+    pub fn simd(&self) -> Simd {
+        Simd::new(self.accel.isa()).unwrap_or(Simd::PLAIN)
+    }
+
     /// What each ray hits first.
     pub fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         self.accel.closest(&self.geometry, rays, hits);

@@ -185,7 +185,7 @@ impl PictureFile {
     ) -> io::Result<()> {
         let mut metadata = with_development(&self.picture.metadata, development);
         if format == Format::Exr {
-            return exr::write(out, &exr::Picture { metadata: metadata, ..self.picture.clone() });
+            return exr::write(out, &exr::Picture { metadata, ..self.picture.clone() });
         }
         let (pixels, [width, height], at) = self.shown();
         if format == Format::Png {

@@ -206,13 +206,8 @@ pub(crate) fn write_png(
     let codes = undeveloped.develop(development);
     let width = undeveloped.width;
     let height = undeveloped.pixels.len() / if width > 0 { width } else { 1 };
-    let encoded = png::Encoded {
-        width,
-        height,
-        pixels: codes.as_png(),
-        curve: development.gamma.curve(),
-        metadata: metadata,
-    };
+    let encoded =
+        png::Encoded { width, height, pixels: codes.as_png(), curve: development.gamma.curve(), metadata };
     png::write(out, &encoded)
 }
 

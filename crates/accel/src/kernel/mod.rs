@@ -28,6 +28,7 @@ mod vec3;
 mod wide;
 
 use crate::{
+    Isa,
     analytic::{
         block::{Block as ShapeBlock, Blocks, Found},
         octet::Octets,
@@ -35,7 +36,6 @@ use crate::{
     bvh::{Block, Child, Node, bundle::Bundle, many::Next, near::Candidate},
     hit::{Chain, Cost, Hit},
     input::Shapes,
-    isa::Isa,
     lanes::Wide,
     local::LocalRay,
     query::Query,

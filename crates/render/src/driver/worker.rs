@@ -24,6 +24,7 @@ use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
 use straal_math::lowdisc::Purpose;
+use straal_math::simd::Simd;
 
 /// Samples that may be under way for each path that the pool holds: a long path holds up those that were started after it.
 const SAMPLES_A_PATH: usize = 4;
@@ -68,6 +69,7 @@ pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
     integrator: &'a I,
     settings: &'a Settings,
     needs: Needs,
+    simd: Simd,
     stopwatch: Stopwatch,
     probe: P,
     samples: Samples<L>,
@@ -108,6 +110,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             integrator,
             settings,
             needs: world.camera.needs(),
+            simd: world.simd(),
             stopwatch: Stopwatch::start(clock),
             probe,
             samples,
@@ -245,7 +248,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         }
         self.sorting.sort(world, &self.hits);
         for (kind, order) in self.sorting.queues() {
-            let queue = Queue { kind, pattern: self.settings.pattern, order, paths, rays, hits: &self.hits };
+            let (pattern, simd) = (self.settings.pattern, self.simd);
+            let queue = Queue { kind, pattern, simd, order, paths, rays, hits: &self.hits };
             let mut out = Out {
                 sums: &mut self.samples.sums,
                 next: &mut self.next,

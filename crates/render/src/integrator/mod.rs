@@ -9,6 +9,7 @@
 //! description.
 
 mod list;
+mod numbers;
 mod out;
 mod path;
 mod queue;

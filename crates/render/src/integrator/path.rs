@@ -1,5 +1,6 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
+use super::numbers::{BLOCK, Numbers, Wanted};
 use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
@@ -10,14 +11,10 @@ use crate::stopwatch::Phase;
 use crate::surface::Surface;
 use crate::world::World;
 use straal_color::Light;
-use straal_math::lowdisc::Purpose;
+use straal_math::lowdisc::SampleName;
 use straal_math::{Frame, Ray, Vec3, ops};
 use straal_scene::desc;
 use straal_scene::value::Depth;
-
-/// Paths whose vertices are worked on together: their surfaces and BSDFs stay in the first-level cache between
-/// the paragraphs of a step.
-const BLOCK: usize = 32;
 
 /// Edges after which roulette is played whatever the settings: a path between perfect mirrors must end.
 const PATIENCE: u32 = 1000;
@@ -141,21 +138,54 @@ impl PathTracer {
     /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
     fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let mut vertices: [Option<Vertex<'_>>; BLOCK] = [None; BLOCK];
+        let mut numbers = Numbers::default();
         for block in queue.order.chunks(BLOCK) {
             let vertices = &mut vertices[..block.len()];
             for (slot, &path) in vertices.iter_mut().zip(block) {
                 *slot = self.arrive(world, queue, path, out);
             }
+            self.draw(queue, vertices, &mut numbers);
             out.stopwatch.lap(Phase::Shading);
-            for vertex in vertices.iter().flatten() {
-                light(world, queue, vertex, out);
+            for (i, vertex) in vertices.iter().enumerate() {
+                if let Some(vertex) = vertex {
+                    light(world, queue, vertex, numbers.light(i), out);
+                }
             }
             out.stopwatch.lap(Phase::Lights);
-            for vertex in vertices.iter().flatten() {
-                self.scatter(world, queue, vertex, out);
+            for (i, vertex) in vertices.iter().enumerate() {
+                if let Some(vertex) = vertex {
+                    self.scatter(world, queue, vertex, (numbers.direction(i), numbers.roulette(i)), out);
+                }
             }
             out.stopwatch.lap(Phase::Shading);
         }
+    }
+
+    /// The random numbers of a block, those that any of its vertices needs.
+    #[inline]
+    fn draw<L: Lanes>(
+        &self,
+        queue: &Queue<'_, State<L>>,
+        vertices: &[Option<Vertex<'_>>],
+        numbers: &mut Numbers,
+    ) {
+        let mut names = [SampleName::new(0, [0; 2], 0); BLOCK];
+        let mut wanted = Wanted::default();
+        for (name, vertex) in names.iter_mut().zip(vertices) {
+            let Some(vertex) = vertex else { continue };
+            let path = &queue.paths[vertex.path as usize];
+            *name = path.name;
+            wanted.light |= !vertex.shaded.bsdf.is_delta();
+            wanted.lobe |= vertex.shaded.bsdf.chooses_lobe();
+            wanted.roulette |= self.plays_roulette(path.state.depth);
+        }
+        numbers.draw(queue.simd, queue.pattern, &names[..vertices.len()], wanted);
+    }
+
+    /// Whether a path of so many edges may be ended by chance.
+    #[inline(always)]
+    fn plays_roulette(&self, depth: u32) -> bool {
+        depth >= self.roulette_depth || depth >= PATIENCE
     }
 
     /// Adds the light emitted where the ray arrives; gives the vertex if the path may go on from there.
@@ -190,18 +220,12 @@ impl PathTracer {
         world: &World,
         queue: &Queue<'_, State<L>>,
         vertex: &Vertex<'_>,
+        ([u, v, lobe], roulette): ([f32; 3], f32),
         out: &mut Out<'_, State<L>>,
     ) {
         let path = &queue.paths[vertex.path as usize];
         let state = &path.state;
-
-        let (u, lobe) = if vertex.shaded.bsdf.chooses_lobe() {
-            let [u, v, lobe] = queue.pattern.d3(&path.name, Purpose::Direction);
-            ([u, v], lobe)
-        } else {
-            (queue.pattern.d2(&path.name, Purpose::Direction), 0.0)
-        };
-        let Some(s) = vertex.shaded.sample(vertex.wo, lobe, u, Transport::Radiance) else { return };
+        let Some(s) = vertex.shaded.sample(vertex.wo, lobe, [u, v], Transport::Radiance) else { return };
         let mut beta = state.beta * s.weight;
         let eta_squared = state.eta_squared * s.eta * s.eta;
 
@@ -209,9 +233,9 @@ impl PathTracer {
         // the whole, survivors would be multiplied by so much that the noise costs more than the time saved (in `box-diffuse`
         // 12 % less variance for 3 % more time). Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting", whose
         // optimum is a root as well.
-        if state.depth >= self.roulette_depth || state.depth >= PATIENCE {
+        if self.plays_roulette(state.depth) {
             let survive = ops::min((beta.max_lane() * eta_squared).sqrt(), 0.95);
-            if queue.pattern.d1(&path.name, Purpose::Roulette) >= survive {
+            if roulette >= survive {
                 return;
             }
             beta *= 1.0 / survive;
@@ -288,6 +312,7 @@ fn light<L: Lanes>(
     world: &World,
     queue: &Queue<'_, State<L>>,
     vertex: &Vertex<'_>,
+    [u, v]: [f32; 2],
     out: &mut Out<'_, State<L>>,
 ) {
     if vertex.shaded.bsdf.is_delta() {
@@ -297,7 +322,6 @@ fn light<L: Lanes>(
 
     // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
     // beside them.
-    let [u, v] = queue.pattern.d2(&path.name, Purpose::LightPoint);
     let at = vertex.receiver();
     let Some(pick) = world.lights.pick(u, &at) else { return };
     let Some(light) = world.sample_light(pick.index, &at, [pick.rest, v], path.state.lanes) else {

@@ -5,6 +5,7 @@ use crate::material::BsdfKind;
 use straal_accel::Hit;
 use straal_math::Ray;
 use straal_math::lowdisc::Pattern;
+use straal_math::simd::Simd;
 
 /// What must be computed where a ray arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,6 +27,8 @@ pub struct Queue<'a, S> {
     pub kind: Kind,
     /// Source of random numbers.
     pub pattern: Pattern,
+    /// By which instruction set many vertices are worked on at once.
+    pub simd: Simd,
     /// Which of the following are in the queue, those of one material one after the other.
     pub order: &'a [u32],
     /// All paths of the driver's turn.

@@ -1,7 +1,7 @@
 //! Surfaces that shine.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::{Vec3, table::Table1};
 

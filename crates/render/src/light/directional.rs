@@ -1,7 +1,7 @@
 //! Parallel light.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 

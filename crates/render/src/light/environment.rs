@@ -1,7 +1,7 @@
 //! Light from all around: one radiance, or a picture.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::table::Table1;
 use straal_math::{Affine, DVec3, Frame, Vec3, ops, warp};

@@ -15,8 +15,8 @@
 //! description. Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
 //! and mesh ids are those of its [`Geometry`].
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::Value;
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, Value};
 use straal_color::Light;
 use straal_math::{DVec3, Ray, Vec3};
 use straal_scene::desc;

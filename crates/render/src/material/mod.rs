@@ -30,9 +30,9 @@ use straal_math::Vec3;
 use straal_scene::desc;
 
 use crate::error::CompileError;
-use crate::lanes::{Lanes, ReadRgb, Reading};
+use crate::lanes::Lanes;
 use crate::paint::Paint;
-use crate::texture::ShadingPoint;
+use crate::texture::{ReadRgb, Reading, ShadingPoint};
 
 mod black;
 mod conductor;

@@ -6,10 +6,10 @@ use straal_math::{Vec3, ops, warp};
 
 use super::testing::{Example, WHITE, flint, gold, lossless};
 use super::*;
-use crate::lanes::{Carried, ReadRgb};
+use crate::lanes::Carried;
 use crate::testing::in_rgb;
 use crate::testing::{ChiSquare, SphereGrid};
-use crate::texture::{TextureRef, Value};
+use crate::texture::{ReadRgb, TextureRef, Value};
 use std::collections::BTreeSet;
 use straal_color::spectrum::refraction::glass;
 

@@ -8,9 +8,9 @@ use straal_color::Light;
 use straal_math::ops;
 use straal_scene::desc;
 
-use super::{Make, Pattern, ShadingPoint, Use};
+use super::{Make, Pattern, Reading, ShadingPoint, Use};
 use crate::error::CompileError;
-use crate::lanes::{Colour, Lanes, Reading};
+use crate::lanes::{Colour, Lanes};
 
 /// Squares of two colours.
 #[derive(Clone, Debug, PartialEq)]

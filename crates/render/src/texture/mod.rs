@@ -1,7 +1,7 @@
 //! Values that differ from point to point. This page is the contract; each kind of texture has its file.
 //!
 //! Every number and colour of a material or light is a [`Value`]: a constant, or what a [`Texture`] has at a point. All are read in
-//! one way, [`Reading::eval`](crate::lanes::Reading::eval), which gives a number, or light as the path's lanes have it:
+//! one way, [`Reading::eval`], which gives a number, or light as the path's lanes have it:
 //!
 //! - a picture's pixel has RGB, and whoever reads it knows whether that is a share of light that comes back or light that is sent
 //!   out ([`Use`]): by wavelengths these become different spectra;
@@ -14,7 +14,7 @@
 //! description.
 
 use crate::error::CompileError;
-use crate::lanes::{Colour, Lanes, Reading};
+use crate::lanes::{Colour, Lanes};
 use std::fmt;
 use std::sync::Arc;
 use straal_color::Light;
@@ -23,10 +23,12 @@ use straal_scene::desc;
 
 mod checker;
 mod list;
+mod reading;
 #[cfg(test)]
 mod tests;
 
 pub use checker::Checker;
+pub use reading::{ReadRgb, Reading};
 
 /// A place, and how it moves on the surface from one pixel to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]

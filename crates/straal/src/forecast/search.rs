@@ -164,7 +164,7 @@ mod tests {
     /// Figures measured on the bunny, the dragon and teapots.
     #[test]
     fn a_triangle_takes_what_was_measured() {
-        let wide = |build, compact| BvhParams { build, compact, ..BvhParams::DEFAULT };
+        let wide = |build, compact| BvhParams { build, compact };
         for (params, kept) in [
             (wide(Build::Fast, false), 36.0),
             (wide(Build::Fast, true), 15.5),

@@ -7,9 +7,11 @@ use straal_math::Frame;
 use straal_render::camera::FilmPoint;
 use straal_render::compile::Custom;
 use straal_render::footprint::PackedFootprint;
-use straal_render::lanes::{ReadRgb, Rgb};
+use straal_render::lanes::Rgb;
 use straal_render::material::{Black, Bsdf, CustomMaterial, DiffuseMaterial, Material, Wants};
-use straal_render::texture::{CustomTexture, ShadingPoint, Texture, TextureKind, TextureRef, Use, Value};
+use straal_render::texture::{
+    CustomTexture, ReadRgb, ShadingPoint, Texture, TextureKind, TextureRef, Use, Value,
+};
 
 /// One colour all over; writes down where it is read.
 #[derive(Debug)]

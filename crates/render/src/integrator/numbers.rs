@@ -1,0 +1,137 @@
+//! Random numbers of a block of vertices, drawn side by side.
+
+use straal_math::lowdisc::{Pattern, Purpose, SampleName};
+use straal_math::simd::{Float, Kernel, Simd};
+
+/// Paths whose vertices are worked on together: their surfaces and BSDFs stay in the first-level cache between
+/// the paragraphs of a step.
+pub(super) const BLOCK: usize = 2 * straal_math::simd::BLOCK;
+
+/// A number for each vertex.
+#[derive(Default)]
+#[repr(align(64))]
+struct Column([f32; BLOCK]);
+
+/// What is drawn for each vertex of a block. Numbers that weren't wanted are left over from another block.
+#[derive(Default)]
+pub(super) struct Numbers {
+    light: [Column; 2],
+    direction: [Column; 3],
+    roulette: Column,
+}
+
+/// What any vertex of a block needs; as numbers are pure functions of their names, those drawn for nothing change none.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Wanted {
+    /// [`Numbers::light`].
+    pub light: bool,
+    /// The third of [`Numbers::direction`].
+    pub lobe: bool,
+    /// [`Numbers::roulette`].
+    pub roulette: bool,
+}
+
+impl Numbers {
+    /// Draws for vertices with these names.
+    #[inline]
+    pub fn draw(&mut self, simd: Simd, pattern: Pattern, names: &[SampleName], wanted: Wanted) {
+        simd.run(Draw { pattern, names, wanted, numbers: self });
+    }
+
+    /// Chooses a light and a point on it, for vertex `i` of the block.
+    #[inline(always)]
+    pub fn light(&self, i: usize) -> [f32; 2] {
+        [self.light[0].0[i], self.light[1].0[i]]
+    }
+
+    /// Choose the direction in which the path goes on, the last its lobe.
+    #[inline(always)]
+    pub fn direction(&self, i: usize) -> [f32; 3] {
+        [self.direction[0].0[i], self.direction[1].0[i], self.direction[2].0[i]]
+    }
+
+    /// Whether the path goes on.
+    #[inline(always)]
+    pub fn roulette(&self, i: usize) -> f32 {
+        self.roulette.0[i]
+    }
+}
+
+struct Draw<'a> {
+    pattern: Pattern,
+    names: &'a [SampleName],
+    wanted: Wanted,
+    numbers: &'a mut Numbers,
+}
+
+impl Kernel for Draw<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let Self { pattern, names, wanted, numbers } = self;
+        let last = names.len().saturating_sub(1);
+        for first in (0..names.len().min(BLOCK)).step_by(F::WIDTH) {
+            // Lanes without a vertex do what the last one does.
+            let name = SampleName::<F>::from_fn(
+                #[inline(always)]
+                |lane| names[if first + lane < last { first + lane } else { last }],
+            );
+            if wanted.light {
+                store(pattern.d2(&name, Purpose::LightPoint), &mut numbers.light, first);
+            }
+            if wanted.lobe {
+                store(pattern.d3(&name, Purpose::Direction), &mut numbers.direction, first);
+            } else {
+                let [u, v] = pattern.d2(&name, Purpose::Direction);
+                store([u, v, F::ZERO], &mut numbers.direction, first);
+            }
+            if wanted.roulette {
+                store(
+                    [pattern.d1(&name, Purpose::Roulette)],
+                    std::array::from_mut(&mut numbers.roulette),
+                    first,
+                );
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn store<F: Float, const D: usize>(drawn: [F; D], columns: &mut [Column; D], first: usize) {
+    for (d, column) in columns.iter_mut().enumerate() {
+        drawn[d].store(&mut column.0[first..]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use straal_math::simd::Isa;
+
+    #[test]
+    fn a_vertex_draws_the_same_whatever_stands_beside_it() {
+        let names: Vec<_> =
+            (0..BLOCK as u32).map(|i| SampleName::new(7, [i % 5, i], i * i).child(i)).collect();
+        for (isa, pattern) in Isa::ALL
+            .into_iter()
+            .flat_map(|isa| [Pattern::Sobol, Pattern::Random, Pattern::Halton].map(|pattern| (isa, pattern)))
+        {
+            let Some(simd) = Simd::new(isa) else { continue };
+            for count in [1, 7, 16, 17, 31, 32] {
+                let mut numbers = Numbers::default();
+                let wanted = Wanted { light: true, lobe: count % 2 == 1, roulette: true };
+                numbers.draw(simd, pattern, &names[..count], wanted);
+                for (i, name) in names[..count].iter().enumerate() {
+                    let [u, v, lobe] = numbers.direction(i);
+                    assert_eq!(numbers.light(i), pattern.d2(name, Purpose::LightPoint), "{isa} {pattern:?}");
+                    assert_eq!([u, v], pattern.d2(name, Purpose::Direction), "{isa} {pattern:?}");
+                    assert_eq!(numbers.roulette(i), pattern.d1(name, Purpose::Roulette), "{isa} {pattern:?}");
+                    if wanted.lobe {
+                        assert_eq!(lobe, pattern.d3(name, Purpose::Direction)[2], "{isa} {pattern:?}");
+                    }
+                }
+            }
+        }
+    }
+}
