@@ -190,7 +190,7 @@ impl Chart {
     pub fn write_png(&self, out: impl io::Write, metadata: &[(String, String)]) -> io::Result<()> {
         let (width, height) = (self.width, self.height);
         let pixels = png::Pixels::Eight(&self.pixels);
-        png::write(out, &png::Encoded { width, height, pixels, curve: png::Curve::Srgb, metadata: metadata })
+        png::write(out, &png::Encoded { width, height, pixels, curve: png::Curve::Srgb, metadata })
     }
 
     /// As a PNG file, whole or not at all; `metadata` goes with it.

@@ -123,7 +123,7 @@ lights: [ environment: {{ radiance: 1 }} ]
         let texture = textured(&mut job, [0.5; 3]);
         film(&job);
         let read = texture.read.lock().unwrap();
-        assert!(!read.is_empty() && read.len() % 256 == 0, "{name}: {} of 256 paths", read.len());
+        assert!(!read.is_empty() && read.len().is_multiple_of(256), "{name}: {} of 256 paths", read.len());
         let of = |f: &dyn Fn(&ShadingPoint) -> f32| {
             read.iter().map(|at| f64::from(f(at))).sum::<f64>() / read.len() as f64
         };
