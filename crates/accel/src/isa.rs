@@ -1,6 +1,6 @@
 //! Instruction sets of the vector kernels.
 
-use crate::UnknownName;
+use crate::name::UnknownName;
 use std::{fmt, str::FromStr};
 
 /// An instruction set. All give the same hits.
