@@ -123,6 +123,17 @@ impl Hit {
     }
 }
 
+/// Where a ray hits a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Ray parameter.
+    pub t: f32,
+    /// First surface parameter; handed through to [`crate::Hit::u`].
+    pub u: f32,
+    /// Second surface parameter; handed through to [`crate::Hit::v`].
+    pub v: f32,
+}
+
 /// What a search cost: the number of tests made for one ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {

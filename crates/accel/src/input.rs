@@ -1,6 +1,6 @@
 //! What a scene is built from.
 
-use crate::analytic::Analytic;
+use crate::{analytic::Analytic, hit::ShapeHit};
 use std::sync::Arc;
 use straal_math::{Bounds, Ray, Transform, Vec3};
 
@@ -87,17 +87,6 @@ impl Shapes for () {
     fn intersect(&self, _shape: u32, _ray: &Ray) -> Option<ShapeHit> {
         None
     }
-}
-
-/// Where a ray hits a shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapeHit {
-    /// Ray parameter.
-    pub t: f32,
-    /// First surface parameter; handed through to [`crate::Hit::u`].
-    pub u: f32,
-    /// Second surface parameter; handed through to [`crate::Hit::v`].
-    pub v: f32,
 }
 
 /// Why a scene can't be built.

@@ -27,7 +27,7 @@ use crate::{
     clip::Limits,
     local::LocalRay,
     partition::{self, Budget, crossing, early, half_area, late},
-    structure::{Packed, Prim},
+    prim::{Packed, Prim},
 };
 use straal_math::{Bounds, Vec3, ops};
 

@@ -1,9 +1,9 @@
 //! Bytes of the parts that search structures are made of, for who forecasts what a structure takes.
 
 use crate::analytic::{Kind, NUMBERS, block};
-use crate::bvh::{self, Block};
-use crate::scene::Object;
-use crate::structure::{Packed, Prim, PrimKind};
+use crate::node::{Block, Node, Outline};
+use crate::prim::{Packed, Prim, PrimKind};
+use crate::stage::Object;
 use crate::{bsp, bvh2, kd, octree};
 
 /// A reference to a primitive, in a leaf.
@@ -19,13 +19,13 @@ pub const PRIMITIVE: usize = size_of::<Prim>();
 pub const OBJECT: usize = size_of::<Object>();
 
 /// A node of the wide tree: eight boxes.
-pub const WIDE_NODE: usize = size_of::<bvh::Node>();
+pub const WIDE_NODE: usize = size_of::<Node>();
 
 /// Up to eight triangles of the wide tree, with their vertices.
 pub const BLOCK: usize = size_of::<Block>();
 
 /// The same in a compact tree, which asks the meshes for vertices.
-pub const OUTLINE: usize = bvh::OUTLINE_BYTES;
+pub const OUTLINE: usize = size_of::<Outline>();
 
 /// Up to eight spheres of the wide tree.
 pub const BLOCK_OF_SPHERES: usize = block_of(Kind::Sphere.numbers());

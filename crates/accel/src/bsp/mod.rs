@@ -51,7 +51,7 @@ use crate::{
     clip::Limits,
     local::LocalRay,
     partition,
-    structure::{Packed, Prim},
+    prim::{Packed, Prim},
 };
 use cell::Cell;
 use plane::{Interval, Line, Plane, Side};

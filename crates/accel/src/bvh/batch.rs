@@ -4,10 +4,9 @@
 use super::many::Members;
 use crate::{
     hit::Hit,
-    kernel::Kernel,
     local::LocalRay,
-    query::{Query, not_before},
-    scene::{Object, ObjectKind},
+    query::{Descend, Query, not_before},
+    stage::{Object, ObjectKind, Stage},
 };
 use straal_math::{Ray, Vec3};
 
@@ -15,7 +14,7 @@ use straal_math::{Ray, Vec3};
 const ROOM: usize = 64;
 
 /// Fewer rays than this are searched one by one: setting up a slice wouldn't pay.
-const LEAST: u32 = 4;
+const LEAST: u32 = 8;
 
 /// Rays in an instance's space, and what they hit there.
 pub(super) struct Batch {
@@ -29,10 +28,14 @@ pub(super) struct Batch {
     len: usize,
 }
 
-/// Whether an object is an instance, and rays are enough to be searched together in it.
+/// Whether an object is an instance of something large, and rays are enough to be searched together in it.
 #[inline(always)]
-pub(super) fn pays(o: &Object, rays: u64) -> bool {
-    rays.count_ones() >= LEAST && matches!(o.kind, ObjectKind::Instance(_))
+pub(super) fn pays<S>(stage: &Stage<S>, o: &Object, rays: u64) -> bool {
+    rays.count_ones() >= LEAST
+        && match o.kind {
+            ObjectKind::Instance(id) => stage.groups[stage.instances[id as usize].group as usize].is_large,
+            ObjectKind::Shape { .. } => false,
+        }
 }
 
 impl Batch {
@@ -51,7 +54,7 @@ impl Batch {
 
     /// Takes a ray if it can see the instance and crosses its box; what lies beyond `limit` doesn't count.
     #[inline]
-    pub fn add<K: Kernel>(
+    pub fn add<K: Descend>(
         &mut self,
         q: &mut Query<'_, K, false>,
         ray: &LocalRay,
@@ -73,16 +76,16 @@ impl Batch {
 
     /// Searches the instance; calls `found` with the place of each ray that hits something in it, and the hit.
     #[inline]
-    pub fn closest<K: Kernel>(
+    pub fn closest<K: Descend>(
         &mut self,
-        q: &Query<'_, K, false>,
+        q: &mut Query<'_, K, false>,
         o: &Object,
         mut found: impl FnMut(usize, &Hit),
     ) {
         let ObjectKind::Instance(id) = o.kind else { return };
         let group = &q.scene.groups[q.scene.instances[id as usize].group as usize];
         let hits = &mut self.hits[..self.len];
-        q.kernel.closest_slice(q.scene, group, q.shapes, &self.rays[..self.len], hits);
+        q.kernel.closest_slice(q, group, &self.rays[..self.len], hits);
         for (i, hit) in hits.iter_mut().enumerate().filter(|(_, hit)| hit.is_hit()) {
             hit.t = not_before(hit.t, self.entries[i]);
             hit.chain = hit.chain.inside(id);
@@ -92,11 +95,11 @@ impl Batch {
 
     /// Searches the instance for any hits; the rays that have one.
     #[inline]
-    pub fn occluded<K: Kernel>(&mut self, q: &Query<'_, K, false>, o: &Object) -> Members<ROOM> {
+    pub fn occluded<K: Descend>(&mut self, q: &mut Query<'_, K, false>, o: &Object) -> Members<ROOM> {
         let ObjectKind::Instance(id) = o.kind else { return Members(0) };
         let group = &q.scene.groups[q.scene.instances[id as usize].group as usize];
         let blocked = &mut self.blocked[..self.len];
-        q.kernel.occluded_slice(q.scene, group, q.shapes, &self.rays[..self.len], blocked);
+        q.kernel.occluded_slice(q, group, &self.rays[..self.len], blocked);
         let bit = |(&is_blocked, &place): (&bool, &u8)| u64::from(is_blocked) << (place % 64);
         Members(blocked.iter().zip(&self.places).map(bit).fold(0, |all, bit| all | bit))
     }

@@ -11,23 +11,22 @@
 //! there, would wait for it.
 
 use super::{
-    Bvh, Child,
+    Bvh,
     answers::Answers,
     batch::{self, Batch},
-    class,
     near::Near,
 };
 use crate::{
     hit::{Chain, Hit},
     kernel::{
-        Kernel, LaneHit,
+        LaneHit, Next,
         descent::{Descent, Spilled},
         prefetch::{NOT, TO_SECOND},
     },
     local::LocalRay,
-    query::Query,
-    scene::GroupData,
-    structure::Place,
+    node::{Child, class},
+    query::{Descend, Place, Query},
+    stage::GroupData,
 };
 use straal_math::Ray;
 
@@ -57,10 +56,6 @@ struct Flight {
 
 const _: () = assert!(size_of::<Flight>() == 128);
 
-/// What each ray visits next.
-#[repr(C, align(64))]
-pub(crate) struct Next<const N: usize>(pub [Child; N]);
-
 /// The members of a set of up to `N` rays, in order.
 pub(super) struct Members<const N: usize>(pub u64);
 
@@ -85,7 +80,7 @@ impl Bvh {
     /// Searches rays whose answers begin at a place; when `ANY`, for any hit. Where there are a few shapes beside the tree, the
     /// answers are what these gave.
     #[inline(always)]
-    pub(super) fn many<K: Kernel, const ANY: bool, const N: usize, const PREFETCH: u8>(
+    pub(super) fn many<K: Descend, const ANY: bool, const N: usize, const PREFETCH: u8>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -204,7 +199,7 @@ impl Bvh {
                 next.0[i] = child;
                 prefetch(q.kernel, child);
             }
-            // Instances wait until half of all rays are at one, so that more go together; shapes don't, nor custom ones by much.
+            // Rays wait at instances of something large until half of all are at one, so that more go together.
             let mut objects = classes[class::OBJECT];
             for i in Members::<N>(objects) {
                 let Some(block) = next.0[i].as_shapes() else { continue };
@@ -223,7 +218,7 @@ impl Bvh {
                 next.0[i] = child;
                 prefetch(q.kernel, child);
             }
-            if objects.count_ones() * 2 < live.count_ones() {
+            if group.has_large && objects.count_ones() * 2 < live.count_ones() {
                 continue;
             }
             let mut rest = objects;
@@ -234,7 +229,7 @@ impl Bvh {
                 rest &= !same;
                 let object = first.index() as u32;
                 let o = &group.objects[object as usize];
-                if batch::pays(o, same) {
+                if batch::pays(q.scene, o, same) {
                     let batch = together.get_or_insert(Batch::EMPTY);
                     batch.clear();
                     for i in Members::<N>(same) {
@@ -282,7 +277,7 @@ impl Bvh {
 
     /// Takes the next ray that isn't settled at once, and tells what it visits first; `None` when there is none left.
     #[inline(always)]
-    fn launch<K: Kernel, const ANY: bool>(
+    fn launch<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,

@@ -8,21 +8,23 @@
 //! time that went into it and changes nothing else.
 
 use super::{
-    Bvh, Child, ChildKind, STACK, WIDTH,
+    Bvh,
     answers::Answers,
     batch::{self, Batch},
-    bundle::{Bundle, PACKET},
     many::Members,
     near::Near,
     traverse::take,
 };
 use crate::{
     hit::{Chain, Hit},
-    kernel::{Kernel, LaneHit, prefetch::TO_FIRST},
+    kernel::{LaneHit, prefetch::TO_FIRST},
     local::LocalRay,
-    query::Query,
-    scene::GroupData,
-    structure::Place,
+    node::{
+        Child, ChildKind, STACK, WIDTH,
+        bundle::{Bundle, PACKET},
+    },
+    query::{Descend, Place, Query},
+    stage::GroupData,
 };
 use straal_math::{Ray, Vec3};
 
@@ -74,7 +76,7 @@ impl Bvh {
     /// Searches with a packet of rays whose answers begin at a place, as in `many.rs`. False, with nothing done, when the rays make
     /// none or it was given up.
     #[inline(always)]
-    pub(super) fn packet<K: Kernel, const ANY: bool>(
+    pub(super) fn packet<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -110,7 +112,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    fn search_packet<K: Kernel, const ANY: bool>(
+    fn search_packet<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -208,7 +210,7 @@ impl Bvh {
 
     /// Tests some rays of a packet against a leaf.
     #[inline(always)]
-    fn leaf<K: Kernel, const ANY: bool>(
+    fn leaf<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -250,7 +252,7 @@ impl Bvh {
                     }
                 }
             }
-            ChildKind::Object(o) if batch::pays(&group.objects[o as usize], entering) => {
+            ChildKind::Object(o) if batch::pays(q.scene, &group.objects[o as usize], entering) => {
                 let o = &group.objects[o as usize];
                 let mut batch = Batch::EMPTY;
                 for i in Members::<PACKET>(entering) {

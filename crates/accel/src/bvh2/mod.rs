@@ -16,12 +16,12 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    kernel::{Kernel, stack::Stack},
+    kernel::stack::Stack,
     partition::{chance, half_area},
-    query::Query,
+    prim::{Packed, Prim},
+    query::{Descend, Place, Query, Search, Stats},
     section::{Section, Slice},
     slab,
-    structure::{Packed, Place, Prim, Search, Stats},
 };
 use straal_math::Bounds;
 
@@ -131,7 +131,7 @@ struct Todo {
 
 impl Search for Bvh2 {
     #[inline(always)]
-    fn closest<K: Kernel, const COUNT: bool>(
+    fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -179,7 +179,7 @@ impl Search for Bvh2 {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         if self.nodes.is_empty() {
             return false;
         }

@@ -45,7 +45,7 @@ use crate::{
     clip::Limits,
     local::LocalRay,
     partition::{self, crossing, early, half_area, late},
-    structure::{Packed, Prim, PrimKind},
+    prim::{Packed, Prim, PrimKind},
 };
 use straal_math::{Bounds, Vec3, ops};
 
