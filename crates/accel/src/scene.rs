@@ -325,7 +325,7 @@ impl Scene {
                 (None, None) => data.unbounded.push(object),
             }
         }
-        data.is_large = data.has_large || prims.len() >= LARGE;
+        data.is_large = data.has_large || prims.len() + members.len() >= LARGE;
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
         let searcher = match options.structure {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
