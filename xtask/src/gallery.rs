@@ -1,8 +1,8 @@
 //! The gallery's pictures for the book and the README, rendered larger than they are shown and until they are clean.
 
 use crate::{Failure, root, scenes};
-use std::time::Instant;
-use straal::{Control, Job, LoadOptions, Overrides, PatternKind, Picture};
+use std::time::{Duration, Instant};
+use straal::{Control, Job, LoadOptions, Overrides, PatternKind, Picture, Progress, Verdict};
 use straal_scene::desc::Integrator;
 
 /// Where they go.
@@ -20,9 +20,18 @@ const NOISE: f64 = 0.02;
 /// Samples that a pixel may get for each that its scene asks for, where noise decides.
 const PATIENCE: u32 = 8;
 
-/// Renders the scenes of `scenes/`, or those named. One whose files are not here is skipped, which is said.
-pub fn run(names: &[String]) -> Result<bool, Failure> {
-    for (name, path) in scenes("scenes", names)? {
+/// Renders the scenes of `scenes/`, or those named. One whose files are not here is skipped, which is said. `--minutes M` among the
+/// names: a picture that isn't clean by then is kept as it is.
+pub fn run(words: &[String]) -> Result<bool, Failure> {
+    let (names, patience) = match words.iter().position(|w| w == "--minutes") {
+        Some(at) => {
+            let minutes = words.get(at + 1).and_then(|w| w.parse().ok()).filter(|m| *m > 0.0 && *m < 1e4);
+            let minutes: f64 = minutes.ok_or("--minutes takes a number above 0")?;
+            ([&words[..at], &words[at + 2..]].concat(), Duration::from_secs_f64(60.0 * minutes))
+        }
+        None => (words.to_vec(), Duration::MAX),
+    };
+    for (name, path) in scenes("scenes", &names)? {
         let text = std::fs::read_to_string(&path)?;
         let missing =
             text.lines().filter(|l| !l.starts_with('#')).filter_map(|l| l.split_once("file: ")).map(
@@ -36,13 +45,16 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
             continue;
         }
         let started = Instant::now();
+        let mut ends =
+            |_: &Progress| if started.elapsed() < patience { Verdict::GoOn } else { Verdict::Stop };
         let loaded = straal::load(&path, &LoadOptions::default())
             .map_err(|_| format!("{name}: the scene is wrong; see `straal check scenes/{name}.yaml`"))?;
         let shown = shown(loaded.scene.film.size);
-        // A scene of a pattern, or of another pattern than the usual, shows what its very samples do.
+        // A scene of a pattern, of another pattern than the usual, or of pixels that see one place alone, shows what its very samples do.
         let shows_samples = loaded.scene.integrator == Integrator::SineProduct
             || Job::new(loaded.clone(), Overrides::default())?.settings.pattern.kind() != PatternKind::Sobol
-            || loaded.scene.film.splat;
+            || loaded.scene.film.splat
+            || loaded.scene.film.filter.radius() < 0.5;
         let wish = if shows_samples {
             Overrides { size: Some(shown), ..Overrides::default() }
         } else {
@@ -51,11 +63,11 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
             Overrides { size, spp, noise: Some(NOISE), ..Overrides::default() }
         };
         let job = Job::new(loaded, wish)?;
-        let outcome = job.render(&mut Control::to_the_end())?;
+        let outcome = job.render(&mut Control::new(&mut ends))?;
         let picture = format!("{FOLDER}/{name}.png");
         let size = outcome.picture.size;
         let small = if shows_samples { outcome.picture } else { smaller(outcome.picture, shown) };
-        small.save(&root().join(&picture), &job.look())?;
+        small.save(&root().join(&picture), &job.development())?;
         println!(
             "{picture}: {} x {}, rendered {} x {}, up to {} samples a pixel, {} blocks noisier than {} %, {:.1} s",
             shown[0],
@@ -104,7 +116,7 @@ fn smaller(mut picture: Picture, to: [u32; 2]) -> Picture {
     (picture.layers.width, picture.layers.height) = (width, height);
     picture.size = to;
     // The hash is that of the pixels that were rendered.
-    picture.story.retain(|(key, _)| key != "straal.film_hash");
+    picture.metadata.retain(|(key, _)| key != "straal.film_hash");
     picture
 }
 

@@ -2,9 +2,9 @@
 
 use crate::{Failure, root};
 use std::fmt::Write;
-use straal::develop::Plate;
+use straal::develop::PictureFile;
 use straal::focus::{Blur, Lens};
-use straal::{Control, Job, LoadOptions, Look, Overrides};
+use straal::{Control, Development, Job, LoadOptions, Overrides};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
 use straal_scene::desc::{Camera, Filter, Gaussian};
@@ -27,7 +27,7 @@ pub fn run() -> Result<bool, Failure> {
     let picture = job.render(&mut Control::to_the_end())?.picture;
     for tone in Tone::ALL {
         let file = format!("{FOLDER}/tone-{}.png", tone.name().replace('_', "-"));
-        picture.save(&root().join(&file), &Look { tone, ..job.look() })?;
+        picture.save(&root().join(&file), &Development { tone, ..job.development() })?;
         println!("{file}");
     }
     let file = format!("{FOLDER}/tone-curves.svg");
@@ -48,7 +48,7 @@ fn filtered() -> Result<(), Failure> {
         let job = Job::new(loaded.clone(), Overrides { size, spp, splat, ..Overrides::default() })?;
         let picture = job.render(&mut Control::to_the_end())?.picture;
         let file = format!("{FOLDER}/filter-{name}.png");
-        picture.save(&root().join(&file), &job.look())?;
+        picture.save(&root().join(&file), &job.development())?;
         println!("{file}");
     }
     Ok(())
@@ -63,12 +63,12 @@ fn blurred() -> Result<(), Failure> {
         camera.lens = None;
     }
     let job = Job::new(loaded, Overrides::default())?;
-    let mut plate = Plate::from(&job.render(&mut Control::to_the_end())?.picture);
-    let focal_pixels = plate.focal_pixels().ok_or("the camera doesn't magnify")?;
+    let mut picture_file = PictureFile::from(&job.render(&mut Control::to_the_end())?.picture);
+    let focal_pixels = picture_file.focal_pixels().ok_or("the camera doesn't magnify")?;
     let lens = Lens { focus: seen.distance, radius: seen.radius };
-    plate.blur(&Blur { lens, focal_pixels })?;
+    picture_file.blur(&Blur { lens, focal_pixels })?;
     let file = format!("{FOLDER}/blur-by-depth.png");
-    plate.save(&root().join(&file), &job.look())?;
+    picture_file.save(&root().join(&file), &job.development())?;
     println!("{file}");
     Ok(())
 }

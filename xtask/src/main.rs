@@ -21,7 +21,7 @@ type Failure = Box<dyn std::error::Error>;
 const USAGE: &str = "\
 usage: cargo xtask CHORE [NAME...]
 
-  gallery      render the scenes of scenes/ (or those named) to book/src/images
+  gallery      render the scenes of scenes/ (or those named) to book/src/images; `--minutes 5`: for no longer than that each
   references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
   book         bring the book's generated text and drawings up to date and make its HTML in target/book
   looks        make the book's pictures of tone curves, of blur by depth and of filters

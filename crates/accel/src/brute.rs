@@ -2,9 +2,8 @@
 
 use crate::{
     hit::Hit,
-    kernel::Kernel,
-    query::Query,
-    structure::{Place, Prim, PrimKind, Search, Stats},
+    prim::{Prim, PrimKind},
+    query::{Descend, Place, Query, Search, Stats},
 };
 
 /// A group's bounded primitives, in no order.
@@ -19,7 +18,7 @@ impl Brute {
 }
 
 impl Search for Brute {
-    fn closest<K: Kernel, const COUNT: bool>(
+    fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -30,7 +29,7 @@ impl Search for Brute {
         }
     }
 
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         self.prims.iter().any(|&prim| q.prim_occluded(at, prim))
     }
 

@@ -6,13 +6,13 @@
 use crate::{
     clip::Limits,
     hit::Hit,
-    kernel::{Kernel, stack::Stack},
+    kernel::stack::Stack,
     local::LocalRay,
     mailbox::Mailboxes,
     partition::{self, Census, chance},
-    query::Query,
+    prim::{Packed, Prim},
+    query::{Descend, Place, Query, Search, Stats},
     section::{Section, Slice},
-    structure::{Packed, Place, Prim, Search, Stats},
 };
 use straal_math::{Bounds, ops};
 
@@ -117,7 +117,7 @@ pub(crate) type Later<P> = Stack<Todo<P>, 169>;
 
 /// Calls `leaf` with the leaves that the ray passes, in order. It answers up to which t others still matter.
 #[inline(always)]
-fn walk<T: Cells, K: Kernel, const COUNT: bool>(
+fn walk<T: Cells, K: Descend, const COUNT: bool>(
     tree: &T,
     q: &mut Query<'_, K, COUNT>,
     at: &Place<'_>,
@@ -158,7 +158,7 @@ fn walk<T: Cells, K: Kernel, const COUNT: bool>(
 
 impl<T: Cells> Search for T {
     #[inline(always)]
-    fn closest<K: Kernel, const COUNT: bool>(
+    fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -172,7 +172,7 @@ impl<T: Cells> Search for T {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let mut tested = Mailboxes::new(self.options().mailboxes);
         let mut found = false;
         walk(self, q, at, |q, leaf| {

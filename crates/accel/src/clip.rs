@@ -20,7 +20,7 @@
 
 use crate::{
     local::{LEAST, LocalRay},
-    structure::{Prim, PrimKind},
+    prim::{Prim, PrimKind},
 };
 use straal_math::{Bounds, Vec3};
 

@@ -37,6 +37,15 @@ impl Chain {
         self.ids[..self.len()].iter().map(|id| id - 1)
     }
 
+    /// This chain in one more instance around it. A build refuses scenes in which there is no room left.
+    #[inline]
+    pub(crate) fn inside(&self, id: u32) -> Self {
+        let mut out = *self;
+        out.ids.copy_within(..MAX_DEPTH - 1, 1);
+        out.ids[0] = id + 1;
+        out
+    }
+
     /// This chain with one more instance inside. A build refuses scenes in which there is no room left.
     #[inline]
     pub(crate) fn with(&self, id: u32) -> Self {
@@ -112,6 +121,17 @@ impl Hit {
     fn rank(&self) -> (Chain, u32, u32) {
         (self.chain, self.geometry, self.primitive)
     }
+}
+
+/// Where a ray hits a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Ray parameter.
+    pub t: f32,
+    /// First surface parameter; handed through to [`crate::Hit::u`].
+    pub u: f32,
+    /// Second surface parameter; handed through to [`crate::Hit::v`].
+    pub v: f32,
 }
 
 /// What a search cost: the number of tests made for one ray.

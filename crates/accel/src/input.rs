@@ -1,6 +1,6 @@
 //! What a scene is built from.
 
-use crate::analytic::Analytic;
+use crate::{analytic::Analytic, hit::ShapeHit};
 use std::sync::Arc;
 use straal_math::{Bounds, Ray, Transform, Vec3};
 
@@ -67,8 +67,8 @@ pub trait Shapes: Sync {
     /// against every ray.
     fn bounds(&self, shape: u32) -> Option<Bounds>;
 
-    /// The hit with the least t in [`t_min`, `t_max`] of the ray, which is given in the group's space with its full
-    /// interval, whatever was found already.
+    /// The hit with the least t in [`t_min`, `t_max`] of the ray, which is given in the group's space. Its end may be where
+    /// something nearer was found already.
     fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit>;
 
     /// The formula that the shape is, if it is one: it is then tested many at a time, and [`Self::intersect`] gives the same
@@ -87,17 +87,6 @@ impl Shapes for () {
     fn intersect(&self, _shape: u32, _ray: &Ray) -> Option<ShapeHit> {
         None
     }
-}
-
-/// Where a ray hits a shape.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapeHit {
-    /// Ray parameter.
-    pub t: f32,
-    /// First surface parameter; handed through to [`crate::Hit::u`].
-    pub u: f32,
-    /// Second surface parameter; handed through to [`crate::Hit::v`].
-    pub v: f32,
 }
 
 /// Why a scene can't be built.

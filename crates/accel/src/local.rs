@@ -1,6 +1,5 @@
 //! A ray in the space of one group, with what every test there needs.
 
-use crate::{bvh::Row, slab::NODE_EXIT};
 use straal_math::{Ray, Vec3};
 
 /// A valid ray in a group's space. Computed once a level; scalar code and vector kernels read the same numbers.
@@ -26,6 +25,13 @@ pub(crate) struct LocalRay {
     /// Where the coordinates along these axes stand in a block, in bytes; the last is 0.
     pub rows: [u8; 4],
 }
+
+/// As `slab::EXIT` for the boxes of wide nodes, whose far planes are crossed with a reciprocal direction that is raised by this
+/// beforehand: what leaves a box late enough is to leave the nodes around it late enough. A raised reciprocal is off by up to
+/// 2 epsilon (it is never below 2^21 units in the last place, where numbers are subnormal). A crossing x is off by half a unit
+/// more than a box' there, and that box' raised one by half a unit again; from 2^18 units on, below which `slab::EXIT` changes
+/// nothing, 48 epsilon x make up for that.
+pub(crate) const NODE_EXIT: f32 = 1.0 + 72.0 * f32::EPSILON;
 
 /// A direction's coordinate below this counts as this when box planes are crossed: the reciprocal stays finite.
 pub(crate) const LEAST: f32 = 1e-37;
@@ -104,8 +110,8 @@ pub(crate) static NEG: [[u8; 3]; 8] = {
     out
 };
 
-/// Bytes of one coordinate of the vertices of a block.
-pub(crate) const ROW: u8 = size_of::<Row>() as u8;
+/// Bytes of one coordinate of the vertices of a block: a cache line.
+pub(crate) const ROW: u8 = 64;
 
 /// The axis after, in a circle: after axis z come x = `NEXT[z]` and y = `NEXT[z + 1]`.
 const NEXT: [usize; 4] = [1, 2, 0, 1];

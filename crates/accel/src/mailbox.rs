@@ -2,9 +2,8 @@
 
 use crate::{
     hit::Hit,
-    kernel::Kernel,
-    query::Query,
-    structure::{Packed, Place},
+    prim::Packed,
+    query::{Descend, Place, Query},
 };
 
 /// The primitives that a ray tested last, a place for each remainder of their numbers. It belongs to the search, not
@@ -36,7 +35,7 @@ impl Mailboxes {
 
     /// Tests the primitives of a cell that weren't tested yet.
     #[inline(always)]
-    pub fn closest<K: Kernel, const COUNT: bool>(
+    pub fn closest<K: Descend, const COUNT: bool>(
         &mut self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -54,7 +53,7 @@ impl Mailboxes {
 
     /// Whether a primitive of a cell that wasn't tested yet is hit.
     #[inline(always)]
-    pub fn occluded<K: Kernel, const COUNT: bool>(
+    pub fn occluded<K: Descend, const COUNT: bool>(
         &mut self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,

@@ -27,7 +27,7 @@ use crate::{
     clip::Limits,
     local::LocalRay,
     partition::{self, Budget, crossing, early, half_area, late},
-    structure::{Packed, Prim},
+    prim::{Packed, Prim},
 };
 use straal_math::{Bounds, Vec3, ops};
 
@@ -68,6 +68,9 @@ enum Node {
     /// `count` references from `first` on.
     Leaf { first: u32, count: u32 },
 }
+
+/// Bytes of a node.
+pub(crate) const NODE_BYTES: usize = size_of::<Node>();
 
 /// The tree.
 pub(crate) struct Octree {

@@ -36,7 +36,7 @@
 
 use crate::{
     local::LocalRay,
-    structure::{Packed, Prim},
+    prim::{Packed, Prim},
 };
 use std::collections::BTreeMap;
 use straal_math::{Bounds, Vec3, ops};

@@ -1,24 +1,101 @@
-//! The tests that every structure makes: one triangle, one object, one group.
+//! What every structure is asked, and the tests that it makes: one triangle, one object, one block.
+//!
+//! A structure is written for any [`Descend`]: a kernel that can also go down into a group, whatever structure that has. So a
+//! structure knows of no other.
 
 use crate::{
     analytic::block::{Block as ShapeBlock, Found},
-    bvh::{Block, WIDTH},
     hit::{Chain, Cost, Hit},
     input::Shapes,
     kernel::{Kernel, LaneHit},
     local::LocalRay,
-    scene::{GroupData, Object, ObjectKind, Scene},
+    node::{Block, WIDTH},
+    prim::PrimKind,
+    section::Section,
     slab,
-    structure::{Place, PrimKind, Search, Searcher, each},
+    stage::{GroupData, Object, ObjectKind, Stage},
     triangle,
 };
 use straal_math::{Ray, Vec3};
 
+/// What every structure over a group's bounded primitives offers.
+///
+/// `closest` offers to `best` every primitive that could come before it, by the tests of `Query`, which are the same
+/// for all; it may leave out only what lies strictly beyond `best.t` or outside the ray's interval.
+pub(crate) trait Search: Sized {
+    fn closest<K: Descend, const COUNT: bool>(
+        &self,
+        q: &mut Query<'_, K, COUNT>,
+        at: &Place<'_>,
+        best: &mut Hit,
+    );
+
+    /// Whether there is any hit in the ray's interval.
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool;
+
+    fn memory_bytes(&self) -> usize;
+
+    /// What a report says of the structure; it walks the whole of it.
+    fn stats(&self) -> Stats;
+
+    /// What a drawing of the structure shows at a height: cells, or the boxes of a binary tree. Other structures show nothing.
+    fn section(&self, _z: f64) -> Vec<Section> {
+        Vec::new()
+    }
+}
+
+/// What a structure is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stats {
+    /// Inner nodes.
+    pub nodes: usize,
+    /// Leaves or cells, the empty ones included.
+    pub leaves: usize,
+    /// Primitives in all leaves; more than there are where a primitive may be in several.
+    pub references: usize,
+    /// Steps from the root to the deepest leaf.
+    pub depth: u32,
+    /// What a random line through the root's box costs, in tests of one primitive, by the surface area heuristic with the
+    /// structure's own costs (Goldsmith and Salmon 1987; MacDonald and Booth 1990).
+    pub sah_cost: f64,
+}
+
+/// Where a search stands: a ray in a group's space, and the instances passed on the way.
+pub(crate) struct Place<'a> {
+    pub group: &'a GroupData,
+    pub ray: &'a LocalRay,
+    pub chain: &'a Chain,
+}
+
+/// A kernel that searches groups, compiled for its instruction set.
+pub(crate) trait Descend: Kernel {
+    /// A structure over a group.
+    type Searcher: Sync;
+
+    /// Searches a whole group.
+    fn closest_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>, best: &mut Hit);
+
+    /// Whether anything in a group is hit.
+    fn occluded_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>) -> bool;
+
+    /// The first hit of each ray in a group's space, with the chain from there on.
+    fn closest_slice(self, q: &mut Query<'_, Self, false>, group: &GroupData, rays: &[Ray], hits: &mut [Hit]);
+
+    /// Whether each ray hits anything in a group's space.
+    fn occluded_slice(
+        self,
+        q: &mut Query<'_, Self, false>,
+        group: &GroupData,
+        rays: &[Ray],
+        blocked: &mut [bool],
+    );
+}
+
 /// One ray's search through a scene.
-pub(crate) struct Query<'a, K, const COUNT: bool> {
+pub(crate) struct Query<'a, K: Descend, const COUNT: bool> {
     /// That the processor has the kernel's instructions.
     pub kernel: K,
-    pub scene: &'a Scene,
+    pub scene: &'a Stage<K::Searcher>,
     pub shapes: &'a dyn Shapes,
     /// Stays 0 unless `COUNT`.
     pub cost: Cost,
@@ -27,7 +104,7 @@ pub(crate) struct Query<'a, K, const COUNT: bool> {
 /// The least t at which a hit at `t` in a box entered at `entry` counts. A branch rather than a maximum: that the entry comes
 /// later is rare, and what follows the hit needn't wait for the box.
 #[inline(always)]
-fn not_before(t: f32, entry: f32) -> f32 {
+pub(crate) fn not_before(t: f32, entry: f32) -> f32 {
     if entry > t { later(entry) } else { t }
 }
 
@@ -38,64 +115,7 @@ fn later(entry: f32) -> f32 {
     entry
 }
 
-impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
-    /// Writes the first hit of a ray in the world where it stays: copying what was just written piece by piece would wait
-    /// for the pieces.
-    #[inline(always)]
-    pub fn closest(&mut self, group: &GroupData, ray: &Ray, hit: &mut Hit) {
-        let mut local = LocalRay::IDLE;
-        if !self.kernel.prepare(ray, &mut local) {
-            *hit = Hit::MISS;
-            return;
-        }
-        *hit = Hit::limit(local.ray.t_max);
-        self.closest_in(&Place { group, ray: &local, chain: &Chain::EMPTY }, hit);
-        if !hit.is_hit() {
-            *hit = Hit::MISS;
-        }
-    }
-
-    /// Whether a ray hits anything in the world.
-    #[inline(always)]
-    pub fn occluded(&mut self, group: &GroupData, ray: &Ray) -> bool {
-        let mut local = LocalRay::IDLE;
-        self.kernel.prepare(ray, &mut local)
-            && self.occluded_in(&Place { group, ray: &local, chain: &Chain::EMPTY })
-    }
-
-    /// Searches a whole group.
-    #[inline(always)]
-    pub fn closest_in(&mut self, at: &Place<'_>, best: &mut Hit) {
-        for &object in &at.group.unbounded {
-            self.object_closest(at, object, best);
-        }
-        match &at.group.searcher {
-            Searcher::Bvh(s) => s.closest(self, at, best),
-            other => self.closest_by(other, at, best),
-        }
-    }
-
-    /// Searches with any structure, apart: the fast path shall not make room for what the others keep on the stack.
-    #[inline(never)]
-    fn closest_by(&mut self, searcher: &Searcher, at: &Place<'_>, best: &mut Hit) {
-        each!(searcher, s => s.closest(self, at, best));
-    }
-
-    #[inline(never)]
-    fn occluded_by(&mut self, searcher: &Searcher, at: &Place<'_>) -> bool {
-        each!(searcher, s => s.occluded(self, at))
-    }
-
-    /// Whether anything in a group is hit.
-    #[inline(always)]
-    pub fn occluded_in(&mut self, at: &Place<'_>) -> bool {
-        at.group.unbounded.iter().any(|&object| self.object_occluded(at, object))
-            || match &at.group.searcher {
-                Searcher::Bvh(s) => s.occluded(self, at),
-                other => self.occluded_by(other, at),
-            }
-    }
-
+impl<'a, K: Descend, const COUNT: bool> Query<'a, K, COUNT> {
     /// Counts a node, or a cell, and how many boxes are tested in it.
     #[inline(always)]
     pub fn count_node(&mut self, boxes: u32) {
@@ -199,15 +219,15 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
 
     /// The entry into an object's box if the ray can see the object and crosses the box.
     #[inline]
-    fn enter(&mut self, at: &Place<'_>, o: &Object) -> Option<f32> {
+    pub fn enter(&mut self, ray: &LocalRay, o: &Object) -> Option<f32> {
         if COUNT {
             self.cost.primitives += 1;
         }
-        if o.mask & at.ray.ray.mask == 0 {
+        if o.mask & ray.ray.mask == 0 {
             return None;
         }
         match &o.bounds {
-            Some(b) => slab::entry(b, at.ray),
+            Some(b) => slab::entry(b, ray),
             None => Some(f32::NEG_INFINITY),
         }
     }
@@ -259,7 +279,7 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
     #[inline(never)]
     pub fn object_closest(&mut self, at: &Place<'_>, object: u32, best: &mut Hit) {
         let o = &at.group.objects[object as usize];
-        let Some(entry) = self.enter(at, o) else { return };
+        let Some(entry) = self.enter(at.ray, o) else { return };
         match o.kind {
             ObjectKind::Shape { shape, geometry, primitive } => {
                 let Some(h) = self.shape(at, shape) else { return };
@@ -283,7 +303,7 @@ impl<'a, K: Kernel, const COUNT: bool> Query<'a, K, COUNT> {
     #[inline(never)]
     pub fn object_occluded(&mut self, at: &Place<'_>, object: u32) -> bool {
         let o = &at.group.objects[object as usize];
-        if self.enter(at, o).is_none() {
+        if self.enter(at.ray, o).is_none() {
             return false;
         }
         match o.kind {

@@ -8,14 +8,18 @@ use crate::{
     bvh::Bvh,
     bvh2::Bvh2,
     dropped::{Dropped, DroppedFrom},
+    entry::Asked,
     grid::Grid,
     hit::{Cost, Hit, MAX_DEPTH},
     input::{BuildError, GeometryKind, Group, Input, Instance, Shapes},
     kd::KdTree,
-    kernel::{self, Chosen},
+    kernel::Chosen,
     octree::Octree,
+    prim::{Prim, PrimKind},
+    query::{Search, Stats},
     slab,
-    structure::{Prim, PrimKind, Search, Searcher, Stats, Structure, each},
+    stage::{GroupData, MeshStart, Object, ObjectKind, Stage},
+    structure::{Searcher, Structure, each},
     triangle,
     volumes::{Content, Volumes},
 };
@@ -51,11 +55,7 @@ pub enum Flight {
 
 /// Everything that can be hit, ready to be searched. Read-only, and shared between threads.
 pub struct Scene {
-    geometries: Vec<crate::Geometry>,
-    masks: Vec<u32>,
-    /// Those of all groups, one group after the other.
-    pub(crate) instances: Vec<Instance>,
-    pub(crate) groups: Vec<GroupData>,
+    stage: Stage<Searcher>,
     /// What stands in each group, by group.
     contents: Vec<Contents>,
     isa: Isa,
@@ -71,84 +71,6 @@ struct Contents {
     first_instance: u32,
 }
 
-/// One group as it is searched.
-pub(crate) struct GroupData {
-    /// The group's meshes, by geometry; a triangle's number in the group counts over them.
-    meshes: Vec<MeshStart>,
-    pub objects: Vec<Object>,
-    /// Objects without a box that the structure doesn't test.
-    pub unbounded: Vec<u32>,
-    /// Whether anything has no box.
-    is_unbounded: bool,
-    pub searcher: Searcher,
-    /// The bits that the masks of all its meshes have.
-    pub all_masks: u32,
-    /// Around all that is bounded.
-    bounds: Bounds,
-    /// Whether the world reaches it.
-    is_built: bool,
-}
-
-/// Where a mesh' triangles start among the group's.
-#[derive(Clone, Copy, Debug)]
-struct MeshStart {
-    geometry: u32,
-    first: u32,
-}
-
-/// A shape or an instance in a group.
-pub(crate) struct Object {
-    pub kind: ObjectKind,
-    pub mask: u32,
-    /// Padded; `None` when there is none.
-    pub bounds: Option<Bounds>,
-}
-
-#[derive(Clone, Copy)]
-pub(crate) enum ObjectKind {
-    Shape { shape: u32, geometry: u32, primitive: u32 },
-    Instance(u32),
-}
-
-impl GroupData {
-    const fn empty() -> Self {
-        Self {
-            meshes: Vec::new(),
-            objects: Vec::new(),
-            unbounded: Vec::new(),
-            is_unbounded: false,
-            searcher: Searcher::Bvh(Bvh::EMPTY),
-            all_masks: u32::MAX,
-            bounds: Bounds::EMPTY,
-            is_built: false,
-        }
-    }
-
-    /// The longest edge of the box around all that is bounded.
-    pub fn extent(&self) -> f32 {
-        self.bounds.extent().max_element()
-    }
-
-    /// Geometry and primitive of a shape, by its number among the objects.
-    #[inline(always)]
-    pub fn shape(&self, object: u32) -> (u32, u32) {
-        match self.objects[object as usize].kind {
-            ObjectKind::Shape { geometry, primitive, .. } => (geometry, primitive),
-            ObjectKind::Instance(_) => (u32::MAX, u32::MAX),
-        }
-    }
-
-    /// Geometry and triangle index of the group's n-th triangle.
-    #[inline(always)]
-    pub fn locate(&self, id: u32) -> (u32, u32) {
-        let mut i = 0;
-        if self.meshes.len() > 1 {
-            i = self.meshes.partition_point(|m| m.first <= id) - 1;
-        }
-        (self.meshes[i].geometry, id - self.meshes[i].first)
-    }
-}
-
 impl Scene {
     /// Checks the input and builds the structure of every group that the world needs. Uses the threads of the current
     /// rayon pool; the result doesn't depend on their number.
@@ -162,10 +84,13 @@ impl Scene {
         let firsts: Vec<u32> =
             groups.iter().scan(0, |n, g| Some(std::mem::replace(n, *n + g.instances.len() as u32))).collect();
         let mut scene = Self {
-            masks: geometries.iter().map(|g| g.mask).collect(),
-            geometries,
-            instances: groups.iter().flat_map(|g| g.instances.iter().copied()).collect(),
-            groups: groups.iter().map(|_| GroupData::empty()).collect(),
+            stage: Stage {
+                masks: geometries.iter().map(|g| g.mask).collect(),
+                geometries,
+                instances: groups.iter().flat_map(|g| g.instances.iter().copied()).collect(),
+                searchers: groups.iter().map(|_| Searcher::Bvh(Bvh::EMPTY)).collect(),
+                groups: (0..groups.len()).map(GroupData::empty).collect(),
+            },
             contents: groups
                 .iter()
                 .zip(&firsts)
@@ -177,8 +102,8 @@ impl Scene {
             dropped: Vec::new(),
         };
         for g in order {
-            let (data, dropped) = scene.build_group(&groups[g], firsts[g], shapes, options)?;
-            scene.groups[g] = data;
+            let (data, searcher, dropped) = scene.build_group(g, &groups[g], firsts[g], shapes, options)?;
+            (scene.stage.groups[g], scene.stage.searchers[g]) = (data, searcher);
             scene.dropped.extend(dropped);
         }
         Ok(scene)
@@ -187,46 +112,47 @@ impl Scene {
     /// What the scene was built from, to build it another way. Meshes are shared, not copied.
     pub fn input(&self) -> Input {
         let first = |group: usize| {
-            self.contents.get(group).map_or(self.instances.len(), |c| c.first_instance as usize)
+            self.contents.get(group).map_or(self.stage.instances.len(), |c| c.first_instance as usize)
         };
         let group = |(i, c): (usize, &Contents)| Group {
             geometries: c.geometries.clone(),
-            instances: self.instances[first(i)..first(i + 1)].to_vec(),
+            instances: self.stage.instances[first(i)..first(i + 1)].to_vec(),
         };
         Input {
             groups: self.contents.iter().enumerate().map(group).collect(),
-            geometries: self.geometries.clone(),
+            geometries: self.stage.geometries.clone(),
         }
     }
 
     /// Around everything bounded in the world; empty when there is nothing.
     pub fn bounds(&self) -> Bounds {
-        self.groups[0].bounds
+        self.stage.groups[0].bounds
     }
 
     /// Bytes of the search structures, without the meshes themselves.
     pub fn memory_bytes(&self) -> usize {
         let group = |g: &GroupData| {
-            each!(&g.searcher, s => s.memory_bytes())
+            each!(&self.stage.searchers[g.index], s => s.memory_bytes())
                 + size_of_val(g.objects.as_slice())
                 + size_of_val(g.unbounded.as_slice())
                 + size_of_val(g.meshes.as_slice())
         };
-        self.groups.iter().map(group).sum::<usize>()
-            + size_of_val(self.instances.as_slice())
-            + size_of_val(self.masks.as_slice())
+        self.stage.groups.iter().map(group).sum::<usize>()
+            + size_of_val(self.stage.instances.as_slice())
+            + size_of_val(self.stage.masks.as_slice())
     }
 
     /// What the structures of the groups that the world reaches are made of, by group; `None` for the others.
     pub fn stats(&self) -> Vec<Option<Stats>> {
-        let reached = |g: &GroupData| g.is_built.then(|| each!(&g.searcher, s => s.stats()));
-        self.groups.iter().map(reached).collect()
+        let reached =
+            |g: &GroupData| g.is_built.then(|| each!(&self.stage.searchers[g.index], s => s.stats()));
+        self.stage.groups.iter().map(reached).collect()
     }
 
     /// The cells (grid, kd-tree, octree, BSP tree) or boxes (binary tree) of the world where the plane at a height z cuts them, for
     /// drawings. Other structures have none.
     pub fn section(&self, z: f64) -> Vec<crate::Section> {
-        each!(&self.groups[0].searcher, s => s.section(z))
+        each!(&self.stage.searchers[0], s => s.section(z))
     }
 
     /// What was left out because it can never be hit: primitives with a coordinate that isn't finite, triangles without
@@ -241,53 +167,46 @@ impl Scene {
         self.isa
     }
 
-    /// The kernel of that set.
-    #[inline(always)]
-    pub(crate) fn kernel(&self) -> Chosen {
-        self.kernel
-    }
-
-    /// Whether the rays of a slice are searched together.
-    pub(crate) fn many(&self) -> bool {
-        self.many
+    fn asked<'a>(&'a self, shapes: &'a dyn Shapes) -> Asked<'a> {
+        Asked { stage: &self.stage, kernel: self.kernel, many: self.many, shapes }
     }
 
     /// The instance of a chain's id: its place in all groups' instances, one group after the other.
     pub fn instance(&self, id: u32) -> Option<&Instance> {
-        self.instances.get(id as usize)
+        self.stage.instances.get(id as usize)
     }
 
     /// The first hit of each ray. Looks at as many rays as there are hits, and the other way round.
     pub fn closest(&self, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
-        kernel::closest(self, shapes, rays, hits);
+        self.asked(shapes).closest(rays, hits);
     }
 
     /// Whether each ray hits anything. Looks at as many rays as there are answers, and the other way round.
     pub fn occluded(&self, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]) {
-        kernel::occluded(self, shapes, rays, blocked);
+        self.asked(shapes).occluded(rays, blocked);
     }
 
     /// [`Self::closest`] of one ray, with the number of tests it took.
     pub fn closest_counted(&self, shapes: &dyn Shapes, ray: &Ray) -> (Hit, Cost) {
-        kernel::closest_counted(self, shapes, ray)
+        self.asked(shapes).closest_counted(ray)
     }
 
     /// [`Self::occluded`] of one ray, with the number of tests it took.
     pub fn occluded_counted(&self, shapes: &dyn Shapes, ray: &Ray) -> (bool, Cost) {
-        kernel::occluded_counted(self, shapes, ray)
+        self.asked(shapes).occluded_counted(ray)
     }
 
     /// Checks what searches rely on, for tests: every primitive where it can be found.
     pub fn validate(&self) -> Result<(), String> {
-        for (i, g) in self.groups.iter().enumerate() {
-            let sound = match &g.searcher {
+        for (i, g) in self.stage.groups.iter().enumerate() {
+            let sound = match &self.stage.searchers[i] {
                 Searcher::Brute(_) => Ok(()),
-                Searcher::Bvh(s) => s.validate(&g.prim_bounds(self), |id| self.vertices(g, id)),
+                Searcher::Bvh(s) => s.validate(&g.prim_bounds(self), |id| self.stage.vertices(g, id)),
                 Searcher::Bvh2(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Grid(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Kd(s) => s.validate(&g.prim_bounds(self)),
                 Searcher::Octree(s) => s.validate(&g.prim_bounds(self)),
-                Searcher::Bsp(s) => s.validate(&g.prim_bounds(self), |id| self.vertices(g, id)),
+                Searcher::Bsp(s) => s.validate(&g.prim_bounds(self), |id| self.stage.vertices(g, id)),
                 Searcher::Volumes(s) => s.validate(&g.prim_bounds(self), &Meshes { scene: self, group: g }),
             };
             sound.map_err(|e| format!("group {i}: {e}"))?;
@@ -295,38 +214,22 @@ impl Scene {
         Ok(())
     }
 
-    #[inline(always)]
-    pub(crate) fn geometry_mask(&self, geometry: u32) -> u32 {
-        self.masks[geometry as usize]
-    }
-
-    /// The vertices of a group's n-th triangle.
-    #[inline(always)]
-    pub(crate) fn vertices(&self, group: &GroupData, id: u32) -> [Vec3; 3] {
-        let (geometry, triangle) = group.locate(id);
-        match &self.geometries[geometry as usize].kind {
-            GeometryKind::Triangles { positions, indices } => {
-                indices[triangle as usize].map(|i| positions[i as usize])
-            }
-            GeometryKind::Shapes { .. } => [Vec3::ZERO; 3],
-        }
-    }
-
     fn build_group(
         &self,
+        index: usize,
         group: &Group,
         first_instance: u32,
         shapes: &dyn Shapes,
         options: &Options,
-    ) -> Result<(GroupData, Vec<Dropped>), BuildError> {
-        let mut data = GroupData { is_built: true, ..GroupData::empty() };
+    ) -> Result<(GroupData, Searcher, Vec<Dropped>), BuildError> {
+        let mut data = GroupData { is_built: true, ..GroupData::empty(index) };
         let mut prims = Vec::new();
         let mut dropped = Vec::new();
         let mut ids = group.geometries.clone();
         ids.sort_unstable();
         ids.dedup();
         // Lists that grow leave holes in memory behind.
-        let shapes_of = |id: &u32| match self.geometries[*id as usize].kind {
+        let shapes_of = |id: &u32| match self.stage.geometries[*id as usize].kind {
             GeometryKind::Triangles { .. } => 0,
             GeometryKind::Shapes { count, .. } => count as usize,
         };
@@ -335,7 +238,7 @@ impl Scene {
         let mut triangles = 0_u64;
         for geometry in ids {
             let mut lost = Dropped::none(DroppedFrom::Geometry(geometry));
-            match &self.geometries[geometry as usize].kind {
+            match &self.stage.geometries[geometry as usize].kind {
                 GeometryKind::Triangles { positions, indices } => {
                     let first = triangles as u32;
                     triangles += indices.len() as u64;
@@ -343,7 +246,7 @@ impl Scene {
                         return Err(BuildError::TooMany { what: "triangles in a group", most: LIMIT });
                     }
                     data.meshes.push(MeshStart { geometry, first });
-                    data.all_masks &= self.masks[geometry as usize];
+                    data.all_masks &= self.stage.masks[geometry as usize];
                     prims.reserve(indices.len());
                     for (i, index) in indices.iter().enumerate() {
                         let v = index.map(|i| positions[i as usize]);
@@ -365,7 +268,7 @@ impl Scene {
                         }
                         let kind = ObjectKind::Shape { shape, geometry, primitive };
                         let bounds = bounds.map(slab::padded);
-                        data.objects.push(Object { kind, mask: self.masks[geometry as usize], bounds });
+                        data.objects.push(Object { kind, mask: self.stage.masks[geometry as usize], bounds });
                     }
                 }
             }
@@ -374,7 +277,7 @@ impl Scene {
             }
         }
         for (i, instance) in group.instances.iter().enumerate() {
-            let inner = &self.groups[instance.group as usize];
+            let inner = &self.stage.groups[instance.group as usize];
             let bounds = if !inner.is_unbounded {
                 let b = instance_bounds(inner.bounds, &instance.transform);
                 if b.is_empty() || !b.is_finite() {
@@ -394,6 +297,7 @@ impl Scene {
                 }
                 None
             };
+            data.has_large |= inner.is_large;
             let kind = ObjectKind::Instance(first_instance + i as u32);
             data.objects.push(Object { kind, mask: instance.mask, bounds });
         }
@@ -421,11 +325,12 @@ impl Scene {
                 (None, None) => data.unbounded.push(object),
             }
         }
+        data.is_large = data.has_large || prims.len() + members.len() >= LARGE;
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
-        data.searcher = match options.structure {
+        let searcher = match options.structure {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
             Structure::Bvh(params) => {
-                let bvh = Bvh::build(&prims, members, &params, |id| self.vertices(&data, id));
+                let bvh = Bvh::build(&prims, members, &params, |id| self.stage.vertices(&data, id));
                 Searcher::Bvh(
                     bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree", most: LIMIT })?,
                 )
@@ -433,18 +338,18 @@ impl Scene {
             Structure::Bvh2(params) => Searcher::Bvh2(Bvh2::build(&prims, &params)),
             Structure::Grid(params) => Searcher::Grid(Grid::build(&prims, &params)),
             Structure::Kd(params) => {
-                Searcher::Kd(KdTree::build(&prims, &params, |id| self.vertices(&data, id)))
+                Searcher::Kd(KdTree::build(&prims, &params, |id| self.stage.vertices(&data, id)))
             }
             Structure::Octree(params) => Searcher::Octree(Octree::build(&prims, &params)),
             Structure::Bsp(params) => {
-                Searcher::Bsp(BspTree::build(&prims, &params, |id| self.vertices(&data, id)))
+                Searcher::Bsp(BspTree::build(&prims, &params, |id| self.stage.vertices(&data, id)))
             }
             Structure::Volumes(params) => {
                 let content = Meshes { scene: self, group: &data };
                 Searcher::Volumes(Volumes::build(&prims, &params, &content))
             }
         };
-        Ok((data, dropped))
+        Ok((data, searcher, dropped))
     }
 }
 
@@ -453,9 +358,10 @@ impl GroupData {
     fn prim_bounds(&self, scene: &Scene) -> Vec<Prim> {
         let mut out = Vec::new();
         for m in &self.meshes {
-            if let GeometryKind::Triangles { indices, .. } = &scene.geometries[m.geometry as usize].kind {
+            if let GeometryKind::Triangles { indices, .. } = &scene.stage.geometries[m.geometry as usize].kind
+            {
                 for id in m.first..m.first + indices.len() as u32 {
-                    let v = scene.vertices(self, id);
+                    let v = scene.stage.vertices(self, id);
                     if triangle::is_sound(&v) {
                         out.push(Prim { bounds: slab::triangle_bounds(&v), kind: PrimKind::Triangle(id) });
                     }
@@ -483,9 +389,12 @@ impl Content for Meshes<'_> {
     }
 
     fn vertices(&self, triangle: u32) -> [Vec3; 3] {
-        self.scene.vertices(self.group, triangle)
+        self.scene.stage.vertices(self.group, triangle)
     }
 }
+
+/// A search among so many primitives takes longer than setting up a slice of rays for it.
+const LARGE: usize = 256;
 
 /// The box of what has none.
 const EVERYWHERE: Bounds = Bounds {

@@ -11,13 +11,6 @@ use straal_math::{Bounds, Vec3, ops};
 /// sheared vertices in `triangle.rs`, which move with their distance from the origin, as a crossing does.
 pub(crate) const EXIT: f32 = 1.0 + 16.0 * f32::EPSILON;
 
-/// The same for the boxes of wide nodes, whose far planes are crossed with a reciprocal direction that is raised by this
-/// beforehand: what leaves a box late enough is to leave the nodes around it late enough. A raised reciprocal is off by up to
-/// 2 epsilon (it is never below 2^21 units in the last place, where numbers are subnormal). A crossing x is off by half a unit
-/// more than a box' there, and that box' raised one by half a unit again; from 2^18 units on, below which [`EXIT`] changes
-/// nothing, 48 epsilon x make up for that.
-pub(crate) const NODE_EXIT: f32 = 1.0 + 72.0 * f32::EPSILON;
-
 /// Where a primitive is large beside its distance, the roundings of its vertices move with its size instead: boxes grow
 /// by this part of their longest edge on each side.
 pub(crate) const PAD_EXTENT: f32 = 8.0 * f32::EPSILON;

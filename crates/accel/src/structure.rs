@@ -1,4 +1,4 @@
-//! The search structures, and the contract they share.
+//! The search structures: which there are, and one of any kind.
 
 use crate::{
     brute::Brute,
@@ -6,18 +6,12 @@ use crate::{
     bvh::{Bvh, params::BvhParams},
     bvh2::{Bvh2, Bvh2Params},
     grid::{Grid, GridParams},
-    hit::{Chain, Hit},
     kd::{KdParams, KdTree},
-    kernel::Kernel,
-    local::LocalRay,
+    name::UnknownName,
     octree::{Octree, OctreeParams},
-    query::Query,
-    scene::GroupData,
-    section::Section,
     volumes::{Volumes, VolumesParams},
 };
 use std::{fmt, str::FromStr};
-use straal_math::Bounds;
 
 /// A way to search a group, with its parameters. All give the same hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,121 +86,6 @@ impl FromStr for Structure {
             known: Self::ALL.map(Self::name).join(", "),
         })
     }
-}
-
-/// A name that stands for nothing.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {what} '{name}': expected one of {known}")]
-pub struct UnknownName {
-    /// What kind of thing was named.
-    pub what: &'static str,
-    /// The name.
-    pub name: String,
-    /// The names that exist, with commas between.
-    pub known: String,
-}
-
-/// One bounded primitive as a builder sees it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Prim {
-    /// Its own padded box: that of `slab::triangle_bounds` or of the object.
-    pub bounds: Bounds,
-    pub kind: PrimKind,
-}
-
-/// Where a primitive is found in its group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PrimKind {
-    /// The group's n-th triangle, counted over its meshes.
-    Triangle(u32),
-    /// Index into the group's objects: a shape or an instance.
-    Object(u32),
-}
-
-impl PrimKind {
-    /// The same in 32 bits.
-    #[inline(always)]
-    pub const fn packed(self) -> Packed {
-        match self {
-            Self::Triangle(id) => Packed(id),
-            Self::Object(id) => Packed(id | Packed::OBJECT),
-        }
-    }
-}
-
-/// A [`PrimKind`] in 32 bits: numbers take 30 of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(transparent)]
-pub(crate) struct Packed(u32);
-
-impl Packed {
-    const OBJECT: u32 = 1 << 31;
-
-    /// No primitive's.
-    pub const NONE: Self = Self(u32::MAX);
-
-    #[inline(always)]
-    pub const fn kind(self) -> PrimKind {
-        match self.0 & Self::OBJECT {
-            0 => PrimKind::Triangle(self.0),
-            _ => PrimKind::Object(self.0 & !Self::OBJECT),
-        }
-    }
-
-    /// A number that no other primitive of the group has.
-    #[inline(always)]
-    pub const fn number(self) -> u32 {
-        self.0
-    }
-}
-
-/// What every structure over a group's bounded primitives offers.
-///
-/// `closest` offers to `best` every primitive that could come before it, by the tests of `Query`, which are the same
-/// for all; it may leave out only what lies strictly beyond `best.t` or outside the ray's interval.
-pub(crate) trait Search: Sized {
-    fn closest<K: Kernel, const COUNT: bool>(
-        &self,
-        q: &mut Query<'_, K, COUNT>,
-        at: &Place<'_>,
-        best: &mut Hit,
-    );
-
-    /// Whether there is any hit in the ray's interval.
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool;
-
-    fn memory_bytes(&self) -> usize;
-
-    /// What a report says of the structure; it walks the whole of it.
-    fn stats(&self) -> Stats;
-
-    /// What a drawing of the structure shows at a height: cells, or the boxes of a binary tree. Other structures show nothing.
-    fn section(&self, _z: f64) -> Vec<Section> {
-        Vec::new()
-    }
-}
-
-/// What a structure is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stats {
-    /// Inner nodes.
-    pub nodes: usize,
-    /// Leaves or cells, the empty ones included.
-    pub leaves: usize,
-    /// Primitives in all leaves; more than there are where a primitive may be in several.
-    pub references: usize,
-    /// Steps from the root to the deepest leaf.
-    pub depth: u32,
-    /// What a random line through the root's box costs, in tests of one primitive, by the surface area heuristic with the
-    /// structure's own costs (Goldsmith and Salmon 1987; MacDonald and Booth 1990).
-    pub sah_cost: f64,
-}
-
-/// Where a search stands: a ray in a group's space, and the instances passed on the way.
-pub(crate) struct Place<'a> {
-    pub group: &'a GroupData,
-    pub ray: &'a LocalRay,
-    pub chain: &'a Chain,
 }
 
 /// A structure of any kind.

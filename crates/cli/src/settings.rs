@@ -1,7 +1,7 @@
 //! What a command line for `straal render` means: the defaults filled in, and all that can be known to fail before a
 //! ray is traced found out.
 
-use crate::args::{LookArgs, RenderArgs};
+use crate::args::{DevelopmentArgs, RenderArgs};
 use crate::exit::Failure;
 use crate::keeping::Wish;
 use crate::machine;
@@ -10,7 +10,7 @@ use crate::quantity::{Every, count};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use straal::picture::Format;
-use straal::{LoadOptions, Look, Overrides};
+use straal::{Development, LoadOptions, Overrides};
 use straal_study::{SaveError, cost};
 
 /// What is lost at most when a render that writes an EXR is killed.
@@ -37,8 +37,8 @@ pub struct RenderSettings {
     pub cost_picture: Option<(PathBuf, cost::Measure)>,
     /// Where the scene goes as a file.
     pub write_scene: Option<PathBuf>,
-    /// Steps of the look in place of the scene's.
-    pub look: LookArgs,
+    /// Steps of development in place of the scene's.
+    pub development: DevelopmentArgs,
     /// What is told before the render begins.
     pub note: Option<String>,
     /// Whether only errors are told.
@@ -152,7 +152,7 @@ impl RenderSettings {
             keep,
             cost_picture: args.cost_picture.map(|path| (path, args.cost_of)),
             write_scene: args.write_scene,
-            look: args.look,
+            development: args.development,
             note,
             quiet: args.quiet,
             json: args.json,
@@ -166,16 +166,16 @@ impl RenderSettings {
         self.outputs.iter().chain(cost).chain(&self.keep.sums).chain(&self.write_scene).map(PathBuf::as_path)
     }
 
-    /// How a scene's look is shown.
-    pub fn look(&self, scene: Look) -> Look {
-        self.look.over(scene)
+    /// How a scene's picture is developed.
+    pub fn development(&self, scene: Development) -> Development {
+        self.development.over(scene)
     }
 
-    /// Whether a look was asked for that none of the pictures has, nor an EXR remembers.
+    /// Whether development settings were given that none of the pictures shows, nor an EXR remembers.
     pub fn look_is_lost(&self) -> bool {
         let shows = |o: &PathBuf| matches!(format_of(o, self.format), Some(Format::Png | Format::Exr));
         let has_png = self.outputs.iter().any(shows);
-        self.look != LookArgs::default() && !has_png
+        self.development != DevelopmentArgs::default() && !has_png
     }
 }
 
@@ -279,10 +279,11 @@ mod tests {
 
     #[test]
     fn a_look_is_the_scenes_unless_said_otherwise() {
-        let scene = Look { exposure: Exposure::stops(1.0), tone: Tone::Filmic, ..Look::default() };
-        assert_eq!(settings("").unwrap().look(scene), scene);
+        let scene =
+            Development { exposure: Exposure::stops(1.0), tone: Tone::Filmic, ..Development::default() };
+        assert_eq!(settings("").unwrap().development(scene), scene);
         let s = settings("--exposure -2 -o a.pfm").unwrap();
-        assert_eq!(s.look(scene), Look { exposure: Exposure::stops(-2.0), ..scene });
+        assert_eq!(s.development(scene), Development { exposure: Exposure::stops(-2.0), ..scene });
         assert!(s.look_is_lost());
         assert!(!settings("--tone clamp -o a.pfm -o a.png").unwrap().look_is_lost());
         assert!(!settings("--tone clamp -o a.exr").unwrap().look_is_lost(), "an EXR remembers it");

@@ -16,7 +16,6 @@ use straal_math::ops;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Tone {
     /// Light as it is: what is brighter than white is out of gamut.
-    #[default]
     Clamp,
     /// Suffern's (2007) max-to-one: a colour with a component above 1 is divided by the largest, so that its
     /// hue stays.
@@ -42,6 +41,7 @@ pub enum Tone {
     Agx,
     /// Khronos' PBR Neutral (2024): colours up to 0.8 are shown as they are but for the sheen of dielectrics, and only
     /// what is brighter is compressed.
+    #[default]
     KhronosNeutral,
 }
 

@@ -4,13 +4,13 @@ use crate::camera::Camera;
 use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
-use crate::lanes::{Lanes, Reading, Rgb, SpectralTables};
+use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Surface, frame_along};
-use crate::texture::{Place, ShadingPoint, Texture};
+use crate::texture::{Place, Reading, ShadingPoint, Texture};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
@@ -286,11 +286,11 @@ impl World {
     pub fn sample_light<L: Lanes>(
         &self,
         emitter: u32,
-        p: Vec3,
+        at: &Receiver,
         u: [f32; 2],
         lanes: L,
     ) -> Option<LightSample> {
-        self.emitters[emitter as usize].sample(&self.geometry, p, u, &self.reading(lanes))
+        self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
     }
 
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting

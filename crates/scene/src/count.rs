@@ -11,10 +11,23 @@ pub struct Contents {
     pub kept: Tally,
     /// Triangles and other shapes that rays can meet, instances counted each time.
     pub visible: u64,
-    /// Triangles, and shapes and instances, of each space that gets a search structure of its own, the world's first.
-    pub spaces: Vec<[u64; 2]>,
+    /// What is in each space that gets a search structure of its own, the world's first.
+    pub spaces: Vec<Space>,
     /// Pixels of each picture that is all around.
     pub surroundings: Vec<u64>,
+}
+
+/// What rays are searched for in one space.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Space {
+    /// Triangles.
+    pub triangles: u64,
+    /// Spheres.
+    pub spheres: u64,
+    /// Shapes of other kinds.
+    pub shapes: u64,
+    /// Instances of objects.
+    pub instances: u64,
 }
 
 /// Numbers of things.
@@ -34,6 +47,8 @@ pub struct Tally {
     pub meshes: u64,
     /// Shapes that aren't meshes.
     pub shapes: u64,
+    /// Spheres among them.
+    pub spheres: u64,
     /// Discs among them, the caps of cylinders as well.
     pub discs: u64,
     /// Rectangles among them.
@@ -58,6 +73,7 @@ impl Tally {
         sum(&mut self.smoothed, o.smoothed);
         sum(&mut self.meshes, o.meshes);
         sum(&mut self.shapes, o.shapes);
+        sum(&mut self.spheres, o.spheres);
         sum(&mut self.discs, o.discs);
         sum(&mut self.rectangles, o.rectangles);
         sum(&mut self.cylinders, o.cylinders);
@@ -88,7 +104,7 @@ pub fn count(scene: &Scene, assets: &Assets) -> Contents {
         assets,
         objects: vec![None; scene.objects.len()],
         kept: Tally::default(),
-        spaces: vec![[0; 2]],
+        spaces: vec![Space::default()],
     };
     let (mut world, mut visible) = (Tally::default(), 0_u64);
     for node in &scene.world {
@@ -145,14 +161,19 @@ struct Walk<'a> {
     /// What each object that was met holds.
     objects: Vec<Option<Found>>,
     kept: Tally,
-    spaces: Vec<[u64; 2]>,
+    spaces: Vec<Space>,
 }
 
 impl Walk<'_> {
     /// Takes note of what stands in a space.
     fn keep(&mut self, own: &Tally, space: usize) {
         self.kept.add(own);
-        self.spaces[space] = [own.triangles, own.shapes.saturating_add(own.instances)];
+        self.spaces[space] = Space {
+            triangles: own.triangles,
+            spheres: own.spheres,
+            shapes: own.shapes - own.spheres,
+            instances: own.instances,
+        };
     }
 
     fn node(&mut self, node: &Node) -> Found {
@@ -185,7 +206,8 @@ impl Walk<'_> {
             }
             Node::Box(_) => lit(node, Tally::mesh(12, 24, [false, true])),
             Node::Triangle(_) => lit(node, Tally::mesh(1, 3, [false, false])),
-            Node::Sphere(_) | Node::Plane(_) => lit(node, Tally::shape(Tally::default())),
+            Node::Sphere(_) => lit(node, Tally::shape(Tally { spheres: 1, ..Tally::default() })),
+            Node::Plane(_) => lit(node, Tally::shape(Tally::default())),
             Node::Cylinder(c) if c.caps => {
                 let parts = Tally { shapes: 3, cylinders: 1, discs: 2, ..Tally::default() };
                 let mut found = lit(node, parts);
@@ -209,7 +231,7 @@ impl Walk<'_> {
         let found = self.node(node);
         self.objects[i] = Some(found);
         if !found.glows {
-            self.spaces.push([0; 2]);
+            self.spaces.push(Space::default());
             self.keep(&found.own, self.spaces.len() - 1);
         }
         found

@@ -8,7 +8,7 @@ use straal_math::{Affine, DVec3};
 use crate::decode::{Decoder, Describe, Written};
 use crate::desc::{
     AxisAngle, ColorIn, Coordinate, Formula, Index, Material, MaterialRef, Measured, Rotation, Spectrum,
-    Step, Transform, check,
+    Step, Texture, Transform, Varying, check,
 };
 use crate::diagnostic::Diagnostic;
 use crate::handle::{Handle, Kind};
@@ -18,7 +18,7 @@ use crate::schema::{self, Definitions};
 use crate::span::{Span, Spanned};
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
-use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Link, Matrix, Name, Named, Value};
+use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Link, Matrix, Name, Named};
 use crate::visit::Visitor;
 
 impl Describe for f64 {
@@ -426,22 +426,54 @@ impl Describe for Index {
     }
 }
 
-impl<T: Describe> Describe for Value<T> {
+impl<T: Describe> Describe for Varying<T> {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
-        Self::Constant(T::read(tree, limit, d))
+        let Datum::Mapping(entries) = &tree.value else { return Self::Constant(T::read(tree, limit, d)) };
+        let [Entry { key, value, .. }] = entries.as_slice() else {
+            return Self::Constant(T::read(tree, limit, d));
+        };
+        if key.value != "texture" {
+            return Self::Constant(T::read(tree, limit, d));
+        }
+        let texture = d.under(&key.value, key.span, |d| Texture::read(value, limit, d));
+        // What it is read for says what its colours must be.
+        let mut colours = Vec::new();
+        texture.show(limit, &mut colours);
+        for (colour, _) in colours {
+            match colour {
+                Spectrum::Rgb(Color(rgb)) => {
+                    if let Some(v) = rgb.iter().find(|v| !limit.allows(**v)) {
+                        let message = limit.complaint(d.key(), *v);
+                        d.push(Diagnostic::error(value.span, message));
+                    }
+                }
+                Spectrum::Measured(m) => check::reflectance(m, value.span, limit, d),
+            }
+        }
+        Self::Texture(Box::new(texture))
     }
     fn blank() -> Self {
         Self::Constant(T::blank())
     }
     fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        let Self::Constant(v) = self;
-        v.write_to(out)
+        match self {
+            Self::Constant(v) => v.write_to(out),
+            Self::Texture(t) => out.collect_map([("texture", Written(&**t))]),
+        }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
-        T::schema(limit, defs)
+        let textured = defs.refer("Textured", |defs| {
+            let mut keys = schema::Properties::default();
+            keys.add("texture", &[" What it is read off."], Texture::schema(Limit::FINITE, defs), None);
+            keys.into_schema(&[" A value that differs from point to point of a surface."])
+        });
+        json!({ "anyOf": [T::schema(limit, defs), textured] })
     }
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
-        self.get().show(limit, visitor);
+        match self {
+            Self::Constant(v) => v.show(limit, visitor),
+            Self::Texture(t) => t.show(limit, visitor),
+        }
     }
 }
 

@@ -8,7 +8,8 @@
 /// whole. After the body, `with field: Type` takes the keys of another struct into the same mapping.
 ///
 /// An enum is externally tagged: `"key" => Variant(Payload),` is read from `key: payload`, and the bare `key` does
-/// when there is no payload or all of its keys have defaults.
+/// when there is no payload or all of its keys have defaults. `"key" => Variant(struct Payload { .. }),` defines the payload, under
+/// the same description, in place.
 macro_rules! describe {
     (
         $(#[doc = $doc:literal])+
@@ -130,6 +131,32 @@ macro_rules! describe {
                 $crate::decode::Fields::show_fields(self, visitor);
             }
         }
+    };
+
+    // An enum of which each kind is defined in place: one entry is all that the scene language needs of a new kind.
+    (
+        $(#[doc = $doc:literal])+
+        pub enum $T:ident {
+            $(
+                $(#[doc = $vdoc:literal])+
+                $key:literal => $V:ident(
+                    struct $S:ident $([$check:path])? { $($body:tt)* } $(with $flat:ident : $Flat:ty)?
+                ),
+            )+
+        }
+    ) => {
+        describe! {
+            $(#[doc = $doc])+
+            pub enum $T {
+                $( $(#[doc = $vdoc])+ $key => $V($S), )+
+            }
+        }
+        $(
+            describe! {
+                $(#[doc = $vdoc])+
+                pub struct $S $([$check])? { $($body)* } $(with $flat: $Flat)?
+            }
+        )+
     };
 
     (

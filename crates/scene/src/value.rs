@@ -131,34 +131,6 @@ fn linear(code: u32) -> f64 {
     b * b * y
 }
 
-/// A number or colour of a material or light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value<T> {
-    /// The same everywhere.
-    Constant(T),
-}
-
-impl<T> From<T> for Value<T> {
-    fn from(v: T) -> Self {
-        Self::Constant(v)
-    }
-}
-
-impl<T> Value<T> {
-    /// The value, the same everywhere.
-    pub const fn get(&self) -> &T {
-        let Self::Constant(v) = self;
-        v
-    }
-}
-
-impl<T: Copy> Value<T> {
-    /// The value, the same everywhere.
-    pub fn constant(&self) -> T {
-        *self.get()
-    }
-}
-
 /// A direction that may be written `x`, `y` or `z`; not zero, not necessarily of unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis(pub DVec3);

@@ -1,8 +1,8 @@
-//! A picture file developed again, without rendering: as a render with the same look would have written it.
+//! A picture file developed again, without rendering: as a render with the same settings would have written it.
 
+use crate::development::{Bits, Development, Gamma, Undeveloped, to_screen};
 use crate::focus::{self, Blur, NoBlur};
-use crate::look::{Bits, Gamma, Look, Negative, to_screen};
-use crate::picture::{ERROR, Format, LOOK, Picture, SaveError, with_look, write_png};
+use crate::picture::{DEVELOPMENT, ERROR, Format, Picture, SaveError, with_development, write_png};
 use std::borrow::Cow;
 use std::io;
 use std::path::Path;
@@ -12,23 +12,23 @@ use straal_formats::image::{self, Faults, Photo, hdr, pfm, png};
 use straal_formats::{Limits, ReadError, atomic};
 use straal_scene::Image;
 
-/// A picture as a file holds it: linear light, and in an EXR its layers and story.
+/// A picture as a file holds it: linear light, and in an EXR its layers and metadata.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plate {
+pub struct PictureFile {
     /// All that an EXR of it has; of another file its pixels.
     picture: exr::Picture,
     /// Its colours.
     photo: Photo,
 }
 
-/// The key of the story under which a picture that was developed before tells how.
+/// The key of the metadata under which a picture that was developed before tells how.
 const DEVELOPED: &str = "straal.developed";
 
-/// The key of the story that is of the very pixels of a film.
+/// The key of the metadata that is of the very pixels of a film.
 const FILM_HASH: &str = "straal.film_hash";
 
-impl From<&Picture> for Plate {
-    /// The plate that the picture's EXR holds, but for the look, which a picture doesn't know.
+impl From<&Picture> for PictureFile {
+    /// What the picture's EXR holds, but for how it is to be developed, which a picture doesn't know.
     fn from(picture: &Picture) -> Self {
         let exr = picture.to_exr();
         let photo = Photo {
@@ -39,14 +39,14 @@ impl From<&Picture> for Plate {
             space: Some(picture.space),
             layer: String::new(),
             encoding: None,
-            story: exr.metadata.clone(),
+            metadata: exr.metadata.clone(),
             notes: Vec::new(),
         };
         Self { picture: exr, photo }
     }
 }
 
-impl Plate {
+impl PictureFile {
     /// Reads an EXR, HDR, PFM or PNG.
     pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         if image::Format::of(bytes)? == image::Format::Exr {
@@ -70,41 +70,43 @@ impl Plate {
         picture.layers.push(Layer::from_rgb("", &photo.pixels));
         // The fingerprint is of the film, from which a screen's picture or another layer was made, and of other layers nothing is left.
         let is_of_others = |key: &str| [FILM_HASH, ERROR].contains(&key) || exr::is_spectral_attribute(key);
-        photo.story.retain(|(key, _)| !is_of_others(key));
+        photo.metadata.retain(|(key, _)| !is_of_others(key));
         if photo.format == image::Format::Png {
             // What was done to the light before stays told, but is not to be done again.
-            photo.story.retain(|(key, _)| key != DEVELOPED);
+            photo.metadata.retain(|(key, _)| key != DEVELOPED);
             photo
-                .story
+                .metadata
                 .iter_mut()
-                .filter(|(key, _)| key == LOOK)
+                .filter(|(key, _)| key == DEVELOPMENT)
                 .for_each(|(key, _)| *key = DEVELOPED.into());
         }
-        picture.metadata = photo.story.clone();
+        picture.metadata = photo.metadata.clone();
         photo.layer.clear();
         Self { picture, photo }
     }
 
-    /// The look that its story tells; the usual one where it tells none that can be understood. A PNG has been developed: it keeps
+    /// How its metadata says that it is developed; as usual where it says nothing that can be understood. A PNG has been developed: it keeps
     /// its curve and depth, and all else is left as it is.
-    pub fn look(&self) -> Look {
+    pub fn development(&self) -> Development {
         let Some(encoding) = &self.photo.encoding else {
-            return self.told(LOOK).and_then(|text| text.parse().ok()).unwrap_or_default();
+            return self.told(DEVELOPMENT).and_then(|text| text.parse().ok()).unwrap_or_default();
         };
         let [least, most] = Gamma::RANGE;
-        let told: Option<Look> = self.told(DEVELOPED).and_then(|text| text.parse().ok());
-        let gamma = match encoding.curve {
-            Some(png::Curve::Gamma(power)) if power >= least && power <= most => {
-                // The file has it to five digits only.
-                let near = |own: &f32| (own / power - 1.0).abs() < 1e-3;
-                let own =
-                    told.and_then(|look| if let Gamma::Power(own) = look.gamma { Some(own) } else { None });
-                Gamma::Power(own.filter(near).unwrap_or(power))
-            }
-            _ => Gamma::Srgb,
-        };
+        let told: Option<Development> = self.told(DEVELOPED).and_then(|text| text.parse().ok());
+        let gamma =
+            match encoding.curve {
+                Some(png::Curve::Gamma(power)) if power >= least && power <= most => {
+                    // The file has it to five digits only.
+                    let near = |own: &f32| (own / power - 1.0).abs() < 1e-3;
+                    let own = told.and_then(|development| {
+                        if let Gamma::Power(own) = development.gamma { Some(own) } else { None }
+                    });
+                    Gamma::Power(own.filter(near).unwrap_or(power))
+                }
+                _ => Gamma::Srgb,
+            };
         let bits = Bits::of(encoding.bits).unwrap_or_default();
-        Look { gamma, bits, tone: Tone::Clamp, ..Look::default() }
+        Development { gamma, bits, tone: Tone::Clamp, ..Development::default() }
     }
 
     /// What a person should know of how it was read, each a sentence without a full stop.
@@ -117,7 +119,7 @@ impl Plate {
         self.photo.faults()
     }
 
-    /// Pixels to which a distance on a plane at distance 1 in front of the camera is magnified, where the story tells it.
+    /// Pixels to which a distance on a plane at distance 1 in front of the camera is magnified, where the metadata tells it.
     pub fn focal_pixels(&self) -> Option<f64> {
         let told = self.told(focus::FOCAL_PIXELS)?;
         told.parse().ok().filter(|v: &f64| v.is_finite() && *v > 0.0)
@@ -168,23 +170,28 @@ impl Plate {
 
     /// Writes the picture, whole or not at all, in the format that the name's extension says: a PNG is developed, an EXR
     /// keeps all layers, HDR and PFM have linear sRGB.
-    pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
+    pub fn save(&self, path: &Path, development: &Development) -> Result<(), SaveError> {
         let format = Format::of(path)?;
-        atomic::write(path, |file| self.write(file, format, look))?;
+        atomic::write(path, |file| self.write(file, format, development))?;
         Ok(())
     }
 
     /// Writes the picture in that format to what takes bytes, such as a pipe.
-    pub fn write(&self, out: &mut dyn io::Write, format: Format, look: &Look) -> io::Result<()> {
-        let mut story = with_look(&self.picture.metadata, look);
+    pub fn write(
+        &self,
+        out: &mut dyn io::Write,
+        format: Format,
+        development: &Development,
+    ) -> io::Result<()> {
+        let mut metadata = with_development(&self.picture.metadata, development);
         if format == Format::Exr {
-            return exr::write(out, &exr::Picture { metadata: story, ..self.picture.clone() });
+            return exr::write(out, &exr::Picture { metadata, ..self.picture.clone() });
         }
         let (pixels, [width, height], at) = self.shown();
         if format == Format::Png {
-            story.retain(|(key, value)| key != ERROR && is_png_text(key, value));
-            let negative = Negative { pixels: &pixels, width, at, space: self.space() };
-            return write_png(out, &negative, look, &story);
+            metadata.retain(|(key, value)| key != ERROR && is_png_text(key, value));
+            let undeveloped = Undeveloped { pixels: &pixels, width, at, space: self.space() };
+            return write_png(out, &undeveloped, development, &metadata);
         }
         let matrix = to_screen(&self.space());
         let srgb = |p: &[f32; 3]| matrix.map_or(*p, |m| m.apply_f32(*p));

@@ -11,7 +11,7 @@ use std::fmt;
 use std::str::FromStr;
 use straal_math::ops;
 
-/// The key of the story that tells how strongly the camera magnifies.
+/// The key of the metadata that tells how strongly the camera magnifies.
 pub(crate) const FOCAL_PIXELS: &str = "straal.focal_pixels";
 
 /// Largest radius of a circle of confusion in pixels; what would be blurred more is blurred so much.

@@ -4,7 +4,7 @@
 //! let loaded = straal::load("scene.yaml".as_ref(), &straal::LoadOptions::default())?;
 //! let job = straal::Job::new(loaded, straal::Overrides { spp: Some(16), ..Default::default() })?;
 //! let outcome = job.render(&mut straal::Control::to_the_end())?;
-//! outcome.picture.save("scene.exr".as_ref(), &job.look())?;
+//! outcome.picture.save("scene.exr".as_ref(), &job.development())?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -16,10 +16,10 @@
 
 pub mod compare;
 pub mod develop;
+pub mod development;
 pub mod focus;
 pub mod forecast;
 pub mod job;
-pub mod look;
 pub mod picture;
 pub mod replicates;
 pub mod resolve;
@@ -27,9 +27,9 @@ pub mod search;
 pub mod sums;
 pub mod written;
 
+pub use development::{Bits, Development, Gamma};
 pub use forecast::{Forecast, forecast};
 pub use job::{Blocks, Control, Job, Outcome, Progress, Snapshot, Verdict};
-pub use look::{Bits, Gamma, Look};
 pub use picture::Picture;
 pub use resolve::{Error, Overrides};
 pub use straal_accel::{Build, Isa, Structure};

@@ -1,6 +1,6 @@
-//! A finished picture: its layers, its story, and how it becomes a file.
+//! A finished picture: its layers, its metadata, and how it becomes a file.
 
-use crate::look::{self, Look, Negative};
+use crate::development::{self, Development, Undeveloped};
 use std::io;
 use std::path::Path;
 use straal_color::RgbSpace;
@@ -25,7 +25,7 @@ pub struct Picture {
     /// What the three numbers of a pixel are: RGB of a space, or XYZ.
     pub space: RgbSpace,
     /// What the picture tells about itself: keys that start with `straal.`, and values.
-    pub story: Vec<(String, String)>,
+    pub metadata: Vec<(String, String)>,
 }
 
 /// Why a picture wasn't written.
@@ -82,38 +82,43 @@ impl Format {
 
 impl Picture {
     pub(crate) fn new(film: &Film, layers: Layers, space: RgbSpace) -> Self {
-        Self { size: film.size, crop: film.crop, layers, space, story: Vec::new() }
+        Self { size: film.size, crop: film.crop, layers, space, metadata: Vec::new() }
     }
 
-    /// The value of a key of the story, which is written here without the leading `straal.`.
+    /// The value of a key of the metadata, which is written here without the leading `straal.`.
     pub fn tells(&self, key: &str) -> Option<&str> {
-        self.story.iter().find(|(k, _)| k.strip_prefix("straal.") == Some(key)).map(|(_, v)| v.as_str())
+        self.metadata.iter().find(|(k, _)| k.strip_prefix("straal.") == Some(key)).map(|(_, v)| v.as_str())
     }
 
     /// Writes the picture, whole or not at all, in the format that the name's extension says. A PNG is developed; an EXR
-    /// tells the look in its story, so that it can be developed again.
-    pub fn save(&self, path: &Path, look: &Look) -> Result<(), SaveError> {
+    /// tells in its metadata how it is developed, so that it can be developed again.
+    pub fn save(&self, path: &Path, development: &Development) -> Result<(), SaveError> {
         let format = Format::of(path)?;
-        atomic::write(path, |file| self.write(file, format, look))?;
+        atomic::write(path, |file| self.write(file, format, development))?;
         Ok(())
     }
 
     /// Writes the picture in that format to what takes bytes, such as a pipe.
-    pub fn write(&self, out: &mut dyn io::Write, format: Format, look: &Look) -> io::Result<()> {
+    pub fn write(
+        &self,
+        out: &mut dyn io::Write,
+        format: Format,
+        development: &Development,
+    ) -> io::Result<()> {
         match format {
             Format::Exr => {
                 let picture = self.to_exr();
-                let metadata = with_look(&picture.metadata, look);
+                let metadata = with_development(&picture.metadata, development);
                 exr::write(out, &exr::Picture { metadata, ..picture })
             }
             Format::Png => {
-                let negative = Negative {
+                let undeveloped = Undeveloped {
                     pixels: &self.layers.rgb,
                     width: self.layers.width,
                     at: self.crop.min,
                     space: self.space,
                 };
-                write_png(out, &negative, look, &with_look(&self.story, look))
+                write_png(out, &undeveloped, development, &with_development(&self.metadata, development))
             }
             Format::Hdr => hdr::write(out, &self.to_srgb()),
             Format::Pfm => pfm::write(out, &self.to_srgb()),
@@ -123,7 +128,7 @@ impl Picture {
     /// Linear RGB alone, with the primaries of sRGB: formats that can't say otherwise are taken to have them.
     fn to_srgb(&self) -> Image {
         let mut image = self.to_image();
-        if let Some(matrix) = look::to_screen(&self.space) {
+        if let Some(matrix) = development::to_screen(&self.space) {
             image.pixels.iter_mut().for_each(|pixel| *pixel = matrix.apply_f32(*pixel));
         }
         image
@@ -149,7 +154,7 @@ impl Picture {
             });
             layers.push(Layer::from_rgb("variance", &l.variance));
         }
-        let mut metadata = self.story.clone();
+        let mut metadata = self.metadata.clone();
         if let Some(error) = &l.error {
             layers.push(Layer::from_rgb("error", &error.rgb));
             metadata.push((ERROR.to_owned(), error.evidence.name().to_owned()));
@@ -173,33 +178,36 @@ impl Picture {
     }
 }
 
-/// The story of a picture that has this look, in the order in which an EXR is read: the same story gives the same file
+/// The metadata of a picture that is developed so, in the order in which an EXR is read: the same metadata give the same file
 /// wherever it comes from.
-pub(crate) fn with_look(story: &[(String, String)], look: &Look) -> Vec<(String, String)> {
-    let other = story.iter().filter(|(key, _)| key != LOOK).cloned();
-    let mut all: Vec<_> = other.chain([(LOOK.to_owned(), look.to_string())]).collect();
+pub(crate) fn with_development(
+    metadata: &[(String, String)],
+    development: &Development,
+) -> Vec<(String, String)> {
+    let other = metadata.iter().filter(|(key, _)| key != DEVELOPMENT).cloned();
+    let mut all: Vec<_> = other.chain([(DEVELOPMENT.to_owned(), development.to_string())]).collect();
     all.sort();
     all
 }
 
-/// The key of the story under which the look is told.
-pub(crate) const LOOK: &str = "straal.look";
+/// The key of the metadata under which the development settings are told.
+pub(crate) const DEVELOPMENT: &str = "straal.look";
 
-/// The key of the story under which an EXR tells by what its layer `error` is told.
+/// The key of the metadata under which an EXR tells by what its layer `error` is told.
 pub(crate) const ERROR: &str = "straal.error";
 
 /// Develops light and writes it.
 pub(crate) fn write_png(
     out: &mut dyn io::Write,
-    negative: &Negative<'_>,
-    look: &Look,
-    story: &[(String, String)],
+    undeveloped: &Undeveloped<'_>,
+    development: &Development,
+    metadata: &[(String, String)],
 ) -> io::Result<()> {
-    let codes = negative.develop(look);
-    let width = negative.width;
-    let height = negative.pixels.len() / if width > 0 { width } else { 1 };
+    let codes = undeveloped.develop(development);
+    let width = undeveloped.width;
+    let height = undeveloped.pixels.len() / if width > 0 { width } else { 1 };
     let encoded =
-        png::Encoded { width, height, pixels: codes.as_png(), curve: look.gamma.curve(), metadata: story };
+        png::Encoded { width, height, pixels: codes.as_png(), curve: development.gamma.curve(), metadata };
     png::write(out, &encoded)
 }
 

@@ -4,7 +4,9 @@ use crate::job::{Control, Job, Outcome};
 use crate::picture::Picture;
 use crate::resolve::Error;
 use straal_color::spectrum::Bands;
+use straal_render::film::channel;
 use straal_render::film::{BandLayers, Channel, ChannelLayer, Dropped, ErrorLayer, Evidence, Layers};
+use straal_render::settings::Settings;
 use straal_render::stopwatch::Times;
 
 /// Distance of the replicates' seeds: odd, and far from what people type.
@@ -25,7 +27,7 @@ impl Job {
             ));
         }
         let pixels = self.settings.crop.area() as u64;
-        self.check_room(pixels.saturating_mul(Sums::bytes_a_pixel(self.settings.layers)))?;
+        self.check_room(pixels.saturating_mul(Sums::bytes_a_pixel(&self.settings)))?;
         let mut progress = self.progress();
         progress.of = u64::from(self.spp) * u64::from(replicates);
         let mut sums: Option<Sums> = None;
@@ -61,10 +63,10 @@ impl Job {
             (None, Some(partial)) => partial,
             (None, None) => return Err(Error::Request("0 replicates: there must be at least 1".into())),
         };
-        picture.story = self.story(samples);
-        picture.story.push(("straal.replicates".into(), whole.to_string()));
-        picture.story.push(("straal.passes".into(), passes.to_string()));
-        picture.story.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
+        picture.metadata = self.metadata(samples);
+        picture.metadata.push(("straal.replicates".into(), whole.to_string()));
+        picture.metadata.push(("straal.passes".into(), passes.to_string()));
+        picture.metadata.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
         let complete = whole == replicates;
         Ok(Outcome {
             picture,
@@ -96,11 +98,13 @@ struct Sums {
 }
 
 impl Sums {
-    /// Bytes that they take for each pixel, of colours alone or with the other layers and the spread of colours.
-    fn bytes_a_pixel(layers: bool) -> u64 {
-        let three = size_of::<[f64; 3]>();
-        let others = 3 * three + size_of::<f64>() + size_of::<u32>();
-        (three + if layers { others } else { 0 }) as u64
+    /// Bytes that they take for each pixel.
+    fn bytes_a_pixel(of: &Settings) -> u64 {
+        let colours = size_of::<[f64; 3]>();
+        let spread = if of.layers || of.error { colours } else { 0 };
+        let samples = if of.layers { size_of::<u32>() } else { 0 };
+        let numbers: usize = channel::held(of.layers, of.cost).map(|(_, c)| c.components.len()).sum();
+        (colours + spread + samples + numbers * size_of::<f64>()) as u64
     }
 
     fn new(frame: Picture) -> Self {

@@ -10,11 +10,10 @@ use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::CompileError;
 use straal_render::driver::RenderError;
 use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
-use straal_render::integrator::{PathTracer, SineProduct};
+use straal_render::integrator::AnyIntegrator;
 use straal_render::settings::{Region, Settings};
 use straal_scene::desc;
 use straal_scene::memory::Shortage;
-use straal_scene::value::Depth;
 
 /// What a caller wants otherwise than the scene says; `None` leaves it to the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,9 +105,7 @@ pub(crate) struct Plan {
     pub recording: Recording,
     pub structure: Structure,
     pub isa: Isa,
-    pub integrator: PathTracer,
-    /// The test function that is shown in place of light, if any.
-    pub chart: Option<SineProduct>,
+    pub integrator: AnyIntegrator,
     /// The work space.
     pub space: Space,
     /// In pixels.
@@ -166,7 +163,7 @@ impl Plan {
         };
         let filter_radius = scene.film.filter.radius();
         check_size(&settings, &settings.extent(recording, filter_radius))?;
-        let (integrator, chart) = integrator(&scene.integrator, wish.max_depth);
+        let integrator = integrator(&scene.integrator, wish.max_depth);
         Ok(Self {
             settings,
             first,
@@ -177,7 +174,6 @@ impl Plan {
             structure,
             isa: wish.isa.unwrap_or_else(Isa::detect),
             integrator,
-            chart,
             space: scene.color.space.space(),
             filter_radius,
             memory: wish.memory,
@@ -215,18 +211,13 @@ fn run_of_samples(
     }
 }
 
-/// How light is gathered, and what is shown in its place.
-fn integrator(said: &desc::Integrator, max_depth: Option<u32>) -> (PathTracer, Option<SineProduct>) {
-    let by_default = desc::PathTracer::default();
-    let (path, chart) = match said {
-        desc::Integrator::Path(path) => (path, None),
-        desc::Integrator::SineProduct => (&by_default, Some(SineProduct)),
-    };
-    let max_depth = max_depth.unwrap_or(match path.max_depth {
-        Depth::Unlimited => u32::MAX,
-        Depth::Edges(n) => n,
-    });
-    (PathTracer { max_depth, roulette_depth: path.roulette_depth }, chart)
+/// How light is gathered.
+fn integrator(said: &desc::Integrator, max_depth: Option<u32>) -> AnyIntegrator {
+    let mut integrator = AnyIntegrator::of(said);
+    if let Some(edges) = max_depth {
+        integrator.limit_depth(edges);
+    }
+    integrator
 }
 
 /// In which numbers a scene wants its film to take light.

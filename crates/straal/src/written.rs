@@ -12,19 +12,19 @@ use straal_scene::decode::Describe;
 use straal_scene::desc;
 use straal_scene::value::Depth;
 
-use crate::look::{Gamma, Look};
+use crate::development::{Development, Gamma};
 use crate::resolve::{Error, Overrides};
 use crate::{Dither, Gamut};
 
 /// Whole numbers up to here are exact in a scene's text.
 const EXACT: u64 = 1 << 53;
 
-/// The scene that by itself gives the film that `wish` gives with the loaded one, developed by `look`. What changes the speed
+/// The scene that by itself gives the film that `wish` gives with the loaded one, developed by `development`. What changes the speed
 /// only is left out of `wish`.
-pub fn scene(loaded: &Loaded, wish: &Overrides, look: &Look) -> Result<desc::Scene, Error> {
+pub fn scene(loaded: &Loaded, wish: &Overrides, development: &Development) -> Result<desc::Scene, Error> {
     let mut scene = loaded.scene.clone();
     apply(&mut scene, wish)?;
-    develop_as(&mut scene.film, look);
+    develop_as(&mut scene.film, development);
     Ok(scene)
 }
 
@@ -67,9 +67,9 @@ fn apply(scene: &mut desc::Scene, wish: &Overrides) -> Result<(), Error> {
     Ok(())
 }
 
-fn develop_as(film: &mut desc::Film, look: &Look) {
-    film.exposure = look.exposure;
-    film.tone = match look.tone {
+fn develop_as(film: &mut desc::Film, development: &Development) {
+    film.exposure = development.exposure;
+    film.tone = match development.tone {
         Tone::Clamp => desc::Tone::Clamp,
         Tone::ScaleToMaximum => desc::Tone::MaxToOne,
         Tone::Reinhard { white } => {
@@ -82,7 +82,7 @@ fn develop_as(film: &mut desc::Film, look: &Look) {
         Tone::Agx => desc::Tone::Agx,
         Tone::KhronosNeutral => desc::Tone::KhronosNeutral,
     };
-    film.gamut = match look.gamut {
+    film.gamut = match development.gamut {
         Gamut::Clip => desc::Gamut::Clip,
         Gamut::Desaturate => desc::Gamut::Desaturate,
         Gamut::Flag(color) => {
@@ -90,12 +90,12 @@ fn develop_as(film: &mut desc::Film, look: &Look) {
             desc::Gamut::Flag(desc::Flag { color })
         }
     };
-    film.gamma = match look.gamma {
+    film.gamma = match development.gamma {
         Gamma::Srgb => desc::Gamma::Srgb,
         Gamma::Power(gamma) => desc::Gamma::Power(shortest(gamma)),
     };
-    film.bits = look.bits.number();
-    film.dither = look.dither == Dither::On;
+    film.bits = development.bits.number();
+    film.dither = development.dither == Dither::On;
 }
 
 /// The number with the fewest digits that is the same in single precision.
@@ -174,10 +174,11 @@ mod tests {
     fn every_look_is_written_and_read_back() {
         for (tone, gamma) in Tone::ALL.into_iter().zip([Gamma::Srgb, Gamma::Power(2.2)].into_iter().cycle()) {
             let gamut = Gamut::Flag([1.0, 0.1, 0.0]);
-            let look = Look { tone, gamma, gamut, dither: Dither::On, ..Look::default() };
+            let development =
+                Development { tone, gamma, gamut, dither: Dither::On, ..Development::default() };
             let mut film = desc::Film::default();
-            develop_as(&mut film, &look);
-            assert_eq!(Look::of(&film), look);
+            develop_as(&mut film, &development);
+            assert_eq!(Development::of(&film), development);
         }
         assert_eq!(shortest(2.2), 2.2);
     }

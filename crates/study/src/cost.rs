@@ -51,5 +51,5 @@ pub fn save(picture: &Picture, path: &Path, of: Measure) -> Result<(), SaveError
     let values = values.ok_or(SaveError::NotCounted(of.name()))?;
     let scale = Scale::of(values);
     let chart = Chart::of(values, picture.layers.width, scale).with_legend(scale, of.caption());
-    chart.save(path, &picture.story)
+    chart.save(path, &picture.metadata)
 }

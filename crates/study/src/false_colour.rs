@@ -187,18 +187,18 @@ impl Chart {
     }
 
     /// As a PNG.
-    pub fn write_png(&self, out: impl io::Write, story: &[(String, String)]) -> io::Result<()> {
+    pub fn write_png(&self, out: impl io::Write, metadata: &[(String, String)]) -> io::Result<()> {
         let (width, height) = (self.width, self.height);
         let pixels = png::Pixels::Eight(&self.pixels);
-        png::write(out, &png::Encoded { width, height, pixels, curve: png::Curve::Srgb, metadata: story })
+        png::write(out, &png::Encoded { width, height, pixels, curve: png::Curve::Srgb, metadata })
     }
 
-    /// As a PNG file, whole or not at all; `story` goes into its metadata.
-    pub fn save(&self, path: &Path, story: &[(String, String)]) -> Result<(), SaveError> {
+    /// As a PNG file, whole or not at all; `metadata` goes with it.
+    pub fn save(&self, path: &Path, metadata: &[(String, String)]) -> Result<(), SaveError> {
         if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
             return Err(SaveError::NotPng(path.display().to_string()));
         }
-        atomic::write(path, |file| self.write_png(file, story))?;
+        atomic::write(path, |file| self.write_png(file, metadata))?;
         Ok(())
     }
 }

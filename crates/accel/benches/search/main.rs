@@ -2,7 +2,7 @@
 //!
 //! Words behind `--` choose: names of meshes (`bunny`, `sphere`, `room`), of ray sets, and of parts (`search`; `build`;
 //! `trees`, what each build's tree costs a ray; `classics`, every structure on the bunny; `counting`, what counting
-//! tests costs; `scale`, up to ten million triangles); `isa=avx2` an instruction set; `rounds=9` how often each is timed. The library of Embree 4 is looked for on the system and in the
+//! tests costs; `scale`, up to ten million triangles; `shapes`, those that are formulas); `isa=avx2` an instruction set; `rounds=9` how often each is timed. The library of Embree 4 is looked for on the system and in the
 //! Python package `embreex` (`pip install embreex`), or `EMBREE_LIB` names it.
 //!
 //! Contestants take turns within a round, and a ratio is the median over the rounds of the ratios within each, so that
@@ -14,6 +14,7 @@ mod common;
 mod embree;
 mod rays;
 mod scenes;
+mod shapes;
 
 use common::world;
 use embree::{Embree, Quality};
@@ -52,7 +53,7 @@ impl Plan {
 
 const MESHES: [&str; 3] = ["bunny", "sphere", "room"];
 const SETS: [&str; 7] = ["primary", "bounce", "shuffled", "second", "shadow", "segments", "misses"];
-const PARTS: [&str; 6] = ["search", "build", "trees", "classics", "counting", "scale"];
+const PARTS: [&str; 7] = ["search", "build", "trees", "classics", "counting", "scale", "shapes"];
 
 fn main() {
     let plan = Plan::new();
@@ -90,6 +91,9 @@ fn main() {
         if plan.wants(&PARTS, "counting") {
             counting(&plan, &mesh);
         }
+    }
+    if plan.wants(&PARTS, "shapes") {
+        shapes::all(plan.isa, plan.rounds);
     }
     if plan.wants(&PARTS, "classics")
         && let Some(mesh) = scenes::bunny()

@@ -1,4 +1,5 @@
-//! Up to eight shapes of one kind, their numbers side by side, and one ray against all of them.
+//! Up to eight shapes, of one kind where those of a kind stand together, with their numbers side by side, and one ray against all
+//! of them.
 
 use super::{
     Analytic, Kind, NUMBERS,
@@ -10,6 +11,9 @@ use crate::{
     slab::EXIT,
 };
 use straal_math::Bounds;
+
+/// Of so many shapes of a block or fewer, each is tested by itself: a division of eight numbers takes longer than two of one.
+const ALONE: u32 = 2;
 
 /// A shape of a group, to be put in a block.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +31,9 @@ pub(crate) struct Member {
 #[repr(C, align(64))]
 struct Row(Doubles);
 
+/// Bytes of a number of each shape.
+pub(crate) const ROW_BYTES: usize = size_of::<Row>();
+
 /// What each shape of a block has besides its numbers.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
@@ -35,7 +42,9 @@ pub(crate) struct Head {
     pub planes: [Singles; 6],
     pub objects: [u32; ROW],
     pub masks: [u32; ROW],
-    pub kind: Kind,
+    pub kinds: [Kind; ROW],
+    /// Whether all are of one kind.
+    is_pure: bool,
     pub count: u32,
     /// Its first row.
     first: u32,
@@ -82,16 +91,16 @@ impl Blocks {
         out
     }
 
-    /// Adds a block of one shape at least and eight at most, all of the first one's kind.
+    /// Adds a block of one shape at least and eight at most.
     pub fn push(&mut self, members: &[Member]) {
         let Some(first) = members.first() else { return };
-        let kind = first.shape.kind;
         self.rows.truncate(self.rows.len().saturating_sub(self.padding()));
         let mut head = Head {
             planes: [[0.0; ROW]; 6],
             objects: [0; ROW],
             masks: [0; ROW],
-            kind,
+            kinds: [first.shape.kind; ROW],
+            is_pure: members.iter().all(|m| m.shape.kind == first.shape.kind),
             count: members.len() as u32,
             first: self.rows.len() as u32,
         };
@@ -106,6 +115,7 @@ impl Blocks {
             }
             head.objects[lane] = m.object;
             head.masks[lane] = m.mask;
+            head.kinds[lane] = m.shape.kind;
             self.all_masks &= m.mask;
             rows.iter_mut().zip(m.shape.numbers).for_each(|(row, x)| row.0[lane] = x);
         }
@@ -127,7 +137,9 @@ impl Blocks {
 
     /// Rows behind those of the last block.
     fn padding(&self) -> usize {
-        self.heads.last().map_or(0, |head| NUMBERS - head.kind.numbers())
+        self.heads
+            .last()
+            .map_or(0, |head| NUMBERS - if head.is_pure { head.kinds[0].numbers() } else { NUMBERS })
     }
 
     pub fn len(&self) -> usize {
@@ -188,38 +200,77 @@ impl Block<'_> {
         (1 << self.head.count) - 1
     }
 
-    /// The shapes that a ray hits up to `limit`.
+    /// The shapes that a ray hits up to `limit`, which is no later than its end.
     #[inline(always)]
     pub fn meet<W: Wide>(&self, w: W, r: &LocalRay, limit: f32) -> Found {
         let mut out = Found { hit: 0, t: [0.0; ROW], u: [0.0; ROW], v: [0.0; ROW] };
-        let (o, d, inv) = (r.ray.o.to_array(), r.ray.d.to_array(), r.inv.to_array());
-        let interval = (w.single(r.ray.t_min), w.single(r.ray.t_max), w.single(EXIT));
-        let lanes = Lanes {
-            o: o.map(|x| w.double(f64::from(x))),
-            d: d.map(|x| w.double(f64::from(x))),
-            t_min: w.double(f64::from(r.ray.t_min)),
-            t_max: w.double(f64::from(r.ray.t_max)),
-        };
-        let (o, inv) = (o.map(|x| w.single(x)), inv.map(|x| w.single(x)));
-        let limit = w.double(f64::from(limit));
+        let (o, inv) = (r.ray.o.to_array().map(|x| w.single(x)), r.inv.to_array().map(|x| w.single(x)));
+        // No box is entered beyond the limit, which lies in the interval.
+        let interval = (w.single(r.ray.t_min), w.single(limit), w.single(EXIT));
         let mut at = 0;
         while at < ROW && at < self.head.count as usize {
             let plane = |i: usize| w.singles(&self.head.planes[i], at);
-            let (enter, start, is_crossed) = crossing(plane, o, inv, interval);
-            let is_near = w.wide_mask(is_crossed) & w.widened(start).at_most(limit);
-            if is_near.bits() != 0 {
-                let met = meet(self.head.kind, |row| w.doubles(&self.rows[row].0, at), &lanes);
-                let enter = w.widened(enter);
-                let t = enter.or(met.t.below(enter), met.t);
-                let is_hit = is_near & met.is_hit & t.at_most(limit);
-                out.hit |= is_hit.bits() << at;
-                w.put_doubles(t, &mut out.t, at);
-                w.put_doubles(met.u, &mut out.u, at);
-                w.put_doubles(met.v, &mut out.v, at);
+            let (enter, _, is_crossed) = crossing(plane, o, inv, interval);
+            let near = is_crossed.bits() & self.lanes() >> at;
+            if near != 0 {
+                if self.head.is_pure && near.count_ones() > ALONE {
+                    self.meet_lanes(w, r, (enter, w.wide_mask(is_crossed)), (limit, at), &mut out);
+                } else {
+                    let mut entries = [0.0; ROW];
+                    w.put_singles(enter, &mut entries, at);
+                    self.meet_each(r, (near << at, &entries), limit, &mut out);
+                }
             }
             at += W::LANES;
         }
         out.hit &= self.lanes();
         out
+    }
+
+    /// Works out the formula in all lanes from `at` on.
+    #[inline(always)]
+    fn meet_lanes<W: Wide>(
+        &self,
+        w: W,
+        r: &LocalRay,
+        (enter, is_near): (W::Single, <W::Double as Double>::Mask),
+        (limit, at): (f32, usize),
+        out: &mut Found,
+    ) {
+        let splat = |x: f32| w.double(f64::from(x));
+        let lanes = Lanes {
+            o: r.ray.o.to_array().map(splat),
+            d: r.ray.d.to_array().map(splat),
+            t_min: splat(r.ray.t_min),
+            t_max: splat(r.ray.t_max),
+        };
+        let met = meet(self.head.kinds[0], |row| w.doubles(&self.rows[row].0, at), &lanes);
+        let enter = w.widened(enter);
+        let t = enter.or(met.t.below(enter), met.t);
+        let is_hit = is_near & met.is_hit & t.at_most(splat(limit));
+        out.hit |= is_hit.bits() << at;
+        w.put_doubles(t, &mut out.t, at);
+        w.put_doubles(met.u, &mut out.u, at);
+        w.put_doubles(met.v, &mut out.v, at);
+    }
+
+    /// Works out the formulas of some lanes one by one.
+    #[inline(always)]
+    fn meet_each(&self, r: &LocalRay, (mut near, entries): (u32, &Singles), limit: f32, out: &mut Found) {
+        let lanes = Lanes {
+            o: r.ray.o.to_array().map(f64::from),
+            d: r.ray.d.to_array().map(f64::from),
+            t_min: f64::from(r.ray.t_min),
+            t_max: f64::from(r.ray.t_max),
+        };
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize % ROW;
+            near &= near - 1;
+            let met = meet(self.head.kinds[lane], |row| self.number(row, lane), &lanes);
+            let enter = f64::from(entries[lane]);
+            let t = if enter > met.t { enter } else { met.t };
+            out.hit |= u32::from(met.is_hit & (t <= f64::from(limit))) << lane;
+            (out.t[lane], out.u[lane], out.v[lane]) = (t, met.u, met.v);
+        }
     }
 }

@@ -11,7 +11,7 @@ pub(crate) mod block;
 pub(crate) mod forms;
 pub(crate) mod octet;
 
-use crate::input::ShapeHit;
+use crate::hit::ShapeHit;
 use forms::{Lanes, meet};
 use straal_math::{Affine, DVec3, Ray};
 

@@ -176,7 +176,7 @@ impl Octet {
                 if is_near.bits() == 0 {
                     continue;
                 }
-                let met = meet(block.head.kind, |row| w.double(block.number(row, lane)), &lanes);
+                let met = meet(block.head.kinds[lane % ROW], |row| w.double(block.number(row, lane)), &lanes);
                 let enter = w.widened(enter);
                 let later = enter.or(met.t.below(enter), met.t);
                 let number = w.double(f64::from(block.head.objects[lane % ROW]));

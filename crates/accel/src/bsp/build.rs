@@ -9,7 +9,7 @@ use super::{
 use crate::{
     clip::Limits,
     partition::{self, Budget, depth_limit},
-    structure::{Packed, Prim, PrimKind},
+    prim::{Packed, Prim, PrimKind},
 };
 use straal_math::{Bounds, Vec3};
 

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     partition::{self, chance},
-    structure::{Prim, PrimKind},
+    prim::{Prim, PrimKind},
 };
 use straal_math::DVec3;
 

@@ -51,7 +51,7 @@ use crate::{
     clip::Limits,
     local::LocalRay,
     partition,
-    structure::{Packed, Prim},
+    prim::{Packed, Prim},
 };
 use cell::Cell;
 use plane::{Interval, Line, Plane, Side};
@@ -65,6 +65,9 @@ enum Node {
     /// `count` references from `first` on.
     Leaf { first: u32, count: u32 },
 }
+
+/// Bytes of a node.
+pub(crate) const NODE_BYTES: usize = size_of::<Node>();
 
 /// The tree.
 pub(crate) struct BspTree {

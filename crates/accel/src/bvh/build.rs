@@ -7,7 +7,7 @@
 //! number of threads builds the same tree.
 
 use super::{
-    Bvh, Child, Outline, WIDTH,
+    Bvh,
     collapse::{Costs, Twig, What, choose},
     object_split,
     params::{Build, BvhParams},
@@ -15,7 +15,11 @@ use super::{
     spatial_split,
     wide::{Binary, join},
 };
-use crate::{analytic::block::Member, structure::Prim};
+use crate::{
+    analytic::block::Member,
+    node::{Child, MOST_LEVELS, Outline, WIDTH},
+    prim::Prim,
+};
 use rayon::prelude::*;
 use straal_math::Vec3;
 
@@ -23,8 +27,7 @@ use straal_math::Vec3;
 /// deeper than this + 30.
 const MAX_SAH_DEPTH: u32 = 40;
 
-/// What a search's stack must hold: seven more on each level, of at most `MAX_SAH_DEPTH` + 31.
-pub(crate) const STACK: usize = 7 * (MAX_SAH_DEPTH as usize + 31) + 1;
+const _: () = assert!(MAX_SAH_DEPTH as usize + 31 <= MOST_LEVELS);
 
 /// Ranges up to this long are tasks of one thread.
 const TASK: usize = 2048;
@@ -106,14 +109,14 @@ impl Binary {
         }
     }
 
-    /// A block of triangles or of shapes of one kind, or one object, if that is what the range is.
+    /// A block of triangles or of shapes, or one object, if that is what the range is.
     fn leaf(&mut self, refs: &[Ref], span: &Span, plan: &Plan<'_>) -> Option<Child> {
         if refs.len() == 1 && refs[0].class == Class::Object {
             return Some(Child::object(refs[0].id));
         }
-        if refs.len() <= WIDTH && span.shapes == refs.len() && refs.iter().all(|r| r.class == refs[0].class) {
+        if refs.len() <= WIDTH && span.shapes == refs.len() {
             let mut block: Vec<Member> = refs.iter().map(|r| plan.shapes[r.id as usize]).collect();
-            block.sort_unstable_by_key(|m| m.object);
+            block.sort_unstable_by_key(|m| (m.shape.kind, m.object));
             self.shapes.push(&block);
             return Some(Child::shapes(self.shapes.len() as u32 - 1));
         }
@@ -129,12 +132,9 @@ impl Binary {
     }
 }
 
-/// Splits a range of at least two in two; `refs` are its places. What would be a block but for its kinds is parted by them.
+/// Splits a range of at least two in two; `refs` are its places.
 fn split(refs: &mut [Ref], span: &Span, plan: &Plan<'_>) -> [Span; 2] {
     let len = span.len();
-    if len <= WIDTH && span.shapes == len && span.depth < MAX_SAH_DEPTH {
-        return with_room(object_split::by_class(&mut refs[..len], span), span);
-    }
     let heaps =
         if span.depth < MAX_SAH_DEPTH { object_split::find(&refs[..len], span, plan.build) } else { None };
     let mut out = None;

@@ -7,7 +7,8 @@
 //! halves (Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
 //! section 3.1; leaves are given here, so that only the nodes' areas count).
 
-use super::{Child, WIDTH, span::Box4};
+use super::span::Box4;
+use crate::node::{Child, WIDTH};
 
 /// A node of the binary tree. In a list, a node stands before what is below it, and the left half before the right.
 #[derive(Clone, Copy)]

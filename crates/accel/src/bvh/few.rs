@@ -10,11 +10,9 @@ use crate::{
         octet::{Firsts, RAYS},
     },
     hit::{Chain, Hit},
-    kernel::Kernel,
     lanes::ROW,
-    query::Query,
-    scene::GroupData,
-    structure::Place,
+    query::{Descend, Place, Query},
+    stage::GroupData,
 };
 use straal_math::Ray;
 
@@ -32,7 +30,7 @@ pub(super) fn part(members: Vec<Member>) -> (Blocks, Vec<Member>) {
 impl Bvh {
     /// The first hits of rays in the world among the few shapes, or any where `ANY`.
     #[inline(always)]
-    pub(super) fn few_many<K: Kernel, const ANY: bool>(
+    pub(super) fn few_many<K: Descend, const ANY: bool>(
         &self,
         q: &Query<'_, K, false>,
         group: &GroupData,
@@ -60,7 +58,7 @@ impl Bvh {
 
     /// One ray among the few shapes.
     #[inline(always)]
-    pub(super) fn few_closest<K: Kernel, const COUNT: bool>(
+    pub(super) fn few_closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -73,7 +71,7 @@ impl Bvh {
 
     /// Whether one ray hits any of the few shapes.
     #[inline(always)]
-    pub(super) fn few_occluded<K: Kernel, const COUNT: bool>(
+    pub(super) fn few_occluded<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,

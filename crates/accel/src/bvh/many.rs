@@ -10,18 +10,23 @@
 //! where an entry is put is known late, and the processor, which has seen that what is loaded next may be what was put
 //! there, would wait for it.
 
-use super::{Bvh, Child, answers::Answers, class, near::Near};
+use super::{
+    Bvh,
+    answers::Answers,
+    batch::{self, Batch},
+    near::Near,
+};
 use crate::{
     hit::{Chain, Hit},
     kernel::{
-        Kernel, LaneHit,
+        LaneHit, Next,
         descent::{Descent, Spilled},
         prefetch::{NOT, TO_SECOND},
     },
     local::LocalRay,
-    query::Query,
-    scene::GroupData,
-    structure::Place,
+    node::{Child, class},
+    query::{Descend, Place, Query},
+    stage::GroupData,
 };
 use straal_math::Ray;
 
@@ -51,10 +56,6 @@ struct Flight {
 
 const _: () = assert!(size_of::<Flight>() == 128);
 
-/// What each ray visits next.
-#[repr(C, align(64))]
-pub(crate) struct Next<const N: usize>(pub [Child; N]);
-
 /// The members of a set of up to `N` rays, in order.
 pub(super) struct Members<const N: usize>(pub u64);
 
@@ -79,7 +80,7 @@ impl Bvh {
     /// Searches rays whose answers begin at a place; when `ANY`, for any hit. Where there are a few shapes beside the tree, the
     /// answers are what these gave.
     #[inline(always)]
-    pub(super) fn many<K: Kernel, const ANY: bool, const N: usize, const PREFETCH: u8>(
+    pub(super) fn many<K: Descend, const ANY: bool, const N: usize, const PREFETCH: u8>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -95,6 +96,7 @@ impl Bvh {
         let mut spilled: [Spilled; N] = std::array::from_fn(|_| Spilled::new());
         let mut first = [LaneHit::NONE; N];
         let mut room = None;
+        let mut together = None;
         let mut waiting = Waiting { rays, next: 0 };
         let nodes = self.lines.nodes();
         let prefetch = |kernel: K, child: Child| {
@@ -126,9 +128,9 @@ impl Bvh {
                     None => live &= !(1 << i),
                 }
             }
-            let together = const { if PREFETCH == NOT { N } else { TOGETHER } };
-            for start in (0..N).step_by(together) {
-                let some = classes[class::NODE] & (u64::MAX >> (64 - together)) << start;
+            let at_once = const { if PREFETCH == NOT { N } else { TOGETHER } };
+            for start in (0..N).step_by(at_once) {
+                let some = classes[class::NODE] & (u64::MAX >> (64 - at_once)) << start;
                 for i in Members::<N>(some) {
                     let (f, stack) = (&flights[i], &mut stacks[i]);
                     let node = nodes.get(next.0[i].index());
@@ -197,45 +199,85 @@ impl Bvh {
                 next.0[i] = child;
                 prefetch(q.kernel, child);
             }
-            for i in Members::<N>(classes[class::OBJECT]) {
+            // Rays wait at instances of something large until half of all are at one, so that more go together.
+            let mut objects = classes[class::OBJECT];
+            for i in Members::<N>(objects) {
+                let Some(block) = next.0[i].as_shapes() else { continue };
+                objects &= !(1 << i);
                 let (f, stack, best) = (&mut flights[i], &mut stacks[i], &mut elsewhere[i]);
                 let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
-                if let Some(block) = next.0[i].as_shapes() {
-                    if ANY {
-                        if q.shapes_occluded(&at, self.shapes.get(block)) {
-                            f.near.set_found(best);
-                            stack.reset();
-                        }
-                    } else if self.shapes_closest(q, &at, block, &mut f.near, best) {
-                        stack.keep_within(f.near.key());
-                    }
-                    let child = stack.pop();
-                    next.0[i] = child;
-                    prefetch(q.kernel, child);
-                    continue;
-                }
-                let object = next.0[i].index() as u32;
                 if ANY {
-                    if q.object_occluded(&at, object) {
+                    if q.shapes_occluded(&at, self.shapes.get(block)) {
                         f.near.set_found(best);
                         stack.reset();
                     }
-                } else {
-                    f.near.settle(&at, best);
-                    q.object_closest(&at, object, best);
-                    f.near = Near::new(best);
+                } else if self.shapes_closest(q, &at, block, &mut f.near, best) {
                     stack.keep_within(f.near.key());
                 }
                 let child = stack.pop();
                 next.0[i] = child;
                 prefetch(q.kernel, child);
             }
+            if group.has_large && objects.count_ones() * 2 < live.count_ones() {
+                continue;
+            }
+            let mut rest = objects;
+            while rest != 0 {
+                let first = next.0[rest.trailing_zeros() as usize % N];
+                let same = Members::<N>(rest).filter(|&i| next.0[i] == first);
+                let same = same.fold(0_u64, |set, i| set | 1 << i);
+                rest &= !same;
+                let object = first.index() as u32;
+                let o = &group.objects[object as usize];
+                if batch::pays(q.scene, o, same) {
+                    let batch = together.get_or_insert(Batch::EMPTY);
+                    batch.clear();
+                    for i in Members::<N>(same) {
+                        batch.add(q, &flights[i].ray, o, flights[i].near.t, i);
+                    }
+                    if ANY {
+                        for i in batch.occluded(q, o) {
+                            flights[i].near.set_found(&mut elsewhere[i]);
+                            stacks[i].reset();
+                        }
+                    } else {
+                        batch.closest(q, o, |i, hit| {
+                            let (f, best) = (&mut flights[i], &mut elsewhere[i]);
+                            f.near.settle(&Place { group, ray: &f.ray, chain: &Chain::EMPTY }, best);
+                            best.offer(hit);
+                            f.near = Near::new(best);
+                            stacks[i].keep_within(f.near.key());
+                        });
+                    }
+                } else {
+                    for i in Members::<N>(same) {
+                        let (f, stack, best) = (&mut flights[i], &mut stacks[i], &mut elsewhere[i]);
+                        let at = Place { group, ray: &f.ray, chain: &Chain::EMPTY };
+                        if ANY {
+                            if q.object_occluded(&at, object) {
+                                f.near.set_found(best);
+                                stack.reset();
+                            }
+                        } else {
+                            f.near.settle(&at, best);
+                            q.object_closest(&at, object, best);
+                            f.near = Near::new(best);
+                            stack.keep_within(f.near.key());
+                        }
+                    }
+                }
+                for i in Members::<N>(same) {
+                    let child = stacks[i].pop();
+                    next.0[i] = child;
+                    prefetch(q.kernel, child);
+                }
+            }
         }
     }
 
     /// Takes the next ray that isn't settled at once, and tells what it visits first; `None` when there is none left.
     #[inline(always)]
-    fn launch<K: Kernel, const ANY: bool>(
+    fn launch<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,

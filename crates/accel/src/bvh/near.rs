@@ -1,6 +1,6 @@
 //! The nearest hit of a search under way, as little of it as triangles need.
 
-use crate::{hit::Hit, slab::loosened, structure::Place};
+use crate::{hit::Hit, kernel::Candidate, query::Place, slab::loosened};
 
 /// The nearest triangle so far, which may come before a hit that was found elsewhere.
 ///
@@ -16,15 +16,6 @@ pub(super) struct Near {
     id: u32,
     /// What is entered beyond this is left out: `t`, [`loosened`].
     pub limit: f32,
-}
-
-/// A triangle's hit.
-#[derive(Clone, Copy)]
-pub(crate) struct Candidate {
-    pub t: f32,
-    /// The hit's u and v, times `det`.
-    pub uv: [f32; 2],
-    pub det: f32,
 }
 
 /// Nothing was found.

@@ -2,10 +2,10 @@
 //! Construction of SAH-based Bounding Volume Hierarchies").
 
 use super::{
-    WIDTH,
     params::Build,
     span::{Box4, Ref, Span},
 };
+use crate::node::WIDTH;
 use rayon::prelude::*;
 use std::ops::Range;
 use straal_math::Vec3;
@@ -110,15 +110,6 @@ pub(super) fn halve(refs: &mut [Ref], span: &Span) -> [Span; 2] {
     let (a, b) = refs.split_at(half);
     let depth = span.depth + 1;
     [Span::of(a, span.start, depth), Span::of(b, span.start + half, depth)]
-}
-
-/// Parts a range of several classes by class: the first one's is the left half.
-pub(super) fn by_class(refs: &mut [Ref], span: &Span) -> [Span; 2] {
-    refs.sort_unstable_by_key(|r| (r.class, r.id));
-    let first = refs.partition_point(|r| r.class == refs[0].class);
-    let (a, b) = refs.split_at(first);
-    let depth = span.depth + 1;
-    [Span::of(a, span.start, depth), Span::of(b, span.start + first, depth)]
 }
 
 fn longest(span: &Span) -> usize {

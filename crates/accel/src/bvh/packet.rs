@@ -8,20 +8,23 @@
 //! time that went into it and changes nothing else.
 
 use super::{
-    Bvh, Child, ChildKind, STACK, WIDTH,
+    Bvh,
     answers::Answers,
-    bundle::{Bundle, PACKET},
+    batch::{self, Batch},
     many::Members,
     near::Near,
     traverse::take,
 };
 use crate::{
     hit::{Chain, Hit},
-    kernel::{Kernel, LaneHit, prefetch::TO_FIRST},
+    kernel::{LaneHit, prefetch::TO_FIRST},
     local::LocalRay,
-    query::Query,
-    scene::GroupData,
-    structure::Place,
+    node::{
+        Child, ChildKind, STACK, WIDTH,
+        bundle::{Bundle, PACKET},
+    },
+    query::{Descend, Place, Query},
+    stage::GroupData,
 };
 use straal_math::{Ray, Vec3};
 
@@ -73,7 +76,7 @@ impl Bvh {
     /// Searches with a packet of rays whose answers begin at a place, as in `many.rs`. False, with nothing done, when the rays make
     /// none or it was given up.
     #[inline(always)]
-    pub(super) fn packet<K: Kernel, const ANY: bool>(
+    pub(super) fn packet<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -109,7 +112,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    fn search_packet<K: Kernel, const ANY: bool>(
+    fn search_packet<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -207,7 +210,7 @@ impl Bvh {
 
     /// Tests some rays of a packet against a leaf.
     #[inline(always)]
-    fn leaf<K: Kernel, const ANY: bool>(
+    fn leaf<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -247,6 +250,27 @@ impl Bvh {
                     } else if Self::block_closest(q, &at, block, &mut p.near[i], &p.best[i]) {
                         p.bundle.set_limit(i, p.near[i].limit);
                     }
+                }
+            }
+            ChildKind::Object(o) if batch::pays(q.scene, &group.objects[o as usize], entering) => {
+                let o = &group.objects[o as usize];
+                let mut batch = Batch::EMPTY;
+                for i in Members::<PACKET>(entering) {
+                    batch.add(q, &p.rays[i], o, p.near[i].t, i);
+                }
+                if ANY {
+                    for i in batch.occluded(q, o) {
+                        p.near[i].set_found(&mut p.best[i]);
+                        p.bundle.set_limit(i, -1.0);
+                    }
+                } else {
+                    batch.closest(q, o, |i, hit| {
+                        let (near, best) = (&mut p.near[i], &mut p.best[i]);
+                        near.settle(&Place { group, ray: &p.rays[i], chain: &Chain::EMPTY }, best);
+                        best.offer(hit);
+                        *near = Near::new(best);
+                        p.bundle.set_limit(i, near.limit);
+                    });
                 }
             }
             ChildKind::Object(o) => {

@@ -6,7 +6,7 @@
 //! Compressed Wide BVHs", section 3.2; they solve the assignment by an auction, here each time the best of all pairs that
 //! are left is taken).
 
-use super::WIDTH;
+use crate::node::WIDTH;
 
 /// The slot of each child, by how far its centre lies from the node's along each axis, in any unit.
 pub(super) fn assign(offsets: &[[f32; 3]]) -> [usize; WIDTH] {

@@ -1,8 +1,8 @@
 //! Ranges of primitives while the tree is built.
 
 use crate::{
-    analytic::{Kind, block::Member},
-    structure::{Prim, PrimKind},
+    analytic::block::Member,
+    prim::{Prim, PrimKind},
 };
 use straal_math::Bounds;
 
@@ -64,8 +64,8 @@ pub(super) enum Class {
     Triangle,
     /// One object.
     Object,
-    /// Shapes of a kind.
-    Shape(Kind),
+    /// Shapes.
+    Shape,
 }
 
 /// A primitive while the tree is built, or the part of a triangle in a box: its box, and as a leaf refers to it.
@@ -93,7 +93,7 @@ impl Ref {
     /// Of a shape by its number among those that go into the tree.
     pub const fn of_shape(id: u32, m: &Member) -> Self {
         let Bounds { min, max } = m.bounds;
-        Self { lo: min.to_array(), id, hi: max.to_array(), class: Class::Shape(m.shape.kind) }
+        Self { lo: min.to_array(), id, hi: max.to_array(), class: Class::Shape }
     }
 
     #[inline(always)]
@@ -162,7 +162,7 @@ impl Span {
         self.bounds.grow(&b.lo, &b.hi);
         self.centers.grow(&center, &center);
         self.objects += usize::from(!r.is_triangle());
-        self.shapes += usize::from(matches!(r.class, Class::Shape(_)));
+        self.shapes += usize::from(r.class == Class::Shape);
         self.end += 1;
     }
 

@@ -22,12 +22,12 @@
 //! A triangle that is tested twice gives the same hit twice.
 
 use super::{
-    WIDTH,
     build::Plan,
     object_split::{PIECE, blocks},
     params::Build,
     span::{Box4, Ref, Span},
 };
+use crate::node::WIDTH;
 use rayon::prelude::*;
 
 /// Bins on each axis.

@@ -1,9 +1,10 @@
 //! What a report says of a tree.
 
-use super::{Bvh, Child, ChildKind, WIDTH};
+use super::Bvh;
 use crate::{
+    node::{Child, ChildKind, WIDTH},
     partition::{self, half_area},
-    structure::Stats,
+    query::Stats,
 };
 use straal_math::Bounds;
 

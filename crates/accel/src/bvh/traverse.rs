@@ -1,23 +1,22 @@
 //! Searching the tree with one ray.
 
 use super::{
-    Block, Bvh, Child, Distance, WIDTH,
+    Bvh, Distance,
     answers::Answers,
-    bundle::PACKET,
     many::{FLIGHT, REMOTE_FLIGHT},
-    near::{Candidate, Near},
+    near::Near,
 };
 use crate::{
     hit::Hit,
     kernel::{
-        Kernel, LaneHit,
+        Candidate, LaneHit,
         descent::{ALL, Descent},
         prefetch::{NOT, TO_FIRST, TO_SECOND},
     },
-    query::Query,
-    scene::GroupData,
+    node::{Block, Child, WIDTH, bundle::PACKET},
+    query::{Descend, Place, Query, Search, Stats},
     slab::loosened,
-    structure::{Place, Search, Stats},
+    stage::GroupData,
     triangle,
 };
 use straal_math::Ray;
@@ -25,7 +24,7 @@ use straal_math::Ray;
 impl Bvh {
     /// Offers what a block has to the nearest hit; tells whether that moved.
     #[inline(always)]
-    pub(super) fn block_closest<K: Kernel, const COUNT: bool>(
+    pub(super) fn block_closest<K: Descend, const COUNT: bool>(
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         block: &Block,
@@ -58,7 +57,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn offer<K: Kernel, const COUNT: bool>(
+    pub(super) fn offer<K: Descend, const COUNT: bool>(
         q: &Query<'_, K, COUNT>,
         at: &Place<'_>,
         (block, found): (&Block, &LaneHit),
@@ -75,7 +74,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn block_occluded<K: Kernel, const COUNT: bool>(
+    pub(super) fn block_occluded<K: Descend, const COUNT: bool>(
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         block: &Block,
@@ -104,7 +103,7 @@ impl Bvh {
 
     /// Offers what a block of shapes has to the nearest hit; tells whether that moved.
     #[inline(always)]
-    pub(super) fn shapes_closest<K: Kernel, const COUNT: bool>(
+    pub(super) fn shapes_closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -125,7 +124,7 @@ impl Bvh {
 
     /// Searches a slice, in packets where its rays make some.
     #[inline(always)]
-    fn slice<K: Kernel, const ANY: bool>(
+    fn slice<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -160,7 +159,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    fn one_by_one<K: Kernel, const ANY: bool>(
+    fn one_by_one<K: Descend, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -192,7 +191,7 @@ pub(super) fn take(mask: &mut u32) -> usize {
 impl Bvh {
     /// The hit of each ray of the world, searched together; `hits` is as long as `rays`.
     #[inline(always)]
-    pub(crate) fn closest_many<K: Kernel>(
+    pub(crate) fn closest_many<K: Descend>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -204,7 +203,7 @@ impl Bvh {
 
     /// Whether each ray of the world hits anything, searched together; `blocked` is as long as `rays`.
     #[inline(always)]
-    pub(crate) fn occluded_many<K: Kernel>(
+    pub(crate) fn occluded_many<K: Descend>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -217,7 +216,7 @@ impl Bvh {
 
 impl Search for Bvh {
     #[inline(always)]
-    fn closest<K: Kernel, const COUNT: bool>(
+    fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -259,7 +258,7 @@ impl Search for Bvh {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         if self.few_occluded(q, at) {
             return true;
         }

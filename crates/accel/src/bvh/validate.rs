@@ -1,9 +1,10 @@
 //! Whether a tree is what searches rely on.
 
-use super::{Bvh, Child, ChildKind, WIDTH, build, params::Build, spatial_split};
+use super::{Bvh, params::Build, spatial_split};
 use crate::{
     clip,
-    structure::{Prim, PrimKind},
+    node::{Child, ChildKind, STACK, WIDTH},
+    prim::{Prim, PrimKind},
 };
 use std::collections::BTreeMap;
 use straal_math::{Bounds, Vec3};
@@ -19,7 +20,7 @@ impl Bvh {
         let mut stack: Vec<(Child, Bounds, usize)> =
             self.root.iter().map(|&root| (root, everything, 0)).collect();
         while let Some((child, outer, depth)) = stack.pop() {
-            if depth * (WIDTH - 1) + 1 > build::STACK {
+            if depth * (WIDTH - 1) + 1 > STACK {
                 return Err(format!("depth {depth} is more than the stack can hold"));
             }
             let mut take = |kind: PrimKind| {

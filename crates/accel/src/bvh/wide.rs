@@ -4,13 +4,16 @@
 //! right: what lies close together in space does so in this order, which `layout.rs` keeps.
 
 use super::{
-    Block, Bvh, Child, Node, Outline, WIDTH,
+    Bvh,
     collapse::{Twig, What, parts},
     layout::{self, MOST_LINES, lay_out},
     slots,
     span::{Box4, Span},
 };
-use crate::analytic::block::Blocks;
+use crate::{
+    analytic::block::Blocks,
+    node::{Block, Child, Node, Outline, WIDTH},
+};
 use rayon::prelude::*;
 
 /// The binary tree of a range, and the triangles of its leaves; references are within it.

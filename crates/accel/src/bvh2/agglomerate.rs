@@ -11,7 +11,7 @@
 use super::{Bvh2, MAX_DEPTH, Node, build::center};
 use crate::{
     partition::half_area,
-    structure::{Packed, Prim},
+    prim::{Packed, Prim},
 };
 use rayon::prelude::*;
 use straal_math::Bounds;

@@ -5,7 +5,7 @@
 //! area heuristic looks at all n - 1 places on each axis.
 
 use super::{Bvh2, Node, Split};
-use crate::{partition::half_area, structure::Prim};
+use crate::{partition::half_area, prim::Prim};
 use rayon::prelude::*;
 use straal_math::{Bounds, ops};
 

@@ -16,12 +16,12 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    kernel::{Kernel, stack::Stack},
+    kernel::stack::Stack,
     partition::{chance, half_area},
-    query::Query,
+    prim::{Packed, Prim},
+    query::{Descend, Place, Query, Search, Stats},
     section::{Section, Slice},
     slab,
-    structure::{Packed, Place, Prim, Search, Stats},
 };
 use straal_math::Bounds;
 
@@ -78,6 +78,9 @@ struct Node {
 /// No tree is deeper, whatever the input.
 const MAX_DEPTH: usize = 192;
 
+/// Bytes of a node.
+pub(crate) const NODE_BYTES: usize = size_of::<Node>();
+
 /// The tree.
 pub(crate) struct Bvh2 {
     params: Bvh2Params,
@@ -128,7 +131,7 @@ struct Todo {
 
 impl Search for Bvh2 {
     #[inline(always)]
-    fn closest<K: Kernel, const COUNT: bool>(
+    fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -176,7 +179,7 @@ impl Search for Bvh2 {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         if self.nodes.is_empty() {
             return false;
         }

@@ -1,7 +1,7 @@
 //! Whether a tree is what searches rely on.
 
 use super::{Bvh2, MAX_DEPTH};
-use crate::structure::Prim;
+use crate::prim::Prim;
 use std::collections::BTreeMap;
 
 impl Bvh2 {

@@ -1,7 +1,7 @@
 //! How many cells there are, and which primitives are in which.
 
 use super::{Grid, GridParams};
-use crate::structure::{Packed, Prim};
+use crate::prim::{Packed, Prim};
 use straal_math::{Bounds, ops};
 
 /// Bounds of [`GridParams::factor`] and [`GridParams::max_cells`] whatever a caller asks for.

@@ -20,12 +20,11 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    kernel::Kernel,
     mailbox::Mailboxes,
     partition::{chance, finite},
-    query::Query,
+    prim::Packed,
+    query::{Descend, Place, Query, Search, Stats},
     section::Section,
-    structure::{Packed, Place, Search, Stats},
 };
 use straal_math::Bounds;
 
@@ -102,7 +101,7 @@ impl Grid {
 
 impl Search for Grid {
     #[inline(always)]
-    fn closest<K: Kernel, const COUNT: bool>(
+    fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -118,7 +117,7 @@ impl Search for Grid {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let mut tested = Mailboxes::new(self.params.mailboxes);
         let mut found = false;
         q.count_node(1);

@@ -1,7 +1,7 @@
 //! Whether a grid is what searches rely on.
 
 use super::Grid;
-use crate::structure::Prim;
+use crate::prim::Prim;
 
 impl Grid {
     /// Every primitive in exactly the cells that its box has a part of, and these around the whole box.

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     clip::{self, Limits},
     partition::{self, Budget, depth_limit},
-    structure::{Packed, Prim, PrimKind},
+    prim::{Packed, Prim, PrimKind},
 };
 use straal_math::{Bounds, Vec3};
 

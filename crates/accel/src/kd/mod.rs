@@ -45,7 +45,7 @@ use crate::{
     clip::Limits,
     local::LocalRay,
     partition::{self, crossing, early, half_area, late},
-    structure::{Packed, Prim, PrimKind},
+    prim::{Packed, Prim, PrimKind},
 };
 use straal_math::{Bounds, Vec3, ops};
 
@@ -57,6 +57,9 @@ enum Node {
     /// `count` references from `first` on.
     Leaf { first: u32, count: u32 },
 }
+
+/// Bytes of a node.
+pub(crate) const NODE_BYTES: usize = size_of::<Node>();
 
 /// The tree.
 pub(crate) struct KdTree {

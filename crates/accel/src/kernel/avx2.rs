@@ -5,7 +5,7 @@
 //! Safety: an [`Avx2`] is made only where the processor has AVX2, BMI1 and BMI2, which all functions here need.
 
 use super::{
-    Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, ahead, bundle, by_class,
+    Children, FAR_TO_NEAR, Kernel, Lanes, NOT_ENTERED, Next, ahead, bundle, by_class,
     descent::Descent,
     entry::entry_points,
     leaf::{self, Pick, Twelve},
@@ -13,8 +13,8 @@ use super::{
     vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
-    bvh::{Block, Child, Node, bundle::Bundle, many::Next},
     local::LocalRay,
+    node::{Block, Child, Node, bundle::Bundle},
 };
 use std::arch::x86_64::*;
 use straal_math::Ray;

@@ -6,7 +6,7 @@
 //! Safety: an [`Avx512`] is made only where the processor has AVX-512 F, DQ and VL, and all that AVX2 needs.
 
 use super::{
-    Children, Kernel, Lanes, NOT_ENTERED, ahead,
+    Children, Kernel, Lanes, NOT_ENTERED, Next, ahead,
     avx2::{self, classes_avx2, earliest, far_to_near, keys, latest, least},
     bundle,
     descent::Descent,
@@ -16,13 +16,12 @@ use super::{
     vec3::{own_box_avx, prepare_avx},
 };
 use crate::{
-    bvh::{
+    local::{LocalRay, NODE_EXIT},
+    node::{
         Block, Child, Node, WIDTH,
         bundle::{Bundle, GROUPS},
-        many::Next,
     },
-    local::LocalRay,
-    slab::{EXIT, NODE_EXIT},
+    slab::EXIT,
 };
 use std::arch::x86_64::*;
 use straal_math::Ray;

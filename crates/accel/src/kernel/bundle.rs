@@ -1,7 +1,7 @@
 //! The tests of `bvh/bundle.rs`, eight lanes of AVX at a time: their operations in their order.
 
 use crate::{
-    bvh::{
+    node::{
         Node, WIDTH,
         bundle::{Bundle, GROUPS, Lanes},
     },

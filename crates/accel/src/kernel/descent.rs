@@ -1,6 +1,6 @@
 //! The stack of a search: what is still to be visited.
 
-use crate::bvh::{Child, WIDTH};
+use crate::node::{Child, WIDTH};
 use std::mem::MaybeUninit;
 
 /// Subtrees to be visited, each with the key of its entry (see [`super::Children::keys`]). A child that ends the search
@@ -18,7 +18,7 @@ pub(crate) struct Descent<const N: usize> {
 }
 
 /// Size of a stack that holds whatever a search can leave to be visited.
-pub(crate) const ALL: usize = crate::bvh::STACK + WIDTH;
+pub(crate) const ALL: usize = crate::node::STACK + WIDTH;
 
 /// Items that were taken from a stack to make room, the bottom one first.
 pub(crate) type Spilled = Vec<(u32, Child)>;

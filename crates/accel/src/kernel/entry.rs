@@ -51,148 +51,16 @@ macro_rules! entry_points {
         }
 
         #[inline]
-        fn closest_in<const COUNT: bool>(
-            self,
-            q: &mut $crate::query::Query<'_, Self, COUNT>,
-            at: &$crate::structure::Place<'_>,
-            best: &mut $crate::Hit,
-        ) {
+        fn run<T: $crate::kernel::Task>(self, task: T) -> T::Answer {
             $(#[target_feature(enable = $feature)])?
-            #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, const COUNT: bool>(
-                q: &mut $crate::query::Query<'_, K, COUNT>,
-                at: &$crate::structure::Place<'_>,
-                best: &mut $crate::Hit,
-            ) {
-                q.closest_in(at, best);
+            #[inline(never)] // its frame may be large, and must not become part of its caller's
+            fn compiled<T: $crate::kernel::Task>(task: T) -> T::Answer {
+                task.run()
             }
             // SAFETY: `self` is the proof that the processor has the features.
             #[allow(unused_unsafe)]
             unsafe {
-                compiled(q, at, best)
-            }
-        }
-
-        #[inline]
-        fn occluded_in<const COUNT: bool>(
-            self,
-            q: &mut $crate::query::Query<'_, Self, COUNT>,
-            at: &$crate::structure::Place<'_>,
-        ) -> bool {
-            $(#[target_feature(enable = $feature)])?
-            #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel, const COUNT: bool>(
-                q: &mut $crate::query::Query<'_, K, COUNT>,
-                at: &$crate::structure::Place<'_>,
-            ) -> bool {
-                q.occluded_in(at)
-            }
-            // SAFETY: `self` is the proof that the processor has the features.
-            #[allow(unused_unsafe)]
-            unsafe {
-                compiled(q, at)
-            }
-        }
-
-        #[inline]
-        fn closest_each(
-            self,
-            scene: &$crate::Scene,
-            shapes: &dyn $crate::Shapes,
-            rays: &[straal_math::Ray],
-            hits: &mut [$crate::Hit],
-        ) {
-            $(#[target_feature(enable = $feature)])?
-            #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel>(
-                kernel: K,
-                scene: &$crate::Scene,
-                shapes: &dyn $crate::Shapes,
-                rays: &[straal_math::Ray],
-                hits: &mut [$crate::Hit],
-            ) {
-                $crate::kernel::closest_one_by_one(kernel, scene, shapes, rays, hits);
-            }
-            // SAFETY: `self` is the proof that the processor has the features.
-            #[allow(unused_unsafe)]
-            unsafe {
-                compiled(self, scene, shapes, rays, hits)
-            }
-        }
-
-        #[inline]
-        fn occluded_each(
-            self,
-            scene: &$crate::Scene,
-            shapes: &dyn $crate::Shapes,
-            rays: &[straal_math::Ray],
-            blocked: &mut [bool],
-        ) {
-            $(#[target_feature(enable = $feature)])?
-            #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel>(
-                kernel: K,
-                scene: &$crate::Scene,
-                shapes: &dyn $crate::Shapes,
-                rays: &[straal_math::Ray],
-                blocked: &mut [bool],
-            ) {
-                $crate::kernel::occluded_one_by_one(kernel, scene, shapes, rays, blocked);
-            }
-            // SAFETY: `self` is the proof that the processor has the features.
-            #[allow(unused_unsafe)]
-            unsafe {
-                compiled(self, scene, shapes, rays, blocked)
-            }
-        }
-
-        fn closest_slice(
-            self,
-            scene: &$crate::Scene,
-            shapes: &dyn $crate::Shapes,
-            rays: &[straal_math::Ray],
-            hits: &mut [$crate::Hit],
-        ) {
-            $(#[target_feature(enable = $feature)])?
-            #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel>(
-                kernel: K,
-                scene: &$crate::Scene,
-                shapes: &dyn $crate::Shapes,
-                rays: &[straal_math::Ray],
-                hits: &mut [$crate::Hit],
-            ) {
-                $crate::kernel::closest_rays(kernel, scene, shapes, rays, hits);
-            }
-            // SAFETY: `self` is the proof that the processor has the features.
-            #[allow(unused_unsafe)]
-            unsafe {
-                compiled(self, scene, shapes, rays, hits)
-            }
-        }
-
-        fn occluded_slice(
-            self,
-            scene: &$crate::Scene,
-            shapes: &dyn $crate::Shapes,
-            rays: &[straal_math::Ray],
-            blocked: &mut [bool],
-        ) {
-            $(#[target_feature(enable = $feature)])?
-            #[inline(never)] // its frame is large, and must not become part of its caller's
-            fn compiled<K: $crate::kernel::Kernel>(
-                kernel: K,
-                scene: &$crate::Scene,
-                shapes: &dyn $crate::Shapes,
-                rays: &[straal_math::Ray],
-                blocked: &mut [bool],
-            ) {
-                $crate::kernel::occluded_rays(kernel, scene, shapes, rays, blocked);
-            }
-            // SAFETY: `self` is the proof that the processor has the features.
-            #[allow(unused_unsafe)]
-            unsafe {
-                compiled(self, scene, shapes, rays, blocked)
+                compiled(task)
             }
         }
     };

@@ -6,8 +6,8 @@
 
 use super::Lanes;
 use crate::{
-    bvh::{Block, WIDTH},
     local::{LocalRay, ROW},
+    node::{Block, WIDTH},
     triangle::{FLAT, LEAST_DETERMINANT},
 };
 use std::arch::x86_64::*;

@@ -3,7 +3,7 @@
 //! So what a ray visits one after the other can lie side by side, and a child's address is its number times 64, whatever it is.
 
 use super::pages::want_large;
-use crate::bvh::{Block, Node};
+use crate::node::{Block, Node};
 
 /// A cache line of a node or a block.
 #[derive(Clone, Copy)]

@@ -1,13 +1,13 @@
 //! Kernels: a ray against the eight boxes of a node, and against a block of eight triangles.
 //!
-//! The traversal in `bvh/traverse.rs` is written once and compiled for each kernel, inside a function that the
-//! compiler may use the instruction set for. The set is chosen when a scene is built.
+//! Searches are written once and compiled for each kernel, inside functions that the compiler may use the instruction set
+//! for (`entry.rs`). The set is chosen when a scene is built.
 #![allow(unsafe_code)]
 
 #[cfg(target_arch = "x86_64")]
-mod avx2;
+pub(crate) mod avx2;
 #[cfg(target_arch = "x86_64")]
-mod avx512;
+pub(crate) mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod bundle;
 pub(crate) mod descent;
@@ -16,12 +16,12 @@ mod entry;
 mod leaf;
 pub(crate) mod lines;
 #[cfg(target_arch = "aarch64")]
-mod neon;
+pub(crate) mod neon;
 pub(crate) mod pages;
 pub(crate) mod prefetch;
-mod scalar;
+pub(crate) mod scalar;
 #[cfg(target_arch = "x86_64")]
-mod sse;
+pub(crate) mod sse;
 pub(crate) mod stack;
 #[cfg(target_arch = "x86_64")]
 mod vec3;
@@ -33,19 +33,27 @@ use crate::{
         block::{Block as ShapeBlock, Blocks, Found},
         octet::Octets,
     },
-    bvh::{Block, Child, Node, bundle::Bundle, many::Next, near::Candidate},
-    hit::{Chain, Cost, Hit},
-    input::Shapes,
     lanes::Wide,
     local::LocalRay,
-    query::Query,
-    scene::Scene,
+    node::{Block, Child, Node, bundle::Bundle},
     slab,
-    structure::{Place, Searcher},
 };
 use descent::Descent;
 use lines::Lines;
 use straal_math::Ray;
+
+/// What each ray of a slice visits next.
+#[repr(C, align(64))]
+pub(crate) struct Next<const N: usize>(pub [Child; N]);
+
+/// A triangle's hit.
+#[derive(Clone, Copy)]
+pub(crate) struct Candidate {
+    pub t: f32,
+    /// The hit's u and v, times `det`.
+    pub uv: [f32; 2],
+    pub det: f32,
+}
 
 /// Which of a node's children a ray enters.
 #[derive(Clone, Copy)]
@@ -143,6 +151,13 @@ impl Lanes {
     pub fn is_several(&self) -> u32 {
         u32::from((self.hit & self.hit.wrapping_sub(1) != 0) | (self.doubtful != 0))
     }
+}
+
+/// Something to be done in code compiled for an instruction set; what [`Task::run`] calls must be inlined to become part of it.
+pub(crate) trait Task {
+    type Answer;
+
+    fn run(self) -> Self::Answer;
 }
 
 /// The vector part of the search. Implementations do the operations of `slab.rs`, `triangle.rs` and `local.rs` in each lane.
@@ -284,23 +299,8 @@ pub(crate) trait Kernel: Wide {
     /// `analytic::octet::search`, compiled for the instruction set.
     fn octets<const ANY: bool>(self, few: &Blocks, rays: &[Ray], out: &mut Octets);
 
-    /// `Query::closest_in`, compiled for the instruction set.
-    fn closest_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>, best: &mut Hit);
-
-    /// `Query::occluded_in`, compiled for the instruction set.
-    fn occluded_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>) -> bool;
-
-    /// The first hit of each ray, one after the other.
-    fn closest_each(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]);
-
-    /// Whether each ray hits anything, one after the other.
-    fn occluded_each(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]);
-
-    /// The first hit of each ray.
-    fn closest_slice(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]);
-
-    /// Whether each ray hits anything.
-    fn occluded_slice(self, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]);
+    /// Does a task in code compiled for the instruction set, of which all that it inlines becomes part.
+    fn run<T: Task>(self, task: T) -> T::Answer;
 }
 
 /// Sets of rays by class, from those that have each of its two bits.
@@ -384,126 +384,6 @@ impl Chosen {
         };
         vector.unwrap_or(Self::Scalar(scalar::Scalar))
     }
-}
-
-/// Does the same with whichever kernel a scene has.
-macro_rules! with_kernel {
-    ($scene:expr, $k:ident => $body:expr) => {
-        match $scene.kernel() {
-            Chosen::Scalar($k) => $body,
-            #[cfg(target_arch = "aarch64")]
-            Chosen::Neon($k) => $body,
-            #[cfg(target_arch = "x86_64")]
-            Chosen::Sse($k) => $body,
-            #[cfg(target_arch = "x86_64")]
-            Chosen::Avx2($k) => $body,
-            #[cfg(target_arch = "x86_64")]
-            Chosen::Avx512($k) => $body,
-        }
-    };
-}
-
-pub(crate) fn closest(scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
-    let n = if rays.len() < hits.len() { rays.len() } else { hits.len() };
-    let (rays, hits) = (&rays[..n], &mut hits[..n]);
-    match n < MANY || !scene.many() {
-        true => with_kernel!(scene, k => k.closest_each(scene, shapes, rays, hits)),
-        false => with_kernel!(scene, k => k.closest_slice(scene, shapes, rays, hits)),
-    }
-}
-
-pub(crate) fn occluded(scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], blocked: &mut [bool]) {
-    let n = if rays.len() < blocked.len() { rays.len() } else { blocked.len() };
-    let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
-    match n < MANY || !scene.many() {
-        true => with_kernel!(scene, k => k.occluded_each(scene, shapes, rays, blocked)),
-        false => with_kernel!(scene, k => k.occluded_slice(scene, shapes, rays, blocked)),
-    }
-}
-
-pub(crate) fn closest_counted(scene: &Scene, shapes: &dyn Shapes, ray: &Ray) -> (Hit, Cost) {
-    fn counted<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, ray: &LocalRay) -> (Hit, Cost) {
-        let mut q = Query::<K, true> { kernel, scene, shapes, cost: Cost::default() };
-        let mut best = Hit::limit(ray.ray.t_max);
-        kernel.closest_in(&mut q, &Place { group: &scene.groups[0], ray, chain: &Chain::EMPTY }, &mut best);
-        (best.finished(), q.cost)
-    }
-    match LocalRay::new(ray) {
-        Some(ray) => with_kernel!(scene, k => counted(k, scene, shapes, &ray)),
-        None => (Hit::MISS, Cost::default()),
-    }
-}
-
-pub(crate) fn occluded_counted(scene: &Scene, shapes: &dyn Shapes, ray: &Ray) -> (bool, Cost) {
-    fn counted<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, ray: &LocalRay) -> (bool, Cost) {
-        let mut q = Query::<K, true> { kernel, scene, shapes, cost: Cost::default() };
-        let at = Place { group: &scene.groups[0], ray, chain: &Chain::EMPTY };
-        (kernel.occluded_in(&mut q, &at), q.cost)
-    }
-    match LocalRay::new(ray) {
-        Some(ray) => with_kernel!(scene, k => counted(k, scene, shapes, &ray)),
-        None => (false, Cost::default()),
-    }
-}
-
-/// Slices shorter than this go one ray at a time: setting up many in flight wouldn't pay. They also stay out of the
-/// functions that make room for many, since touching so much stack takes longer than a search.
-const MANY: usize = 8;
-
-/// `Kernel::closest_each` without the change of instruction set.
-#[inline(always)]
-fn closest_one_by_one<K: Kernel>(
-    kernel: K,
-    scene: &Scene,
-    shapes: &dyn Shapes,
-    rays: &[Ray],
-    hits: &mut [Hit],
-) {
-    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
-    for (ray, hit) in rays.iter().zip(hits) {
-        q.closest(&scene.groups[0], ray, hit);
-    }
-}
-
-/// `Kernel::occluded_each` without the change of instruction set.
-#[inline(always)]
-fn occluded_one_by_one<K: Kernel>(
-    kernel: K,
-    scene: &Scene,
-    shapes: &dyn Shapes,
-    rays: &[Ray],
-    blocked: &mut [bool],
-) {
-    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
-    for (ray, blocked) in rays.iter().zip(blocked) {
-        *blocked = q.occluded(&scene.groups[0], ray);
-    }
-}
-
-/// `Kernel::closest_slice` without the change of instruction set. The textbook's structures search one ray after the other.
-#[inline(always)]
-fn closest_rays<K: Kernel>(kernel: K, scene: &Scene, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
-    let group = &scene.groups[0];
-    let Searcher::Bvh(bvh) = &group.searcher else { return kernel.closest_each(scene, shapes, rays, hits) };
-    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
-    bvh.closest_many(&mut q, group, rays, hits);
-}
-
-/// `Kernel::occluded_slice` without the change of instruction set.
-#[inline(always)]
-fn occluded_rays<K: Kernel>(
-    kernel: K,
-    scene: &Scene,
-    shapes: &dyn Shapes,
-    rays: &[Ray],
-    blocked: &mut [bool],
-) {
-    let group = &scene.groups[0];
-    let Searcher::Bvh(bvh) = &group.searcher else {
-        return kernel.occluded_each(scene, shapes, rays, blocked);
-    };
-    let mut q = Query::<K, false> { kernel, scene, shapes, cost: Cost::default() };
-    bvh.occluded_many(&mut q, group, rays, blocked);
 }
 
 #[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]

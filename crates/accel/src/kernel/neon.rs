@@ -7,8 +7,8 @@
 
 use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points};
 use crate::{
-    bvh::{Block, Node},
     local::LocalRay,
+    node::{Block, Node},
     triangle::{FLAT, LEAST_DETERMINANT},
 };
 use std::arch::aarch64::*;

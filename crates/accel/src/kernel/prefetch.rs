@@ -3,7 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 use super::lines::{BLOCK, LINE, Lines, NODE};
 #[cfg(target_arch = "x86_64")]
-use crate::bvh::Child;
+use crate::node::Child;
 
 /// Nothing is prefetched.
 pub(crate) const NOT: u8 = 0;

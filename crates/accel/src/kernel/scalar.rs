@@ -2,8 +2,8 @@
 
 use super::{Children, Kernel, Lanes, entry::entry_points};
 use crate::{
-    bvh::{Block, Node, WIDTH},
     local::LocalRay,
+    node::{Block, Node, WIDTH},
     triangle,
 };
 use straal_math::ops;

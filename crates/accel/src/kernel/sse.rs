@@ -6,8 +6,8 @@
 
 use super::{Children, Kernel, Lanes, NOT_ENTERED, entry::entry_points, lines::Lines};
 use crate::{
-    bvh::{Block, Child, Node},
     local::LocalRay,
+    node::{Block, Child, Node},
     triangle::{FLAT, LEAST_DETERMINANT},
 };
 use std::arch::x86_64::*;

@@ -1,9 +1,10 @@
 //! Each vector kernel gives the scalar kernel's bits, but where a box is left just when it is entered: kernels round the exits
-//! of nodes apart, which `slab::NODE_EXIT` allows for.
+//! of nodes apart, which `local::NODE_EXIT` allows for.
 
 use super::*;
 use crate::{
-    bvh::{block::Outline, bundle::PACKET},
+    local::NODE_EXIT,
+    node::{block::Outline, bundle::PACKET},
     triangle,
 };
 use straal_math::{Vec3, ops};
@@ -83,7 +84,7 @@ fn is_close(r: &LocalRay, node: &Node) -> bool {
             (node.planes[2 * axis + side][lane] - r.ray.o[axis]) * r.inv[axis]
         };
         let enter = (0..3).map(|axis| crossed(axis, 0)).fold(r.ray.t_min, ops::max);
-        let exit = (0..3).map(|axis| crossed(axis, 255)).fold(f32::INFINITY, ops::min) * slab::NODE_EXIT;
+        let exit = (0..3).map(|axis| crossed(axis, 255)).fold(f32::INFINITY, ops::min) * NODE_EXIT;
         exit.is_finite() && exit != 0.0 && (enter - exit).abs() <= 4.0 * f32::EPSILON * exit.abs()
     })
 }

@@ -3,9 +3,9 @@
 //! Every lane does the operations of `local.rs` and `slab.rs` in their order.
 
 use crate::{
-    bvh::Block,
-    local::{LEAST, LocalRay, NEG, ROW},
-    slab::{EXIT, NODE_EXIT, PAD_COORDINATE, PAD_EXTENT},
+    local::{LEAST, LocalRay, NEG, NODE_EXIT, ROW},
+    node::Block,
+    slab::{EXIT, PAD_COORDINATE, PAD_EXTENT},
 };
 use std::{arch::x86_64::*, mem::offset_of};
 use straal_math::{Ray, Vec3};

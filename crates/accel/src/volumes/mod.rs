@@ -25,11 +25,10 @@ mod validate;
 
 use crate::{
     hit::Hit,
-    kernel::Kernel,
     partition::{self, chance},
-    query::Query,
+    prim::{Packed, Prim, PrimKind},
+    query::{Descend, Place, Query, Search, Stats},
     slab,
-    structure::{Packed, Place, Prim, PrimKind, Search, Stats},
 };
 use line::Line;
 use oriented::Oriented;
@@ -189,7 +188,7 @@ fn padding(bounds: &Bounds) -> f64 {
 
 impl Search for Volumes {
     #[inline(always)]
-    fn closest<K: Kernel, const COUNT: bool>(
+    fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -207,7 +206,7 @@ impl Search for Volumes {
     }
 
     #[inline(always)]
-    fn occluded<K: Kernel, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         let line = Line::new(at.ray);
         self.objects.iter().any(|object| {
             q.count_node(1);

@@ -1,7 +1,7 @@
 //! Whether volumes are what searches rely on.
 
 use super::{Content, Volume, Volumes};
-use crate::structure::{Prim, PrimKind};
+use crate::prim::{Prim, PrimKind};
 
 impl Volumes {
     /// Every primitive in exactly one object, inside its volume.

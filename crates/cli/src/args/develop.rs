@@ -1,6 +1,6 @@
 //! What `straal develop` takes.
 
-use super::LookArgs;
+use super::DevelopmentArgs;
 use super::heading::TALK;
 use super::parsers::picture_format;
 use crate::exit;
@@ -12,7 +12,7 @@ use straal::picture::Format;
 
 pub(super) const DEVELOP_ABOUT: &str = "\
 Develops a picture again, without rendering: exposure, tone curve, gamut, gamma and dithering of a PNG. PICTURE is an EXR, \
-HDR, PFM or PNG; an EXR of straal remembers the look that its scene or command asked for, and what isn't said here stays \
+HDR, PFM or PNG; an EXR of straal remembers how its scene or command wanted it developed, and what isn't said here stays \
 as it was, so that the same settings give the very file that `straal render` writes.
 
 EXR, HDR and PFM outputs hold light as it is: of all options only --depth-of-field changes them.";
@@ -46,7 +46,7 @@ pub struct DevelopArgs {
 
     /// How a PNG is developed
     #[command(flatten)]
-    pub look: LookArgs,
+    pub development: DevelopmentArgs,
 
     /// Blur by the layer `depth` of an EXR, as a lens would: what distance is sharp, and the radius of the lens, in metres
     ///

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 pub(super) const INFO_ABOUT: &str = "\
 Prints what a picture tells about itself: size, windows, colour space, layers with the least, the mean and the greatest \
-number of each channel and how many are no numbers, and the story that straal wrote into it; whether the film hash in the \
-story is that of the pixels.";
+number of each channel and how many are no numbers, and the metadata that straal wrote into it; whether the film hash among \
+them is that of the pixels.";
 
 /// `straal info`
 #[derive(Debug, Args)]

@@ -1,6 +1,6 @@
 //! What `straal merge` takes.
 
-use super::{LookArgs, MemoryArgs};
+use super::{DevelopmentArgs, MemoryArgs};
 use crate::exit;
 use clap::Args;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub struct MergeArgs {
 
     /// How a PNG is developed
     #[command(flatten)]
-    pub look: LookArgs,
+    pub development: DevelopmentArgs,
 
     /// Say nothing but errors
     #[arg(short, long)]

@@ -7,10 +7,10 @@ mod accel;
 mod check;
 mod completions;
 mod develop;
+mod development;
 mod diff;
 mod gamma_chart;
 mod info;
-mod look;
 mod man;
 mod merge;
 mod metamer;
@@ -25,10 +25,10 @@ pub use accel::AccelArgs;
 pub use check::CheckArgs;
 pub use completions::CompletionsArgs;
 pub use develop::DevelopArgs;
+pub use development::DevelopmentArgs;
 pub use diff::DiffArgs;
 pub use gamma_chart::GammaChartArgs;
 pub use info::InfoArgs;
-pub use look::LookArgs;
 pub use man::ManArgs;
 pub use merge::MergeArgs;
 pub use metamer::MetamerArgs;
@@ -52,7 +52,7 @@ mod heading {
     /// How a mesh without a scene is shown.
     pub const STUDIO: &str = "A bare mesh";
     /// From light to a picture for the screen.
-    pub const LOOK: &str = "Developing a PNG";
+    pub const DEVELOPMENT: &str = "Developing a PNG";
     /// What outlasts a render that is cut off, and parts of a picture.
     pub const KEEPING: &str = "Going on, and parts of a picture";
     /// How rays are searched: changes the speed only.
@@ -165,9 +165,9 @@ mod tests {
         assert_eq!((a.spp, a.time), (Some(16), Some(Duration::from_secs(90))));
         assert_eq!((a.threads, a.seed, a.max_depth, a.batch), (Some(3), Some(7), Some(5), Some(7)));
         assert_eq!((a.size, a.crop), (Some(Size([640, 360])), Some(Crop([1, 2, 3, 4]))));
-        assert_eq!((a.sampler, a.look.tone), (Some(PatternKind::Random), Some(Tone::Filmic)));
+        assert_eq!((a.sampler, a.development.tone), (Some(PatternKind::Random), Some(Tone::Filmic)));
         assert_eq!((a.accel, a.build, a.isa), (Some(Structure::Brute), Some(Build::Best), Some(Isa::Sse)));
-        assert_eq!(a.look.exposure, Some(Exposure::stops(-1.5)));
+        assert_eq!(a.development.exposure, Some(Exposure::stops(-1.5)));
         assert_eq!((a.cost_picture, a.cost_of), (Some("c.png".into()), cost::Measure::Time));
         assert!(a.quiet && a.json && a.reading.lenient && a.replicates.is_none());
     }

@@ -2,7 +2,7 @@
 
 use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
 use super::parsers::{StructureParser, build, isa, measure, pattern, picture_format};
-use super::{LookArgs, ReadingArgs, StudioArgs};
+use super::{DevelopmentArgs, ReadingArgs, StudioArgs};
 use crate::exit;
 use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
@@ -158,7 +158,7 @@ pub struct RenderArgs {
 
     /// How a PNG is developed
     #[command(flatten)]
-    pub look: LookArgs,
+    pub development: DevelopmentArgs,
 
     /// Structure in which rays are searched, and its parameters, as in bvh:build=fast,compact=true
     #[arg(

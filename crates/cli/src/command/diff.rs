@@ -8,7 +8,7 @@ use crate::quantity::grouped;
 use serde_json::{Value as Json, json};
 use std::path::Path;
 use straal::compare::{Comparison, Estimate, Tails, Tally, compare};
-use straal::look::Look;
+use straal::development::Development;
 use straal_color::{Adaptation, Exposure, Matrix3, RgbSpace, Tone};
 use straal_formats::ReadError;
 use straal_formats::image::exr::{self, Window};
@@ -127,12 +127,12 @@ impl Picture {
         let mut notes = self.photo.notes.clone();
         // Light that was exposed and bent for the screen is not the light of the film.
         let is_png = self.photo.format == Format::Png;
-        let told = self.photo.story.iter().find(|(key, _)| is_png && key == "straal.look");
+        let told = self.photo.metadata.iter().find(|(key, _)| is_png && key == "straal.look");
         if let Some((_, text)) = told
-            && let Ok(look) = text.parse::<Look>()
-            && (look.exposure != Exposure::default() || look.tone != Tone::Clamp)
+            && let Ok(development) = text.parse::<Development>()
+            && (development.exposure != Exposure::default() || development.tone != Tone::Clamp)
         {
-            let (exposure, tone) = (look.exposure, look.tone);
+            let (exposure, tone) = (development.exposure, development.tone);
             notes.push(format!(
                 "it was developed (exposure {exposure}, tone {tone}): it is compared as it is shown"
             ));
@@ -189,7 +189,7 @@ impl Sheet {
     }
 }
 
-/// The layer `variance`, and its degrees of freedom as the picture's story tells them. A variance without any (from
+/// The layer `variance`, and its degrees of freedom as the picture's metadata tell them. A variance without any (from
 /// a single sample) is none.
 fn noise(picture: &exr::Picture) -> Option<Noise> {
     let variance = Photo::of_exr(picture, None).ok()?;

@@ -13,7 +13,7 @@ use straal_formats::image::{Format, Photo};
 
 /// What a picture tells of itself.
 #[derive(Default)]
-struct Story {
+struct Summary {
     /// Of the whole picture.
     size: [usize; 2],
     /// The part that is there, where it isn't all.
@@ -92,18 +92,18 @@ fn short(v: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Prints a picture's story.
+/// Prints what a picture tells of itself.
 pub fn run(args: &InfoArgs) -> Result<Exit, Failure> {
     if sums::is_named(&args.picture) {
         return tell_sums(args);
     }
     let bytes = read_picture(&args.picture)?;
-    let story =
+    let metadata =
         read(&bytes).map_err(|e| Failure::input(format!("can't read {}: {e}", args.picture.display())))?;
     if args.json {
-        print(&format!("{:#}\n", story.as_json()))?;
+        print(&format!("{:#}\n", metadata.as_json()))?;
     } else {
-        print(&story.tell())?;
+        print(&metadata.tell())?;
     }
     Ok(Exit::Fine)
 }
@@ -115,7 +115,7 @@ fn tell_sums(args: &InfoArgs) -> Result<Exit, Failure> {
     kept.verify().map_err(failed)?;
     let stamp = &kept.stamp;
     if args.json {
-        let facts = stamp.story.iter().map(|(key, value)| (key.clone(), json!(value)));
+        let facts = stamp.metadata.iter().map(|(key, value)| (key.clone(), json!(value)));
         let corners = [stamp.span.crop.min, stamp.span.crop.max].concat();
         let told = json!({
             "size": stamp.size,
@@ -130,18 +130,18 @@ fn tell_sums(args: &InfoArgs) -> Result<Exit, Failure> {
     Ok(Exit::Fine)
 }
 
-fn read(bytes: &[u8]) -> Result<Story, ReadError> {
+fn read(bytes: &[u8]) -> Result<Summary, ReadError> {
     let limits = super::picture_limits();
     if Format::of(bytes)? != Format::Exr {
         let mut photo = Photo::read(bytes, &limits)?;
         photo.notes.extend(faults(&photo));
-        return Ok(Story {
+        return Ok(Summary {
             size: photo.size,
             colours: photo_colours(&photo),
             layers: layers(&[Layer::from_rgb("", &photo.pixels)]),
-            facts: photo.story,
+            facts: photo.metadata,
             notes: photo.notes,
-            ..Story::default()
+            ..Summary::default()
         });
     }
     let picture = exr::read(bytes, &limits)?;
@@ -152,7 +152,7 @@ fn read(bytes: &[u8]) -> Result<Story, ReadError> {
     let photo = Photo::of_exr(&picture, None).ok();
     let notes = photo.as_ref().map(|p| p.notes.iter().cloned().chain(faults(p)).collect());
     let is_crop = photo.as_ref().is_some_and(Photo::is_crop);
-    Ok(Story {
+    Ok(Summary {
         size: [whole.width, whole.height],
         part: (part != whole).then_some(part),
         rest: if is_crop { "the rest was not rendered" } else { "the rest is black" },
@@ -233,7 +233,7 @@ fn colours(space: Option<&RgbSpace>) -> String {
     format!("linear RGB: red {r}; green {g}; blue {b}; white {:.4}, {:.4}", space.white.x, space.white.y)
 }
 
-impl Story {
+impl Summary {
     fn tell(&self) -> String {
         let mut rows = vec![("picture".to_owned(), format!("{} x {} pixels", self.size[0], self.size[1]))];
         if let Some(Window { x, y, width, height }) = self.part {
@@ -294,7 +294,7 @@ mod tests {
         picture
     }
 
-    fn story(picture: &exr::Picture) -> Story {
+    fn metadata(picture: &exr::Picture) -> Summary {
         let mut bytes = Vec::new();
         exr::write(&mut bytes, picture).unwrap();
         read(&bytes).unwrap()
@@ -314,7 +314,7 @@ mod tests {
                 },
             };
             picture.layers = layers.iter().map(layer).collect();
-            story(&picture).colours
+            metadata(&picture).colours
         };
         assert_eq!(told(&["S0", "S3"]), "radiance at 2 wavelengths; polarisation, which straal doesn't read");
         assert_eq!(told(&["T"]), "reflectance at 2 wavelengths, developed as it looks under D65");
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn stories_are_told_in_columns() {
-        let story = story(&picture());
+        let metadata = metadata(&picture());
         let want = "\
 picture           2 x 1 pixels
 colours           linear RGB; the file doesn't say of which primaries
@@ -336,13 +336,13 @@ B                 2.0000e-5 .. 2.0000e-5, mean 2.0000e-5, 1 infinite
 G                 1 .. 1, mean 1, 1 NaN
 R                 0.25 .. 0.75, mean 0.5
 straal.film_hash  ";
-        let told = story.tell();
+        let told = metadata.tell();
         assert!(told.starts_with(want), "{told}");
         assert!(
             told.ends_with("who               me [2J\nthe film hash is  that of these pixels\n"),
             "{told}"
         );
-        let json = story.as_json();
+        let json = metadata.as_json();
         assert_eq!(json["layers"][0]["channels"][2]["mean"], 0.5);
         assert_eq!(
             (&json["film_hash_is_right"], &json["metadata"]["who"]),
@@ -356,9 +356,9 @@ straal.film_hash  ";
         picture.layers[0].channels[0].samples[0] = 0.3;
         picture.data_window.x = 5;
         picture.space = Some(Space::Rec2020.rgb());
-        let story = story(&picture);
-        assert_eq!(story.hash_is_right, Some(false));
-        let told = story.tell();
+        let metadata = metadata(&picture);
+        assert_eq!(metadata.hash_is_right, Some(false));
+        let told = metadata.tell();
         assert!(told.contains("2 x 1 pixels from 5, 0") && told.contains("linear RGB of rec2020"), "{told}");
     }
 

@@ -1,7 +1,7 @@
 //! `straal merge`
 
 use super::{Writing, print};
-use crate::args::{LookArgs, MergeArgs};
+use crate::args::{DevelopmentArgs, MergeArgs};
 use crate::exit::{Exit, Failure};
 use crate::interrupt::Interrupt;
 use crate::out;
@@ -23,22 +23,22 @@ pub fn run(args: &MergeArgs, interrupt: &Interrupt) -> Result<Exit, Failure> {
     }
     refuse_twins(outputs())?;
     refuse_inputs(outputs(), &args.sums)?;
-    if args.look != LookArgs::default() && !has_look && !args.quiet {
+    if args.development != DevelopmentArgs::default() && !has_look && !args.quiet {
         out::say("warning: how a PNG is developed was said, but neither a PNG nor an EXR is written\n");
     }
     let allowed = Allowed { gaps: args.allow_gaps, memory: args.memory.limit() };
     let opened: Result<Vec<Kept>, SumsError> = args.sums.iter().map(|path| Kept::open(path)).collect();
-    let Merged { picture, look, samples, gaps } =
+    let Merged { picture, development, samples, gaps } =
         opened.and_then(|parts| sums::merge(parts, allowed)).map_err(|e| failure(&e))?;
     if !args.quiet {
         for gap in &gaps {
             out::say(&format!("warning: {gap}\n"));
         }
     }
-    let look = args.look.over(look);
+    let development = args.development.over(development);
     let mut writing = Writing::default();
     for path in &args.output {
-        writing.note(path, interrupt.whole(|| picture.save(path, &look)));
+        writing.note(path, interrupt.whole(|| picture.save(path, &development)));
     }
     writing.end()?;
     let hash = picture.tells("film_hash").unwrap_or_default();

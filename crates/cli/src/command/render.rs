@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use straal::sums::Kept;
 use straal::written;
-use straal::{Control, EMBEDDED_SCENE, Job, Loaded, Look, Outcome, Progress, Snapshot, Verdict};
+use straal::{Control, Development, EMBEDDED_SCENE, Job, Loaded, Outcome, Progress, Snapshot, Verdict};
 use straal_formats::atomic;
 use straal_study::cost;
 
@@ -62,7 +62,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
     let interrupted = interrupt.asked().map(Cause::name);
     interrupt.render_ends();
 
-    let look = settings.look(job.look());
+    let development = settings.development(job.development());
     let mut writing = Writing::default();
     if let Some((path, done)) = keeping.sums() {
         writing.note(path, done);
@@ -72,8 +72,8 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
         interrupt.whole(|| {
             writing.picture(
                 path,
-                |to| picture.write(to, settings.format, &look),
-                |path| picture.save(path, &look),
+                |to| picture.write(to, settings.format, &development),
+                |path| picture.save(path, &development),
             );
         });
     }
@@ -116,9 +116,9 @@ fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
 
 /// The scene as a file of its own, with all that was said on the command line.
 fn scene_text(loaded: &Loaded, settings: &RenderSettings) -> Result<String, Failure> {
-    let look = settings.look(Look::of(&loaded.scene.film));
-    let scene =
-        written::scene(loaded, &settings.overrides, &look).map_err(|e| refused(e, &loaded.warnings))?;
+    let development = settings.development(Development::of(&loaded.scene.film));
+    let scene = written::scene(loaded, &settings.overrides, &development)
+        .map_err(|e| refused(e, &loaded.warnings))?;
     if settings.scene.is_none() && scene == loaded.scene {
         // With its comments.
         return Ok(EMBEDDED_SCENE.to_owned());

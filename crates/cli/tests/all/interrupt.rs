@@ -138,8 +138,8 @@ fn a_replicate_that_is_not_whole_is_better_than_nothing() {
     let report = run.json();
     let samples = report["samples"].as_u64().unwrap();
     assert!(samples >= 1 && report["complete"].as_bool() == Some(false), "{run:?}");
-    let story = folder.json("info a.exr")["metadata"].clone();
-    assert_eq!(story["straal.samples"], samples.to_string());
+    let metadata = folder.json("info a.exr")["metadata"].clone();
+    assert_eq!(metadata["straal.samples"], samples.to_string());
 }
 
 /// Brute force against a teapot of 50,000 triangles: the first pass alone would take minutes.

@@ -67,8 +67,8 @@ fn scripts_get_one_object() {
         assert!(report["peak_memory_bytes"].as_u64().unwrap() > 1 << 16);
         assert!(report["cpu_seconds"].is_number());
     }
-    let story = folder.json("info a.exr")["metadata"].clone();
-    assert_eq!(story["straal.film_hash"], report["film_hash"]);
+    let metadata = folder.json("info a.exr")["metadata"].clone();
+    assert_eq!(metadata["straal.film_hash"], report["film_hash"]);
     assert_eq!(folder.json("info a.png")["metadata"]["straal.film_hash"], report["film_hash"]);
 }
 
@@ -76,11 +76,11 @@ fn scripts_get_one_object() {
 fn the_command_line_wins_over_the_scene() {
     let folder = Folder::with_scene(BALL);
     folder.json("render scene.yaml -o a.exr --spp 2 --size 20x10 --seed 5 --max-depth 3 --sampler random");
-    let story = folder.json("info a.exr")["metadata"].clone();
+    let metadata = folder.json("info a.exr")["metadata"].clone();
     for (key, value) in
         [("samples", "2"), ("size", "20x10"), ("seed", "5"), ("max_depth", "3"), ("sampler", "random")]
     {
-        assert_eq!(story[format!("straal.{key}")], value);
+        assert_eq!(metadata[format!("straal.{key}")], value);
     }
 }
 

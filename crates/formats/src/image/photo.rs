@@ -25,7 +25,7 @@ pub struct Photo {
     /// How a PNG encodes light.
     pub encoding: Option<png::Encoding>,
     /// Texts of the file by their keys.
-    pub story: Vec<(String, String)>,
+    pub metadata: Vec<(String, String)>,
     /// What a person should know of how it was read, each a sentence without a full stop: what was guessed, and what couldn't
     /// be honoured.
     pub notes: Vec<String>,
@@ -82,7 +82,7 @@ impl Photo {
             space: beauty.space,
             layer: beauty.layer,
             encoding: None,
-            story: picture.metadata.clone(),
+            metadata: picture.metadata.clone(),
             notes: beauty.notes,
         }
     }
@@ -98,7 +98,7 @@ impl Photo {
             space: None,
             layer: String::new(),
             encoding: None,
-            story: Vec::new(),
+            metadata: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -111,7 +111,7 @@ impl Photo {
     /// Whether it is a crop that straal rendered: what is outside of it isn't black but unknown.
     pub fn is_crop(&self) -> bool {
         let Window { x, y, width, height } = self.part;
-        let told = self.story.iter().find(|(key, _)| key == CROP);
+        let told = self.metadata.iter().find(|(key, _)| key == CROP);
         !self.is_whole()
             && told.is_some_and(|(_, crop)| {
                 *crop == format!("{x},{y},{},{}", i64::from(x) + width as i64, i64::from(y) + height as i64)

@@ -81,7 +81,7 @@ pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
         )));
     }
     let mut light = light_of(bytes, reader.info());
-    let story = texts(reader.info());
+    let metadata = texts(reader.info());
     let (kind, depth) = reader.output_color_type();
     let channels = kind.samples();
     let (codes, depth) = if depth == png::BitDepth::Sixteen { (1 << 16, 2) } else { (1 << 8, 1) };
@@ -123,7 +123,7 @@ pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
     Ok(Photo {
         space: light.space,
         encoding: Some(light.encoding),
-        story,
+        metadata,
         notes: light.notes,
         ..Photo::of_image(Format::Png, image)
     })

@@ -1,7 +1,7 @@
 //! What the materials of MTL files mean as surfaces.
 
-use straal_scene::desc::{Conductor, Dielectric, Diffuse, Material, Mirror, Spectrum};
-use straal_scene::value::{Color, Value};
+use straal_scene::desc::{Conductor, Dielectric, Diffuse, Material, Mirror, Spectrum, Varying};
+use straal_scene::value::Color;
 
 use crate::mesh::mtl::MtlMaterial;
 use crate::read_error::quoted;
@@ -34,7 +34,7 @@ pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Ma
             );
         }
         let tint = m.transmission.map(|c| c.map(share)).filter(|c| *c != [0.0; 3]).unwrap_or([1.0; 3]);
-        let transmittance = Value::Constant(Color(tint).into());
+        let transmittance = Varying::Constant(Color(tint).into());
         let eta = eta.unwrap_or(1.5);
         return Material::Dielectric(Dielectric { eta: eta.into(), transmittance, ..Dielectric::default() });
     }
@@ -48,24 +48,24 @@ pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Ma
         // An index of 0 + i reflects everything at every angle, so that the tint alone tells the metal's colour.
         return Material::Conductor(Conductor {
             metal: None,
-            eta: Some(Value::Constant(Spectrum::grey(0.0))),
-            k: Some(Value::Constant(Spectrum::grey(1.0))),
-            roughness: Value::Constant(roughness * roughness),
-            reflectance: Value::Constant(Color(diffuse).into()),
+            eta: Some(Spectrum::grey(0.0)),
+            k: Some(Spectrum::grey(1.0)),
+            roughness: Varying::Constant(roughness * roughness),
+            reflectance: Varying::Constant(Color(diffuse).into()),
             two_sided: true,
         });
     }
     let sum = |c: [f64; 3]| c[0] + c[1] + c[2];
     if matches!(illumination, 3 | 5) && sum(specular) > sum(diffuse) {
         return Material::Mirror(Mirror {
-            reflectance: Value::Constant(Color(specular).into()),
+            reflectance: Varying::Constant(Color(specular).into()),
             ..Mirror::default()
         });
     }
     if illumination >= 2 && sum(specular) > 0.0 {
         tell("highlights ('Ks') are left out, it is shown as diffuse");
     }
-    Material::Diffuse(Diffuse { reflectance: Value::Constant(Color(diffuse).into()), ..Diffuse::default() })
+    Material::Diffuse(Diffuse { reflectance: Varying::Constant(Color(diffuse).into()), ..Diffuse::default() })
 }
 
 /// Whether light passes through by `d` and `Tr`. Where they contradict each other `d` counts, whose meaning nobody doubts.
@@ -165,8 +165,8 @@ mod tests {
             ..MtlMaterial::default()
         };
         let Material::Conductor(c) = told(&metal).0 else { panic!("not a metal") };
-        assert_eq!(c.roughness.constant(), 0.25);
-        assert_eq!(*c.reflectance.get(), Color([1.0, 0.5, 0.25]).into());
+        assert_eq!(c.roughness, 0.25.into());
+        assert_eq!(c.reflectance, Spectrum::from(Color([1.0, 0.5, 0.25])).into());
         let plastic =
             MtlMaterial { illumination: Some(2), specular: Some([0.5; 3]), ..MtlMaterial::default() };
         let (material, lost) = told(&plastic);
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(lost.len(), 1);
         let broken = MtlMaterial { diffuse: Some([f32::NAN, -1.0, 7.0]), ..MtlMaterial::default() };
         let Material::Diffuse(d) = told(&broken).0 else { panic!("not diffuse") };
-        assert_eq!(*d.reflectance.get(), Color([0.0, 0.0, 1.0]).into());
+        assert_eq!(d.reflectance, Spectrum::from(Color([0.0, 0.0, 1.0])).into());
     }
 
     #[test]

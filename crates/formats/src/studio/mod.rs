@@ -12,9 +12,9 @@ use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
     Accel, Bezier, ColorSettings, Conductor, Dielectric, Diffuse, Environment, Film, Group, Integrator,
     Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum,
-    Step, Surface, Tone, Transform, TriangleMesh, Viewpoint,
+    Step, Surface, Transform, TriangleMesh, Varying, Viewpoint,
 };
-use straal_scene::value::{Asset, Axis, Color, Factors, Link, Named, Value};
+use straal_scene::value::{Asset, Axis, Color, Factors, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
 
 pub use frame::View;
@@ -79,7 +79,7 @@ impl Finish {
         let metal = |metal: &str, roughness: f64| {
             Material::Conductor(Conductor {
                 metal: Some(metal.to_owned().into()),
-                roughness: Value::Constant(roughness),
+                roughness: Varying::Constant(roughness),
                 ..Conductor::default()
             })
         };
@@ -206,14 +206,12 @@ pub fn around(
         look_at: None,
         name: None,
     });
-    let sky = Light::Environment(Environment {
-        radiance: Some(Value::Constant(Spectrum::grey(SKY))),
-        ..Environment::default()
-    });
+    let sky =
+        Light::Environment(Environment { radiance: Some(Spectrum::grey(SKY)), ..Environment::default() });
     let points = points(asset).map(|p| place.point(p));
     let mut scene = Scene {
         camera: frame::camera(points, wish.view, size),
-        film: Film { size, tone: Tone::KhronosNeutral, ..Film::default() },
+        film: Film { size, ..Film::default() },
         sampler: Sampler { spp: 64, ..Sampler::default() },
         materials,
         world: vec![mesh, set],
@@ -262,7 +260,7 @@ fn placed(center: DVec3, half: DVec3, radius: f64, up: Up) -> Vec<Step> {
 }
 
 fn diffuse(color: Color) -> Material {
-    Material::Diffuse(Diffuse { reflectance: Value::Constant(color.into()), ..Diffuse::default() })
+    Material::Diffuse(Diffuse { reflectance: Varying::Constant(color.into()), ..Diffuse::default() })
 }
 
 /// A floor that turns up into a wall in a quarter of a circle. It lies a little below the mesh, so that a sheet on the floor is seen.
@@ -319,7 +317,7 @@ fn softbox(place: Viewpoint, [width, height]: [f64; 2], radiance: f64) -> Node {
     Node::Rectangle(Rectangle {
         surface: Surface {
             material: Some(MaterialRef::Inline(diffuse(Color::grey(0.0)))),
-            emission: Some(Value::Constant(Spectrum::grey(radiance))),
+            emission: Some(Varying::Constant(Spectrum::grey(radiance))),
             // A rectangle faces +z, and what looks at something does so along -z.
             flip: true,
             transform: Transform { steps, ..Transform::default() },

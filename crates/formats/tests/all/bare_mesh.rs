@@ -5,9 +5,11 @@ use std::path::Path;
 use straal_formats::studio::{Background, Finish, Studio, Up, View};
 use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
 use straal_math::{Affine, DVec3, ops};
-use straal_scene::count::count;
+use straal_scene::count::{Space, count};
 use straal_scene::decode::Describe;
-use straal_scene::desc::{Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, TriangleMesh};
+use straal_scene::desc::{
+    Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, Spectrum, TriangleMesh,
+};
 use straal_scene::value::{Color, Link};
 
 /// The mesh node and what material it is given, and that everything its camera should see is in view.
@@ -131,7 +133,7 @@ fn what_is_asked_of_a_studio_is_in_the_scene() {
     let paper = Background::Paper(Color([0.1, 0.2, 0.3]));
     let loaded = in_studio(path, Studio { background: paper, ..Studio::default() }).unwrap();
     let Some(Material::Diffuse(d)) = loaded.scene.materials.get("paper") else { panic!("no paper") };
-    assert_eq!(*d.reflectance.get(), Color([0.1, 0.2, 0.3]).into());
+    assert_eq!(d.reflectance, Spectrum::from(Color([0.1, 0.2, 0.3])).into());
 }
 
 #[test]
@@ -216,7 +218,8 @@ world:
     assert_eq!((f.kept.instances, f.kept.lights, f.kept.lit_triangles), (4, 1, 1));
     assert_eq!(f.visible, 2 * (2 * 1024 + 1) + 1);
     // The world with two rows and a mesh, a pot, and a row of two pots and a ball.
-    assert_eq!(f.spaces, [[1, 2], [1024, 0], [0, 3]]);
+    let of = |[triangles, spheres, instances]: [u64; 3]| Space { triangles, spheres, instances, shapes: 0 };
+    assert_eq!(f.spaces, [[1, 0, 2], [1024, 0, 0], [0, 1, 2]].map(of));
 }
 
 #[test]
@@ -234,5 +237,6 @@ world:
     let loaded = load_str("scene.yaml", text, Path::new(""), &Options::default()).unwrap();
     let f = count(&loaded.scene, &loaded.assets);
     assert_eq!((f.kept.triangles, f.kept.lights, f.kept.instances), (4 * 1024, 4, 2));
-    assert_eq!(f.spaces, [[4 * 1024, 2], [0, 1]]);
+    let of = |[triangles, spheres, instances]: [u64; 3]| Space { triangles, spheres, instances, shapes: 0 };
+    assert_eq!(f.spaces, [[4 * 1024, 0, 2], [0, 1, 0]].map(of));
 }

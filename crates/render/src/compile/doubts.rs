@@ -2,7 +2,7 @@
 
 use crate::film::MAX_VALUE;
 use crate::lanes::Rgb;
-use crate::light::Emitter;
+use crate::light::{Emitter, Receiver};
 use crate::material::Material;
 use crate::world::World;
 use straal_accel::Hit;
@@ -58,8 +58,14 @@ fn ray_of(world: &World, light: &Emitter, i: u32) -> Option<Ray> {
         Emitter::Point(l) => Some(Ray::new(l.position, warp::uniform_sphere(u))),
         Emitter::Spot(l) => Some(Ray::new(l.position(), l.direction(u))),
         _ => {
-            let towards =
-                light.sample(&world.geometry, Vec3::ZERO, [0.5; 2], &world.reading(Rgb::default()))?.wi;
+            let towards = light
+                .sample(
+                    &world.geometry,
+                    &Receiver::anywhere(Vec3::ZERO),
+                    [0.5; 2],
+                    &world.reading(Rgb::default()),
+                )?
+                .wi;
             let bounds = world.accel.bounds();
             let (middle, radius) = if bounds.is_empty() {
                 (Vec3::ZERO, 1.0)

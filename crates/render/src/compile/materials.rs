@@ -9,7 +9,6 @@ use std::collections::HashMap;
 use straal_scene::Scene;
 use straal_scene::decode::Describe;
 use straal_scene::desc::{self, MaterialRef};
-use straal_scene::value;
 
 /// The world's materials while it is built: the first is that of surfaces without one, then the scene's by their place in
 /// it, then a program's own, then those that are written where they are used.
@@ -49,7 +48,7 @@ impl<'a> Materials<'a> {
     }
 
     /// Light that a surface sends out.
-    pub fn emission(&mut self, s: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+    pub fn emission(&mut self, s: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
         self.paint.emission(s)
     }
 

@@ -76,7 +76,7 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
         world = compile_about(request, centre)?;
     }
     let mut notes = std::mem::take(&mut world.notes);
-    let eye = request.scene.camera.observer().moments().first().map_or(DVec3::ZERO, |m| m.eye);
+    let eye = request.scene.camera.observer().keyframes().first().map_or(DVec3::ZERO, |m| m.eye);
     doubts::depth(world.accel.bounds(), eye - world.centre, &mut notes);
     doubts::lights_behind_glass(&world, &mut notes);
     world.notes = notes;
@@ -121,7 +121,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         geometry,
         accel,
         materials,
-        textures: Vec::new(),
+        textures: paint.textures,
         tables: paint.spectra,
         sensor,
         emitters: lights.emitters,

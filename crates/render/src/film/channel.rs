@@ -149,7 +149,7 @@ impl Channel {
 }
 
 /// Channels that a film holds, with their places in [`CHANNELS`].
-pub(super) fn held(layers: bool, costs: bool) -> impl Iterator<Item = (usize, &'static Channel)> {
+pub fn held(layers: bool, costs: bool) -> impl Iterator<Item = (usize, &'static Channel)> {
     CHANNELS.into_iter().enumerate().filter(move |(_, channel)| channel.is_held(layers, costs))
 }
 

@@ -101,6 +101,14 @@ pub enum Down<const N: usize> {
 /// The numbers of light times a row's height.
 pub struct Rowed<A, const N: usize>([i64; N], std::marker::PhantomData<A>);
 
+/// One of them.
+#[derive(Clone, Copy)]
+pub struct Row<A> {
+    /// In the units of its kind.
+    pub light: i64,
+    kind: std::marker::PhantomData<A>,
+}
+
 /// How light times a row's height becomes a [`Value`] with the height of a column.
 pub trait Across {
     /// In units of 2^-62 from the product.
@@ -108,9 +116,11 @@ pub trait Across {
 }
 
 /// Light below 1.
+#[derive(Clone, Copy)]
 pub struct Usual;
 
 /// Light of any brightness.
+#[derive(Clone, Copy)]
 pub struct Bright;
 
 impl Across for Usual {
@@ -141,11 +151,19 @@ impl<const N: usize> Down<N> {
     }
 }
 
-impl<A: Across, const N: usize> Rowed<A, N> {
-    /// What channel `c` brings to the pixel of a column of some height.
+impl<A, const N: usize> Rowed<A, N> {
+    /// That of channel `c`.
     #[inline(always)]
-    pub fn at(&self, height: i64, c: usize) -> Value {
-        Value(A::value(i128::from(height) * i128::from(self.0[c])))
+    pub const fn row(&self, c: usize) -> Row<A> {
+        Row { light: self.0[c], kind: std::marker::PhantomData }
+    }
+}
+
+impl<A: Across> Row<A> {
+    /// What it brings to the pixel of a column of some height.
+    #[inline(always)]
+    pub fn at(&self, height: i64) -> Value {
+        Value(A::value(i128::from(height) * i128::from(self.light)))
     }
 }
 

@@ -10,6 +10,7 @@ mod evidence;
 mod fixed;
 mod hash;
 mod light_sum;
+mod planes;
 mod recording;
 mod sensor;
 mod splat;
@@ -523,6 +524,9 @@ impl Film {
         of_pixels.saturating_add(splats).saturating_add(tiles.saturating_mul(each))
     }
 
+    /// Bytes that a pixel's batches take, wherever they are kept.
+    pub const BATCH_BYTES: usize = size_of::<Marks>();
+
     /// Bytes that a film takes for each pixel, but for what splatting takes beyond that.
     pub fn bytes_a_pixel(of: &Extent) -> usize {
         let bands = of.recording.bands().map_or(0, Bands::count);
@@ -530,7 +534,7 @@ impl Film {
         size_of::<Pixel>()
             + held(of.squares || of.layers, size_of::<[Square; 3]>())
             + channel::held(of.layers, of.cost).map(|(_, channel)| channel.bytes()).sum::<usize>()
-            + held(of.batches && !of.adapts, size_of::<Marks>())
+            + held(of.batches && !of.adapts, Self::BATCH_BYTES)
             + held(of.adapts, size_of::<Halves>())
             + held(of.signed, size_of::<Control>() + bands * size_of::<Value>())
             + bands * size_of::<Value>()

@@ -6,11 +6,12 @@
 //! another.
 //!
 //! A wide filter reaches a thousand pixels from each sample, so that little may be done for each: heights become integers once
-//! for each row and column, and light once for each row; what is left is a product and a sum for each number of a pixel. Variance
-//! is told when the picture is asked for, from the spread of each pixel's own samples and the squares of heights that
-//! they have on average.
+//! for each row and column, and light once for each row; what is left is a product and a sum for each number of a pixel
+//! ([`super::planes`]). Variance is told when the picture is asked for, from the spread of each pixel's own samples and the squares of
+//! heights that they have on average.
 
-use super::fixed::{Across, Down, HEIGHT_SCALE, Rowed, Value, height};
+use super::fixed::{Down, HEIGHT_SCALE, Value, height};
+use super::planes::{Columns, Plane, product};
 use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
 use crate::filter::Filter;
 use crate::settings::Region;
@@ -20,7 +21,7 @@ use straal_color::spectrum::Bands;
 const MAX_REACH: u32 = 16;
 
 /// Rows or columns that a sample may count in.
-const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
+pub(super) const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
 
 /// Sums of one pixel, of light v and heights w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,11 +67,55 @@ impl Splat {
 #[derive(Clone, Debug)]
 pub struct Splats {
     region: Region,
-    sums: Vec<Splat>,
+    /// Of w v, by channel.
+    light: [Plane; 3],
+    /// Of w, as [`Splat`] has it.
+    weights: Vec<i64>,
     /// By pixel, as many as there are bands, of w v.
     bands: Vec<Value>,
+    /// Samples that are to be added: together, a row of pixels at a time, which stays in the nearest cache.
+    waiting: Vec<Waiting>,
     /// How far a sample's own pixel may be from one that it counts in.
     reach: u32,
+}
+
+/// Samples that wait for one another, where the filter is so wide that a sample's pixels don't fit the nearest cache.
+const TOGETHER: usize = 8;
+const WIDE: u32 = 4;
+
+/// A sample's heights and light.
+#[derive(Clone, Debug)]
+struct Waiting {
+    /// Column and row, of the sums' region, of the first pixel that it counts in.
+    from: [usize; 2],
+    columns: Columns,
+    down: [i32; MAX_AROUND],
+    rows: usize,
+    /// `None` where it counts as black.
+    rgb: Option<[f32; 3]>,
+}
+
+impl Waiting {
+    /// The height of a row, where it counts there.
+    fn down(&self, row: usize) -> Option<i64> {
+        let down = *self.down[..self.rows].get(row.checked_sub(self.from[1])?)?;
+        (down != 0).then_some(i64::from(down))
+    }
+
+    /// Adds what it brings to a pixel.
+    fn add_to(&self, [x, y]: [usize; 2], sum: &mut Splat) {
+        let (Some(down), Some(column)) = (self.down(y), x.checked_sub(self.from[0])) else { return };
+        let Some(across) = self.columns.heights().nth(column) else { return };
+        sum.weight += product(across, down);
+        if let Some(rgb) = &self.rgb {
+            for (c, v) in sum.value.iter_mut().enumerate() {
+                *v += match Down::new(rgb, down) {
+                    Down::Bright(rows) => rows.row(c).at(across),
+                    Down::Usual(rows) => rows.row(c).at(across),
+                };
+            }
+        }
+    }
 }
 
 /// One sample on its way to several pixels.
@@ -90,15 +135,20 @@ impl Splats {
     /// For a tile of a picture of some size, and a filter.
     pub(super) fn new(tile: Region, size: [u32; 2], filter: &Filter, bands: usize) -> Self {
         let reach = reach(f64::from(filter.radius())).min(MAX_REACH);
-        let region = tile.grown(reach).intersection(Region::whole(size));
-        let sums = vec![Splat::default(); region.area()];
-        Self { region, bands: vec![Value::default(); region.area() * bands], sums, reach }
+        Self { reach, ..Self::alone(tile.grown(reach).intersection(Region::whole(size)), bands) }
     }
 
     /// For sums that were made before, and reach nobody else.
     pub(super) fn alone(tile: Region, bands: usize) -> Self {
-        let sums = vec![Splat::default(); tile.area()];
-        Self { region: tile, bands: vec![Value::default(); tile.area() * bands], sums, reach: 0 }
+        let pixels = tile.area();
+        Self {
+            region: tile,
+            light: std::array::from_fn(|_| Plane::new(pixels)),
+            weights: vec![0; pixels],
+            bands: vec![Value::default(); pixels * bands],
+            waiting: Vec::new(),
+            reach: 0,
+        }
     }
 
     /// How far a sample's own pixel may be from one that it counts in.
@@ -107,17 +157,28 @@ impl Splats {
     }
 
     /// The sums of a pixel and of its bands, if it is within reach.
-    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(&Splat, &[Value])> {
-        let of_each = self.bands.len() / self.sums.len();
+    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(Splat, &[Value])> {
+        let of_each = self.bands.len() / self.weights.len();
         let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
-        Some((&self.sums[i], &self.bands[i * of_each..][..of_each]))
+        Some((self.sum(i), &self.bands[i * of_each..][..of_each]))
     }
 
-    /// The same to be changed.
-    pub(super) fn at_mut(&mut self, pixel: [u32; 2]) -> Option<(&mut Splat, &mut [Value])> {
-        let of_each = self.bands.len() / self.sums.len();
-        let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
-        Some((&mut self.sums[i], &mut self.bands[i * of_each..][..of_each]))
+    /// Puts other sums in place of a pixel's, if it is within reach.
+    pub(super) fn put(&mut self, pixel: [u32; 2], splat: &Splat, bands: &[Value]) {
+        if self.region.contains(pixel) {
+            self.settle();
+            let i = index(&self.region, pixel);
+            self.light.iter_mut().zip(splat.value).for_each(|(plane, v)| plane.put(i, v));
+            self.weights[i] = splat.weight;
+            self.bands[i * bands.len()..][..bands.len()].copy_from_slice(bands);
+        }
+    }
+
+    fn sum(&self, i: usize) -> Splat {
+        let mut sum = Splat { value: std::array::from_fn(|c| self.light[c].at(i)), weight: self.weights[i] };
+        let width = self.region.width() as usize;
+        self.waiting.iter().for_each(|w| w.add_to([i % width, i / width], &mut sum));
+        sum
     }
 
     /// Adds a sample to all pixels within reach.
@@ -134,58 +195,80 @@ impl Splats {
         };
         heights(&mut across, 0);
         heights(&mut down, 1);
+        // A bell is 0 long before it ends.
         let across = &across[..around.width() as usize];
-        for (y, &down) in (around.min[1]..around.max[1]).zip(&down) {
-            if down == 0 {
-                continue;
+        let first = across.iter().position(|h| *h != 0).unwrap_or(across.len());
+        let across = &across[first..across.iter().rposition(|h| *h != 0).map_or(first, |last| last + 1)];
+        let from = [0, 1].map(|axis| (around.min[axis] - self.region.min[axis]) as usize);
+        let from = [from[0] + first, from[1]];
+        let rows = around.height() as usize;
+        if sample.is_some() && !bands.is_empty() {
+            for (row, &down) in (from[1]..).zip(&down[..rows]).filter(|(_, down)| **down != 0) {
+                self.add_bands(row * self.region.width() as usize + from[0], across, down, bands);
             }
-            let start = index(&self.region, [around.min[0], y]);
-            let row = &mut self.sums[start..][..across.len()];
-            match sample.map(|s| Down::new(&s.rgb, down)) {
-                Some(Down::Bright(light)) => add_row(row, across, down, &light),
-                Some(Down::Usual(light)) => add_row(row, across, down, &light),
-                None => add_weights(row, across, down),
-            }
-            if sample.is_some() && !bands.is_empty() {
-                self.add_bands(start, across, down, bands);
+        }
+        let waiting = Waiting {
+            from,
+            columns: Columns::new(across),
+            // Heights lie in [-1, 1].
+            down: down.map(|h| h as i32),
+            rows,
+            rgb: sample.map(|s| s.rgb),
+        };
+        if self.reach < WIDE {
+            return self.add_all(std::slice::from_ref(&waiting));
+        }
+        if self.waiting.capacity() == 0 {
+            self.waiting.reserve_exact(TOGETHER);
+        }
+        self.waiting.push(waiting);
+        if self.waiting.len() == TOGETHER {
+            self.settle();
+        }
+    }
+
+    /// Adds the samples that wait.
+    fn settle(&mut self) {
+        let mut waiting = std::mem::take(&mut self.waiting);
+        self.add_all(&waiting);
+        waiting.clear();
+        self.waiting = waiting;
+    }
+
+    fn add_all(&mut self, samples: &[Waiting]) {
+        let width = self.region.width() as usize;
+        let first = samples.iter().map(|w| w.from[1]).min().unwrap_or(0);
+        let end = samples.iter().map(|w| w.from[1] + w.rows).max().unwrap_or(0);
+        for row in first..end {
+            for w in samples {
+                let Some(down) = w.down(row) else { continue };
+                let start = row * width + w.from[0];
+                let weights = &mut self.weights[start..][..w.columns.count()];
+                weights.iter_mut().zip(w.columns.heights()).for_each(|(sum, w)| *sum += product(w, down));
+                let Some(rgb) = &w.rgb else { continue };
+                let planes = self.light.iter_mut().enumerate();
+                match Down::new(rgb, down) {
+                    Down::Bright(rows) => {
+                        planes.for_each(|(c, p)| p.add_bright(&w.columns, start, rows.row(c)))
+                    }
+                    Down::Usual(rows) => {
+                        planes.for_each(|(c, p)| p.add_usual(&w.columns, start, rows.row(c)))
+                    }
+                }
             }
         }
     }
 
     fn add_bands(&mut self, start: usize, across: &[i64], down: i64, bands: &[BandSample]) {
-        let of_each = self.bands.len() / self.sums.len();
+        let of_each = self.bands.len() / self.weights.len();
         for b in bands {
             let sums = self.bands[start * of_each + usize::from(b.band)..].iter_mut().step_by(of_each);
             match Down::new(&[b.value], down) {
-                Down::Bright(light) => sums.zip(across).for_each(|(sum, &w)| *sum += light.at(w, 0)),
-                Down::Usual(light) => sums.zip(across).for_each(|(sum, &w)| *sum += light.at(w, 0)),
+                Down::Bright(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
+                Down::Usual(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
             }
         }
     }
-}
-
-/// Adds a sample to the pixels of a row.
-#[inline(always)]
-fn add_row<A: Across>(row: &mut [Splat], across: &[i64], down: i64, light: &Rowed<A, 3>) {
-    for (sum, &w) in row.iter_mut().zip(across) {
-        for (c, value) in sum.value.iter_mut().enumerate() {
-            *value += light.at(w, c);
-        }
-        sum.weight += product(w, down);
-    }
-}
-
-/// The same of one that is black.
-fn add_weights(row: &mut [Splat], across: &[i64], down: i64) {
-    for (sum, &w) in row.iter_mut().zip(across) {
-        sum.weight += product(w, down);
-    }
-}
-
-/// The product of two heights, as one: rounded down.
-#[inline(always)]
-const fn product(a: i64, b: i64) -> i64 {
-    (a * b) >> 30
 }
 
 /// How far a sample lies from the centre of a pixel, if it lies `offset` from that of its own. By whole pixels first: it
@@ -205,7 +288,7 @@ pub fn reach(radius: f64) -> u32 {
 
 /// Bytes that splatting takes for each pixel of tiles and their aprons, with a number of bands.
 pub(super) fn bytes_a_pixel(bands: usize) -> usize {
-    size_of::<Splat>() + bands * size_of::<Value>()
+    3 * Plane::BYTES + size_of::<i64>() + bands * size_of::<Value>()
 }
 
 /// By how many pixels two are apart, from 0: the mean of the square of the height that one of them gives to a sample that may lie
@@ -245,7 +328,7 @@ impl Film {
             for y in common.min[1]..common.max[1] {
                 for x in common.min[0]..common.max[0] {
                     let (theirs, own) = (index(&splats.region, [x, y]), index(&part, [x, y]));
-                    sums[own].merge(&splats.sums[theirs]);
+                    sums[own].merge(&splats.sum(theirs));
                     let theirs = &splats.bands[theirs * count..][..count];
                     for (sum, v) in bands[own * count..].iter_mut().zip(theirs) {
                         *sum += *v;
@@ -388,21 +471,40 @@ mod tests {
         assert_eq!((seen(17, 5), seen(16, 4)), ([0.0; 3], [0.0; 3]));
     }
 
-    /// Adds light of one grey to a pixel at a height.
-    fn add(sum: &mut Splat, v: f32, w: f32) {
-        let row = std::slice::from_mut(sum);
-        match Down::new(&[v; 3], height(1.0)) {
-            Down::Bright(light) => add_row(row, &[height(w)], height(1.0), &light),
-            Down::Usual(light) => add_row(row, &[height(w)], height(1.0), &light),
+    /// The sums of one pixel.
+    struct One(Splats);
+
+    impl One {
+        fn new() -> Self {
+            Self(Splats::alone(Region::whole([1, 1]), 0))
+        }
+
+        /// Adds light of one grey at a height, or a sample that was dropped.
+        fn add(&mut self, v: Option<f32>, w: f32) {
+            let height = height(w);
+            let columns = Columns::new(&[height]);
+            self.0.weights[0] += height;
+            for plane in &mut self.0.light {
+                match v.map(|v| Down::new(&[v], super::height(1.0))) {
+                    Some(Down::Bright(rows)) => plane.add_bright(&columns, 0, rows.row(0)),
+                    Some(Down::Usual(rows)) => plane.add_usual(&columns, 0, rows.row(0)),
+                    None => {}
+                }
+            }
+        }
+
+        fn sum(&self) -> Splat {
+            self.0.sum(0)
         }
     }
 
     #[test]
     fn weighted_means_and_their_variances() {
-        let mut sum = Splat::default();
+        let mut one = One::new();
         for v in [0.25, 2.0, 3.0, 4.75] {
-            add(&mut sum, v, 0.5);
+            one.add(Some(v), 0.5);
         }
+        let sum = one.sum();
         assert_eq!(sum.mean(1), 2.5);
         // As of four plain samples.
         let squares = [0.25_f64, 2.0, 3.0, 4.75].map(|v| v * v).iter().sum::<f64>();
@@ -410,10 +512,11 @@ mod tests {
         let want = (squares - 4.0 * 6.25) / 12.0;
         assert!((variance(&sum, &spread, 1) - want).abs() < 1e-9);
         // One that was dropped counts as black.
-        add_weights(std::slice::from_mut(&mut sum), &[height(0.5)], height(1.0));
-        assert_eq!(sum.mean(0), 2.0);
-        let mut lost = Splat::default();
-        add(&mut lost, 1.0, -0.25);
+        one.add(None, 0.5);
+        assert_eq!(one.sum().mean(0), 2.0);
+        let mut lost = One::new();
+        lost.add(Some(1.0), -0.25);
+        let lost = lost.sum();
         assert_eq!((lost.mean(0), variance(&lost, &spread, 0)), (0.0, 0.0));
     }
 
@@ -421,10 +524,11 @@ mod tests {
     #[test]
     fn dark_and_bright_light_is_kept() {
         for v in [1e-12_f32, 3e-7, 0.1, 0.999_999_94, 1.0, 7.3, 4.2e9, -5e-5, -2e3] {
-            let mut sum = Splat::default();
+            let mut sum = One::new();
             for w in [1.0, 0.3, 1e-3] {
-                add(&mut sum, v, w);
+                sum.add(Some(v), w);
             }
+            let sum = sum.sum();
             let off = (sum.mean(0) / f64::from(v) - 1.0).abs();
             assert!(off < 2e-6, "{v}: {}, off by {off}", sum.mean(0));
         }
@@ -450,13 +554,13 @@ mod tests {
         let mut bias = |samples: u32, trials: u32| {
             let (mut sum, mut squares) = (0.0, 0.0);
             for _ in 0..trials {
-                let mut splat = Splat::default();
+                let mut splat = One::new();
                 for pixel in 0..25 * samples {
                     let place = [pixel % 5, pixel / 5 % 5].map(|p| p as f32 - 2.5 + random());
                     let [w, down] = place.map(|x| filter.relative_height(x));
-                    add(&mut splat, if place[0] < 0.3 { 1.0 } else { 0.0 }, w * down);
+                    splat.add(Some(if place[0] < 0.3 { 1.0 } else { 0.0 }), w * down);
                 }
-                let mean = splat.mean(0);
+                let mean = splat.sum().mean(0);
                 sum += mean;
                 squares += mean * mean;
             }

@@ -390,7 +390,7 @@ impl Film {
                     let inside = [0, 1].map(|a| corner[a].max(near.min[a]));
                     let splats = self.tiles[self.tile_at(inside)].splats.as_ref();
                     if let Some((splat, bands)) = splats.and_then(|s| s.at(pixel)) {
-                        record.splat.merge(splat);
+                        record.splat.merge(&splat);
                         record.splat_bands.iter_mut().zip(bands).for_each(|(sum, v)| *sum += *v);
                     }
                 }
@@ -429,9 +429,8 @@ impl Film {
         if let Some(ends) = tile.ends.get_mut(k) {
             *ends = record.ends;
         }
-        if let Some((splat, bands)) = tile.splats.as_mut().and_then(|s| s.at_mut(pixel)) {
-            *splat = record.splat;
-            bands.copy_from_slice(&record.splat_bands);
+        if let Some(splats) = &mut tile.splats {
+            splats.put(pixel, &record.splat, &record.splat_bands);
         }
     }
 }

@@ -5,8 +5,10 @@
 //! met, rays that go on, shadow rays with what each would bring, light for other places of the film. It reads nothing of a path's
 //! neighbours, and light is summed as integers, so that a pool of one path gives the same bits as a pool of a thousand.
 //!
-//! To add an integrator, write its file: a state, where its paths start, and a step.
+//! To add an integrator, write its file: a state, where its paths start, and a step; its line in the list below; its keys in the
+//! description.
 
+mod list;
 mod numbers;
 mod out;
 mod path;
@@ -24,6 +26,23 @@ use crate::lanes::Lanes;
 use crate::world::World;
 use straal_math::Ray;
 use straal_math::lowdisc::{Pattern, SampleName};
+use straal_scene::desc;
+
+list::integrators! {
+    /// Path tracing with next-event estimation.
+    Path(PathTracer),
+    /// A function in place of light.
+    SineProduct(SineProduct),
+}
+
+/// Who works with any integrator, compiled for each.
+pub trait WithIntegrator {
+    /// What comes of it.
+    type Out;
+
+    /// Works with this one.
+    fn with<I: Integrator>(self, integrator: I) -> Self::Out;
+}
 
 /// A way of gathering light.
 pub trait Integrator: Sync {
@@ -39,6 +58,14 @@ pub trait Integrator: Sync {
 
     /// The first ray of a sample's path, and what it carries; `None` for a sample that brings nothing.
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, Self::State<L>)>;
+
+    /// What a picture tells of it: names and values. Nothing, unless it says otherwise.
+    fn facts(&self) -> Vec<(&'static str, String)> {
+        Vec::new()
+    }
+
+    /// Lets paths have at most so many edges, the camera's included, if that means anything to it.
+    fn limit_depth(&mut self, _edges: u32) {}
 
     /// What the paths of one queue have met.
     fn step<L: Lanes>(

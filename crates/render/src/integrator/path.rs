@@ -14,6 +14,8 @@ use crate::world::World;
 use straal_color::Light;
 use straal_math::lowdisc::SampleName;
 use straal_math::{Ray, Vec3};
+use straal_scene::desc;
+use straal_scene::value::Depth;
 
 /// Edges after which roulette is played whatever the settings: a path between perfect mirrors must end.
 const PATIENCE: u32 = 1000;
@@ -30,6 +32,20 @@ pub struct PathTracer {
 impl Default for PathTracer {
     fn default() -> Self {
         Self { max_depth: u32::MAX, roulette_depth: 5 }
+    }
+}
+
+impl PathTracer {
+    pub(super) const NAME: &'static str = "path";
+
+    /// Of what a scene says.
+    pub(super) fn of(said: &desc::Integrator) -> Self {
+        let desc::Integrator::Path(path) = said else { return Self::default() };
+        let max_depth = match path.max_depth {
+            Depth::Unlimited => u32::MAX,
+            Depth::Edges(n) => n,
+        };
+        Self { max_depth, roulette_depth: path.roulette_depth }
     }
 }
 
@@ -56,6 +72,15 @@ pub struct State<L> {
 
 impl Integrator for PathTracer {
     type State<L: Lanes> = State<L>;
+
+    fn facts(&self) -> Vec<(&'static str, String)> {
+        let depth = if self.max_depth == u32::MAX { "unlimited".into() } else { self.max_depth.to_string() };
+        vec![("max_depth", depth), ("roulette_depth", self.roulette_depth.to_string())]
+    }
+
+    fn limit_depth(&mut self, edges: u32) {
+        self.max_depth = edges;
+    }
 
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
         let state = State {
@@ -155,7 +180,7 @@ fn miss<L: Lanes>(world: &World, arrival: &Arrival<'_, State<L>>, out: &mut Out<
         let (radiance, weight) = if state.delta {
             (environment.radiance_from(d, &reading), 1.0)
         } else {
-            let (radiance, pdf) = environment.radiance_pdf_from(d, &reading);
+            let (radiance, pdf) = environment.radiance_pdf_from(state.from.n, d, &reading);
             (radiance, power_heuristic(state.pdf, world.lights.pmf(emitter, &state.from) * pdf))
         };
         out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
@@ -240,9 +265,9 @@ fn light<L: Lanes>(
 
     // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
     // beside them.
-    let Some(pick) = world.lights.pick(u, &vertex.receiver()) else { return };
-    let at = vertex.end.p;
-    let Some(light) = world.sample_light(pick.index, at, [pick.rest, v], path.state.lanes) else {
+    let at = vertex.receiver();
+    let Some(pick) = world.lights.pick(u, &at) else { return };
+    let Some(light) = world.sample_light(pick.index, &at, [pick.rest, v], path.state.lanes) else {
         return;
     };
 

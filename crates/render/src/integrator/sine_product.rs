@@ -5,11 +5,21 @@ use crate::lanes::Lanes;
 use crate::world::World;
 use straal_color::Light;
 use straal_math::{Ray, ops};
+use straal_scene::desc;
 
 /// Brings (1 + sin(x²y²)) / 2 of the point where a ray meets the plane z = 0, and nothing where it meets none. An
 /// orthographic camera along z shows the function itself, so that every sampler and filter is seen at work by itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SineProduct;
+
+impl SineProduct {
+    pub(super) const NAME: &'static str = "sine_product";
+
+    /// Of what a scene says.
+    pub(super) fn of(_: &desc::Integrator) -> Self {
+        Self
+    }
+}
 
 impl Integrator for SineProduct {
     type State<L: Lanes> = L;

@@ -13,10 +13,8 @@ use std::fmt;
 use straal_color::Light;
 use straal_color::spectrum::FIRST;
 
-mod reading;
 mod tables;
 
-pub use reading::{ReadRgb, Reading};
 pub(crate) use tables::table_of;
 pub use tables::{Colour, Eta, EtaTable, SpectralTables};
 

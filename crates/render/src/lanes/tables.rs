@@ -39,7 +39,7 @@ pub struct SpectralTables {
     /// Chooses a wavelength.
     pub(super) draw: Option<Table1>,
     /// From linear sRGB to the work space, where that is another and lanes are RGB.
-    pub(super) to_work: Option<Matrix3>,
+    to_work: Option<Matrix3>,
     /// D65.
     pub(super) white: Vec<f32>,
     /// Spectra of pixels.
@@ -89,6 +89,12 @@ impl SpectralTables {
     /// Tables for rendering in RGB: nothing but the way from linear sRGB to the work space, where that is another.
     pub(crate) fn in_rgb(to_work: Option<Matrix3>) -> Self {
         Self { to_work, ..Self::default() }
+    }
+
+    /// Linear sRGB in the work space, where lanes are its red, green and blue; as it is where it becomes a spectrum.
+    pub(crate) fn held(&self, rgb: [f32; 3]) -> Light {
+        let Some(to_work) = &self.to_work else { return Light::rgb(rgb) };
+        Light::rgb(to_work.apply_f32(rgb).map(|v| if v > 0.0 { v } else { 0.0 }))
     }
 
     /// Of a nanometre to be drawn.

@@ -1,12 +1,12 @@
 //! Surfaces that shine.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::{Vec3, table::Table1};
 
 use super::reach::Lamp;
-use super::{Extent, LightSample, Reach, Shine, Target, strength};
+use super::{Extent, LightSample, Reach, Receiver, Shine, Target, strength};
 use crate::shape::{Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
 /// A surface that sends the same radiance in every direction on its lit side.
@@ -85,7 +85,7 @@ impl Shine for AreaLight {
     fn sample<L: Lanes>(
         &self,
         geometry: &Geometry,
-        (p, u): (Vec3, [f32; 2]),
+        (&Receiver { p, .. }, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         if self.radiance.most() == 0.0 {

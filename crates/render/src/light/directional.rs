@@ -1,11 +1,11 @@
 //! Parallel light.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -30,7 +30,7 @@ impl DirectionalLight {
         paint: &mut Paint<'_>,
         _: DVec3,
     ) -> Result<Emitter, CompileError> {
-        Self::new(l.axis().as_vec3(), paint.emission(&l.irradiance)?)
+        Self::new(l.axis().as_vec3(), paint.light(&l.irradiance)?)
             .map(Emitter::Directional)
             .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))
     }
@@ -43,7 +43,7 @@ impl Shine for DirectionalLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        _: (Vec3, [f32; 2]),
+        _: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         let radiance = reading.eval(&self.irradiance, &ShadingPoint::NOWHERE);

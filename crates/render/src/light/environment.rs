@@ -1,14 +1,15 @@
 //! Light from all around: one radiance, or a picture.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_color::Light;
-use straal_math::table::{Table1, Table2};
-use straal_math::{Affine, DVec3, Vec3, ops, warp};
+use straal_math::table::Table1;
+use straal_math::{Affine, DVec3, Frame, Vec3, ops, warp};
 use straal_scene::{Image, desc, value};
 
 use super::cube::latitude_longitude;
-use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use super::facing::Facing;
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
 use crate::camera::CubeLayout;
 use crate::error::CompileError;
 use crate::paint::Paint;
@@ -32,7 +33,7 @@ impl ConstantEnvironment {
             return Ok(Emitter::Image(Box::new(ImageEnvironment::of(l, file, paint)?)));
         }
         let black = desc::Spectrum::grey(0.0);
-        let radiance = l.radiance.as_ref().map_or(&black, value::Value::get);
+        let radiance = l.radiance.as_ref().unwrap_or(&black);
         let radiance = paint.emission_times(radiance, l.scale)?.into();
         Ok(Emitter::Constant(Self { radiance }))
     }
@@ -45,27 +46,38 @@ impl Shine for ConstantEnvironment {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (_, u): (Vec3, [f32; 2]),
+        (at, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         let radiance = reading.eval(&self.radiance, &ShadingPoint::NOWHERE);
-        (!radiance.is_black()).then_some(LightSample {
-            wi: warp::uniform_sphere(u),
-            radiance,
-            pdf: warp::uniform_sphere_pdf(),
-            delta: false,
-            target: Target::Direction,
-        })
+        let wi = if at.n == Vec3::ZERO {
+            warp::uniform_sphere(u)
+        } else {
+            Frame::from_normal(at.n).to_world(warp::cosine_hemisphere(u)).try_normalize()?
+        };
+        let pdf = self.pdf_from(at.n, wi);
+        let sound = !radiance.is_black() && pdf > 0.0;
+        sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
     }
 
     #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        (reading.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdf_from(wi))
+    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        (reading.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdf_from(n, wi))
     }
 
+    /// By the cosine where a normal is known.
     #[inline]
-    fn pdf_from(&self, _: Vec3) -> f32 {
-        if self.radiance.most() == 0.0 { 0.0 } else { warp::uniform_sphere_pdf() }
+    fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
+        let cos = n.dot(wi);
+        if self.radiance.most() == 0.0 {
+            0.0
+        } else if n == Vec3::ZERO {
+            warp::uniform_sphere_pdf()
+        } else if cos > 0.0 {
+            warp::cosine_hemisphere_pdf(cos)
+        } else {
+            0.0
+        }
     }
 
     /// What falls on the scene's disc from all sides.
@@ -92,8 +104,8 @@ impl Shine for ConstantEnvironment {
 /// `envmap` of Mitsuba 3.
 ///
 /// It is sampled by the cells between four neighbouring pixels: one is chosen in proportion to the mean of its corners'
-/// strongest lanes times its solid angle, and within it directions are uniform. Where the interpolated radiance isn't 0
-/// the density isn't either.
+/// strongest lanes times its solid angle, and roughly to the cosine at the surface ([`Facing`]); within it directions are uniform. Where
+/// the interpolated radiance isn't 0 the density isn't either, but behind the surface.
 #[derive(Clone, Debug)]
 pub struct ImageEnvironment {
     width: usize,
@@ -102,7 +114,7 @@ pub struct ImageEnvironment {
     /// Row by row from the top.
     pixels: Vec<[f32; 3]>,
     /// Over `width` x (`height` - 1) cells; `None` when all is black.
-    cells: Option<Table2>,
+    cells: Option<Facing>,
     /// Cosine of the polar angle of each row.
     cosines: Vec<f64>,
     /// Local x, y and z in the world: an orthonormal frame.
@@ -120,20 +132,20 @@ impl Shine for Box<ImageEnvironment> {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (_, u): (Vec3, [f32; 2]),
+        (at, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        ImageEnvironment::sample(self, u, reading)
+        ImageEnvironment::sample(self, at.n, u, reading)
     }
 
     #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        self.radiance_pdf(wi, reading)
+    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        self.radiance_pdf(n, wi, reading)
     }
 
     #[inline]
-    fn pdf_from(&self, wi: Vec3) -> f32 {
-        self.pdf(wi)
+    fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
+        self.pdf(n, wi)
     }
 
     fn power(&self, _: &Geometry, disc: f64) -> f64 {
@@ -180,6 +192,9 @@ struct Place {
 impl ImageEnvironment {
     /// Bytes that a pixel takes: its colour, and its places in the tables that it is chosen by.
     pub const BYTES_A_PIXEL: usize = size_of::<[f32; 3]>() + Table1::BYTES;
+
+    /// Bytes of tables that don't grow with the picture, once it has a few hundred pixels.
+    pub const BYTES: usize = Facing::BYTES;
 
     /// Bytes that it takes besides while the tables are made: a weight in double precision and one in single.
     pub const MAKING_BYTES_A_PIXEL: usize = size_of::<f64>() + size_of::<f32>();
@@ -243,7 +258,15 @@ impl ImageEnvironment {
         let irradiance = irradiance.map(|v: f64| (0.75 * v + 0.0625 * total) as f32);
         let most = weights.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
         let relative: Vec<f32> = weights.iter().map(|w| (w / most) as f32).collect();
-        let cells = Table2::new(width, height - 1, &relative);
+        // As rows of cells are bands between two rows of pixels, and columns lie between the middles of two.
+        let direction = |across: f64, down: f64| {
+            let rows = down * (height - 1) as f64;
+            let row = (rows as usize).min(height - 2);
+            let up = cosines[row] + (cosines[row + 1] - cosines[row]) * (rows - row as f64);
+            let (s, c) = ops::sin_cos_degrees(360.0 * (across + 0.5 / width as f64));
+            (x * s - z * c) * (1.0 - up * up).abs().sqrt() + y * up
+        };
+        let cells = Facing::new([width, height - 1], &relative, direction);
         Some(Self { width, height, pixels, cells, cosines, axes, total, irradiance })
     }
 
@@ -276,42 +299,35 @@ impl ImageEnvironment {
     }
 
     /// See [`super::Emitter::sample`].
-    pub fn sample<L: Lanes>(&self, u: [f32; 2], reading: &Reading<'_, L>) -> Option<LightSample> {
-        let point = self.cells.as_ref()?.sample(u);
-        let [column, row] = point.texel;
-        let within = |uv: f32, count: usize, index: usize| {
-            let rest = f64::from(uv) * count as f64 - index as f64;
-            if rest > 0.0 { if rest < 1.0 { rest } else { 1.0 } } else { 0.0 }
-        };
-        let x = within(point.uv[0], self.width, column);
-        let down = within(point.uv[1], self.height - 1, row);
-        let cos = self.cosines[row] + (self.cosines[row + 1] - self.cosines[row]) * down;
+    pub fn sample<L: Lanes>(&self, n: Vec3, u: [f32; 2], reading: &Reading<'_, L>) -> Option<LightSample> {
+        let cell = self.cells.as_ref()?.sample(u, n)?;
+        let (column, row) = (cell.column, cell.row);
+        let cos = self.cosines[row] + (self.cosines[row + 1] - self.cosines[row]) * cell.down;
         let y = ops::acos_d(cos) * (std::f64::consts::FRAC_1_PI * (self.height - 1) as f64) - row as f64;
-        let (s, c) = ops::sin_cos_degrees(360.0 * (column as f64 + 0.5 + x) / self.width as f64);
+        let (s, c) = ops::sin_cos_degrees(360.0 * (column as f64 + 0.5 + cell.across) / self.width as f64);
         let sin = (1.0 - cos * cos).abs().sqrt();
         let [ax, ay, az] = self.axes.map(Vec3::as_dvec3);
         let wi = (ax * (sin * s) + ay * cos - az * (sin * c)).try_normalize()?.as_vec3();
-        let radiance =
-            self.interpolate(&Place { column, row, x: x as f32, y: ops::clamp(y as f32, 0.0, 1.0) });
-        let radiance = reading.radiance_of_rgb(radiance);
-        let pdf = self.density(point.pdf, row);
+        let place = Place { column, row, x: cell.across as f32, y: ops::clamp(y as f32, 0.0, 1.0) };
+        let radiance = reading.radiance_of_rgb(self.interpolate(&place));
+        let pdf = self.density(cell.pdf, row);
         let sound = !radiance.is_black() && pdf > 0.0 && pdf.is_finite();
         sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
     }
 
     /// See [`super::Emitter::pdf_from`].
-    pub fn pdf(&self, wi: Vec3) -> f32 {
-        self.pdf_of(&self.place(wi))
+    pub fn pdf(&self, n: Vec3, wi: Vec3) -> f32 {
+        self.pdf_of(&self.place(wi), n)
     }
 
     /// See [`super::Emitter::radiance_pdf_from`].
-    pub fn radiance_pdf<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+    pub fn radiance_pdf<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
         let place = self.place(wi);
-        (reading.radiance_of_rgb(self.interpolate(&place)), self.pdf_of(&place))
+        (reading.radiance_of_rgb(self.interpolate(&place)), self.pdf_of(&place, n))
     }
 
-    fn pdf_of(&self, place: &Place) -> f32 {
-        let pdf = |cells: &Table2| self.density(cells.texel_pdf([place.column, place.row]), place.row);
+    fn pdf_of(&self, place: &Place, n: Vec3) -> f32 {
+        let pdf = |cells: &Facing| self.density(cells.pdf([place.column, place.row], n), place.row);
         self.cells.as_ref().map_or(0.0, pdf)
     }
 

@@ -18,16 +18,17 @@ macro_rules! emitters {
                 }
             }
 
-            /// A direction from `p` towards the light; `u` uniform in the unit square.
+            /// A direction from a place towards the light; `u` uniform in the unit square. Surroundings leave out what is
+            /// behind the surface.
             #[inline]
             pub fn sample<L: Lanes>(
                 &self,
                 geometry: &Geometry,
-                p: Vec3,
+                at: &Receiver,
                 u: [f32; 2],
                 reading: &Reading<'_, L>,
             ) -> Option<LightSample> {
-                match self { $( Self::$Kind(l) => Shine::sample(l, geometry, (p, u), reading), )+ }
+                match self { $( Self::$Kind(l) => Shine::sample(l, geometry, (at, u), reading), )+ }
             }
 
             /// The radiance that a point of an emitting surface sends in the unit direction `wo`; 0 for all other lights.
@@ -46,19 +47,20 @@ macro_rules! emitters {
             /// The radiance that arrives from the unit direction `wi`, from beyond everything; 0 but for environments.
             #[inline]
             pub fn radiance_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> Light {
-                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, wi, reading).0, )+ }
+                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, Vec3::ZERO, wi, reading).0, )+ }
             }
 
-            /// The density by solid angle with which [`Emitter::sample`] gives `wi`; 0 but for environments.
+            /// The density by solid angle with which [`Emitter::sample`] gives `wi` to a surface of normal `n`, zero where it
+            /// isn't known; 0 but for environments.
             #[inline]
-            pub fn pdf_from(&self, wi: Vec3) -> f32 {
-                match self { $( Self::$Kind(l) => Shine::pdf_from(l, wi), )+ }
+            pub fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
+                match self { $( Self::$Kind(l) => Shine::pdf_from(l, n, wi), )+ }
             }
 
             /// [`Emitter::radiance_from`] and [`Emitter::pdf_from`] at once.
             #[inline]
-            pub fn radiance_pdf_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, wi, reading), )+ }
+            pub fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, n, wi, reading), )+ }
             }
 
             /// Whether the light is all around: what a ray that hits nothing sees.

@@ -2,21 +2,21 @@
 //!
 //! An emitter is met in two ways, and the two agree:
 //!
-//! - *sampled* ([`Emitter::sample`]) from a reference point: a unit direction `wi` towards it, what arrives from there if
+//! - *sampled* ([`Emitter::sample`]) from a reference point, which may tell which way its surface faces: a unit direction `wi` towards it, what arrives from there if
 //!   nothing is in the way, and the density by solid angle with which `wi` was drawn. A light without extent (`delta`) has
 //!   one direction only; its density counts as 1, and its `radiance` is the irradiance that a surface facing it
 //!   receives. Either way a surface reflects f |cos| `radiance` / `pdf` of it. `None` is a sample of no value: the light
 //!   is black, turned away, or out of reach;
 //! - *hit* by a ray: a surface with [`Emitter::radiance_at`] and [`Emitter::pdf_at`], the surroundings of everything with
-//!   [`Emitter::radiance_from`] and [`Emitter::pdf_from`]. The pdf is that with which `sample` at `p` would have found the
-//!   same direction, and 0 where it never would.
+//!   [`Emitter::radiance_from`] and [`Emitter::pdf_from`]. The pdf is that with which `sample` at the
+//!   same reference point would have found the same direction, and 0 where it never would.
 //!
 //! To add one: its file, which implements [`Shine`] and gives examples to be tested; its line in the list below; its keys in the
 //! description. Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
 //! and mesh ids are those of its [`Geometry`].
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::Value;
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, Value};
 use straal_color::Light;
 use straal_math::{DVec3, Ray, Vec3};
 use straal_scene::desc;
@@ -30,6 +30,7 @@ pub mod area;
 pub(crate) mod cube;
 pub mod directional;
 pub mod environment;
+mod facing;
 mod list;
 pub mod point;
 mod reach;
@@ -76,11 +77,11 @@ trait Shine {
     /// How large it is.
     const EXTENT: Extent;
 
-    /// See [`Emitter::sample`]: a direction from the point, by two numbers.
+    /// See [`Emitter::sample`]: a direction from the place, by two numbers.
     fn sample<L: Lanes>(
         &self,
         geometry: &Geometry,
-        from: (Vec3, [f32; 2]),
+        from: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample>;
 
@@ -98,13 +99,13 @@ trait Shine {
 
     /// See [`Emitter::radiance_pdf_from`].
     #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, _wi: Vec3, _reading: &Reading<'_, L>) -> (Light, f32) {
+    fn radiance_pdf_from<L: Lanes>(&self, _n: Vec3, _wi: Vec3, _reading: &Reading<'_, L>) -> (Light, f32) {
         (Light::ZERO, 0.0)
     }
 
     /// See [`Emitter::pdf_from`].
     #[inline]
-    fn pdf_from(&self, _wi: Vec3) -> f32 {
+    fn pdf_from(&self, _n: Vec3, _wi: Vec3) -> f32 {
         0.0
     }
 

@@ -1,12 +1,12 @@
 //! The point light.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Shine, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -34,7 +34,7 @@ impl PointLight {
         centre: DVec3,
     ) -> Result<Emitter, CompileError> {
         let position = (l.position - centre).as_vec3();
-        Ok(Emitter::Point(Self { position, intensity: paint.emission(&l.intensity)? }))
+        Ok(Emitter::Point(Self { position, intensity: paint.light(&l.intensity)? }))
     }
 }
 
@@ -45,7 +45,7 @@ impl Shine for PointLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (p, _): (Vec3, [f32; 2]),
+        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         towards(self.position, p, |_| reading.eval(&self.intensity, &self.place()))

@@ -15,6 +15,13 @@ pub struct Receiver {
     pub n: Vec3,
 }
 
+impl Receiver {
+    /// A point where light from all around counts alike.
+    pub const fn anywhere(p: Vec3) -> Self {
+        Self { p, n: Vec3::ZERO }
+    }
+}
+
 /// What is known of a light for [`Reach::estimate`].
 #[derive(Clone, Debug)]
 pub(super) enum Reach {

@@ -1,11 +1,11 @@
 //! The spot light.
 
-use crate::lanes::{Colour, Lanes, Reading};
-use crate::texture::{ShadingPoint, Value};
+use crate::lanes::{Colour, Lanes};
+use crate::texture::{Reading, ShadingPoint, Value};
 use straal_math::{DVec3, Frame, Vec3, ops, warp};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Shine, point::towards, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, point::towards, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -117,7 +117,7 @@ impl SpotLight {
                 desc::Falloff::Smooth => Falloff::Smooth,
             },
         };
-        let spot = Self::new((l.position - centre).as_vec3(), paint.emission(&l.intensity)?, &cone);
+        let spot = Self::new((l.position - centre).as_vec3(), paint.light(&l.intensity)?, &cone);
         spot.map(Emitter::Spot).ok_or_else(|| CompileError::new("the axis of a spot light has no length"))
     }
 }
@@ -129,7 +129,7 @@ impl Shine for SpotLight {
     fn sample<L: Lanes>(
         &self,
         _: &Geometry,
-        (p, _): (Vec3, [f32; 2]),
+        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         towards(self.position, p, |wi| reading.eval(&self.intensity, &self.place()) * self.share(-wi))

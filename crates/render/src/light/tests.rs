@@ -81,13 +81,25 @@ fn lights_without_extent_keep_the_contract() {
     for e in all.filter(|e| e.emitter.is_delta()) {
         let mut seen = 0;
         for p in VIEWS {
-            assert_eq!((e.emitter.pdf_from(Vec3::Y), e.emitter.is_environment()), (0.0, false), "{}", e.name);
+            assert_eq!(
+                (e.emitter.pdf_from(Vec3::ZERO, Vec3::Y), e.emitter.is_environment()),
+                (0.0, false),
+                "{}",
+                e.name
+            );
             assert_eq!(e.emitter.radiance_from(Vec3::Y, &in_rgb()), Light::ZERO, "{}", e.name);
-            let Some(s) = e.emitter.sample(&e.geometry, p, [0.3, 0.6], &in_rgb()) else { continue };
+            let Some(s) = e.emitter.sample(&e.geometry, &Receiver::anywhere(p), [0.3, 0.6], &in_rgb()) else {
+                continue;
+            };
             seen += 1;
             assert!(s.delta && s.pdf == 1.0 && (s.wi.length() - 1.0).abs() < 1e-6, "{}", e.name);
             assert!(s.radiance.is_finite() && !s.radiance.is_black(), "{}", e.name);
-            assert_eq!(e.emitter.sample(&e.geometry, p, [0.9, 0.1], &in_rgb()), Some(s), "{}", e.name);
+            assert_eq!(
+                e.emitter.sample(&e.geometry, &Receiver::anywhere(p), [0.9, 0.1], &in_rgb()),
+                Some(s),
+                "{}",
+                e.name
+            );
             let table = LightTable::new(std::slice::from_ref(&e.emitter), &e.geometry, 1.0);
             assert!(table.pmf(0, &Receiver { p, n: Vec3::ZERO }) > 0.0, "{}", e.name);
             let reach = e.emitter.reach(&e.geometry).map(|r| r.estimate(&Receiver { p, n: s.wi }));
@@ -140,13 +152,14 @@ impl Example {
 
     /// The density of a direction: of the environment, or of every point of the surface that way. Round shapes seen
     /// from outside are sampled by direction: they have one density a direction, not one a point.
-    fn pdf(&self, p: Vec3, w: Vec3) -> f32 {
+    fn pdf(&self, at: &Receiver, w: Vec3) -> f32 {
+        let p = at.p;
         let crossings = self.crossings(p, w);
         let round = matches!(self.geometry.shapes.first(), Some(Shape::Sphere(_) | Shape::Ellipsoid(_)));
         let inside = crossings.first().is_some_and(|(_, s)| s.ng.dot(w) > 0.0);
         let points = if round && !inside && !crossings.is_empty() { &crossings[..1] } else { &crossings };
         let of = |(i, s): &(u32, SurfacePoint)| self.emitter.pdf_at(&self.geometry, p, *i, s);
-        self.emitter.pdf_from(w) + points.iter().map(of).sum::<f32>()
+        self.emitter.pdf_from(at.n, w) + points.iter().map(of).sum::<f32>()
     }
 }
 
@@ -155,16 +168,19 @@ fn what_is_sampled_is_what_is_hit() {
     let mut rng = Rng(31);
     for entry in registry() {
         for p in VIEWS {
-            for _ in 0..500 {
-                let Some(s) = entry.emitter.sample(&entry.geometry, p, rng.square(), &in_rgb()) else {
+            for i in 0..500 {
+                let n = if i % 2 == 0 { Vec3::ZERO } else { rng.direction() };
+                let Some(s) =
+                    entry.emitter.sample(&entry.geometry, &Receiver { p, n }, rng.square(), &in_rgb())
+                else {
                     continue;
                 };
                 assert!((s.wi.length() - 1.0).abs() < 1e-6 && !s.delta && s.pdf > 0.0, "{}", entry.name);
                 match s.target {
                     Target::Direction => {
                         let (radiance, pdf) =
-                            (entry.emitter.radiance_from(s.wi, &in_rgb()), entry.emitter.pdf_from(s.wi));
-                        assert_eq!(entry.emitter.radiance_pdf_from(s.wi, &in_rgb()), (radiance, pdf));
+                            (entry.emitter.radiance_from(s.wi, &in_rgb()), entry.emitter.pdf_from(n, s.wi));
+                        assert_eq!(entry.emitter.radiance_pdf_from(n, s.wi, &in_rgb()), (radiance, pdf));
                         let off = (radiance - s.radiance).map(f32::abs).max_lane();
                         // A direction's rounding, 1e-7, times the steepest slope between pixels, 250 a radian.
                         assert!(off < 1e-4, "{}: {radiance:?} against {s:?}", entry.name);
@@ -196,7 +212,7 @@ fn blank() -> SurfacePoint {
 /// Irradiance (first lane) at `p` on a surface facing `n`, with nothing in the way.
 fn irradiance(entry: &Example, p: Vec3, n: Vec3) -> (f64, f64) {
     monte_carlo(41, 100_000, |u| {
-        entry.emitter.sample(&entry.geometry, p, u, &in_rgb()).map_or(0.0, |s| {
+        entry.emitter.sample(&entry.geometry, &Receiver { p, n }, u, &in_rgb()).map_or(0.0, |s| {
             let cos = s.wi.dot(n);
             if cos > 0.0 { f64::from(s.radiance[0] * cos / s.pdf) } else { 0.0 }
         })
@@ -299,7 +315,10 @@ fn strange_pictures_are_refused_or_read_as_black() {
     let odd = image(4, 3, |x, _| [f32::NAN, -1.0, if x == 2 { f32::NEG_INFINITY } else { 0.0 }]);
     let e = new(&odd).unwrap();
     assert_eq!(e.radiance(Vec3::X, &in_rgb()), Light::ZERO);
-    assert_eq!((e.sample([0.5; 2], &in_rgb()), e.pdf(Vec3::X), e.power(1.0)), (None, 0.0, 0.0));
+    assert_eq!(
+        (e.sample(Vec3::ZERO, [0.5; 2], &in_rgb()), e.pdf(Vec3::ZERO, Vec3::X), e.power(1.0)),
+        (None, 0.0, 0.0)
+    );
     let even = image(4, 3, |_, _| [1.0; 3]);
     assert!(ImageEnvironment::new(&even, 1.0, &Affine::scale(DVec3::ZERO)).is_none());
 }
@@ -310,9 +329,12 @@ fn delta_lights_give_their_irradiance() {
     let geometry = Geometry::default();
     let position = Vec3::new(0.0, 2.0, 0.0);
     let at = |e: &Emitter, p: Vec3| {
-        let s = e.sample(&geometry, p, [0.3, 0.7], &in_rgb());
+        let s = e.sample(&geometry, &Receiver::anywhere(p), [0.3, 0.7], &in_rgb());
         assert!(s.is_none_or(|s| s.delta && s.pdf == 1.0 && (s.wi.length() - 1.0).abs() < 1e-6));
-        assert_eq!((e.pdf_from(Vec3::Y), e.radiance_from(Vec3::Y, &in_rgb())), (0.0, Light::ZERO));
+        assert_eq!(
+            (e.pdf_from(Vec3::ZERO, Vec3::Y), e.radiance_from(Vec3::Y, &in_rgb())),
+            (0.0, Light::ZERO)
+        );
         s.map_or(0.0, |s| s.radiance[0])
     };
     let point = Emitter::Point(PointLight { position, intensity: intensity.into() });
@@ -347,7 +369,10 @@ fn delta_lights_give_their_irradiance() {
     }
     let sun = Emitter::Directional(DirectionalLight::new(Vec3::new(0.0, -3.0, 0.0), intensity).unwrap());
     assert_eq!((at(&sun, Vec3::ZERO), at(&sun, Vec3::X * 1e9)), (8.0, 8.0));
-    assert_eq!(sun.sample(&geometry, Vec3::ZERO, [0.0; 2], &in_rgb()).map(|s| s.wi), Some(Vec3::Y));
+    assert_eq!(
+        sun.sample(&geometry, &Receiver::anywhere(Vec3::ZERO), [0.0; 2], &in_rgb()).map(|s| s.wi),
+        Some(Vec3::Y)
+    );
     assert!(DirectionalLight::new(Vec3::ZERO, intensity).is_none());
 }
 
@@ -363,7 +388,7 @@ fn power_is_what_leaves_in_all_directions() {
         let mut rng = Rng(51);
         let flux = monte_carlo(52, 30_000, |u| {
             let p = rng.direction() * around;
-            entry.emitter.sample(&entry.geometry, p, u, &in_rgb()).map_or(0.0, |s| {
+            entry.emitter.sample(&entry.geometry, &Receiver::anywhere(p), u, &in_rgb()).map_or(0.0, |s| {
                 let cos = s.wi.dot(-p.normalize());
                 // The far side of a closed shape that shines on both is hidden.
                 let front = match s.target {
@@ -406,12 +431,12 @@ fn black_lights_are_never_sampled() {
         assert_eq!((table.pick(0.5, &at), table.pmf(0, &at)), (None, 0.0));
         for p in VIEWS {
             assert_eq!(
-                entry.emitter.sample(&entry.geometry, p, [0.4, 0.6], &in_rgb()),
+                entry.emitter.sample(&entry.geometry, &Receiver::anywhere(p), [0.4, 0.6], &in_rgb()),
                 None,
                 "{}",
                 entry.name
             );
-            assert_eq!(entry.pdf(p, (-p).normalize()), 0.0, "{}", entry.name);
+            assert_eq!(entry.pdf(&Receiver::anywhere(p), (-p).normalize()), 0.0, "{}", entry.name);
         }
     }
 }
@@ -424,7 +449,12 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
         for p in VIEWS {
             for _ in 0..300 {
                 let from = Sphere { center: p, ..receiver }.sample_area(rng.square()).point;
-                let Some(s) = entry.emitter.sample(&entry.geometry, from.p, rng.square(), &in_rgb()) else {
+                let Some(s) = entry.emitter.sample(
+                    &entry.geometry,
+                    &Receiver::anywhere(from.p),
+                    rng.square(),
+                    &in_rgb(),
+                ) else {
                     continue;
                 };
                 if s.wi.dot(from.ng) < 0.01 {
@@ -555,7 +585,8 @@ fn estimates_are_near_what_lights_bring() {
                 let rounds = 2000;
                 let mut sum = 0.0;
                 for _ in 0..rounds {
-                    if let Some(s) = entry.emitter.sample(&entry.geometry, p, rng.square(), &in_rgb()) {
+                    let at = Receiver { p, n };
+                    if let Some(s) = entry.emitter.sample(&entry.geometry, &at, rng.square(), &in_rgb()) {
                         sum += s.radiance.max_lane() * ops::max(s.wi.dot(n), 0.0) / s.pdf;
                     }
                 }

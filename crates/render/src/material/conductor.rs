@@ -12,9 +12,9 @@ use super::{
     Bsdf, BsdfSample, Recipe, RoughConductor, Scatter, Transport, Wants, facing, fresnel, mirror::reflected,
 };
 use crate::error::CompileError;
-use crate::lanes::{Colour, Lanes, Reading};
+use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
-use crate::texture::{ShadingPoint, Value};
+use crate::texture::{Reading, ShadingPoint, Value};
 
 /// A metal, polished or rough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,7 @@ impl Recipe for ConductorMaterial {
         Ok(Self {
             eta,
             k,
-            roughness: paint.number(&d.roughness),
+            roughness: paint.number(&d.roughness)?,
             reflectance: paint.reflectance(&d.reflectance)?,
             two_sided: d.two_sided,
         })

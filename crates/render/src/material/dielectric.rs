@@ -11,9 +11,9 @@ use super::{
     Bsdf, BsdfSample, DispersiveDielectric, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected,
 };
 use crate::error::CompileError;
-use crate::lanes::{Colour, Eta, Lanes, Reading};
+use crate::lanes::{Colour, Eta, Lanes};
 use crate::paint::Paint;
-use crate::texture::{ShadingPoint, Value};
+use crate::texture::{Reading, ShadingPoint, Value};
 
 /// A smooth boundary between transparent media; the shading normal points outside. Where the index of refraction depends on the
 /// wavelength it is read as a [`DispersiveDielectric`].

@@ -12,9 +12,9 @@ use straal_scene::desc;
 
 use super::{Black, Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
-use crate::lanes::{Colour, Lanes, Reading};
+use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
-use crate::texture::{ShadingPoint, Value};
+use crate::texture::{Reading, ShadingPoint, Value};
 
 /// What scatters light evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]

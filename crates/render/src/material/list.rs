@@ -77,10 +77,12 @@ macro_rules! bsdfs {
 
         /// What the tests try of every kind.
         #[cfg(test)]
-        fn registry<'w>() -> Vec<testing::Example> {
-            let mut all = Vec::new();
-            $( all.extend(<$Type as Scatter>::examples()); )+
-            all
+        impl<'w> Bsdf<'w> {
+            fn registry() -> Vec<testing::Example> {
+                let mut all = Vec::new();
+                $( all.extend(<$Type as Scatter>::examples()); )+
+                all
+            }
         }
     };
 }

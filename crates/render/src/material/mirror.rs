@@ -8,9 +8,9 @@ use straal_scene::desc;
 
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
 use crate::error::CompileError;
-use crate::lanes::{Colour, Lanes, Reading};
+use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
-use crate::texture::{ShadingPoint, Value};
+use crate::texture::{Reading, ShadingPoint, Value};
 
 /// What is a perfect mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -31,9 +31,9 @@ use straal_math::simd::Float;
 use straal_scene::desc;
 
 use crate::error::CompileError;
-use crate::lanes::{Lanes, ReadRgb, Reading};
+use crate::lanes::Lanes;
 use crate::paint::Paint;
-use crate::texture::ShadingPoint;
+use crate::texture::{ReadRgb, Reading, ShadingPoint};
 
 mod black;
 mod conductor;

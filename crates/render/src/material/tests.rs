@@ -6,12 +6,17 @@ use straal_math::{Vec3, ops, warp};
 
 use super::testing::{Example, WHITE, flint, gold, lossless};
 use super::*;
-use crate::lanes::{Carried, ReadRgb};
+use crate::lanes::Carried;
 use crate::testing::in_rgb;
 use crate::testing::{ChiSquare, SphereGrid};
-use crate::texture::{TextureRef, Value};
+use crate::texture::{ReadRgb, TextureRef, Value};
 use std::collections::BTreeSet;
 use straal_color::spectrum::refraction::glass;
+
+/// Every kind of BSDF in the list.
+fn registry() -> Vec<Example> {
+    Bsdf::registry()
+}
 
 /// Through a prism of 60 degrees by Snell's law with Schott's Sellmeier figures: each wavelength leaves at its angle.
 #[test]

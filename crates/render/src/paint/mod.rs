@@ -15,7 +15,7 @@ use straal_scene::{Assets, Image, Scene};
 
 use crate::error::CompileError;
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
-use crate::texture::Value;
+use crate::texture::{Texture, TextureKind, TextureRef, Use, Value};
 
 /// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
 pub(crate) struct Paint<'a> {
@@ -35,6 +35,8 @@ pub(crate) struct Paint<'a> {
     metals: BTreeMap<String, [Colour; 2]>,
     /// Filled as colours are met.
     pub spectra: SpectralTables,
+    /// Filled as textures are met.
+    pub textures: Vec<Texture>,
     /// What is worth telling of them.
     pub notes: Vec<String>,
 }
@@ -76,6 +78,7 @@ impl<'a> Paint<'a> {
             measured: BTreeMap::new(),
             metals: BTreeMap::new(),
             spectra,
+            textures: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -86,18 +89,45 @@ impl<'a> Paint<'a> {
     }
 
     /// Share of light that comes back.
-    pub fn reflectance(&mut self, v: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
-        Ok(self.colour(v.get(), Quantity::Reflectance)?.into())
+    pub fn reflectance(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        self.value(v, Quantity::Reflectance)
     }
 
     /// Light that is sent out.
-    pub fn emission(&mut self, v: &value::Value<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
-        Ok(self.colour(v.get(), Quantity::Emission)?.into())
+    pub fn emission(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        self.value(v, Quantity::Emission)
+    }
+
+    /// Light that is sent out by something that has no surface.
+    pub fn light(&mut self, s: &desc::Spectrum) -> Result<Value<Colour>, CompileError> {
+        Ok(self.colour(s, Quantity::Emission)?.into())
+    }
+
+    fn value(
+        &mut self,
+        v: &desc::Varying<desc::Spectrum>,
+        of: Quantity,
+    ) -> Result<Value<Colour>, CompileError> {
+        match v {
+            desc::Varying::Constant(s) => Ok(self.colour(s, of)?.into()),
+            desc::Varying::Texture(t) => self.texture(t, of),
+        }
+    }
+
+    fn texture<T>(&mut self, said: &desc::Texture, of: Quantity) -> Result<Value<T>, CompileError> {
+        let kind = TextureKind::of(said, &mut |s| self.colour(s, of))?;
+        let most = kind.most();
+        let of = if of == Quantity::Emission { Use::Emission } else { Use::Reflectance };
+        self.textures.push(Texture { kind, of });
+        Ok(Value::Texture(TextureRef { id: (self.textures.len() - 1) as u32, most }))
     }
 
     /// A number.
-    pub fn number(&mut self, v: &value::Value<f64>) -> Value<f32> {
-        (v.constant() as f32).into()
+    pub fn number(&mut self, v: &desc::Varying<f64>) -> Result<Value<f32>, CompileError> {
+        match v {
+            desc::Varying::Constant(v) => Ok((*v as f32).into()),
+            desc::Varying::Texture(t) => self.texture(t, Quantity::Reflectance),
+        }
     }
 
     /// Light that is sent out, times a factor.
@@ -309,7 +339,7 @@ impl<'a> Paint<'a> {
         let (Some(eta), Some(k)) = (&d.eta, &d.k) else {
             return Err(CompileError::new("a conductor needs `metal`, or `eta` and `k`"));
         };
-        let parts = [eta.get(), k.get()];
+        let parts = [eta, k];
         if let [desc::Spectrum::Rgb(eta), desc::Spectrum::Rgb(k)] = parts {
             return Ok([self.rgb(*eta, Quantity::Index), self.rgb(*k, Quantity::Index)]);
         }

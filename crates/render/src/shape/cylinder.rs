@@ -4,7 +4,7 @@ use straal_math::{Affine, Bounds, DVec3, Ray, Vec3, ops};
 
 use super::exact::{at, outward, rounded, size};
 use super::tangents::unit_change;
-use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents, sampling};
+use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// The image of the open unit cylinder x² + z² = 1, 0 <= y <= 1, under an affine map; its normal points away from the
 /// axis.
@@ -130,5 +130,51 @@ impl Cylinder {
     /// No number behind a point is larger than this.
     fn size(&self) -> f64 {
         self.map.rows.iter().flatten().map(|x| x.abs()).sum::<f64>() + size(DVec3::ONE)
+    }
+}
+
+impl Form for Cylinder {
+    fn bounds(&self) -> Option<Bounds> {
+        Some(Cylinder::bounds(self))
+    }
+
+    #[inline]
+    fn analytic(&self) -> Option<Analytic> {
+        Some(Cylinder::analytic(self))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        Cylinder::surface(self, ray, hit)
+    }
+
+    fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        Cylinder::tangents(self, at)
+    }
+
+    fn area(&self) -> Option<f32> {
+        Some(Cylinder::area(self))
+    }
+
+    #[inline]
+    fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
+        Some(Cylinder::sample_area(self, u))
+    }
+
+    #[inline]
+    fn pdf_area(&self, hit: &SurfacePoint) -> f32 {
+        Cylinder::pdf_area(self, hit)
+    }
+
+    #[cfg(test)]
+    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+        use super::tests::Example;
+        let (map, inverse) = (stand.map, stand.map.inverse().expect("it has one"));
+        let shape = super::Shape::Cylinder(Box::new(Self::new(map).expect("it has an inverse")));
+        vec![Example::new("cylinder", shape, move |p| {
+            let q = inverse.point(p);
+            let out = DVec3::new(q.x, 0.0, q.z);
+            (out.length() - 1.0, inverse.normal_by_inverse(out.normalize()))
+        })]
     }
 }

@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents, sampling};
+use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// A disc, or an ellipse: center + x a + y b for x² + y² <= 1. Its normal is a × b.
 ///
@@ -70,6 +70,48 @@ impl Disc {
     #[inline]
     pub fn pdf_area(&self) -> f32 {
         self.pdf_area
+    }
+}
+
+impl Form for Disc {
+    fn bounds(&self) -> Option<Bounds> {
+        Some(Disc::bounds(self))
+    }
+
+    #[inline]
+    fn analytic(&self) -> Option<Analytic> {
+        Some(Disc::analytic(self))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        Disc::surface(self, ray, hit)
+    }
+
+    fn tangents(&self, _: &SurfacePoint) -> Tangents {
+        Disc::tangents(self)
+    }
+
+    fn area(&self) -> Option<f32> {
+        Some(Disc::area(self))
+    }
+
+    #[inline]
+    fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
+        Some(Disc::sample_area(self, u))
+    }
+
+    #[inline]
+    fn pdf_area(&self, _: &SurfacePoint) -> f32 {
+        Disc::pdf_area(self)
+    }
+
+    #[cfg(test)]
+    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+        use super::tests::Example;
+        let super::tests::Stand { center, a, b, .. } = *stand;
+        let n = a.as_dvec3().cross(b.as_dvec3());
+        vec![Example::flat("disc", super::Shape::Disc(Box::new(Self::new(center, a, b))), center, n)]
     }
 }
 

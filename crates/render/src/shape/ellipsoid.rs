@@ -6,7 +6,7 @@ use super::exact::{at, outward, rounded};
 use super::sphere::{Cone, finite_or_zero, sphere_tangents, sphere_uv};
 use super::tangents::unit_change;
 use super::{
-    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
+    Analytic, AreaSample, DirSample, Form, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
     solid_angle_pdf,
 };
 
@@ -129,6 +129,55 @@ impl Ellipsoid {
     /// No number behind a point is larger than this.
     fn size(&self) -> f64 {
         self.map.rows.iter().flatten().map(|x| x.abs()).sum()
+    }
+}
+
+impl Form for Ellipsoid {
+    fn bounds(&self) -> Option<Bounds> {
+        Some(Ellipsoid::bounds(self))
+    }
+
+    #[inline]
+    fn analytic(&self) -> Option<Analytic> {
+        Some(Ellipsoid::analytic(self))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        Ellipsoid::surface(self, ray, hit)
+    }
+
+    fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        Ellipsoid::tangents(self, at)
+    }
+
+    fn area(&self) -> Option<f32> {
+        Some(Ellipsoid::area(self))
+    }
+
+    #[inline]
+    fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
+        Some(Ellipsoid::sample_area(self, u))
+    }
+
+    #[inline]
+    fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        Ellipsoid::sample_from(self, p, u)
+    }
+
+    fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
+        Ellipsoid::pdf_from(self, p, hit)
+    }
+
+    #[cfg(test)]
+    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+        use super::tests::Example;
+        let (map, inverse) = (stand.map, stand.map.inverse().expect("it has one"));
+        let shape = super::Shape::Ellipsoid(Box::new(Self::new(map).expect("it has an inverse")));
+        vec![Example::new("ellipsoid", shape, move |p| {
+            let q = inverse.point(p);
+            (q.length() - 1.0, inverse.normal_by_inverse(q.normalize()))
+        })]
     }
 }
 

@@ -21,6 +21,9 @@
 //!   the shape itself hides, whose shadow ray then ends early. `None` is a sample of no value (measure zero, or
 //!   numerically so), not an error.
 //!
+//! To add one: its file, which implements [`Form`] and gives examples to be tested; its line in the list below; its place in the
+//! walk over the scene (`compile/place.rs`); its keys in the description.
+//!
 //! Rays leave a surface from [`offset::offset_origin`]: outside the error bound, so that they can't hit the surface
 //! they leave. There is no epsilon.
 
@@ -34,6 +37,7 @@ pub mod bezier;
 pub mod cylinder;
 pub mod disc;
 pub mod ellipsoid;
+mod list;
 pub mod mesh;
 pub mod offset;
 pub mod parallelogram;
@@ -56,9 +60,7 @@ pub use sphere::Sphere;
 pub use straal_accel::{Analytic, ShapeHit};
 pub use tangents::Tangents;
 
-/// One shape. Large ones are boxed, so that a sphere takes 40 bytes.
-#[derive(Clone, Debug)]
-pub enum Shape {
+list::shapes! {
     /// Center and radius.
     Sphere(Sphere),
     /// An affine image of the unit sphere.
@@ -71,8 +73,63 @@ pub enum Shape {
     Parallelogram(Box<Parallelogram>),
     /// An affine image of the open unit cylinder.
     Cylinder(Box<Cylinder>),
-    /// A shape of the library's user: index into [`Geometry::custom`].
-    Custom(u32),
+}
+
+/// What a kind of shape answers, by [the contract](self). One that says nothing of its area can't be sampled as a light.
+trait Form {
+    /// See [`Geometry::bounds`].
+    fn bounds(&self) -> Option<Bounds>;
+
+    /// See [`Geometry::analytic`].
+    #[inline]
+    fn analytic(&self) -> Option<Analytic> {
+        None
+    }
+
+    /// See [`Geometry::intersect`]: by its formula, if it has one.
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        self.analytic()?.intersect(ray)
+    }
+
+    /// See [`Geometry::surface`].
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
+
+    /// See [`Geometry::tangents`].
+    fn tangents(&self, at: &SurfacePoint) -> Tangents;
+
+    /// See [`Geometry::area`].
+    fn area(&self) -> Option<f32> {
+        None
+    }
+
+    /// See [`Geometry::sample_area`].
+    #[inline]
+    fn sample_area(&self, _u: [f32; 2]) -> Option<AreaSample> {
+        None
+    }
+
+    /// The density of [`Self::sample_area`] at a point.
+    #[inline]
+    fn pdf_area(&self, _hit: &SurfacePoint) -> f32 {
+        0.0
+    }
+
+    /// See [`Geometry::sample_from`]: by area, unless it says otherwise.
+    #[inline]
+    fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        by_solid_angle(p, self.sample_area(u)?)
+    }
+
+    /// See [`Geometry::pdf_from`].
+    #[inline]
+    fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
+        solid_angle_pdf(p, hit, self.pdf_area(hit))
+    }
+
+    /// Some for the tests of the contract, each with the equation of its surface.
+    #[cfg(test)]
+    fn examples(stand: &tests::Stand) -> Vec<tests::Example>;
 }
 
 /// A shape that a user of the library brings. It is pure: the same input gives the same bits.
@@ -152,124 +209,6 @@ pub struct Geometry {
     pub custom: Vec<Arc<dyn CustomShape>>,
     /// Triangle meshes, by their id.
     pub meshes: Vec<TriangleMesh>,
-}
-
-impl Geometry {
-    /// A box that holds the shape; `None` when it is unbounded.
-    pub fn bounds(&self, shape: u32) -> Option<Bounds> {
-        match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => Some(s.bounds()),
-            Shape::Ellipsoid(s) => Some(s.bounds()),
-            Shape::Plane(_) => None,
-            Shape::Disc(s) => Some(s.bounds()),
-            Shape::Parallelogram(s) => Some(s.bounds()),
-            Shape::Cylinder(s) => Some(s.bounds()),
-            Shape::Custom(i) => self.custom[*i as usize].bounds(),
-        }
-    }
-
-    /// The nearest hit in the ray's interval.
-    #[inline]
-    pub fn intersect(&self, shape: u32, ray: &Ray) -> Option<ShapeHit> {
-        match &self.shapes[shape as usize] {
-            Shape::Custom(i) => self.custom[*i as usize].intersect(ray),
-            _ => self.analytic(shape)?.intersect(ray),
-        }
-    }
-
-    /// The formula by which the shape is intersected; `None` for a custom one.
-    #[inline]
-    pub fn analytic(&self, shape: u32) -> Option<Analytic> {
-        Some(match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => s.analytic(),
-            Shape::Ellipsoid(s) => s.analytic(),
-            Shape::Plane(s) => s.analytic(),
-            Shape::Disc(s) => s.analytic(),
-            Shape::Parallelogram(s) => s.analytic(),
-            Shape::Cylinder(s) => s.analytic(),
-            Shape::Custom(_) => return None,
-        })
-    }
-
-    /// The surface where [`Geometry::intersect`] found `hit` on this very ray.
-    #[inline]
-    pub fn surface(&self, shape: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
-        match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => s.surface(ray, hit),
-            Shape::Ellipsoid(s) => s.surface(ray, hit),
-            Shape::Plane(s) => s.surface(ray, hit),
-            Shape::Disc(s) => s.surface(ray, hit),
-            Shape::Parallelogram(s) => s.surface(ray, hit),
-            Shape::Cylinder(s) => s.surface(ray, hit),
-            Shape::Custom(i) => self.custom[*i as usize].surface(ray, hit),
-        }
-    }
-
-    /// How a point that [`Geometry::surface`] gave moves with its texture coordinates.
-    pub fn tangents(&self, shape: u32, at: &SurfacePoint) -> Tangents {
-        match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => s.tangents(at),
-            Shape::Ellipsoid(s) => s.tangents(at),
-            Shape::Plane(s) => s.tangents(),
-            Shape::Disc(s) => s.tangents(),
-            Shape::Parallelogram(s) => s.tangents(),
-            Shape::Cylinder(s) => s.tangents(at),
-            Shape::Custom(i) => self.custom[*i as usize].tangents(at),
-        }
-    }
-
-    /// Surface area (one side); `None` when the shape can't be sampled: planes and custom shapes.
-    pub fn area(&self, shape: u32) -> Option<f32> {
-        match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => Some(s.area()),
-            Shape::Ellipsoid(s) => Some(s.area()),
-            Shape::Disc(s) => Some(s.area()),
-            Shape::Parallelogram(s) => Some(s.area()),
-            Shape::Cylinder(s) => Some(s.area()),
-            Shape::Plane(_) | Shape::Custom(_) => None,
-        }
-    }
-
-    /// A point of the shape; `u` uniform in the unit square.
-    #[inline]
-    pub fn sample_area(&self, shape: u32, u: [f32; 2]) -> Option<AreaSample> {
-        let sample = match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => s.sample_area(u),
-            Shape::Ellipsoid(s) => s.sample_area(u),
-            Shape::Disc(s) => s.sample_area(u),
-            Shape::Parallelogram(s) => s.sample_area(u),
-            Shape::Cylinder(s) => s.sample_area(u),
-            Shape::Plane(_) | Shape::Custom(_) => return None,
-        };
-        (sample.pdf_area > 0.0 && sample.pdf_area.is_finite()).then_some(sample)
-    }
-
-    /// A direction from `p` towards the shape; `u` uniform in the unit square.
-    #[inline]
-    pub fn sample_from(&self, shape: u32, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
-        match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => s.sample_from(p, u),
-            Shape::Ellipsoid(s) => s.sample_from(p, u),
-            Shape::Parallelogram(s) => by_solid_angle(p, s.sample_area(u)),
-            Shape::Disc(s) => by_solid_angle(p, s.sample_area(u)),
-            Shape::Cylinder(s) => by_solid_angle(p, s.sample_area(u)),
-            Shape::Plane(_) | Shape::Custom(_) => None,
-        }
-    }
-
-    /// The density with which [`Geometry::sample_from`] at `p` gives the direction to `hit`, a point of the shape
-    /// that is seen from `p`.
-    pub fn pdf_from(&self, shape: u32, p: Vec3, hit: &SurfacePoint) -> f32 {
-        let by_area = match &self.shapes[shape as usize] {
-            Shape::Sphere(s) => return s.pdf_from(p, hit),
-            Shape::Ellipsoid(s) => return s.pdf_from(p, hit),
-            Shape::Disc(s) => s.pdf_area(),
-            Shape::Parallelogram(s) => s.pdf_area(),
-            Shape::Cylinder(s) => s.pdf_area(hit),
-            Shape::Plane(_) | Shape::Custom(_) => 0.0,
-        };
-        solid_angle_pdf(p, hit, by_area)
-    }
 }
 
 /// What the search calls.

@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{Analytic, AreaSample, ShapeHit, SurfacePoint, Tangents};
+use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents};
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
 ///
@@ -63,5 +63,53 @@ impl Parallelogram {
     #[inline]
     pub fn pdf_area(&self) -> f32 {
         self.pdf_area
+    }
+}
+
+impl Form for Parallelogram {
+    fn bounds(&self) -> Option<Bounds> {
+        Some(Parallelogram::bounds(self))
+    }
+
+    #[inline]
+    fn analytic(&self) -> Option<Analytic> {
+        Some(Parallelogram::analytic(self))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        Parallelogram::surface(self, ray, hit)
+    }
+
+    fn tangents(&self, _: &SurfacePoint) -> Tangents {
+        Parallelogram::tangents(self)
+    }
+
+    fn area(&self) -> Option<f32> {
+        Some(Parallelogram::area(self))
+    }
+
+    #[inline]
+    fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
+        Some(Parallelogram::sample_area(self, u))
+    }
+
+    #[inline]
+    fn pdf_area(&self, _: &SurfacePoint) -> f32 {
+        Parallelogram::pdf_area(self)
+    }
+
+    #[cfg(test)]
+    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+        use super::tests::Example;
+        let super::tests::Stand { center, a, b, .. } = *stand;
+        let n = a.as_dvec3().cross(b.as_dvec3());
+        let shape = |corner, a, b| super::Shape::Parallelogram(Box::new(Self::new(corner, a, b)));
+        let corner = center - a * 0.5 - b * 0.5;
+        let level = shape(center, Vec3::Z * stand.scale, Vec3::X * stand.scale);
+        vec![
+            Example::flat("parallelogram", shape(corner, a, b), corner, n),
+            Example::flat("level", level, center, DVec3::Y),
+        ]
     }
 }

@@ -1,9 +1,9 @@
 //! The unbounded plane.
 
-use straal_math::{DVec3, Frame, Ray, Vec3};
+use straal_math::{Bounds, DVec3, Frame, Ray, Vec3};
 
 use super::exact::{at, rounded, size};
-use super::{Analytic, ShapeHit, SurfacePoint, Tangents};
+use super::{Analytic, Form, ShapeHit, SurfacePoint, Tangents};
 
 /// A plane through a point; its normal is the one given.
 ///
@@ -39,6 +39,33 @@ impl Plane {
     /// See [`super::Geometry::tangents`].
     pub fn tangents(&self) -> Tangents {
         Tangents::about(self.normal.try_normalize().unwrap_or(Vec3::Y))
+    }
+}
+
+impl Form for Plane {
+    fn bounds(&self) -> Option<Bounds> {
+        None
+    }
+
+    #[inline]
+    fn analytic(&self) -> Option<Analytic> {
+        Some(Plane::analytic(self))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        Plane::surface(self, ray, hit)
+    }
+
+    fn tangents(&self, _: &SurfacePoint) -> Tangents {
+        Plane::tangents(self)
+    }
+
+    #[cfg(test)]
+    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+        use super::tests::Example;
+        let (point, normal) = (stand.center, stand.a);
+        vec![Example::flat("plane", super::Shape::Plane(Self { point, normal }), point, normal.as_dvec3())]
     }
 }
 

@@ -4,7 +4,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, ops, warp};
 
 use super::exact::{at, outward, rounded, size};
 use super::{
-    Analytic, AreaSample, DirSample, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
+    Analytic, AreaSample, DirSample, Form, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
     solid_angle_pdf,
 };
 
@@ -87,6 +87,54 @@ impl Sphere {
         let (center, p, radius) = (self.center.as_dvec3(), p.as_dvec3(), f64::from(self.radius));
         let reach = center.to_array().into_iter().fold(radius, |sum, c| sum + c.abs());
         Cone::new(center - p, radius, reach)
+    }
+}
+
+impl Form for Sphere {
+    fn bounds(&self) -> Option<Bounds> {
+        Some(Sphere::bounds(self))
+    }
+
+    #[inline]
+    fn analytic(&self) -> Option<Analytic> {
+        Some(Sphere::analytic(self))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        Sphere::surface(self, ray, hit)
+    }
+
+    fn tangents(&self, at: &SurfacePoint) -> Tangents {
+        Sphere::tangents(self, at)
+    }
+
+    fn area(&self) -> Option<f32> {
+        Some(Sphere::area(self))
+    }
+
+    #[inline]
+    fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
+        Some(Sphere::sample_area(self, u))
+    }
+
+    #[inline]
+    fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        Sphere::sample_from(self, p, u)
+    }
+
+    fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
+        Sphere::pdf_from(self, p, hit)
+    }
+
+    #[cfg(test)]
+    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+        use super::tests::Example;
+        let &super::tests::Stand { center, scale, .. } = stand;
+        let (c, r) = (center.as_dvec3(), f64::from(scale));
+        vec![Example::new("sphere", super::Shape::Sphere(Self { center, radius: scale }), move |p| {
+            ((p - c).length() - r, (p - c).normalize())
+        })]
     }
 }
 

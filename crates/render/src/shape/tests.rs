@@ -38,6 +38,38 @@ impl Rng {
 /// An equation f(p) = 0 of a surface, as f and its gradient.
 type Equation = Box<dyn Fn(DVec3) -> (f64, DVec3)>;
 
+/// Where the shapes under test stand.
+pub(crate) struct Stand {
+    /// Somewhere in the middle.
+    pub center: Vec3,
+    /// How large.
+    pub scale: f32,
+    /// Two directions that aren't parallel.
+    pub a: Vec3,
+    pub b: Vec3,
+    /// Brings shapes of size 1 about the origin there, turned and stretched.
+    pub map: Affine,
+}
+
+/// A shape with its equation.
+pub(crate) struct Example {
+    name: &'static str,
+    shape: Shape,
+    equation: Equation,
+}
+
+impl Example {
+    pub fn new(name: &'static str, shape: Shape, equation: impl Fn(DVec3) -> (f64, DVec3) + 'static) -> Self {
+        Self { name, shape, equation: Box::new(equation) }
+    }
+
+    /// One in the plane through `c`.
+    pub fn flat(name: &'static str, shape: Shape, c: Vec3, n: DVec3) -> Self {
+        let n = n.try_normalize().unwrap();
+        Self::new(name, shape, move |p| ((p - c.as_dvec3()).dot(n), n))
+    }
+}
+
 struct Case {
     name: String,
     geometry: Geometry,
@@ -48,12 +80,7 @@ struct Case {
     reach: f32,
 }
 
-fn plane_equation(c: Vec3, n: DVec3) -> Equation {
-    let n = n.try_normalize().unwrap();
-    Box::new(move |p| ((p - c.as_dvec3()).dot(n), n))
-}
-
-/// Every kind of shape, at scales from a millimetre to a hundred kilometres, at the origin and away from it.
+/// Every kind of shape in the list, at scales from a millimetre to a hundred kilometres, at the origin and away from it.
 fn cases() -> Vec<Case> {
     let mut rng = Rng(1);
     let mut out = vec![];
@@ -65,45 +92,16 @@ fn cases() -> Vec<Case> {
             let map = Affine::scale(DVec3::new(1.0, f64::from(sin), 0.2) * f64::from(scale))
                 .then(&Affine::rotate(turn, 77.0).unwrap())
                 .then(&Affine::translate(center.as_dvec3()));
-            let inverse = map.inverse().unwrap();
-            let mut add = |name: &str, shape: Shape, equation: Equation| {
-                let name = format!("{name}, scale {scale}, {away} away");
-                let geometry = Geometry { shapes: vec![shape], ..Geometry::default() };
-                out.push(Case { name, geometry, equation, center, reach: scale });
-            };
-            let c = center.as_dvec3();
-            let r = f64::from(scale);
-            add(
-                "sphere",
-                Shape::Sphere(Sphere { center, radius: scale }),
-                Box::new(move |p| ((p - c).length() - r, (p - c).normalize())),
-            );
-            add(
-                "ellipsoid",
-                Shape::Ellipsoid(Box::new(Ellipsoid::new(map).unwrap())),
-                Box::new(move |p| {
-                    let q = inverse.point(p);
-                    (q.length() - 1.0, inverse.normal_by_inverse(q.normalize()))
-                }),
-            );
-            add(
-                "cylinder",
-                Shape::Cylinder(Box::new(Cylinder::new(map).unwrap())),
-                Box::new(move |p| {
-                    let q = inverse.point(p);
-                    let out = DVec3::new(q.x, 0.0, q.z);
-                    (out.length() - 1.0, inverse.normal_by_inverse(out.normalize()))
-                }),
-            );
-            let plane = plane_equation(center, a.as_dvec3());
-            add("plane", Shape::Plane(Plane { point: center, normal: a }), plane);
-            let n = a.as_dvec3().cross(b.as_dvec3());
-            add("disc", Shape::Disc(Box::new(Disc::new(center, a, b))), plane_equation(center, n));
-            let corner = center - a * 0.5 - b * 0.5;
-            let flat = plane_equation(corner, n);
-            add("parallelogram", Shape::Parallelogram(Box::new(Parallelogram::new(corner, a, b))), flat);
-            let level = Parallelogram::new(center, Vec3::Z * scale, Vec3::X * scale);
-            add("level", Shape::Parallelogram(Box::new(level)), plane_equation(center, DVec3::Y));
+            for (kind, examples) in registry(&Stand { center, scale, a, b, map }) {
+                assert!(!examples.is_empty(), "{kind} has no example");
+                for Example { name, shape, equation } in examples {
+                    // Rust's own name of the variant.
+                    assert!(format!("{shape:?}").starts_with(kind), "{name} is no {kind}");
+                    let name = format!("{name}, scale {scale}, {away} away");
+                    let geometry = Geometry { shapes: vec![shape], ..Geometry::default() };
+                    out.push(Case { name, geometry, equation, center, reach: scale });
+                }
+            }
         }
     }
     out

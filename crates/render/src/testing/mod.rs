@@ -19,8 +19,8 @@ pub fn sidak(level: f64, tests: usize) -> f64 {
 }
 
 /// How a path reads colours in RGB, where no world is at hand.
-pub fn in_rgb() -> crate::lanes::Reading<'static, crate::lanes::Rgb> {
+pub fn in_rgb() -> crate::texture::Reading<'static, crate::lanes::Rgb> {
     static EMPTY: std::sync::LazyLock<crate::lanes::SpectralTables> =
         std::sync::LazyLock::new(Default::default);
-    crate::lanes::Reading { tables: &EMPTY, lanes: crate::lanes::Rgb::default(), textures: &[] }
+    crate::texture::Reading { tables: &EMPTY, lanes: crate::lanes::Rgb::default(), textures: &[] }
 }

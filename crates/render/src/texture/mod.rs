@@ -1,19 +1,34 @@
 //! Values that differ from point to point. This page is the contract; each kind of texture has its file.
 //!
 //! Every number and colour of a material or light is a [`Value`]: a constant, or what a [`Texture`] has at a point. All are read in
-//! one way, [`Reading::eval`](crate::lanes::Reading::eval), which gives a number, or light as the path's lanes have it:
+//! one way, [`Reading::eval`], which gives a number, or light as the path's lanes have it:
 //!
-//! - a texture knows nothing of lanes. It has RGB, and whoever reads it knows whether that is a share of light that
-//!   comes back or light that is sent out ([`Use`]): by wavelengths these become different spectra;
+//! - a picture's pixel has RGB, and whoever reads it knows whether that is a share of light that comes back or light that is sent
+//!   out ([`Use`]): by wavelengths these become different spectra;
 //! - where it is read is a [`ShadingPoint`]: the place in the world and on the object, texture coordinates and tangents, the
 //!   shading frame, and what the pixel sees of all this ([`crate::footprint`]). It is made where a material wants it only;
+//! - over a footprint it has the mean of what it has at the points there, so that it doesn't flicker from afar;
 //! - it is pure: the same point gives the same bits.
+//!
+//! To add one: its file, which implements [`Pattern`] and gives examples to be tested; its line in the list below; its keys in the
+//! description.
 
-use crate::lanes::{Colour, Lanes, Reading};
+use crate::error::CompileError;
+use crate::lanes::{Colour, Lanes};
 use std::fmt;
 use std::sync::Arc;
 use straal_color::Light;
 use straal_math::{Frame, Vec3};
+use straal_scene::desc;
+
+mod checker;
+mod list;
+mod reading;
+#[cfg(test)]
+mod tests;
+
+pub use checker::Checker;
+pub use reading::{ReadRgb, Reading};
 
 /// A place, and how it moves on the surface from one pixel to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,11 +145,7 @@ impl Readable for Colour {
     }
 
     fn of_texture<L: Lanes>(texture: &Texture, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
-        let rgb = texture.kind.rgb(at);
-        match texture.of {
-            Use::Reflectance => reading.reflectance_of_srgb(rgb),
-            Use::Emission => reading.emission_of_srgb(rgb),
-        }
+        texture.kind.light(at, reading, texture.of)
     }
 }
 
@@ -195,6 +206,16 @@ pub enum Use {
     Emission,
 }
 
+impl Use {
+    /// Linear sRGB as light.
+    fn read<L: Lanes>(self, rgb: [f32; 3], reading: &Reading<'_, L>) -> Light {
+        match self {
+            Self::Reflectance => reading.reflectance_of_srgb(rgb),
+            Self::Emission => reading.emission_of_srgb(rgb),
+        }
+    }
+}
+
 /// A texture of a world.
 #[derive(Clone, Debug)]
 pub struct Texture {
@@ -204,34 +225,35 @@ pub struct Texture {
     pub of: Use,
 }
 
-/// What a texture has where.
-#[derive(Clone, Debug)]
-pub enum TextureKind {
-    /// That of a user of the library.
-    Custom(Arc<dyn CustomTexture>),
+list::textures! {
+    /// Squares of two colours in turn.
+    Checker(Checker),
 }
 
-impl TextureKind {
-    /// Linear sRGB at a point.
-    pub fn rgb(&self, at: &ShadingPoint) -> [f32; 3] {
-        match self {
-            Self::Custom(t) => t.rgb(at),
-        }
-    }
+/// Makes what a scene says of a colour into one that is read by lanes.
+pub(crate) type Make<'a> = dyn FnMut(&desc::Spectrum) -> Result<Colour, CompileError> + 'a;
 
-    /// A number at a point.
-    pub fn number(&self, at: &ShadingPoint) -> f32 {
-        match self {
-            Self::Custom(t) => t.number(at),
-        }
-    }
+/// What a kind of texture has where, by [the contract](self).
+trait Pattern: Sized {
+    /// Light at a point, or a share of it; over the point's footprint the mean.
+    fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, of: Use) -> Light;
+
+    /// A number at a point; over the point's footprint the mean.
+    fn number(&self, at: &ShadingPoint) -> f32;
+
+    /// The largest number or lane that it has anywhere.
+    fn most(&self) -> f32;
+
+    /// Some for the tests of the contract.
+    #[cfg(test)]
+    fn examples() -> Vec<Self>;
 }
 
 /// A texture that a user of the library brings. It is pure: the same input gives the same bits.
 pub trait CustomTexture: fmt::Debug + Send + Sync {
     /// Linear sRGB at a point.
     fn rgb(&self, at: &ShadingPoint) -> [f32; 3];
-    /// A number at a point: the red, unless it says otherwise.
+    /// A number at a point: its red, unless it says otherwise.
     fn number(&self, at: &ShadingPoint) -> f32 {
         self.rgb(at)[0]
     }

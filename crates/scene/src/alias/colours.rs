@@ -2,7 +2,7 @@
 
 use super::Here::{Called, Write};
 use super::Table;
-use super::answers::TEXTURES;
+use super::answers::{CHECKER, TEXTURES};
 
 /// What words are in mappings of these marks.
 pub(super) const KEYS: &[Table] = &[
@@ -13,7 +13,8 @@ pub(super) const KEYS: &[Table] = &[
             ("hex html css", Write("'#rrggbb' in quotes, without a mapping")),
             ("hsv hsl hue", Write("'#rrggbb' in quotes, or `lch: [50, 60, 30]`")),
             ("colorspace", Called("space")),
-            ("texture image file map filename checker checkerboard bitmap noise", TEXTURES),
+            ("texture image file map filename bitmap noise", TEXTURES),
+            ("checker checkerboard", CHECKER),
         ],
     ),
     (

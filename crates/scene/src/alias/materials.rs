@@ -3,7 +3,7 @@
 use super::Here::{Called, NotYet, Write};
 use super::Table;
 use super::answers::{
-    BUMPS, GLASS, GLOW, HAIR, LAYERED, MASKS, MEDIA, METAL, ROUGH_GLASS, SUBSURFACE, TEXTURES, TYPE,
+    BUMPS, CHECKER, GLASS, GLOW, HAIR, LAYERED, MASKS, MEDIA, METAL, ROUGH_GLASS, SUBSURFACE, TEXTURES, TYPE,
 };
 
 /// What words are in mappings of these marks.
@@ -72,10 +72,8 @@ pub(super) const KEYS: &[Table] = &[
             ("anisotropy anisotropic spectrans", NotYet("anisotropic materials")),
             ("opacity alphamode alphacutoff opacitymask cutout dissolve d tr", MASKS),
             ("bump bumpmap normalmap normal normaltexture displacement bumpscale", BUMPS),
-            (
-                "map texture mapkd basecolortexture image bitmap filename colormap pigment file checker checkerboard pattern",
-                TEXTURES,
-            ),
+            ("map texture mapkd basecolortexture image bitmap filename colormap pigment file", TEXTURES),
+            ("checker checkerboard pattern", CHECKER),
             (
                 "interior exterior medium insidemedium volume sigmaa sigmas absorptioncolor attenuationdistance fog mediuminterface",
                 MEDIA,

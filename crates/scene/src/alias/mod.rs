@@ -11,7 +11,7 @@ mod scene;
 mod shapes;
 
 use crate::suggest::fold;
-use answers::{ANIMATION, BUMPS, LAYERED, MASKS, MEDIA, SUBSURFACE, TEXTURES, TYPE};
+use answers::{ANIMATION, BUMPS, CHECKER, LAYERED, MASKS, MEDIA, SUBSURFACE, TEXTURES, TYPE};
 
 /// What a word of another program is here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +71,8 @@ const KINDS: [&[Table]; 5] =
 /// Words that mean the same wherever they stand.
 const ANYWHERE: &[Rule] = &[
     ("type", TYPE),
-    ("texture textures checker checkerboard bitmap imagemap noise3d marble wood procedural", TEXTURES),
+    ("texture textures bitmap imagemap noise3d marble wood procedural", TEXTURES),
+    ("checker checkerboard", CHECKER),
     ("medium media interior exterior sigmaa sigmas sigmat volume fog mediuminterface", MEDIA),
     ("bump bumpmap normalmap displacement displacementmap", BUMPS),
     ("alpha opacity mask alphamode", MASKS),

@@ -3,7 +3,7 @@
 use straal_math::{DVec3, ops};
 
 use crate::desc::check;
-use crate::desc::way::{Moment, Way};
+use crate::desc::keyframes::{CameraAt, Keyframes};
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::span::Span;
@@ -65,7 +65,7 @@ describe! {
         roll: f64 = 0.0,
         /// Where the camera is at time 1, if it moves, or a list of where it is at several times; at time 0 it is where the
         /// other keys say.
-        moving_to: Option<Way> = None,
+        moving_to: Option<Keyframes> = None,
         /// When the shutter opens and closes, between the times 0 and 1 of `moving_to`.
         shutter: [f64; 2] [Limit::UNIT] = [0.0, 1.0],
     }
@@ -92,24 +92,24 @@ impl Observer {
         (self.look_at - self.eye).length()
     }
 
-    /// Where it is at time 0 and then at each pose of its way. What a pose leaves out stays as it was.
-    pub fn moments(&self) -> Vec<Moment> {
+    /// Where it is at time 0 and then at each keyframe. What a keyframe leaves out stays as it was.
+    pub fn keyframes(&self) -> Vec<CameraAt> {
         let Self { eye, look_at, up, roll, .. } = *self;
-        let mut last = Moment { time: 0.0, eye, look_at, up, roll, span: Span::NONE };
-        let mut moments = vec![last];
-        let poses = self.moving_to.iter().flat_map(|way| way.poses.iter().zip(way.times()));
-        for (pose, time) in poses {
-            last = Moment {
+        let mut last = CameraAt { time: 0.0, eye, look_at, up, roll, span: Span::NONE };
+        let mut keyframes = vec![last];
+        let told = self.moving_to.iter().flat_map(|k| k.keyframes.iter().zip(k.times()));
+        for (keyframe, time) in told {
+            last = CameraAt {
                 time,
-                eye: pose.eye.unwrap_or(last.eye),
-                look_at: pose.look_at.unwrap_or(last.look_at),
-                up: pose.up.unwrap_or(last.up),
-                roll: pose.roll.unwrap_or(last.roll),
-                span: pose.span,
+                eye: keyframe.eye.unwrap_or(last.eye),
+                look_at: keyframe.look_at.unwrap_or(last.look_at),
+                up: keyframe.up.unwrap_or(last.up),
+                roll: keyframe.roll.unwrap_or(last.roll),
+                span: keyframe.span,
             };
-            moments.push(last);
+            keyframes.push(last);
         }
-        moments
+        keyframes
     }
 }
 

@@ -7,10 +7,10 @@ use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refract
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment,
+    Bezier, CameraAt, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment,
     EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Gaussian, Index, Lens, LensProfile,
-    Measured, Moment, Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels,
-    SpotLight, Triangle, TriangleMesh, Viewpoint,
+    Measured, Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight,
+    Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -37,7 +37,7 @@ fn view(eye: DVec3, target: DVec3, up: DVec3, key: &str, keys: &Keys<'_>, d: &mu
     }
 }
 
-/// A camera's place and view, at the beginning and at the poses of its way.
+/// A camera's place and view, at the beginning and at its keyframes.
 fn observer(o: &Observer, keys: &Keys<'_>, d: &mut Decoder) {
     view(o.eye, o.look_at, o.up, "look_at", keys, d);
     let [open, close] = o.shutter;
@@ -45,7 +45,7 @@ fn observer(o: &Observer, keys: &Keys<'_>, d: &mut Decoder) {
         let message = format!("the shutter closes at {close}, before it opens at {open}");
         d.push(Diagnostic::error(keys.span("shutter"), message).help("it is `[open, close]`"));
     }
-    for Moment { time, eye, look_at, up, span, .. } in o.moments().into_iter().skip(1) {
+    for CameraAt { time, eye, look_at, up, span, .. } in o.keyframes().into_iter().skip(1) {
         let message = if eye == look_at {
             format!("at time {time} the camera is where it looks, so there is no direction to look in")
         } else if Affine::look_at(eye, look_at, up).is_none() {

@@ -8,7 +8,7 @@ use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Asset, Value};
+use crate::value::Asset;
 
 describe! {
     /// A light that is not a surface.
@@ -30,7 +30,7 @@ describe! {
         /// Where it is.
         position: DVec3,
         /// Radiant intensity in W/sr.
-        intensity: Value<Spectrum> [Limit::NON_NEGATIVE] = Value::Constant(Spectrum::grey(1.0)),
+        intensity: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
     }
 }
 
@@ -44,7 +44,7 @@ describe! {
         /// The point that it shines on; the origin when only `from` is given.
         look_at: Option<DVec3> = None,
         /// Irradiance on a surface that faces the light, in W/m^2.
-        irradiance: Value<Spectrum> [Limit::NON_NEGATIVE] = Value::Constant(Spectrum::grey(1.0)),
+        irradiance: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
     }
 }
 
@@ -58,7 +58,7 @@ describe! {
         /// A point on the axis; give this or `direction`.
         look_at: Option<DVec3> = None,
         /// Radiant intensity on the axis in W/sr.
-        intensity: Value<Spectrum> [Limit::NON_NEGATIVE] = Value::Constant(Spectrum::grey(1.0)),
+        intensity: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
         /// Angle from the axis, in degrees, beyond which there is no light.
         cutoff: f64 [Limit::within(0.001, 180.0)] = 20.0,
         /// Angle from the axis, in degrees, up to which intensity is full; three quarters of `cutoff` when absent.
@@ -112,7 +112,7 @@ describe! {
     /// right of the middle is seen towards +x. The front of a cube is seen along local -z, and its right towards +x.
     pub struct Environment [check::environment] {
         /// Radiance from everywhere, in W/(m^2 sr); give this or `file`.
-        radiance: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
+        radiance: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
         /// A picture whose pixels are radiance; give this or `radiance`.
         file: Option<Asset<Image>> = None,
         /// How the picture is laid out.

@@ -4,15 +4,16 @@ pub mod accel;
 pub mod camera;
 pub(crate) mod check;
 pub mod color;
+pub mod development;
+mod keyframes;
 pub mod light;
-pub mod look;
 pub mod material;
 pub mod node;
 pub mod settings;
 pub mod shape;
 pub mod spectrum;
+pub mod texture;
 pub mod transform;
-mod way;
 
 pub use accel::{
     Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, PlaneChoice, Split, Structure,
@@ -24,9 +25,10 @@ pub use camera::{
 };
 pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
+pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
+pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight};
-pub use look::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
-pub use material::{Conductor, Dielectric, Diffuse, Material, MaterialRef, Mirror};
+pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{
     BlackmanHarris, Channels, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler,
@@ -37,8 +39,8 @@ pub use shape::{
     Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
+pub use texture::*;
 pub use transform::{AxisAngle, Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint, facing};
-pub use way::{Moment, Pose, Way};
 
 use crate::describe::describe;
 use crate::value::Named;

@@ -26,8 +26,8 @@ describe! {
         /// Exposure of pictures for the screen in stops, each of which doubles the light; or by a meter: `auto`, which makes
         /// the mean grey, or `highlights`, which shows nearly all within white, perhaps with stops as in `auto+1.5`.
         exposure: Exposure [Limit::within(-64.0, 64.0)] = Exposure::default(),
-        /// Tone curve of pictures for the screen.
-        tone: Tone = Tone::Clamp,
+        /// Tone curve of pictures for the screen. The usual one draws in what is brighter than the screen; `clamp` keeps numbers as they are.
+        tone: Tone = Tone::KhronosNeutral,
         /// What becomes of colours that the screen can't show.
         gamut: Gamut = Gamut::Clip,
         /// How light becomes a signal for the screen: `srgb`, or the power of a plain gamma curve.
@@ -173,7 +173,7 @@ describe! {
     pub enum SamplerKind {
         /// Owen-scrambled Sobol points: less noise at the same number of samples.
         "sobol" => Sobol,
-        /// The same points dealt out over neighbouring pixels: the same noise, finer to the eye.
+        /// The same points dealt out over neighbouring pixels: about as much noise, finer to the eye.
         "blue_sobol" => BlueSobol,
         /// Scrambled Halton points.
         "halton" => Halton,

@@ -6,11 +6,12 @@ use crate::Mesh;
 use crate::desc::check;
 use crate::desc::material::MaterialRef;
 use crate::desc::spectrum::Spectrum;
+use crate::desc::texture::Varying;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::span::Spanned;
-use crate::value::{Asset, Name, Value};
+use crate::value::{Asset, Name};
 
 describe! {
     /// What all surfaces share.
@@ -18,7 +19,7 @@ describe! {
         /// What the surface does with light; without one in any group around it, it is diffuse with reflectance 0.5.
         material: Option<MaterialRef> = None,
         /// Radiance that the front sends out, in W/(m^2 sr).
-        emission: Option<Value<Spectrum>> [Limit::NON_NEGATIVE] = None,
+        emission: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// Whether the back glows as well.
         two_sided_emission: bool = false,
         /// Places the shape.

@@ -59,15 +59,13 @@ pub fn forecast(loaded: &Loaded, wish: &Overrides) -> Result<Forecast, Error> {
 /// What a thread takes besides: the part of its stack that is used, and the allocator's share.
 const THREAD: u64 = 100_000;
 
-/// Where the batches of a pixel end.
-const BATCHES: u64 = 48;
-
 impl Forecast {
     pub(crate) fn of(loaded: &Loaded, plan: &Plan) -> Self {
         let contents = count::count(&loaded.scene, &loaded.assets);
         let world::Cost { geometry, lights, making } = world::cost(&contents.kept);
         let (search, building) = search_of(&contents, &plan.structure);
         let pixels: u64 = contents.surroundings.iter().sum();
+        let large = contents.surroundings.iter().filter(|pixels| **pixels > 500).count() as u64;
         let largest = contents.surroundings.iter().copied().max().unwrap_or(0);
         let extent = plan.settings.extent(plan.recording, plan.filter_radius);
         let region = plan.settings.rendered(plan.filter_radius);
@@ -80,7 +78,8 @@ impl Forecast {
         };
         // Of samples that others come before, batches are kept exact, which takes as much again.
         let is_later = plan.first > 0 && extent.batches;
-        let later = if is_later { BATCHES.saturating_mul(region.area() as u64) } else { 0 };
+        let later =
+            if is_later { (Film::BATCH_BYTES as u64).saturating_mul(region.area() as u64) } else { 0 };
         let mut f = Self {
             triangles: contents.kept.triangles,
             vertices: contents.kept.vertices,
@@ -91,7 +90,9 @@ impl Forecast {
             search,
             building: building.saturating_add(making),
             lights,
-            images: pixels.saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64),
+            images: pixels
+                .saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64)
+                .saturating_add(large.saturating_mul(ImageEnvironment::BYTES as u64)),
             film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
             layers: crop.saturating_mul(each),
             threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&plan.settings)),
@@ -171,8 +172,8 @@ impl Forecast {
 
 /// What the search structures of all spaces take, and building the costliest.
 fn search_of(contents: &Contents, structure: &Structure) -> (u64, u64) {
-    contents.spaces.iter().fold((0, 0), |(kept, building), &[triangles, objects]| {
-        let needs = search::needs(structure, triangles, objects);
+    contents.spaces.iter().fold((0, 0), |(kept, building), space| {
+        let needs = search::needs(structure, space);
         (needs.kept.saturating_add(kept), needs.building.max(building))
     })
 }

@@ -25,9 +25,6 @@ const PIECE: usize = 16;
 /// Beside what is shared stands how often it is.
 const COUNTS: usize = 2 * size_of::<usize>();
 
-/// What a structure knows of a shape or instance: kind, mask and box.
-const OBJECT: usize = 48;
-
 /// What lists that grow leave behind for each surface that glows: measured on 100,000 and 279,936 lights.
 const HOLES: usize = 76;
 
@@ -39,7 +36,7 @@ pub(super) fn cost(t: &Tally) -> Cost {
     let geometry = GEOMETRY_BYTES + 2 * size_of::<u32>();
     // Positions and indices are pieces of their own, as are normals and texture coordinates; a mask for each level of lists.
     let mesh = size_of::<TriangleMesh>() + geometry + 2 * size_of::<u32>() + 4 * PIECE + 2 * COUNTS;
-    let shape = size_of::<Shape>() + geometry + OBJECT;
+    let shape = size_of::<Shape>() + geometry + accel::sizes::OBJECT;
     let instance = size_of::<accel::Instance>() + size_of::<u32>();
     Cost {
         geometry: sum(&[
@@ -52,7 +49,7 @@ pub(super) fn cost(t: &Tally) -> Cost {
             of(t.discs, size_of::<Disc>() + PIECE),
             of(t.rectangles, size_of::<Parallelogram>() + PIECE),
             of(t.cylinders, size_of::<Cylinder>() + PIECE),
-            of(t.instances, instance + OBJECT),
+            of(t.instances, instance + accel::sizes::OBJECT),
         ]),
         lights: sum(&[
             of(t.lights, size_of::<Emitter>() + LightTable::BYTES),

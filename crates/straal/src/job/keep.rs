@@ -38,7 +38,7 @@ impl Snapshot<'_> {
 impl Job {
     /// Whether a file holds sums of this job's scene, rendered in the same way.
     pub fn is_source_of(&self, kept: &Kept) -> bool {
-        kept.stamp.story == self.facts()
+        kept.stamp.metadata == self.facts()
     }
 
     /// Shows what there is to who keeps it.
@@ -78,9 +78,9 @@ impl Job {
         let error = ("error".to_owned(), noise.unwrap_or_else(|| "none".into()));
         let from = ("first_sample".to_owned(), text(self.first));
         Stamp {
-            story: self.facts(),
+            metadata: self.facts(),
             also: of_set.into_iter().chain([error, from]).collect(),
-            look: self.look(),
+            development: self.development(),
             size: film.size,
             span: Span { crop: film.crop, region: film.region(), first: self.first, end },
             whole: self.whole,

@@ -6,15 +6,15 @@ mod run;
 pub use keep::Snapshot;
 pub use run::{Blocks, Control, Outcome, Progress, Verdict};
 
+use crate::development::Development;
 use crate::forecast::Forecast;
-use crate::look::Look;
 use crate::resolve::{Error, Overrides, Plan, needs_count};
 use straal_accel::{Isa, Structure};
 use straal_color::{RgbSpace, Space};
 use straal_formats::load::Loaded;
 use straal_render::compile::{self, Custom, Detail, Request};
 use straal_render::film::Recording;
-use straal_render::integrator::{PathTracer, SineProduct};
+use straal_render::integrator::{AnyIntegrator, PathTracer};
 use straal_render::settings::Settings;
 use straal_render::world::World;
 
@@ -31,15 +31,13 @@ pub struct Job {
     /// How many samples a pixel gets in all, where that was said or has to be known.
     pub whole: Option<u32>,
     /// How light is gathered.
-    pub integrator: PathTracer,
-    /// The test function that is shown in place of light, if any.
-    pub chart: Option<SineProduct>,
+    pub integrator: AnyIntegrator,
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
     /// What it takes of memory.
     pub forecast: Forecast,
     memory: Option<u64>,
-    look: Look,
+    development: Development,
     space: Space,
     structure: Structure,
 }
@@ -93,19 +91,18 @@ impl Job {
             first,
             whole,
             integrator: plan.integrator,
-            chart: plan.chart,
             scene_hash: scene_hash(loaded, custom),
             forecast,
             memory: plan.memory,
-            look: Look::of(&scene.film),
+            development: Development::of(&scene.film),
             space: plan.space,
             structure,
         })
     }
 
     /// How the scene wants its picture developed.
-    pub fn look(&self) -> Look {
-        self.look
+    pub fn development(&self) -> Development {
+        self.development
     }
 
     /// The work space.
@@ -141,20 +138,24 @@ impl Job {
         needs_count(self.settings.pattern.kind())
     }
 
+    /// The path tracer of the scene; the usual one where it asks for something else.
+    pub fn path_tracer(&self) -> PathTracer {
+        match self.integrator {
+            AnyIntegrator::Path(path) => path,
+            _ => PathTracer::default(),
+        }
+    }
+
     /// What all pictures of this job tell about themselves, with so many samples.
-    pub(crate) fn story(&self, samples: u32) -> Vec<(String, String)> {
-        let mut story = self.facts();
-        story.push(("straal.samples".into(), samples.to_string()));
-        story
+    pub(crate) fn metadata(&self, samples: u32) -> Vec<(String, String)> {
+        let mut metadata = self.facts();
+        metadata.push(("straal.samples".into(), samples.to_string()));
+        metadata
     }
 
     /// The same but for what comes of it.
     pub(crate) fn facts(&self) -> Vec<(String, String)> {
         let s = &self.settings;
-        let depth = match self.integrator.max_depth {
-            u32::MAX => "unlimited".to_string(),
-            n => n.to_string(),
-        };
         let noise = s.noise.map(|noise| ("noise", noise.to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         let recording = self.world.sensor.recording();
@@ -167,13 +168,14 @@ impl Job {
             ("sampler", s.pattern.kind().to_string()),
             ("space", self.space.name().to_string()),
             ("light", if self.world.tables.is_spectral() { "wavelengths" } else { "rgb" }.to_string()),
-            ("integrator", if self.chart.is_some() { "sine_product" } else { "path" }.to_string()),
-            ("max_depth", depth),
-            ("roulette_depth", self.integrator.roulette_depth.to_string()),
-            ("size", format!("{}x{}", s.size[0], s.size[1])),
-            ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
+            ("integrator", self.integrator.name().to_string()),
         ]
         .into_iter()
+        .chain(self.integrator.facts())
+        .chain([
+            ("size", format!("{}x{}", s.size[0], s.size[1])),
+            ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
+        ])
         .chain(noise)
         .chain(counted)
         .chain(magnified)

@@ -6,7 +6,7 @@ use crate::resolve::{Error, PASS, passes};
 use crate::sums::Kept;
 use straal_render::driver::{Pause, Render};
 use straal_render::film::{Film, MAX_SAMPLES, hash_of};
-use straal_render::integrator::Integrator;
+use straal_render::integrator::{Integrator, WithIntegrator};
 use straal_render::settings::Settings;
 use straal_render::stopwatch::{Clock, Times};
 
@@ -85,7 +85,7 @@ pub struct Blocks {
 /// What a render leaves.
 #[derive(Debug)]
 pub struct Outcome {
-    /// The picture with its layers and story.
+    /// The picture with its layers and metadata.
     pub picture: Picture,
     /// Samples per pixel taken; of an adaptive render, of the pixels that have the most.
     pub samples: u32,
@@ -126,9 +126,9 @@ impl Job {
         let mut progress = Progress { of: u64::from(of - self.first), ..self.progress() };
         let run = self.film(self.settings.seed, of, control, &mut progress)?;
         let mut picture = Picture::new(&run.film, run.film.layers(), self.film_space());
-        picture.story = self.story(run.samples);
-        picture.story.push(("straal.passes".into(), run.passes.to_string()));
-        picture.story.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
+        picture.metadata = self.metadata(run.samples);
+        picture.metadata.push(("straal.passes".into(), run.passes.to_string()));
+        picture.metadata.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
         Ok(Outcome {
             picture,
             samples: run.samples,
@@ -160,10 +160,7 @@ impl Job {
         progress: &mut Progress,
     ) -> Result<Run, Error> {
         let settings = Settings { seed, ..self.settings.clone() };
-        match self.chart {
-            None => self.film_by(self.integrator, settings, (spp, control), progress),
-            Some(chart) => self.film_by(chart, settings, (spp, control), progress),
-        }
+        self.integrator.hand_to(FilmOf { job: self, settings, spp, control, progress })
     }
 
     fn film_by<I: Integrator>(
@@ -218,5 +215,22 @@ impl Job {
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+/// A film that is to be made, by whichever integrator.
+struct FilmOf<'a, 'c> {
+    job: &'a Job,
+    settings: Settings,
+    spp: u32,
+    control: &'a mut Control<'c>,
+    progress: &'a mut Progress,
+}
+
+impl WithIntegrator for FilmOf<'_, '_> {
+    type Out = Result<Run, Error>;
+
+    fn with<I: Integrator>(self, integrator: I) -> Self::Out {
+        self.job.film_by(integrator, self.settings, (self.spp, self.control), self.progress)
     }
 }

@@ -1,7 +1,7 @@
 //! Pictures put together from files of sums.
 
 use super::{Kept, Stamp, SumsError};
-use crate::look::Look;
+use crate::development::Development;
 use crate::picture::Picture;
 use crate::resolve::passes;
 use std::path::Path;
@@ -17,7 +17,7 @@ pub struct Merged {
     /// The picture.
     pub picture: Picture,
     /// How the scene wants it developed.
-    pub look: Look,
+    pub development: Development,
     /// Samples of each pixel.
     pub samples: u32,
     /// What is missing, where that was allowed.
@@ -94,16 +94,16 @@ pub fn merge(mut parts: Vec<Kept>, allowed: Allowed) -> Result<Merged, SumsError
         _ => space.rgb(),
     };
     let mut picture = Picture::new(&film, film.layers(), space);
-    picture.story = stamp.story.clone();
-    let place = picture.story.iter().position(|(k, _)| k == "straal.crop");
-    if let Some((_, value)) = place.and_then(|i| picture.story.get_mut(i)) {
+    picture.metadata = stamp.metadata.clone();
+    let place = picture.metadata.iter().position(|(k, _)| k == "straal.crop");
+    if let Some((_, value)) = place.and_then(|i| picture.metadata.get_mut(i)) {
         *value = format!("{},{},{},{}", crop.min[0], crop.min[1], crop.max[0], crop.max[1]);
     }
-    picture.story.retain(|(k, _)| k != "straal.first_sample");
-    picture.story.push(("straal.samples".into(), samples.to_string()));
-    picture.story.push(("straal.passes".into(), passes(samples).to_string()));
-    picture.story.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
-    Ok(Merged { picture, look: stamp.look, samples, gaps: missing })
+    picture.metadata.retain(|(k, _)| k != "straal.first_sample");
+    picture.metadata.push(("straal.samples".into(), samples.to_string()));
+    picture.metadata.push(("straal.passes".into(), passes(samples).to_string()));
+    picture.metadata.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
+    Ok(Merged { picture, development: stamp.development, samples, gaps: missing })
 }
 
 /// Whether the film and its layers can be held.

@@ -1,6 +1,6 @@
 //! The header of a file of sums: what it tells of the render that it comes from.
 
-use crate::look::Look;
+use crate::development::Development;
 use crate::resolve::MAX_PIXELS;
 use straal_color::spectrum::Bands;
 use straal_render::film::{Evidence, Held, MAX_SAMPLES, Span};
@@ -10,11 +10,11 @@ use straal_render::settings::Region;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stamp {
     /// What pictures of that render tell of themselves, but for what came of it.
-    pub story: Vec<(String, String)>,
+    pub metadata: Vec<(String, String)>,
     /// What else decides the bits of its sums.
     pub also: Vec<(String, String)>,
     /// How the scene wants its picture developed.
-    pub look: Look,
+    pub development: Development,
     /// Size of the whole picture.
     pub size: [u32; 2],
     /// Which samples, and of which part of the picture.
@@ -33,13 +33,13 @@ pub struct Stamp {
 
 impl std::fmt::Display for Stamp {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (kind, list) in [("story", &self.story), ("also", &self.also)] {
+        for (kind, list) in [("story", &self.metadata), ("also", &self.also)] {
             for (key, value) in list {
                 writeln!(f, "{kind} {key} {}", value.replace('\n', " "))?;
             }
         }
         let region = |r: Region| format!("{} {} {} {}", r.min[0], r.min[1], r.max[0], r.max[1]);
-        writeln!(f, "look {}", self.look)?;
+        writeln!(f, "look {}", self.development)?;
         writeln!(f, "size {} {}", self.size[0], self.size[1])?;
         writeln!(f, "crop {}", region(self.span.crop))?;
         writeln!(f, "region {}", region(self.span.region))?;
@@ -88,12 +88,12 @@ impl std::fmt::Display for Stamp {
 impl Stamp {
     /// What a header says; `None` where it isn't one that this version writes.
     pub(super) fn read(text: &str) -> Option<Self> {
-        let [mut story, mut also] = [Vec::new(), Vec::new()];
+        let [mut metadata, mut also] = [Vec::new(), Vec::new()];
         let mut facts = Vec::new();
         for line in text.lines() {
             let (key, value) = line.split_once(' ')?;
             let list = match key {
-                "story" => &mut story,
+                "story" => &mut metadata,
                 "also" => &mut also,
                 _ => {
                     facts.push((key, value));
@@ -169,23 +169,33 @@ impl Stamp {
             Some(&[x, y, index]) => Some(([x, y], index)),
             Some(_) => return None,
         };
-        let look = fact("look")?.parse().ok()?;
+        let development = fact("look")?.parse().ok()?;
         let is_midway = fact("midway").is_some();
-        let stamp =
-            Self { story, also, look, size: [width, height], span, whole, error, held, is_midway, dropped };
+        let stamp = Self {
+            metadata,
+            also,
+            development,
+            size: [width, height],
+            span,
+            whole,
+            error,
+            held,
+            is_midway,
+            dropped,
+        };
         (is_sound && fact("record") == Some(stamp.held.names(first).as_str())).then_some(stamp)
     }
 
-    /// What a key of the story says.
+    /// What a key of the metadata says.
     pub(super) fn tells(&self, key: &str) -> Option<&str> {
-        self.story.iter().find(|(k, _)| k.strip_prefix("straal.") == Some(key)).map(|(_, v)| v.as_str())
+        self.metadata.iter().find(|(k, _)| k.strip_prefix("straal.") == Some(key)).map(|(_, v)| v.as_str())
     }
 
     /// In what two renders differ that must be alike: each as 'seed 1 there and 2 here'. `except` needn't.
     pub(crate) fn differences(&self, other: &Self, except: &[&str]) -> Vec<String> {
         let of = |stamp: &Self| -> Vec<(String, String)> {
             let short = |k: &str| k.strip_prefix("straal.").unwrap_or(k).replace('_', " ");
-            let all = stamp.story.iter().chain(&stamp.also).map(|(k, v)| (short(k), v.clone()));
+            let all = stamp.metadata.iter().chain(&stamp.also).map(|(k, v)| (short(k), v.clone()));
             all.filter(|(k, _)| !except.contains(&k.as_str())).collect()
         };
         let (there, here) = (of(self), of(other));

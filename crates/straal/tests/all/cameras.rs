@@ -94,7 +94,7 @@ fn a_way_may_be_told_in_several_ways() {
     let straight = at("{ eye: [0.5, 0.2, 2], roll: 5 }");
     assert_eq!(at("[{ eye: [0.5, 0.2, 2], roll: 5 }]"), straight);
     assert_eq!(at("[{ time: 1, eye: [0.5, 0.2, 2], roll: 5 }]"), straight);
-    // What a pose leaves out stays as it was in the pose before.
+    // What a keyframe leaves out stays as it was in the one before.
     let bent = at("[{ eye: [0.5, 0.2, 2] }, { roll: 5 }]");
     assert_eq!(at("[{ time: 0.5, eye: [0.5, 0.2, 2] }, { time: 1, eye: [0.5, 0.2, 2], roll: 5 }]"), bent);
     assert_ne!(bent, straight);
@@ -223,7 +223,7 @@ fn a_panorama_gives_back_the_surroundings() {
     let panorama = of_kind("panorama", "rows: centered");
     let seen = job(&panorama, Overrides { size: Some([256, 129]), spp: Some(16), ..Overrides::default() });
     let picture = seen.render(&mut Control::to_the_end()).expect("a picture").picture;
-    picture.save(&folder.join("around.pfm"), &seen.look()).expect("room for the picture");
+    picture.save(&folder.join("around.pfm"), &seen.development()).expect("room for the picture");
 
     let views = [
         "perspective: { eye: [0, 0.2, 0], look_at: [0.4, 0.3, -2], fov: 80 }",

@@ -4,9 +4,11 @@
 //! relative tolerance that the file names, which covers single precision. Sobol points scatter less than their
 //! spread within a pixel says, so that for them the test is only stricter in truth than by its numbers.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use straal::{Control, Job, LoadOptions, Overrides};
 use straal_math::lowdisc::PatternKind;
+use straal_scene::desc::{Camera, Integrator, Light, Material, MaterialRef, Node};
 
 /// Standard errors that the mean may be off by.
 const SIGMAS: f64 = 4.5;
@@ -71,6 +73,28 @@ fn fault(rendered: [(f64, f64); 3], expected: &Expected) -> Option<String> {
         mean.is_nan() || (mean - want).abs() > SIGMAS * error + expected.tolerance * want.abs()
     });
     off.map(|((mean, error), want)| format!("{mean} +- {error}, expected {want}"))
+}
+
+/// Whatever a scene can be made of stands in one of these scenes: a new kind of thing fails this until it does.
+#[test]
+fn every_kind_of_thing_has_a_closed_form() {
+    let mut seen = BTreeSet::new();
+    for path in scenes() {
+        let loaded = straal::load(&path, &LoadOptions::default()).unwrap();
+        let scene = &loaded.scene;
+        seen.extend([scene.integrator.kind(), scene.camera.kind()]);
+        seen.extend(scene.lights.iter().map(Light::kind));
+        seen.extend(scene.materials.iter().map(|(_, m)| m.kind()));
+        scene.visit(|node| {
+            seen.insert(node.kind());
+            if let Some(MaterialRef::Inline(material)) = node.material() {
+                seen.insert(material.kind());
+            }
+        });
+    }
+    let all = [Integrator::KINDS, Camera::KINDS, Light::KINDS, Material::KINDS, Node::KINDS].concat();
+    let missing: Vec<&str> = all.into_iter().filter(|kind| !seen.contains(kind)).collect();
+    assert!(missing.is_empty(), "no scene in tests/scenes has {}", missing.join(", "));
 }
 
 fn all_agree(kind: PatternKind) {

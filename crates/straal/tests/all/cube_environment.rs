@@ -1,7 +1,7 @@
 //! A cube map that a camera makes lights another scene as the panorama of the same place does.
 
 use std::path::Path;
-use straal::{Control, Job, LoadOptions, Look, Overrides, Picture};
+use straal::{Control, Development, Job, LoadOptions, Overrides, Picture};
 
 /// A place with something else in every direction.
 const PLACE: &str = "
@@ -33,7 +33,7 @@ fn surroundings_are_the_same_from_cubes_and_from_panoramas() {
     let panorama = see("{ panorama: { EYE, rows: centered } }", "[192, 97]");
     for (layout, size) in [("cross", "[192, 144]"), ("row", "[288, 48]")] {
         let cube = see(&format!("{{ cube_map: {{ EYE, layout: {layout} }} }}"), size);
-        cube.save(&folder.path().join("cube.exr"), &Look::default()).expect("a file");
+        cube.save(&folder.path().join("cube.exr"), &Development::default()).expect("a file");
         // Seen again as a panorama, from far away.
         let look = |light: &str| {
             render(
@@ -74,7 +74,7 @@ fn layouts_that_do_not_fit_are_told_with_their_place() {
         )
     };
     let wide = render(folder.path(), &text("[64, 32]", "{ radiance: 1 }"));
-    wide.save(&folder.path().join("wide.exr"), &Look::default()).expect("a file");
+    wide.save(&folder.path().join("wide.exr"), &Development::default()).expect("a file");
     let load = |light: &str| {
         straal::load_str("test.yaml", &text("[8, 8]", light), folder.path(), &LoadOptions::default())
     };

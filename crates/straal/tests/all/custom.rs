@@ -5,10 +5,9 @@ use std::sync::Arc;
 use straal::{Control, Job, LoadOptions, Overrides};
 use straal_math::{Bounds, Ray, Vec3};
 use straal_render::compile::Custom;
-use straal_render::lanes::ReadRgb;
 use straal_render::material::{Bsdf, CustomMaterial, Diffuse};
 use straal_render::shape::{CustomShape, ShapeHit, Sphere, SurfacePoint};
-use straal_render::texture::ShadingPoint;
+use straal_render::texture::{ReadRgb, ShadingPoint};
 
 #[derive(Debug)]
 struct Ball(Sphere);

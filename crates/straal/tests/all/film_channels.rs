@@ -1,8 +1,8 @@
 //! Films that hold XYZ or bands of wavelengths.
 
 use std::path::Path;
-use straal::develop::Plate;
-use straal::{Control, Job, LoadOptions, Look, Overrides, Picture, Recording};
+use straal::develop::PictureFile;
+use straal::{Control, Development, Job, LoadOptions, Overrides, Picture, Recording};
 use straal_color::spectrum::Bands;
 use straal_color::{Adaptation, RgbSpace, Space};
 use straal_formats::Limits;
@@ -56,7 +56,7 @@ fn close(a: &[[f32; 3]], b: &[[f32; 3]], tolerance: f32) {
 fn file(picture: &Picture) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.exr");
-    picture.save(&path, &Look::default()).expect("a file");
+    picture.save(&path, &Development::default()).expect("a file");
     std::fs::read(path).expect("the file")
 }
 
@@ -70,8 +70,8 @@ fn xyz_is_the_colour_that_rgb_has_in_every_work_space() {
             let back = RgbSpace::XYZ.to(&work.rgb(), Adaptation::Bradford);
             let back: Vec<_> = xyz.layers.rgb.iter().map(|p| back.apply_f32(*p)).collect();
             close(&back, &rgb.layers.rgb, 2e-6);
-            let plate = Plate::read(&file(&xyz), &Limits::default()).expect("an EXR of XYZ");
-            assert_eq!(plate.space(), RgbSpace::XYZ);
+            let picture_file = PictureFile::read(&file(&xyz), &Limits::default()).expect("an EXR of XYZ");
+            assert_eq!(picture_file.space(), RgbSpace::XYZ);
         }
     }
 }

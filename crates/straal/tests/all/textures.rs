@@ -7,9 +7,11 @@ use straal_math::Frame;
 use straal_render::camera::FilmPoint;
 use straal_render::compile::Custom;
 use straal_render::footprint::PackedFootprint;
-use straal_render::lanes::{ReadRgb, Rgb};
+use straal_render::lanes::Rgb;
 use straal_render::material::{Black, Bsdf, CustomMaterial, DiffuseMaterial, Material, Wants};
-use straal_render::texture::{CustomTexture, ShadingPoint, Texture, TextureKind, TextureRef, Use, Value};
+use straal_render::texture::{
+    CustomTexture, ReadRgb, ShadingPoint, Texture, TextureKind, TextureRef, Use, Value,
+};
 
 /// One colour all over; writes down where it is read.
 #[derive(Debug)]
@@ -105,7 +107,7 @@ fn footprints_agree(name: &str, mirror: &str, floor: &str, pixel: [u32; 2]) {
         "camera: {{ perspective: {{ eye: [0, 1.2, 4], look_at: [0, 0.7, 0], fov: 40 }} }}
 film: {{ size: [64, 48], filter: box }}
 sampler: {{ spp: 256 }}
-integrator: {{ path: {{ max_depth: 2 }} }}
+integrator: {{ path: {{ max_depth: 3 }} }}
 materials: {{ paint: {{ diffuse: {{}} }}, silver: {{ mirror: {{}} }} }}
 objects: {{ slab: {{ plane: {{ material: paint }} }} }}
 world:
@@ -121,7 +123,7 @@ lights: [ environment: {{ radiance: 1 }} ]
         let texture = textured(&mut job, [0.5; 3]);
         film(&job);
         let read = texture.read.lock().unwrap();
-        assert!(read.len() == 256, "{name}: {} of 256 paths met the floor", read.len());
+        assert!(!read.is_empty() && read.len().is_multiple_of(256), "{name}: {} of 256 paths", read.len());
         let of = |f: &dyn Fn(&ShadingPoint) -> f32| {
             read.iter().map(|at| f64::from(f(at))).sum::<f64>() / read.len() as f64
         };

@@ -1,7 +1,7 @@
 //! Surroundings whose colours sRGB doesn't hold.
 
 use std::path::Path;
-use straal::{Control, Job, LoadOptions, Look, Overrides, Picture, Recording};
+use straal::{Control, Development, Job, LoadOptions, Overrides, Picture, Recording};
 
 struct Rendered {
     picture: Picture,
@@ -36,7 +36,7 @@ lights: [environment: {{ radiance: {{ rgb: {rgb:?}, space: {space} }} }}]
     let loaded = straal::load_str("make.yaml", &make, folder, &LoadOptions::default());
     let job = Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), Overrides::default()).expect("a job");
     let picture = job.render(&mut Control::to_the_end()).expect("a picture").picture;
-    picture.save(&folder.join("wide.exr"), &Look::default()).expect("a file");
+    picture.save(&folder.join("wide.exr"), &Development::default()).expect("a file");
     let text = format!(
         "camera: {{ perspective: {{ eye: [0, 0, 0], look_at: [0, 0, -1] }} }}
 film: {{ size: [8, 8] }}
@@ -86,7 +86,12 @@ fn colours_that_are_lost_are_told() {
         note.starts_with("40 of the 40 pixels of `wide.exr` are of colours that the work space `srgb`"),
         "{note}"
     );
-    // Beyond all light.
+    // Beyond all light, if only just: what is seen has .028 of red.
+    let spectral = seen(folder.path(), ("acescg", [0.0, 1.0, 0.0]), "acescg", true);
+    assert!(
+        matches!(spectral.notes.as_slice(), [note] if note.contains("are more colourful than light can be"))
+    );
+    // Far beyond it.
     let spectral = seen(folder.path(), ("aces", [0.0, 0.0, 1.0]), "srgb", true);
     let [note] = spectral.notes.as_slice() else { panic!("{:?}", spectral.notes) };
     assert!(note.contains("are more colourful than light can be"), "{note}");

@@ -212,7 +212,7 @@ fn compare(
 
     say("recording rays");
     let sampling = Sampling { spp: request.spp, rays: request.rays };
-    let rays = rays::record(&job.world, job.integrator, job.settings.clone(), sampling)?;
+    let rays = rays::record(&job.world, job.path_tracer(), job.settings.clone(), sampling)?;
     let picture_spp = loaded.scene.sampler.spp;
     let pixels = f64::from(film[0]) * f64::from(film[1]);
     let mix = [0, 1, 2].map(|k| rays[k].per_sample * pixels * f64::from(picture_spp));

@@ -101,10 +101,16 @@ fn blocks_are_shapes_one_by_one<K: Kernel>(kernel: K) {
     let mut hits = 0;
     for _ in 0..300 {
         let members: Vec<Member> = (0..1 + r.below(40) as u32).map(|i| r.member(i)).collect();
-        let blocks = Blocks::of(&members);
+        // Of one kind each, or mixed.
+        let mut blocks = Blocks::of(&members);
+        if r.below(2) == 0 {
+            blocks = Blocks::EMPTY;
+            members.chunks(ROW).for_each(|some| blocks.push(some));
+        }
         for _ in 0..20 {
             let limit = [f32::MAX, 2.0, 0.5][r.below(3) as usize];
             let Some(ray) = LocalRay::new(&r.ray()) else { continue };
+            let limit = if limit < ray.ray.t_max { limit } else { ray.ray.t_max };
             let mut seen = 0;
             for block in blocks.iter() {
                 let found = kernel.meet(&ray, block, limit);

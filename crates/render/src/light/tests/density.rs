@@ -1,8 +1,9 @@
 //! Every emitter of the registry by the chi-square test.
 
-use super::{VIEWS, registry};
+use super::{Receiver, VIEWS, registry};
 use crate::testing::in_rgb;
 use crate::testing::{ChiSquare, SphereGrid, sidak};
+use straal_math::Vec3;
 
 #[test]
 fn directions_have_the_density_that_is_told() {
@@ -10,13 +11,20 @@ fn directions_have_the_density_that_is_told() {
     let tests = registry.len() * VIEWS.len();
     for entry in registry {
         let mut lit = 0;
-        // Surroundings look the same from everywhere.
-        let views = if entry.emitter.is_environment() { &VIEWS[..1] } else { &VIEWS };
-        for (i, &p) in views.iter().enumerate() {
-            if i == 1 && lit > 0 {
+        // Surroundings look the same from everywhere, but not to every surface.
+        let tilted = Vec3::new(0.48, -0.6, 0.64);
+        let around = [Vec3::ZERO, tilted].map(|n| Receiver { p: VIEWS[0], n });
+        let views = if entry.emitter.is_environment() {
+            around.to_vec()
+        } else {
+            VIEWS.map(Receiver::anywhere).to_vec()
+        };
+        for (i, at) in views.iter().enumerate() {
+            let p = at.p;
+            if i == 1 && lit > 0 && !entry.emitter.is_environment() {
                 continue; // for those that only shine downwards
             }
-            let sample = |u: [f32; 4]| entry.emitter.sample(&entry.geometry, p, [u[0], u[1]], &in_rgb());
+            let sample = |u: [f32; 4]| entry.emitter.sample(&entry.geometry, at, [u[0], u[1]], &in_rgb());
             // Many cells, because the rims of lights cross them, and finer rings where the light is.
             let fine = SphereGrid { rings: 48, sectors: 48, ..SphereGrid::default() };
             let grid = if entry.emitter.is_environment() || p.length() < 1.0 {
@@ -26,9 +34,9 @@ fn directions_have_the_density_that_is_told() {
             };
             // Few enough draws for the quadrature's error at the rims to stay unseen.
             let test = ChiSquare { grid, seed: 100 + i as u64, tests, samples: 10_000 };
-            let outcome = test.run(|u| sample(u).map(|s| s.wi), |w| entry.pdf(p, w));
+            let outcome = test.run(|u| sample(u).map(|s| s.wi), |w| entry.pdf(at, w));
             if outcome.drawn == 0.0 {
-                assert!(outcome.integral < 1e-6, "{} from {p:?}: {outcome}", entry.name);
+                assert!(outcome.integral < 1e-6, "{} from {at:?}: {outcome}", entry.name);
                 continue;
             }
             lit += 1;
@@ -36,7 +44,7 @@ fn directions_have_the_density_that_is_told() {
             // verdict of the test allows.
             let fine =
                 outcome.p >= sidak(0.01, tests) && outcome.impossible <= 10 && outcome.integral < 1.001;
-            assert!(fine, "{} from {p:?}: {outcome}", entry.name);
+            assert!(fine, "{} from {at:?}: {outcome}", entry.name);
         }
         assert!(lit > 0, "{} is never lit", entry.name);
     }

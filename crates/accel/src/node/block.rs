@@ -5,6 +5,7 @@
 //! moves each vertex to the ray once; that is done before vertices are handed to triangles, which changes no bit.
 
 use super::WIDTH;
+use crate::local::ROW;
 use straal_math::Vec3;
 
 /// Vertices of a block.
@@ -29,6 +30,8 @@ pub(crate) struct Row {
     /// The triangles' numbers in the group, three by three; the last is the set of used lanes.
     ids: [u32; 3],
 }
+
+const _: () = assert!(size_of::<Row>() == ROW as usize);
 
 /// The number of a lane's vertex. They are below [`VERTICES`]; telling so by a comparison is quicker than by a remainder.
 #[inline(always)]

@@ -10,7 +10,7 @@ use straal_scene::desc;
 
 /// The steps from linear light to codes, in their order. The screen has the primaries of sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Look {
+pub struct Development {
     /// What light is multiplied by.
     pub exposure: Exposure,
     /// What becomes of what is brighter than white.
@@ -106,7 +106,7 @@ impl FromStr for Gamma {
     }
 }
 
-impl fmt::Display for Look {
+impl fmt::Display for Development {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { exposure, tone, gamut, gamma, bits, dither } = self;
         let dither = if *dither == Dither::On { "on" } else { "off" };
@@ -115,39 +115,39 @@ impl fmt::Display for Look {
     }
 }
 
-impl FromStr for Look {
+impl FromStr for Development {
     type Err = String;
 
-    /// Reads what a look tells of itself; steps that aren't named are the usual ones.
+    /// Reads what development settings tell of themselves; steps that aren't named are the usual ones.
     fn from_str(text: &str) -> Result<Self, String> {
-        let mut look = Self::default();
+        let mut development = Self::default();
         let told = |e: ParseError| e.to_string();
         for word in text.split_whitespace() {
             let (key, value) = word.split_once('=').ok_or_else(|| format!("`{word}` is no key=value"))?;
             match key {
-                "exposure" => look.exposure = value.parse().map_err(told)?,
-                "tone" => look.tone = value.parse().map_err(told)?,
-                "gamut" => look.gamut = value.parse().map_err(told)?,
-                "gamma" => look.gamma = value.parse()?,
+                "exposure" => development.exposure = value.parse().map_err(told)?,
+                "tone" => development.tone = value.parse().map_err(told)?,
+                "gamut" => development.gamut = value.parse().map_err(told)?,
+                "gamma" => development.gamma = value.parse()?,
                 "bits" => {
                     let bits = value.parse().ok().and_then(Bits::of);
-                    look.bits = bits.ok_or("bits are 8 or 16")?;
+                    development.bits = bits.ok_or("bits are 8 or 16")?;
                 }
                 "dither" => {
-                    look.dither = match value {
+                    development.dither = match value {
                         "on" => Dither::On,
                         "off" => Dither::Off,
                         _ => return Err("dither is on or off".into()),
                     }
                 }
-                _ => return Err(format!("`{key}` is no step of a look")),
+                _ => return Err(format!("`{key}` is no step of development")),
             }
         }
-        Ok(look)
+        Ok(development)
     }
 }
 
-impl Look {
+impl Development {
     /// How a film wants its picture developed.
     pub fn of(film: &desc::Film) -> Self {
         Self {
@@ -166,7 +166,7 @@ impl Look {
 
 /// Linear light that waits to be developed: a picture or a crop of one.
 #[derive(Clone, Copy, Debug)]
-pub struct Negative<'a> {
+pub struct Undeveloped<'a> {
     /// Row by row from the top.
     pub pixels: &'a [[f32; 3]],
     /// Pixels of a row.
@@ -203,16 +203,16 @@ pub(crate) fn to_screen(space: &RgbSpace) -> Option<Matrix3> {
     (*space != screen).then(|| space.to(&screen, Adaptation::Bradford))
 }
 
-impl Negative<'_> {
+impl Undeveloped<'_> {
     /// Develops all pixels. Only the meter of an exposure looks at more than one of them.
-    pub fn develop(&self, look: &Look) -> Codes {
-        let factor = look.exposure.factor(self.pixels, self.space.luminance());
+    pub fn develop(&self, development: &Development) -> Codes {
+        let factor = development.exposure.factor(self.pixels, self.space.luminance());
         let matrix = to_screen(&self.space);
-        let transfer = look.gamma.transfer();
+        let transfer = development.gamma.transfer();
         let signal = |rgb: &[f32; 3]| {
             let exposed = rgb.map(|v| v * factor);
             let screen = matrix.map_or(exposed, |m| m.apply_f32(exposed));
-            look.gamut.show(screen, look.tone).map(|v| transfer.encode(v))
+            development.gamut.show(screen, development.tone).map(|v| transfer.encode(v))
         };
         let codes = |most: u32| {
             self.pixels.iter().enumerate().map(move |(i, rgb)| {
@@ -221,10 +221,10 @@ impl Negative<'_> {
                     self.at[1].wrapping_add((i / self.width) as u32),
                 ];
                 let [r, g, b] = signal(rgb);
-                [(r, 0), (g, 1), (b, 2)].map(|(v, channel)| look.dither.code(v, most, at, channel))
+                [(r, 0), (g, 1), (b, 2)].map(|(v, channel)| development.dither.code(v, most, at, channel))
             })
         };
-        match look.bits {
+        match development.bits {
             Bits::Eight => Codes::Eight(codes(255).map(|rgb| rgb.map(|c| c as u8)).collect()),
             Bits::Sixteen => Codes::Sixteen(codes(65_535).map(|rgb| rgb.map(|c| c as u16)).collect()),
         }
@@ -236,15 +236,15 @@ mod tests {
     use super::*;
     use straal_color::{Meter, srgb};
 
-    fn negative(pixels: &[[f32; 3]], space: Space) -> Negative<'_> {
-        Negative { pixels, width: 4, at: [0, 0], space: space.rgb() }
+    fn undeveloped(pixels: &[[f32; 3]], space: Space) -> Undeveloped<'_> {
+        Undeveloped { pixels, width: 4, at: [0, 0], space: space.rgb() }
     }
 
     #[test]
     fn what_a_look_tells_is_read_again() {
-        for look in [
-            Look::default(),
-            Look {
+        for development in [
+            Development::default(),
+            Development {
                 exposure: Exposure { meter: Meter::Average, stops: -0.5 },
                 tone: Tone::Reinhard { white: 3.0 },
                 gamut: Gamut::Flag([0.0, 0.5, 1.0]),
@@ -253,17 +253,18 @@ mod tests {
                 dither: Dither::On,
             },
         ] {
-            assert_eq!(look.to_string().parse(), Ok(look));
+            assert_eq!(development.to_string().parse(), Ok(development));
         }
         for wrong in ["tone", "tone=x", "bits=9", "dither=maybe", "gamma=0", "gamma=nan", "colour=red"] {
-            assert!(wrong.parse::<Look>().is_err(), "{wrong}");
+            assert!(wrong.parse::<Development>().is_err(), "{wrong}");
         }
     }
 
     #[test]
-    fn the_plain_look_rounds_srgb() {
+    fn without_a_curve_srgb_is_rounded() {
+        let development = Development { tone: Tone::Clamp, ..Development::default() };
         let pixels: Vec<[f32; 3]> = (0..64_u8).map(|i| [f32::from(i) * 0.02, -0.3, f32::NAN]).collect();
-        let Codes::Eight(codes) = negative(&pixels, Space::Srgb).develop(&Look::default()) else { panic!() };
+        let Codes::Eight(codes) = undeveloped(&pixels, Space::Srgb).develop(&development) else { panic!() };
         for (rgb, code) in pixels.iter().zip(codes) {
             assert_eq!(code, [srgb::encode_u8(rgb[0]), 0, 0]);
         }
@@ -273,11 +274,16 @@ mod tests {
     fn the_same_light_looks_the_same_from_every_space() {
         let light: Vec<[f32; 3]> =
             (0..64_u8).map(|i| [i % 4, i / 4 % 4, i / 16].map(|v| f32::from(v) * 0.45 + 0.01)).collect();
-        let look = Look { tone: Tone::Agx, bits: Bits::Sixteen, gamut: Gamut::Desaturate, ..Look::default() };
-        let Codes::Sixteen(want) = negative(&light, Space::Srgb).develop(&look) else { panic!() };
+        let development = Development {
+            tone: Tone::Agx,
+            bits: Bits::Sixteen,
+            gamut: Gamut::Desaturate,
+            ..Development::default()
+        };
+        let Codes::Sixteen(want) = undeveloped(&light, Space::Srgb).develop(&development) else { panic!() };
         for space in Space::ALL {
             let there: Vec<_> = light.iter().map(|p| Space::Srgb.to(space).apply_f32(*p)).collect();
-            let Codes::Sixteen(got) = negative(&there, space).develop(&look) else { panic!() };
+            let Codes::Sixteen(got) = undeveloped(&there, space).develop(&development) else { panic!() };
             for (a, b) in got.as_flattened().iter().zip(want.as_flattened()) {
                 assert!(a.abs_diff(*b) <= 2, "{space:?}: {a} {b}");
             }
@@ -287,9 +293,10 @@ mod tests {
     #[test]
     fn dithering_goes_by_the_place_in_the_whole_picture() {
         let pixels = [[0.3; 3]; 16];
-        let look = Look { dither: Dither::On, ..Look::default() };
-        let whole = negative(&pixels, Space::Srgb).develop(&look);
-        let below = Negative { at: [0, 2], ..negative(&pixels[8..], Space::Srgb) }.develop(&look);
+        let development = Development { dither: Dither::On, ..Development::default() };
+        let whole = undeveloped(&pixels, Space::Srgb).develop(&development);
+        let below =
+            Undeveloped { at: [0, 2], ..undeveloped(&pixels[8..], Space::Srgb) }.develop(&development);
         let (Codes::Eight(whole), Codes::Eight(below)) = (whole, below) else { panic!() };
         assert_eq!(whole[8..], below);
     }

@@ -1,4 +1,4 @@
-//! The way of a camera that moves.
+//! The keyframes of a camera that moves.
 
 use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
@@ -12,17 +12,17 @@ use crate::schema::Definitions;
 use crate::span::{Span, Spanned};
 use crate::tree::{Datum, Tree};
 
-/// Where a camera goes from where it is at time 0: one pose, or several one after the other. After the last it stays there.
+/// Where a camera goes from where it is at time 0: one keyframe, or several one after the other. After the last it stays there.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Way {
-    /// The poses by rising time.
-    pub poses: Vec<Spanned<Pose>>,
+pub struct Keyframes {
+    /// The keyframes by rising time.
+    pub keyframes: Vec<Spanned<Keyframe>>,
 }
 
 describe! {
     /// What of a camera's place and view changes while it moves; the rest stays as it was.
-    pub struct Pose {
-        /// When it is there, after 0 and at most 1. Poses without times are evenly apart, the last at 1.
+    pub struct Keyframe {
+        /// When it is there, after 0 and at most 1. Keyframes without times are evenly apart, the last at 1.
         time: Option<f64> [Limit::UNIT] = None,
         /// Where the camera stands.
         eye: Option<DVec3> = None,
@@ -37,7 +37,7 @@ describe! {
 
 /// Where a camera stands and looks at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct CameraAt {
     /// From 0 to 1.
     pub time: f64,
     /// Where it stands.
@@ -52,68 +52,74 @@ pub struct Moment {
     pub span: Span,
 }
 
-impl Way {
-    /// The time of each pose.
+impl Keyframes {
+    /// The time of each keyframe.
     pub fn times(&self) -> Vec<f64> {
-        let n = self.poses.len() as f64;
+        let n = self.keyframes.len() as f64;
         let evenly = |i: usize| (i + 1) as f64 / n;
-        self.poses.iter().enumerate().map(|(i, pose)| pose.time.unwrap_or_else(|| evenly(i))).collect()
+        self.keyframes
+            .iter()
+            .enumerate()
+            .map(|(i, keyframe)| keyframe.time.unwrap_or_else(|| evenly(i)))
+            .collect()
     }
 
-    /// The first pose, by its index, that is not later than the one before, or than time 0.
+    /// The first keyframe, by its index, that is not later than the one before, or than time 0.
     pub fn disorder(&self) -> Option<usize> {
         let times = self.times();
         (0..times.len()).find(|&i| times[i] <= if i > 0 { times[i - 1] } else { 0.0 })
     }
 
-    /// Complains of times that make no way.
+    /// Complains of times that make no keyframes.
     fn check(&self, d: &mut Decoder) {
-        let first = |is_told: bool| self.poses.iter().find(|p| p.time.is_some() == is_told);
+        let first = |is_told: bool| self.keyframes.iter().find(|p| p.time.is_some() == is_told);
         if let (Some(with), Some(without)) = (first(true), first(false)) {
-            let message = "this pose has no `time`, and another has one";
+            let message = "this keyframe has no `time`, and another has one";
             let complaint = Diagnostic::error(without.span, message).related(with.span, "this one");
-            d.push(complaint.help("tell it of all poses, or of none to have them evenly apart"));
+            d.push(complaint.help("tell it of all keyframes, or of none to have them evenly apart"));
             return;
         }
         let Some(i) = self.disorder() else { return };
         let times = self.times();
         let message = match i {
-            0 => "at time 0 the camera is where its other keys say: a pose must be later".to_owned(),
-            _ => format!("the times of poses must rise, but {} comes after {}", times[i], times[i - 1]),
+            0 => "at time 0 the camera is where its other keys say: a keyframe must be later".to_owned(),
+            _ => format!("the times of keyframes must rise, but {} comes after {}", times[i], times[i - 1]),
         };
-        d.push(Diagnostic::error(self.poses[i].span, message));
+        d.push(Diagnostic::error(self.keyframes[i].span, message));
     }
 }
 
-impl Describe for Way {
+impl Describe for Keyframes {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         let before = d.diagnostics.errors();
-        let pose = |item: &Tree, d: &mut Decoder| Spanned::new(Pose::read(item, limit, d), item.span);
-        let poses = match &tree.value {
-            Datum::Mapping(_) => vec![pose(tree, d)],
-            Datum::Sequence(items) if !items.is_empty() => items.iter().map(|item| pose(item, d)).collect(),
+        let keyframe = |item: &Tree, d: &mut Decoder| Spanned::new(Keyframe::read(item, limit, d), item.span);
+        let keyframes = match &tree.value {
+            Datum::Mapping(_) => vec![keyframe(tree, d)],
+            Datum::Sequence(items) if !items.is_empty() => {
+                items.iter().map(|item| keyframe(item, d)).collect()
+            }
             _ => {
-                d.expected("a pose or a list of poses", tree);
+                d.expected("a keyframe or a list of keyframes", tree);
                 Vec::new()
             }
         };
-        let way = Self { poses };
+        let keyframes = Self { keyframes };
         if d.diagnostics.errors() == before {
-            way.check(d);
+            keyframes.check(d);
         }
-        way
+        keyframes
     }
     fn blank() -> Self {
         Self::default()
     }
     fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        match self.poses.as_slice() {
+        match self.keyframes.as_slice() {
             [one] => one.value.write_to(out),
-            poses => out.collect_seq(poses.iter().map(|pose| Written(&pose.value))),
+            keyframes => out.collect_seq(keyframes.iter().map(|keyframe| Written(&keyframe.value))),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
-        let pose = Pose::schema(limit, defs);
-        json!({ "anyOf": [pose, { "type": "array", "items": pose, "minItems": 1 }] })
+        let keyframe = Keyframe::schema(limit, defs);
+        json!({ "anyOf": [keyframe, { "type": "array", "items": keyframe, "minItems": 1 }] })
     }
 }

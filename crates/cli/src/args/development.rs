@@ -1,15 +1,15 @@
 //! How light becomes a picture for the screen, as several commands take it.
 
-use super::heading::LOOK;
+use super::heading::DEVELOPMENT;
 use super::parsers::{Listed, named};
 use clap::Args;
-use straal::{Bits, Dither, Exposure, Gamma, Gamut, Look, Tone};
+use straal::{Bits, Development, Dither, Exposure, Gamma, Gamut, Tone};
 
 /// How light becomes a picture for the screen; what isn't said is as the scene, or the picture that is developed again,
 /// has it.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
-#[command(next_help_heading = LOOK)]
-pub struct LookArgs {
+#[command(next_help_heading = DEVELOPMENT)]
+pub struct DevelopmentArgs {
     /// Brighten by stops, such as 1.5 or -1, or by a meter: auto or highlights
     ///
     /// Each stop doubles the light. Of the meters, auto makes the mean grey and highlights shows nearly all within white,
@@ -42,16 +42,16 @@ pub struct LookArgs {
     pub dither: Option<Dither>,
 }
 
-impl LookArgs {
+impl DevelopmentArgs {
     /// What is said here over what is there.
-    pub fn over(&self, look: Look) -> Look {
-        Look {
-            exposure: self.exposure.unwrap_or(look.exposure),
-            tone: self.tone.unwrap_or(look.tone),
-            gamut: self.gamut.unwrap_or(look.gamut),
-            gamma: self.gamma.unwrap_or(look.gamma),
-            bits: self.bits.unwrap_or(look.bits),
-            dither: self.dither.unwrap_or(look.dither),
+    pub fn over(&self, development: Development) -> Development {
+        Development {
+            exposure: self.exposure.unwrap_or(development.exposure),
+            tone: self.tone.unwrap_or(development.tone),
+            gamut: self.gamut.unwrap_or(development.gamut),
+            gamma: self.gamma.unwrap_or(development.gamma),
+            bits: self.bits.unwrap_or(development.bits),
+            dither: self.dither.unwrap_or(development.dither),
         }
     }
 }

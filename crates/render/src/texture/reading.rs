@@ -2,8 +2,8 @@
 
 use straal_color::Light;
 
-use super::{Colour, Lanes, SpectralTables};
-use crate::texture::Texture;
+use super::Texture;
+use crate::lanes::{Colour, Lanes, SpectralTables};
 
 /// Lanes and the tables they read by.
 #[derive(Clone, Copy, Debug)]
@@ -31,18 +31,12 @@ impl<L: Lanes> Reading<'_, L> {
 
     /// Shares of light of linear sRGB. What the work space doesn't hold is cut off.
     pub fn reflectance_of_srgb(&self, rgb: [f32; 3]) -> Light {
-        self.lanes.reflectance_of_rgb(self.tables, self.edge(rgb))
+        self.lanes.reflectance_of_rgb(self.tables, self.tables.held(rgb))
     }
 
     /// Light of linear sRGB. What the work space doesn't hold is cut off.
     pub fn emission_of_srgb(&self, rgb: [f32; 3]) -> Light {
-        self.lanes.radiance_of_rgb(self.tables, self.edge(rgb))
-    }
-
-    /// In the work space where lanes are its red, green and blue; as it is where it becomes a spectrum.
-    fn edge(&self, rgb: [f32; 3]) -> Light {
-        let Some(to_work) = &self.tables.to_work else { return Light::rgb(rgb) };
-        Light::rgb(to_work.apply_f32(rgb).map(|v| if v > 0.0 { v } else { 0.0 }))
+        self.lanes.radiance_of_rgb(self.tables, self.tables.held(rgb))
     }
 }
 
