@@ -13,6 +13,7 @@ mod numbers;
 mod out;
 mod path;
 mod queue;
+mod side_by_side;
 mod sine_product;
 
 pub use out::{Contribution, Out, Target};

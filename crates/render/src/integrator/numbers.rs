@@ -50,10 +50,16 @@ impl Numbers {
         [self.direction[0].0[i], self.direction[1].0[i], self.direction[2].0[i]]
     }
 
-    /// Whether the path goes on.
+    /// The first two of [`Numbers::direction`] from vertex `first` on.
     #[inline(always)]
-    pub fn roulette(&self, i: usize) -> f32 {
-        self.roulette.0[i]
+    pub fn direction_lanes<F: Float>(&self, first: usize) -> [F; 2] {
+        [F::load(&self.direction[0].0[first..]), F::load(&self.direction[1].0[first..])]
+    }
+
+    /// Whether the paths from vertex `first` on go on.
+    #[inline(always)]
+    pub fn roulette<F: Float>(&self, first: usize) -> F {
+        F::load(&self.roulette.0[first..])
     }
 }
 
@@ -126,7 +132,11 @@ mod tests {
                     let [u, v, lobe] = numbers.direction(i);
                     assert_eq!(numbers.light(i), pattern.d2(name, Purpose::LightPoint), "{isa} {pattern:?}");
                     assert_eq!([u, v], pattern.d2(name, Purpose::Direction), "{isa} {pattern:?}");
-                    assert_eq!(numbers.roulette(i), pattern.d1(name, Purpose::Roulette), "{isa} {pattern:?}");
+                    assert_eq!(
+                        numbers.roulette::<f32>(i),
+                        pattern.d1(name, Purpose::Roulette),
+                        "{isa} {pattern:?}"
+                    );
                     if wanted.lobe {
                         assert_eq!(lobe, pattern.d3(name, Purpose::Direction)[2], "{isa} {pattern:?}");
                     }

@@ -1,6 +1,7 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
 use super::numbers::{BLOCK, Numbers, Wanted};
+use super::side_by_side::{Onward, Scatter, Vertex, all_diffuse, fill_lanes};
 use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
@@ -12,7 +13,7 @@ use crate::surface::Surface;
 use crate::world::World;
 use straal_color::Light;
 use straal_math::lowdisc::SampleName;
-use straal_math::{Frame, Ray, Vec3, ops};
+use straal_math::{Ray, Vec3};
 use straal_scene::desc;
 use straal_scene::value::Depth;
 
@@ -69,33 +70,6 @@ pub struct State<L> {
     eta_squared: f32,
 }
 
-/// A path's vertex on a surface where scattering is computed.
-#[derive(Clone, Copy)]
-struct Vertex<'w> {
-    /// The path's number in the driver's turn.
-    path: u32,
-    /// The point, its error and geometric normal.
-    end: End,
-    /// About the shading normal.
-    frame: Frame,
-    shaded: Shaded<'w>,
-    /// Direction back along the path, in the frame.
-    wo: Vec3,
-}
-
-impl Vertex<'_> {
-    /// Where light arrives: on the side that is seen, where it can't come through.
-    #[inline]
-    fn receiver(&self) -> Receiver {
-        let n = match self.shaded.bsdf {
-            Bsdf::Custom(_) => Vec3::ZERO,
-            _ if self.wo.z < 0.0 => -self.frame.n,
-            _ => self.frame.n,
-        };
-        Receiver { p: self.end.p, n }
-    }
-}
-
 impl Integrator for PathTracer {
     type State<L: Lanes> = State<L>;
 
@@ -137,49 +111,23 @@ impl Integrator for PathTracer {
 impl PathTracer {
     /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
     fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
-        let mut vertices: [Option<Vertex<'_>>; BLOCK] = [None; BLOCK];
-        let mut numbers = Numbers::default();
-        for block in queue.order.chunks(BLOCK) {
-            let vertices = &mut vertices[..block.len()];
-            for (slot, &path) in vertices.iter_mut().zip(block) {
-                *slot = self.arrive(world, queue, path, out);
-            }
-            self.draw(queue, vertices, &mut numbers);
+        let mut vertices = Vec::with_capacity(BLOCK);
+        let mut scratch = Scratch::default();
+        for paths in queue.order.chunks(BLOCK) {
+            vertices.clear();
+            vertices.extend(paths.iter().filter_map(|&path| self.arrive(world, queue, path, out)));
+            draw_numbers(queue, &vertices, &mut scratch.numbers);
+            let (count, diffuse) = (vertices.len(), all_diffuse(&vertices));
+            fill_lanes(&mut vertices, queue.simd.width());
+            let block = Block { vertices: &vertices, count, diffuse };
             out.stopwatch.lap(Phase::Shading);
-            for (i, vertex) in vertices.iter().enumerate() {
-                if let Some(vertex) = vertex {
-                    light(world, queue, vertex, numbers.light(i), out);
-                }
+            for (i, vertex) in block.all().enumerate() {
+                light(world, queue, vertex, scratch.numbers.light(i), out);
             }
             out.stopwatch.lap(Phase::Lights);
-            for (i, vertex) in vertices.iter().enumerate() {
-                if let Some(vertex) = vertex {
-                    self.scatter(world, queue, vertex, (numbers.direction(i), numbers.roulette(i)), out);
-                }
-            }
+            scatter(world, queue, block, &mut scratch, out);
             out.stopwatch.lap(Phase::Shading);
         }
-    }
-
-    /// The random numbers of a block, those that any of its vertices needs.
-    #[inline]
-    fn draw<L: Lanes>(
-        &self,
-        queue: &Queue<'_, State<L>>,
-        vertices: &[Option<Vertex<'_>>],
-        numbers: &mut Numbers,
-    ) {
-        let mut names = [SampleName::new(0, [0; 2], 0); BLOCK];
-        let mut wanted = Wanted::default();
-        for (name, vertex) in names.iter_mut().zip(vertices) {
-            let Some(vertex) = vertex else { continue };
-            let path = &queue.paths[vertex.path as usize];
-            *name = path.name;
-            wanted.light |= !vertex.shaded.bsdf.is_delta();
-            wanted.lobe |= vertex.shaded.bsdf.chooses_lobe();
-            wanted.roulette |= self.plays_roulette(path.state.depth);
-        }
-        numbers.draw(queue.simd, queue.pattern, &names[..vertices.len()], wanted);
     }
 
     /// Whether a path of so many edges may be ended by chance.
@@ -210,60 +158,16 @@ impl PathTracer {
         }
         let wo = surface.frame.to_local(-arrival.ray.d);
         let shaded = Shaded { bsdf, ng: surface.ng };
-        Some(Vertex { path, end: End::from(&surface.point), frame: surface.frame, shaded, wo })
-    }
-
-    /// Draws the next direction, or ends the path.
-    #[inline]
-    fn scatter<L: Lanes>(
-        &self,
-        world: &World,
-        queue: &Queue<'_, State<L>>,
-        vertex: &Vertex<'_>,
-        ([u, v, lobe], roulette): ([f32; 3], f32),
-        out: &mut Out<'_, State<L>>,
-    ) {
-        let path = &queue.paths[vertex.path as usize];
-        let state = &path.state;
-        let Some(s) = vertex.shaded.sample(vertex.wo, lobe, [u, v], Transport::Radiance) else { return };
-        let mut beta = state.beta * s.weight;
-        let eta_squared = state.eta_squared * s.eta * s.eta;
-
-        // Roulette: paths that carry little end with a chance that keeps the mean. They go on by the root of what they carry: by
-        // the whole, survivors would be multiplied by so much that the noise costs more than the time saved (in `box-diffuse`
-        // 12 % less variance for 3 % more time). Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting", whose
-        // optimum is a root as well.
-        if self.plays_roulette(state.depth) {
-            let survive = ops::min((beta.max_lane() * eta_squared).sqrt(), 0.95);
-            if roulette >= survive {
-                return;
-            }
-            beta *= 1.0 / survive;
-        }
-        if beta.is_black() {
-            return;
-        }
-
-        let wi = vertex.frame.to_world(s.wi);
-        let ray = &queue.rays[vertex.path as usize];
-        let mut footprint = state.footprint;
-        if world.materials.vary() {
-            let hit = &queue.hits[vertex.path as usize];
-            footprint = world.footprint_beyond(&footprint, (ray, hit), &BsdfSample { wi, ..s });
-        }
-        let next = Ray { o: vertex.end.leave(wi), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*ray };
-        let state = State {
-            // A direction of a single wavelength: the others end here, and their lanes are 0.
-            lanes: if s.wavelength > 0.0 { state.lanes.only(s.wavelength) } else { state.lanes },
-            footprint,
-            beta,
-            from: vertex.receiver(),
-            pdf: s.pdf,
-            delta: s.delta,
-            depth: state.depth + 1,
-            eta_squared,
-        };
-        out.go_on(path, 0, next, state);
+        Some(Vertex {
+            path,
+            beta: state.beta,
+            eta_squared: state.eta_squared,
+            roulette: self.plays_roulette(state.depth),
+            end: End::from(&surface.point),
+            frame: surface.frame,
+            shaded,
+            wo,
+        })
     }
 }
 
@@ -306,6 +210,45 @@ fn meet_light<L: Lanes>(
     out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
 }
 
+/// Vertices that are worked on together.
+#[derive(Clone, Copy)]
+struct Block<'a, 'w> {
+    /// As many as fill whole vectors, the last of them repeated.
+    vertices: &'a [Vertex<'w>],
+    /// How many there are.
+    count: usize,
+    /// Whether all BSDFs are diffuse.
+    diffuse: bool,
+}
+
+impl<'a, 'w> Block<'a, 'w> {
+    /// Each vertex once.
+    fn all(&self) -> impl Iterator<Item = &'a Vertex<'w>> + use<'a, 'w> {
+        self.vertices[..self.count].iter()
+    }
+}
+
+/// What the paragraphs of a step leave for one another.
+#[derive(Default)]
+struct Scratch {
+    numbers: Numbers,
+    drawn: Vec<Option<BsdfSample>>,
+    onward: Onward,
+}
+
+/// The random numbers of a block, those that any of its vertices needs.
+fn draw_numbers<L: Lanes>(queue: &Queue<'_, State<L>>, vertices: &[Vertex<'_>], numbers: &mut Numbers) {
+    let mut names = [SampleName::new(0, [0; 2], 0); BLOCK];
+    let mut wanted = Wanted::default();
+    for (name, vertex) in names.iter_mut().zip(vertices) {
+        *name = queue.paths[vertex.path as usize].name;
+        wanted.light |= !vertex.shaded.bsdf.is_delta();
+        wanted.lobe |= vertex.shaded.bsdf.chooses_lobe();
+        wanted.roulette |= vertex.roulette;
+    }
+    numbers.draw(queue.simd, queue.pattern, &names[..vertices.len()], wanted);
+}
+
 /// Next-event estimation: asks for a shadow ray to a point on a light.
 #[inline]
 fn light<L: Lanes>(
@@ -343,6 +286,49 @@ fn light<L: Lanes>(
     let ray = &queue.rays[vertex.path as usize];
     let towards = Ray { time: ray.time, mask: ray.mask, ..light.shadow_ray(&vertex.end) };
     out.shadow(towards, Contribution::own(path, contribution));
+}
+
+/// Draws the next directions, or ends paths.
+fn scatter<L: Lanes>(
+    world: &World,
+    queue: &Queue<'_, State<L>>,
+    block: Block<'_, '_>,
+    Scratch { numbers, drawn, onward, .. }: &mut Scratch,
+    out: &mut Out<'_, State<L>>,
+) {
+    drawn.clear();
+    if !block.diffuse {
+        drawn.extend(block.all().enumerate().map(|(i, vertex)| {
+            let [u, v, lobe] = numbers.direction(i);
+            vertex.shaded.sample(vertex.wo, lobe, [u, v], Transport::Radiance)
+        }));
+        drawn.resize(block.vertices.len(), None);
+    }
+    queue.simd.run(Scatter { vertices: block.vertices, numbers, drawn, out: onward });
+    for (i, vertex) in block.all().enumerate() {
+        let index = vertex.path as usize;
+        let (path, ray) = (&queue.paths[index], &queue.rays[index]);
+        let state = &path.state;
+        let Some(next) = onward.get(i, ray) else { continue };
+        let s = drawn.get(i).copied().flatten().unwrap_or(BsdfSample::REFLECTED);
+        let mut footprint = state.footprint;
+        if world.materials.vary() {
+            let sample = BsdfSample { wi: next.ray.d, pdf: next.pdf, ..s };
+            footprint = world.footprint_beyond(&footprint, (ray, &queue.hits[index]), &sample);
+        }
+        let state = State {
+            // A direction of a single wavelength: the others end here, and their lanes are 0.
+            lanes: if s.wavelength > 0.0 { state.lanes.only(s.wavelength) } else { state.lanes },
+            footprint,
+            beta: next.beta,
+            from: vertex.receiver(),
+            pdf: next.pdf,
+            delta: s.delta,
+            depth: state.depth + 1,
+            eta_squared: next.eta_squared,
+        };
+        out.go_on(path, 0, next.ray, state);
+    }
 }
 
 /// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn

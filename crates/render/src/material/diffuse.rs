@@ -6,10 +6,11 @@
 use std::f32::consts::FRAC_1_PI;
 
 use straal_color::Light;
+use straal_math::simd::Float;
 use straal_math::{Vec3, warp};
 use straal_scene::desc;
 
-use super::{Black, Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
+use super::{Black, Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -60,6 +61,24 @@ pub struct Diffuse {
     pub two_sided: bool,
 }
 
+impl Diffuse {
+    /// The density of `wi`, to which the value is in proportion.
+    #[inline(always)]
+    pub(crate) fn pdf<F: Float>(two_sided: F::Mask, wo: Vec3<F>, wi: Vec3<F>) -> F {
+        let cos = facing_or_zero(wo, two_sided) * wi.z;
+        F::select(cos.gt(F::ZERO), cos * FRAC_1_PI, F::ZERO)
+    }
+
+    /// A direction by its density, and the density, 0 where nothing is seen.
+    #[inline(always)]
+    pub(crate) fn draw<F: Float>(two_sided: F::Mask, wo: Vec3<F>, u: [F; 2]) -> (Vec3<F>, F) {
+        let side = facing_or_zero(wo, two_sided);
+        let d = warp::cosine_hemisphere(u);
+        let pdf = F::select(side.ne(F::ZERO) & d.z.gt(F::ZERO), d.z * FRAC_1_PI, F::ZERO);
+        (Vec3::new(d.x, d.y, side * d.z), pdf)
+    }
+}
+
 impl Scatter for Diffuse {
     const LOSES_BELOW: bool = true;
 
@@ -70,28 +89,14 @@ impl Scatter for Diffuse {
 
     #[inline]
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let cos = facing(wo, self.two_sided).map_or(0.0, |side| side * wi.z);
-        if cos > 0.0 {
-            let pdf = cos * FRAC_1_PI;
-            (self.reflectance * pdf, pdf)
-        } else {
-            (Light::ZERO, 0.0)
-        }
+        let pdf = Self::pdf(self.two_sided, wo, wi);
+        (self.reflectance * pdf, pdf)
     }
 
     #[inline]
     fn sample(&self, wo: Vec3, _: f32, u: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
-        let d = warp::cosine_hemisphere(u);
-        (d.z > 0.0).then_some(BsdfSample {
-            wi: Vec3::new(d.x, d.y, side * d.z),
-            weight: self.reflectance,
-            pdf: d.z * FRAC_1_PI,
-            delta: false,
-            transmitted: false,
-            eta: 1.0,
-            wavelength: 0.0,
-        })
+        let (wi, pdf) = Self::draw(self.two_sided, wo, u);
+        (pdf > 0.0).then_some(BsdfSample { wi, weight: self.reflectance, pdf, ..BsdfSample::REFLECTED })
     }
 
     fn albedo(&self) -> Light {

@@ -27,6 +27,7 @@ use std::sync::Arc;
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::Float;
 use straal_scene::desc;
 
 use crate::error::CompileError;
@@ -184,6 +185,19 @@ pub struct BsdfSample {
     pub wavelength: f32,
 }
 
+impl BsdfSample {
+    /// A reflection that is still to be drawn: worth nothing.
+    pub(crate) const REFLECTED: Self = Self {
+        wi: Vec3::ZERO,
+        weight: Light::ZERO,
+        pdf: 0.0,
+        delta: false,
+        transmitted: false,
+        eta: 1.0,
+        wavelength: 0.0,
+    };
+}
+
 /// The factor to z that brings `wo` to the front: -1 for a back that looks like the front. `None` where nothing is
 /// seen: a black back, or along the surface.
 #[inline(always)]
@@ -195,6 +209,13 @@ fn facing(wo: Vec3, two_sided: bool) -> Option<f32> {
     } else {
         None
     }
+}
+
+/// As [`facing`], 0 where nothing is seen; for many side by side.
+#[inline(always)]
+fn facing_or_zero<F: Float>(wo: Vec3<F>, two_sided: F::Mask) -> F {
+    let behind = F::select(wo.z.lt(F::ZERO) & two_sided, -F::ONE, F::ZERO);
+    F::select(wo.z.gt(F::ZERO), F::ONE, behind)
 }
 
 /// All materials of a world.

@@ -19,6 +19,7 @@
 use super::{Bsdf, BsdfSample, Transport};
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::Float;
 
 /// A BSDF with the normals that it is used with. Directions are those of [`Bsdf`], about the shading normal.
 #[derive(Clone, Copy, Debug)]
@@ -112,10 +113,13 @@ impl Shaded<'_> {
     }
 }
 
-/// Whether a direction that is reflected by the shading normal is reflected by the surface as well, or transmitted by both.
-#[inline]
-fn goes_on(ng: Vec3, wo: Vec3, wi: Vec3) -> bool {
-    ((wi.z > 0.0) == (wo.z > 0.0)) == ((wi.dot(ng) > 0.0) == (wo.dot(ng) > 0.0))
+/// Whether a direction that is reflected by the shading normal is reflected by the surface as well, or transmitted by both. (A
+/// normal of zero, which nothing lies before, has all reflected.)
+#[inline(always)]
+pub(crate) fn goes_on<F: Float>(ng: Vec3<F>, wo: Vec3<F>, wi: Vec3<F>) -> F::Mask {
+    let transmitted = wi.z.gt(F::ZERO) ^ wo.z.gt(F::ZERO);
+    let passes = wi.dot(ng).gt(F::ZERO) ^ wo.dot(ng).gt(F::ZERO);
+    !(transmitted ^ passes)
 }
 
 /// By a plane mirror on the surface.

@@ -1,5 +1,6 @@
 //! Rays that leave a surface, and rays that must end before one.
 
+use straal_math::simd::Float;
 use straal_math::{Ray, Transform, Vec3};
 
 use super::SurfacePoint;
@@ -16,34 +17,36 @@ const fn gamma(n: u32) -> f32 {
 /// Where a ray in direction `w` may start that leaves a surface at `p`, known to `p_err`, with normal `ng` (either
 /// side): a point off the error box on `w`'s side (Pharr, Jakob & Humphreys 2023, section 6.8.6: the box's extent along
 /// the normal, then each coordinate moved away from the surface by what its sum may have been rounded).
-#[inline]
-pub fn offset_origin(p: Vec3, p_err: Vec3, ng: Vec3, w: Vec3) -> Vec3 {
+#[inline(always)]
+pub fn offset_origin<F: Float>(p: Vec3<F>, p_err: Vec3<F>, ng: Vec3<F>, w: Vec3<F>) -> Vec3<F> {
     let d = ng.abs().dot(p_err);
-    let push = if w.dot(ng) < 0.0 { ng * -d } else { ng * d };
-    // A number's distance to the next is at most EPSILON of it, and sums of subnormal size are exact.
-    let away = |x: f32, o: f32| {
-        let y = x + o;
-        if o == 0.0 { y } else { y + (y.abs() * f32::EPSILON).copysign(o) }
-    };
+    let push = ng * F::select(w.dot(ng).lt(F::ZERO), -d, d);
     Vec3::new(away(p.x, push.x), away(p.y, push.y), away(p.z, push.z))
 }
 
-/// One end of a shadow ray: a point with its error and normal. The normal is zero where there is no surface (a point
-/// light, a camera), and then the end is the point itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
-    /// The point.
-    pub p: Vec3,
-    /// Bound of the error of its coordinates.
-    pub p_err: Vec3,
-    /// Geometric normal, either side; zero for a point in space.
-    pub ng: Vec3,
+/// x + o, and further: a number's distance to the next is at most EPSILON of it, and sums of subnormal size are exact.
+#[inline(always)]
+fn away<F: Float>(x: F, o: F) -> F {
+    let y = x + o;
+    F::select(o.eq(F::ZERO), y, y + (y.abs() * f32::EPSILON).copysign(o))
 }
 
-impl End {
+/// One end of a shadow ray: a point with its error and normal. The normal is zero where there is no surface (a point
+/// light, a camera), and then the end is the point itself. Or many of them side by side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End<F = f32> {
+    /// The point.
+    pub p: Vec3<F>,
+    /// Bound of the error of its coordinates.
+    pub p_err: Vec3<F>,
+    /// Geometric normal, either side; zero for a point in space.
+    pub ng: Vec3<F>,
+}
+
+impl<F: Float> End<F> {
     /// Where a ray that leaves along `w` starts: off the surface by the error bound of the point.
-    #[inline]
-    pub fn leave(&self, w: Vec3) -> Vec3 {
+    #[inline(always)]
+    pub fn leave(&self, w: Vec3<F>) -> Vec3<F> {
         offset_origin(self.p, self.p_err, self.ng, w)
     }
 }
@@ -65,11 +68,9 @@ impl From<&SurfacePoint> for End {
 #[inline]
 pub fn ray_between(from: &End, to: &End) -> Ray {
     let way = to.p - from.p;
-    let o = offset_origin(from.p, from.p_err, from.ng, way);
+    let o = from.leave(way);
     let q = offset_origin(to.p, to.p_err + way.abs() * gamma(8), to.ng, -way);
-    let mut ray = Ray::new(o, q - o);
-    ray.t_max = 1.0 - gamma(4);
-    ray
+    Ray { t_max: 1.0 - gamma(4), ..Ray::new(o, q - o) }
 }
 
 /// The error bound of `m.point(p)` for a `p` known to `p_err` that also covers the way back: transforming the
