@@ -82,7 +82,7 @@ fn ball(shading: &str, material: &str) -> String {
     format!(
         "camera: {{ perspective: {{ eye: [0.3, 0.2, 2.6], look_at: [0, 0, 0], fov: 50 }} }}
 film: {{ size: [60, 60], filter: {{ box: {{}} }} }}
-sampler: {{ spp: 64 }}
+sampler: {{ spp: 256 }}
 world:
   - mesh: {{ positions: {corners:?}, triangles: {triangles:?}, shading: {shading}, material: {material} }}
 lights:
