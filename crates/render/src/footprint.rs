@@ -14,7 +14,7 @@
 //! world of which one does ([`crate::material::Materials::vary`]): all others carry zeros from the camera on.
 //!
 //! A *rough* bounce ends what differentials know: neighbouring pixels' paths go where chance sends them. A direction that was
-//! drawn with density pdf stands for a solid angle of 1 / pdf; of its square root a part is taken ([`ROUGH`]) and added, in
+//! drawn with density pdf stands for a solid angle of 1 / pdf; of its square root a part is taken (`ROUGH`) and added, in
 //! squares, to what a mirror in the same facet would do. So the footprint of a lobe that is almost a mirror's is almost the
 //! mirror's, and after a diffuse bounce it is wide and round.
 

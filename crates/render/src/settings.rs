@@ -86,7 +86,7 @@ pub struct Settings {
     pub batch: usize,
     /// Renders the tiles in an order shuffled by this seed: for tests, since it must change nothing.
     pub shuffle_tiles: Option<u64>,
-    /// Counts what the searches of each pixel cost ([`crate::film::CostLayers`]); slower, and the same picture.
+    /// Counts what the searches of each pixel cost ([`crate::film::channel::NODES`] and the like); slower, and the same picture.
     pub cost: bool,
 }
 

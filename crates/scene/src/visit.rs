@@ -1,6 +1,6 @@
 //! Looking through a description without knowing what is in it.
 //!
-//! [`Describe::show`](crate::decode::Describe::show) comes from the same definition as reading and writing does: a new key of a new
+//! [`Describe::show`] comes from the same definition as reading and writing does: a new key of a new
 //! material is seen by all who look for colours, without a list of colours that anyone has to keep.
 
 use crate::decode::Describe;

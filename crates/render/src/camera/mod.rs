@@ -13,7 +13,7 @@
 //! - [`Camera::footprint`] is the ray's derivative by the place on the film: what a pixel sees, to first order.
 //! - It is a pure function of what it is given, of plain operations in a fixed order.
 //!
-//! To add one: its file, which implements [`Sees`] and gives examples to be tested; its line in the list below; its keys in the
+//! To add one: its file, which implements `Sees` and gives examples to be tested; its line in the list below; its keys in the
 //! description.
 
 mod cube_map;

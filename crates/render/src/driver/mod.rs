@@ -1,6 +1,6 @@
 //! The driver: passes over the picture, tiles over the threads, a pool of paths for each thread.
 //!
-//! It owns the loop: a [worker](worker) starts samples, searches what their rays hit, sorts paths into queues
+//! It owns the loop: a worker starts samples, searches what their rays hit, sorts paths into queues
 //! for the integrator's step, answers the shadow rays that it asks for, and fills the pool as paths end.
 
 mod samples;

@@ -104,7 +104,7 @@ impl Shine for ConstantEnvironment {
 /// `envmap` of Mitsuba 3.
 ///
 /// It is sampled by the cells between four neighbouring pixels: one is chosen in proportion to the mean of its corners'
-/// strongest lanes times its solid angle, and roughly to the cosine at the surface ([`Facing`]); within it directions are uniform. Where
+/// strongest lanes times its solid angle, and roughly to the cosine at the surface (`Facing`); within it directions are uniform. Where
 /// the interpolated radiance isn't 0 the density isn't either, but behind the surface.
 #[derive(Clone, Debug)]
 pub struct ImageEnvironment {

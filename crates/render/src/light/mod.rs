@@ -11,7 +11,7 @@
 //!   [`Emitter::radiance_from`] and [`Emitter::pdf_from`]. The pdf is that with which `sample` at the
 //!   same reference point would have found the same direction, and 0 where it never would.
 //!
-//! To add one: its file, which implements [`Shine`] and gives examples to be tested; its line in the list below; its keys in the
+//! To add one: its file, which implements `Shine` and gives examples to be tested; its line in the list below; its keys in the
 //! description. Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
 //! and mesh ids are those of its [`Geometry`].
 

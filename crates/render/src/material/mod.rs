@@ -18,7 +18,7 @@
 //!
 //! Opaque surfaces look the same from both sides, unless they are told to be black from behind (z < 0).
 //!
-//! A material is a [`Recipe`] that is read as a BSDF, of a kind of its own ([`Scatter`]) or one that is there. To add one: its file,
+//! A material is a `Recipe` that is read as a BSDF, of a kind of its own (`Scatter`) or one that is there. To add one: its file,
 //! with both; its line in the list below; its keys in the description. The list makes the rest, and hands what the file gives for
 //! examples to the tests: chi-square, reciprocity, energy.
 

@@ -21,7 +21,7 @@
 //!   the shape itself hides, whose shadow ray then ends early. `None` is a sample of no value (measure zero, or
 //!   numerically so), not an error.
 //!
-//! To add one: its file, which implements [`Form`] and gives examples to be tested; its line in the list below; its place in the
+//! To add one: its file, which implements `Form` and gives examples to be tested; its line in the list below; its place in the
 //! walk over the scene (`compile/place.rs`); its keys in the description.
 //!
 //! Rays leave a surface from [`offset::offset_origin`]: outside the error bound, so that they can't hit the surface

@@ -10,7 +10,7 @@
 //! - over a footprint it has the mean of what it has at the points there, so that it doesn't flicker from afar;
 //! - it is pure: the same point gives the same bits.
 //!
-//! To add one: its file, which implements [`Pattern`] and gives examples to be tested; its line in the list below; its keys in the
+//! To add one: its file, which implements `Pattern` and gives examples to be tested; its line in the list below; its keys in the
 //! description.
 
 use crate::error::CompileError;
