@@ -14,7 +14,8 @@ use straal_scene::Image;
 /// Independently seeded pictures of each scene, so that its variance is measured.
 const REPLICATES: u32 = 16;
 
-/// Samples a pixel in each of a picture of [`PIXELS`]; more in a smaller one, so that it is judged as sharply.
+/// Samples a pixel in each of a picture of [`PIXELS`], unless its scene says `# judge: 64 samples` or the like; more in a smaller one, so
+/// that it is judged as sharply.
 const SPP: usize = 16;
 const PIXELS: usize = 256 * 256;
 
@@ -36,7 +37,10 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
         let started = Instant::now();
         let text = std::fs::read_to_string(&path)?;
         let heavy = text.lines().any(|l| l == "# judge: heavy tails");
-        let found = judge(&path, &folder.join(&name), if heavy { Tails::Heavy } else { Tails::Light })?;
+        let said =
+            text.lines().find_map(|l| l.strip_prefix("# judge: ")?.strip_suffix(" samples")?.parse().ok());
+        let tails = if heavy { Tails::Heavy } else { Tails::Light };
+        let found = judge(&path, &folder.join(&name), said.unwrap_or(SPP), tails)?;
         println!(
             "{name:18} {:>8.2} {:>8.2} {:>8.2} {:>10.2e} {:>10.2e} {:>9} {:>9} {:>7.1}  {}{}",
             found.mean_z[0],
@@ -59,13 +63,13 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
 }
 
 /// Renders a scene and compares it with the picture in a folder.
-fn judge(scene: &Path, reference: &Path, tails: Tails) -> Result<Comparison, Failure> {
+fn judge(scene: &Path, reference: &Path, spp: usize, tails: Tails) -> Result<Comparison, Failure> {
     let loaded = straal::load(scene, &LoadOptions::default())
         .map_err(|_| format!("the scene is wrong; see `straal check {}`", scene.display()))?;
     let (their_mean, their_variance) =
         (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);
     let size = [u32::try_from(their_mean.width)?, u32::try_from(their_mean.height)?];
-    let spp = u32::try_from(SPP.max(SPP * PIXELS / their_mean.pixels.len().max(1)))?;
+    let spp = u32::try_from(spp.max(spp * PIXELS / their_mean.pixels.len().max(1)))?;
     let job = Job::new(loaded, Overrides { spp: Some(spp), size: Some(size), ..Overrides::default() })?;
     let ours = job.render_replicates(REPLICATES, &mut Control::to_the_end())?.picture.layers;
     let picture = |pixels| Image { width: ours.width, height: ours.height, pixels };
