@@ -39,6 +39,8 @@ pub(crate) struct Look {
     pub material: u32,
     /// Index into [`World::emitters`].
     pub emitter: Option<u32>,
+    /// Whether what it emits differs from point to point.
+    pub emission_varies: bool,
     /// Front and back are swapped.
     pub flip: bool,
 }
@@ -241,8 +243,15 @@ impl World {
         transforms().rev().fold(point, |p, m| p.to_world(m))
     }
 
+    /// How the geometry of a hit looks.
+    #[inline(always)]
+    pub(crate) fn look(&self, hit: &Hit) -> &Look {
+        &self.looks[hit.geometry as usize]
+    }
+
+    /// The material at a hit.
     #[inline]
-    fn material_of(&self, hit: &Hit) -> u32 {
+    pub(crate) fn material_of(&self, hit: &Hit) -> u32 {
         let own = self.looks[hit.geometry as usize].material;
         if own != INHERIT {
             return own;
@@ -254,8 +263,14 @@ impl World {
     /// How light scatters there.
     #[inline]
     pub fn bsdf<L: Lanes>(&self, surface: &Surface, lanes: L) -> Bsdf<'_> {
-        let at = surface.at.as_ref().unwrap_or(&ShadingPoint::NOWHERE);
-        self.materials.bsdf(surface.material, at, &self.reading(lanes))
+        self.bsdf_at(surface.material, surface.at.as_ref(), lanes)
+    }
+
+    /// How a material scatters at a point, which is told where the material [wants](crate::material::Wants) it.
+    #[inline]
+    pub fn bsdf_at<L: Lanes>(&self, material: u32, at: Option<&ShadingPoint>, lanes: L) -> Bsdf<'_> {
+        let at = at.unwrap_or(&ShadingPoint::NOWHERE);
+        self.materials.bsdf(material, at, &self.reading(lanes))
     }
 
     /// The colour of a surface, in the work space whatever the lanes, as [`Bsdf::albedo`] of red, green and blue.
@@ -296,9 +311,9 @@ impl World {
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting
     /// surface that a ray hit.
     #[inline]
-    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, surface: &Surface) -> f32 {
+    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, point: &SurfacePoint) -> f32 {
         let light = &self.emitters[emitter as usize];
-        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, &surface.point);
+        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
         if pdf > 0.0 { self.lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 

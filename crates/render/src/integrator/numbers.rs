@@ -3,9 +3,7 @@
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 use straal_math::simd::{Float, Kernel, Simd};
 
-/// Paths whose vertices are worked on together: their surfaces and BSDFs stay in the first-level cache between
-/// the paragraphs of a step.
-pub(super) const BLOCK: usize = 2 * straal_math::simd::BLOCK;
+pub(super) use crate::surface::BLOCK;
 
 /// A number for each vertex.
 #[derive(Default)]

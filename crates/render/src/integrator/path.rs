@@ -7,9 +7,9 @@ use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
 use crate::material::{Bsdf, BsdfSample, Shaded, Transport};
-use crate::shape::offset::End;
+use crate::shape::SurfacePoint;
 use crate::stopwatch::Phase;
-use crate::surface::Surface;
+use crate::surface::{Met, Surfaces};
 use crate::world::World;
 use straal_color::Light;
 use straal_math::lowdisc::SampleName;
@@ -99,10 +99,12 @@ impl Integrator for PathTracer {
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         match queue.kind {
             Kind::Missed => queue.arrivals().for_each(|arrival| miss(world, &arrival, out)),
-            Kind::Dark => queue.arrivals().for_each(|arrival| {
-                let surface = world.surface(arrival.ray, arrival.hit, &arrival.path.state.footprint);
-                meet_light(world, &arrival, &surface, out);
-            }),
+            Kind::Dark => {
+                let mut surfaces = Box::<Surfaces>::default();
+                for paths in queue.order.chunks(BLOCK) {
+                    meet(world, queue, paths, &mut surfaces, out);
+                }
+            }
             Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, out),
         }
     }
@@ -114,8 +116,12 @@ impl PathTracer {
         let mut vertices = Vec::with_capacity(BLOCK);
         let mut scratch = Scratch::default();
         for paths in queue.order.chunks(BLOCK) {
+            meet(world, queue, paths, &mut scratch.surfaces, out);
             vertices.clear();
-            vertices.extend(paths.iter().filter_map(|&path| self.arrive(world, queue, path, out)));
+            let surfaces = &scratch.surfaces;
+            let arrived =
+                paths.iter().enumerate().filter_map(|path| self.arrive(world, queue, path, surfaces));
+            vertices.extend(arrived);
             draw_numbers(queue, &vertices, &mut scratch.numbers);
             let (count, diffuse) = (vertices.len(), all_diffuse(&vertices));
             fill_lanes(&mut vertices, queue.simd.width());
@@ -136,38 +142,50 @@ impl PathTracer {
         depth >= self.roulette_depth || depth >= PATIENCE
     }
 
-    /// Adds the light emitted where the ray arrives; gives the vertex if the path may go on from there.
+    /// The vertex on a surface of a block, if the path may go on from there.
     #[inline]
     fn arrive<'w, L: Lanes>(
         &self,
         world: &'w World,
         queue: &Queue<'_, State<L>>,
-        path: u32,
-        out: &mut Out<'_, State<L>>,
+        (i, &path): (usize, &u32),
+        surfaces: &Surfaces,
     ) -> Option<Vertex<'w>> {
-        let arrival = queue.arrival(path);
-        let state = &arrival.path.state;
-        let surface = world.surface(arrival.ray, arrival.hit, &state.footprint);
-        meet_light(world, &arrival, &surface, out);
+        let state = &queue.paths[path as usize].state;
         if state.depth >= self.max_depth {
             return None;
         }
-        let bsdf = world.bsdf(&surface, state.lanes);
+        let bsdf = world.bsdf_at(surfaces.material[i], surfaces.at(i), state.lanes);
         if matches!(bsdf, Bsdf::Black(_)) {
             return None;
         }
-        let wo = surface.frame.to_local(-arrival.ray.d);
-        let shaded = Shaded { bsdf, ng: surface.ng };
         Some(Vertex {
             path,
             beta: state.beta,
             eta_squared: state.eta_squared,
             roulette: self.plays_roulette(state.depth),
-            end: End::from(&surface.point),
-            frame: surface.frame,
-            shaded,
-            wo,
+            end: surfaces.end(i),
+            frame: surfaces.frame(i),
+            shaded: Shaded { bsdf, ng: surfaces.ng(i) },
+            wo: surfaces.wo.at(i),
         })
+    }
+}
+
+/// Where the rays of a block arrived; adds the light that is emitted there.
+fn meet<L: Lanes>(
+    world: &World,
+    queue: &Queue<'_, State<L>>,
+    paths: &[u32],
+    surfaces: &mut Surfaces,
+    out: &mut Out<'_, State<L>>,
+) {
+    let met = Met { order: paths, rays: queue.rays, hits: queue.hits };
+    surfaces.meet(world, queue.simd, &met, |path| queue.paths[path as usize].state.footprint);
+    for (i, &path) in paths.iter().enumerate() {
+        if let Some(emitter) = surfaces.emitter[i] {
+            meet_light(world, &queue.arrival(path), (emitter, &surfaces.point(i)), out);
+        }
     }
 }
 
@@ -187,25 +205,23 @@ fn miss<L: Lanes>(world: &World, arrival: &Arrival<'_, State<L>>, out: &mut Out<
     }
 }
 
-/// Light that a surface emits, if it glows.
+/// Light that a glowing surface emits.
 #[inline]
 fn meet_light<L: Lanes>(
     world: &World,
     arrival: &Arrival<'_, State<L>>,
-    surface: &Surface,
+    (emitter, point): (u32, &SurfacePoint),
     out: &mut Out<'_, State<L>>,
 ) {
-    let Some(emitter) = surface.emitter else { return };
     let (state, d) = (&arrival.path.state, arrival.ray.d);
-    let radiance =
-        world.emitters[emitter as usize].radiance_at(&surface.point, -d, &world.reading(state.lanes));
+    let radiance = world.emitters[emitter as usize].radiance_at(point, -d, &world.reading(state.lanes));
     if radiance.is_black() {
         return;
     }
     let weight = if state.delta {
         1.0
     } else {
-        power_heuristic(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, surface))
+        power_heuristic(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, point))
     };
     out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
 }
@@ -231,6 +247,7 @@ impl<'a, 'w> Block<'a, 'w> {
 /// What the paragraphs of a step leave for one another.
 #[derive(Default)]
 struct Scratch {
+    surfaces: Surfaces,
     numbers: Numbers,
     drawn: Vec<Option<BsdfSample>>,
     onward: Onward,

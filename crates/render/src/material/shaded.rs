@@ -19,7 +19,7 @@
 use super::{Bsdf, BsdfSample, Transport};
 use straal_color::Light;
 use straal_math::Vec3;
-use straal_math::simd::Float;
+use straal_math::simd::{Float, Mask};
 
 /// A BSDF with the normals that it is used with. Directions are those of [`Bsdf`], about the shading normal.
 #[derive(Clone, Copy, Debug)]
@@ -40,18 +40,35 @@ const LEAST: f32 = 0.5;
 /// result doesn't jump.
 #[inline]
 pub fn shading_normal(n: Vec3, ng: Vec3, wo: Vec3) -> (Vec3, Option<Vec3>) {
-    if n == ng || n == -ng {
-        return (n, None);
+    let (n, ng) = shading_normals(n, ng, wo);
+    (n, (ng != Vec3::ZERO).then_some(ng))
+}
+
+/// [`shading_normal`], one or many side by side. The geometric normal is zero where it is the shading normal.
+#[inline(always)]
+pub fn shading_normals<F: Float>(n: Vec3<F>, ng: Vec3<F>, wo: Vec3<F>) -> (Vec3<F>, Vec3<F>) {
+    let none = Vec3::splat(F::ZERO);
+    let is_flat = same(n, ng) | same(n, -ng);
+    if is_flat.all() {
+        return (n, none);
     }
-    let ng = if n.dot(ng) < 0.0 { -ng } else { ng };
+    let ng = Vec3::select(n.dot(ng).lt(F::ZERO), -ng, ng);
     let seen = wo.dot(ng);
-    let lack = LEAST - wo.dot(n) / seen;
+    let lack = F::splat(LEAST) - wo.dot(n) / seen;
     // Seen edge-on the quotient may be anything.
-    if lack > 0.0 || lack.is_nan() {
+    let bends = (lack.gt(F::ZERO) | lack.is_nan()) & !is_flat;
+    let mut seen_n = n;
+    if bends.any() {
         // By so much more its length grows that the part is LEAST / (1 + LEAST) at the least.
-        return ((n + ng * (lack * (1.0 + LEAST))).try_normalize().unwrap_or(ng), Some(ng));
+        let (bent, there) = (n + ng * (lack * (1.0 + LEAST))).normalize_checked();
+        seen_n = Vec3::select(bends, Vec3::select(there, bent, ng), n);
     }
-    (n, Some(ng))
+    (seen_n, Vec3::select(is_flat, none, ng))
+}
+
+#[inline(always)]
+fn same<F: Float>(a: Vec3<F>, b: Vec3<F>) -> F::Mask {
+    a.x.eq(b.x) & a.y.eq(b.y) & a.z.eq(b.z)
 }
 
 impl Shaded<'_> {

@@ -28,6 +28,12 @@ impl Disc {
         Some(Self::new(center.as_vec3(), (a * radius).as_vec3(), (b * radius).as_vec3()))
     }
 
+    /// What it shares with other flat shapes.
+    #[inline(always)]
+    pub(crate) const fn patch(&self) -> &Patch {
+        &self.patch
+    }
+
     /// See [`super::Geometry::bounds`].
     pub fn bounds(&self) -> Bounds {
         let Patch { origin: c, a, b, .. } = self.patch;

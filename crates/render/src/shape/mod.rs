@@ -41,7 +41,7 @@ mod list;
 pub mod mesh;
 pub mod offset;
 pub mod parallelogram;
-mod patch;
+pub(crate) mod patch;
 pub mod plane;
 mod sampling;
 pub(crate) mod smooth;
@@ -211,6 +211,18 @@ pub struct Geometry {
     pub meshes: Vec<TriangleMesh>,
 }
 
+impl Shape {
+    /// What flat shapes have in common, if it is one.
+    #[inline(always)]
+    pub(crate) fn patch(&self) -> Option<&patch::Patch> {
+        match self {
+            Self::Disc(disc) => Some(disc.patch()),
+            Self::Parallelogram(parallelogram) => Some(parallelogram.patch()),
+            _ => None,
+        }
+    }
+}
+
 /// What the search calls.
 impl Shapes for Geometry {
     fn bounds(&self, shape: u32) -> Option<Bounds> {
@@ -249,6 +261,7 @@ pub(crate) fn solid_angle_pdf(p: Vec3, q: &SurfacePoint, pdf_area: f32) -> f32 {
 /// Double-precision constants and helpers that the shapes share.
 pub(crate) mod exact {
     use super::*;
+    use straal_math::simd::{Double, Float, Mask};
 
     /// Half a unit in the last place of single precision, relative.
     pub const HALF_ULP: f64 = 1.0 / (1u64 << 24) as f64;
@@ -260,24 +273,31 @@ pub(crate) mod exact {
     pub const SUBNORMAL: f64 = f32::MIN_POSITIVE as f64;
 
     /// A point computed in double precision from quantities no larger than `size`, rounded, with its error bound.
-    #[inline]
-    pub fn rounded(p: DVec3, size: f64) -> (Vec3, Vec3) {
-        let pad = padding(size);
-        (p.as_vec3(), Vec3::new(bound(p.x, pad), bound(p.y, pad), bound(p.z, pad)))
+    #[inline(always)]
+    pub fn rounded<F: Float>(p: DVec3<F::Double>, size: F::Double) -> (Vec3<F>, Vec3<F>) {
+        (Vec3::from_double(p), bound(p, padding(size)))
     }
 
     /// What [`bound`] needs for a point computed in double precision from quantities no larger than `size`.
-    #[inline]
-    pub fn padding(size: f64) -> f64 {
+    #[inline(always)]
+    pub fn padding<D: Double>(size: D) -> D {
         size * DOUBLE + SUBNORMAL
     }
 
-    /// Half a unit in the last place of `x` plus `pad`; no rounding makes it less.
-    #[inline]
-    pub fn bound(x: f64, pad: f64) -> f32 {
+    /// Half a unit in the last place of each coordinate plus `pad`; no rounding makes it less.
+    #[inline(always)]
+    pub fn bound<F: Float>(p: DVec3<F::Double>, pad: F::Double) -> Vec3<F> {
         // The bound's own rounding, relative.
         const SLACK: f64 = 1.0 + 4.0 * HALF_ULP;
-        (x.abs() * (HALF_ULP * SLACK) + pad * SLACK) as f32
+        let (size, pad) = (p.abs() * F::Double::splat(HALF_ULP * SLACK), pad * SLACK);
+        Vec3::from_double(size + DVec3::splat(pad))
+    }
+
+    /// The vector divided by its length, or another where that is 0 or not finite.
+    #[inline(always)]
+    pub fn unit_or<D: Double>(v: DVec3<D>, other: DVec3) -> DVec3<D> {
+        let (unit, there) = v.normalize_checked();
+        if there.all() { unit } else { DVec3::select(there, unit, DVec3::uniform(other)) }
     }
 
     /// The box around points that are off by at most `size` times [`DOUBLE`], rounded outwards.
@@ -291,15 +311,21 @@ pub(crate) mod exact {
         }
     }
 
-    /// The point o + t d, in double precision.
-    #[inline]
+    /// The point o + t d of a ray, in double precision.
+    #[inline(always)]
     pub fn at(ray: &Ray, t: f32) -> DVec3 {
-        ray.o.as_dvec3() + ray.d.as_dvec3() * f64::from(t)
+        along([ray.o, ray.d], t)
+    }
+
+    /// The points o + t d, in double precision.
+    #[inline(always)]
+    pub fn along<F: Float>([o, d]: [Vec3<F>; 2], t: F) -> DVec3<F::Double> {
+        o.to_double() + d.to_double() * t.to_double()
     }
 
     /// Absolute values summed.
-    #[inline]
-    pub fn size(v: DVec3) -> f64 {
+    #[inline(always)]
+    pub fn size<D: Double>(v: DVec3<D>) -> D {
         v.x.abs() + v.y.abs() + v.z.abs()
     }
 }

@@ -22,6 +22,12 @@ impl Parallelogram {
         Self { patch, pdf_area: (1.0 / patch.area()) as f32 }
     }
 
+    /// What it shares with other flat shapes.
+    #[inline(always)]
+    pub(crate) const fn patch(&self) -> &Patch {
+        &self.patch
+    }
+
     /// See [`super::Geometry::bounds`].
     pub fn bounds(&self) -> Bounds {
         let Patch { origin: c, a, b, .. } = self.patch;

@@ -1,8 +1,10 @@
 //! The sphere.
 
+use straal_math::simd::Float;
 use straal_math::{Bounds, DVec3, Ray, Vec3, ops, warp};
 
-use super::exact::{at, outward, rounded, size};
+use super::exact::{at, outward, rounded, size, unit_or};
+use super::offset::End;
 use super::{
     Analytic, AreaSample, DirSample, Form, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
     solid_angle_pdf,
@@ -41,10 +43,7 @@ impl Sphere {
 
     /// The point of the sphere in the direction `q` from its center.
     fn towards(&self, q: DVec3) -> SurfacePoint {
-        let n = q.try_normalize().unwrap_or(DVec3::Y);
-        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
-        let (p, p_err) = rounded(c + n * r, size(c) + r);
-        let ng = n.as_vec3();
+        let End { p, p_err, ng } = end::<f32>((self.center, self.radius), q);
         SurfacePoint { p, p_err, ng, n: ng, uv: sphere_uv(ng) }
     }
 
@@ -88,6 +87,15 @@ impl Sphere {
         let reach = center.to_array().into_iter().fold(radius, |sum, c| sum + c.abs());
         Cone::new(center - p, radius, reach)
     }
+}
+
+/// The point of a sphere, given by center and radius, in the direction `q` from its center.
+#[inline(always)]
+pub(crate) fn end<F: Float>((center, radius): (Vec3<F>, F), q: DVec3<F::Double>) -> End<F> {
+    let (c, r) = (center.to_double(), radius.to_double());
+    let n = unit_or(q, DVec3::Y);
+    let (p, p_err) = rounded(c + n * r, size(c) + r);
+    End { p, p_err, ng: Vec3::from_double(n) }
 }
 
 impl Form for Sphere {
