@@ -87,9 +87,8 @@ impl<'a> Sorting<'a> {
         self.ends.clear();
         self.ends.resize(ranks + 1, 0);
         self.keys.clear();
-        for hit in hits {
-            let rank = self.ranks.of(world, hit);
-            self.keys.push(rank);
+        self.keys.extend(hits.iter().map(|hit| self.ranks.of(world, hit)));
+        for &rank in &self.keys {
             self.ends[rank as usize + 1] += 1;
         }
         for rank in 0..ranks {

@@ -22,12 +22,25 @@ const GUIDE_RANGE: f32 = 4.0;
 pub struct Value(pub(super) i128);
 
 impl Value {
+    /// Adds a value below 2^32.
     #[inline(always)]
     pub fn add(&mut self, v: f32) {
         self.0 += match usual(v) {
             Some(units) => i128::from(units),
             None => round(f64::from(v) * VALUE_SCALE),
         };
+    }
+
+    /// Adds any value that is one; false if it isn't, or is 2^32 or more.
+    #[inline(always)]
+    pub fn add_sound(&mut self, v: f32) -> bool {
+        self.0 += match usual(v) {
+            Some(units) => i128::from(units),
+            None if v == 0.0 => 0,
+            None if v.abs() < MAX_VALUE => round(f64::from(v) * VALUE_SCALE),
+            None => return false,
+        };
+        true
     }
 
     #[inline(always)]
