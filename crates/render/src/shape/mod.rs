@@ -31,7 +31,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use straal_accel::Shapes;
+use straal_math::simd::Float;
 use straal_math::{Bounds, DVec3, Ray, Transform, Vec3};
+
+use offset::End;
 
 pub mod bezier;
 pub mod cylinder;
@@ -94,6 +97,9 @@ trait Form {
 
     /// See [`Geometry::surface`].
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
+
+    /// See [`Geometry::end`].
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F>;
 
     /// See [`Geometry::tangents`].
     fn tangents(&self, at: &SurfacePoint) -> Tangents;
@@ -261,7 +267,7 @@ pub(crate) fn solid_angle_pdf(p: Vec3, q: &SurfacePoint, pdf_area: f32) -> f32 {
 /// Double-precision constants and helpers that the shapes share.
 pub(crate) mod exact {
     use super::*;
-    use straal_math::simd::{Double, Float, Mask};
+    use straal_math::simd::{Double, Mask};
 
     /// Half a unit in the last place of single precision, relative.
     pub const HALF_ULP: f64 = 1.0 / (1u64 << 24) as f64;

@@ -92,6 +92,12 @@ impl Level<f64> {
 }
 
 impl<D: Double> Level<D> {
+    /// That of one patch in all lanes.
+    #[inline(always)]
+    pub fn uniform(patch: &Patch) -> Self {
+        Self { origin: DVec3::uniform(patch.origin), n: DVec3::uniform(patch.n), pad: D::splat(patch.pad) }
+    }
+
     /// Its numbers.
     #[inline(always)]
     pub const fn to_array(self) -> [D; Level::NUMBERS] {
