@@ -5,17 +5,18 @@ use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
+use crate::light::table::Picks;
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Surface, frame_along};
-use crate::texture::{Place, Reading, ShadingPoint, Texture};
+use crate::texture::{Place, Reading, Readings, ShadingPoint, Texture};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
-use straal_math::simd::Simd;
+use straal_math::simd::{Float, Mask, Simd, Uint};
 use straal_math::{DVec3, Frame, Ray, Vec3};
 use straal_scene::Span;
 
@@ -284,6 +285,12 @@ impl World {
         Reading { tables: &self.tables, lanes, textures: &self.textures }
     }
 
+    /// How many paths side by side read colours.
+    #[inline(always)]
+    pub(crate) fn readings<'a, L: Lanes>(&'a self, lanes: &'a [L]) -> Readings<'a, L> {
+        Readings { tables: &self.tables, lanes, textures: &self.textures }
+    }
+
     /// The material of what a ray hit; `None` where it met nothing.
     #[inline]
     pub(crate) fn material_hit(&self, hit: &Hit) -> Option<u32> {
@@ -306,6 +313,38 @@ impl World {
         lanes: L,
     ) -> Option<LightSample> {
         self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
+    }
+
+    /// [`Self::sample_light`] at many points side by side, of each the emitter that was picked there.
+    #[inline(always)]
+    pub(crate) fn sample_lights<F: Float, L: Lanes>(
+        &self,
+        picked: &Picks<F>,
+        at: &Receiver<F>,
+        v: F,
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let u = [picked.rest, v];
+        let mut all = LightSample::none();
+        let mut left = picked.pmf.gt(F::ZERO);
+        while left.any() {
+            let first = left.to_bits().trailing_zeros() as usize;
+            let emitter = picked.index.lane(first);
+            let these = left & picked.index.eq(F::Uint::splat(emitter));
+            let light = &self.emitters[emitter as usize];
+            let sample = if F::WIDTH > 1 && these.to_bits().is_power_of_two() {
+                // By itself: of many lights each is picked by few.
+                let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
+                let u = [u[0].lane(first), u[1].lane(first)];
+                let one = light.sample_many::<f32, L>(&self.geometry, &at, u, &readings.from(first));
+                LightSample::uniform(&one)
+            } else {
+                light.sample_many(&self.geometry, at, u, readings)
+            };
+            all = LightSample::select(these, sample, all);
+            left = left & !these;
+        }
+        all
     }
 
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting
