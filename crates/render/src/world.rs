@@ -5,17 +5,18 @@ use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
+use crate::light::table::Picks;
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Surface, frame_along};
-use crate::texture::{Place, Reading, ShadingPoint, Texture};
+use crate::texture::{Place, Reading, Readings, ShadingPoint, Texture};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
-use straal_math::simd::Simd;
+use straal_math::simd::{Float, Mask, Simd, Uint};
 use straal_math::{DVec3, Frame, Ray, Vec3};
 use straal_scene::Span;
 
@@ -39,6 +40,8 @@ pub(crate) struct GeometryRecord {
     pub material: u32,
     /// Index into [`World::emitters`].
     pub emitter: Option<u32>,
+    /// Whether what it emits differs from point to point.
+    pub emission_varies: bool,
     /// Front and back are swapped.
     pub flip: bool,
 }
@@ -247,8 +250,15 @@ impl World {
         transforms().rev().fold(point, |p, m| p.to_world(m))
     }
 
+    /// What shading must know of the geometry of a hit.
+    #[inline(always)]
+    pub(crate) fn geometry(&self, hit: &Hit) -> &GeometryRecord {
+        &self.geometries[hit.geometry as usize]
+    }
+
+    /// The material at a hit.
     #[inline]
-    fn material_of(&self, hit: &Hit) -> u32 {
+    pub(crate) fn material_of(&self, hit: &Hit) -> u32 {
         let own = self.geometries[hit.geometry as usize].material;
         if own != INHERIT {
             return own;
@@ -260,8 +270,14 @@ impl World {
     /// How light scatters there.
     #[inline]
     pub fn bsdf<L: Lanes>(&self, surface: &Surface, lanes: L) -> Bsdf<'_> {
-        let at = surface.at.as_ref().unwrap_or(&ShadingPoint::NOWHERE);
-        self.materials.bsdf(surface.material, at, &self.reading(lanes))
+        self.bsdf_at(surface.material, surface.at.as_ref(), lanes)
+    }
+
+    /// How a material scatters at a point, which is told where the material [wants](crate::material::Wants) it.
+    #[inline]
+    pub fn bsdf_at<L: Lanes>(&self, material: u32, at: Option<&ShadingPoint>, lanes: L) -> Bsdf<'_> {
+        let at = at.unwrap_or(&ShadingPoint::NOWHERE);
+        self.materials.bsdf(material, at, &self.reading(lanes))
     }
 
     /// The colour of a surface, in the work space whatever the lanes, as [`Bsdf::albedo`] of red, green and blue.
@@ -273,6 +289,12 @@ impl World {
     #[inline(always)]
     pub fn reading<L: Lanes>(&self, lanes: L) -> Reading<'_, L> {
         Reading { tables: &self.tables, lanes, textures: &self.textures }
+    }
+
+    /// How many paths side by side read colours.
+    #[inline(always)]
+    pub(crate) fn readings<'a, L: Lanes>(&'a self, lanes: &'a [L]) -> Readings<'a, L> {
+        Readings { tables: &self.tables, lanes, textures: &self.textures }
     }
 
     /// The material of what a ray hit; `None` where it met nothing.
@@ -299,12 +321,44 @@ impl World {
         self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
     }
 
+    /// [`Self::sample_light`] at many points side by side, of each the emitter that was picked there.
+    #[inline(always)]
+    pub(crate) fn sample_lights<F: Float, L: Lanes>(
+        &self,
+        picked: &Picks<F>,
+        at: &Receiver<F>,
+        v: F,
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let u = [picked.rest, v];
+        let mut all = LightSample::none();
+        let mut left = picked.pmf.gt(F::ZERO);
+        while left.any() {
+            let first = left.to_bits().trailing_zeros() as usize;
+            let emitter = picked.index.lane(first);
+            let these = left & picked.index.eq(F::Uint::splat(emitter));
+            let light = &self.emitters[emitter as usize];
+            let sample = if F::WIDTH > 1 && these.to_bits().is_power_of_two() {
+                // By itself: of many lights each is picked by few.
+                let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
+                let u = [u[0].lane(first), u[1].lane(first)];
+                let one = light.sample_many::<f32, L>(&self.geometry, &at, u, &readings.from(first));
+                LightSample::uniform(&one)
+            } else {
+                light.sample_many(&self.geometry, at, u, readings)
+            };
+            all = LightSample::select(these, sample, all);
+            left = left & !these;
+        }
+        all
+    }
+
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting
     /// surface that a ray hit.
     #[inline]
-    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, surface: &Surface) -> f32 {
+    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, point: &SurfacePoint) -> f32 {
         let light = &self.emitters[emitter as usize];
-        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, &surface.point);
+        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
         if pdf > 0.0 { self.lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 

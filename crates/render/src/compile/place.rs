@@ -403,6 +403,7 @@ impl<'a> Build<'a> {
         let mut look = self.add_shape(shape, place.group, material, flip);
         if let Some(emission) = &surface.emission {
             let radiance = self.materials.emission(emission)?;
+            look.emission_varies = radiance.varies();
             look.emitter = Some(self.glow(look.kind, radiance, surface.two_sided_emission, flip));
         }
         self.geometries.push(look);
@@ -413,7 +414,7 @@ impl<'a> Build<'a> {
         let first = self.geometry.shapes.len() as u32;
         self.geometry.shapes.push(shape);
         self.add_geometry(group, accel::GeometryKind::Shapes { first, count: 1 });
-        GeometryRecord { kind: Kind::Shapes(first), material, emitter: None, flip }
+        GeometryRecord { kind: Kind::Shapes(first), material, emitter: None, emission_varies: false, flip }
     }
 
     fn add_geometry(&mut self, group: u32, kind: accel::GeometryKind) {
@@ -497,7 +498,8 @@ impl<'a> Build<'a> {
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
             let emitter = radiance.map(|r| self.glow(kind, r, surface.two_sided_emission, false));
-            self.geometries.push(GeometryRecord { kind, material, emitter, flip: false });
+            let emission_varies = radiance.is_some_and(|r| r.varies());
+            self.geometries.push(GeometryRecord { kind, material, emitter, emission_varies, flip: false });
         }
         Ok(())
     }
