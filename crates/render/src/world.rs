@@ -5,17 +5,18 @@ use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
+use crate::light::table::Picks;
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Surface, frame_along};
-use crate::texture::{Place, Reading, ShadingPoint, Texture};
+use crate::texture::{Place, Reading, Readings, ShadingPoint, Texture};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
-use straal_math::simd::Simd;
+use straal_math::simd::{Float, Mask, Simd, Uint};
 use straal_math::{DVec3, Frame, Ray, Vec3};
 use straal_scene::Span;
 
@@ -31,9 +32,9 @@ pub(crate) enum Kind {
     Shapes(u32),
 }
 
-/// How a geometry of the search structure looks.
+/// What shading must know of a geometry of the search structure.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
+pub(crate) struct GeometryRecord {
     pub kind: Kind,
     /// Index into the world's materials, or [`INHERIT`].
     pub material: u32,
@@ -46,7 +47,7 @@ pub(crate) struct Look {
 }
 
 /// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.
-pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<Look>() + RANK_BYTES;
+pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<GeometryRecord>() + RANK_BYTES;
 
 /// And for the order in which a render works on surfaces.
 const RANK_BYTES: usize = size_of::<u32>();
@@ -84,7 +85,7 @@ pub struct World {
     /// Which emitter to sample.
     pub lights: LightTable,
     /// By geometry of the search structure.
-    pub(crate) looks: Vec<Look>,
+    pub(crate) geometries: Vec<GeometryRecord>,
     /// By instance of the search structure: a material for what has none inside, or [`INHERIT`].
     pub(crate) instance_materials: Vec<u32>,
     /// What each node at the top of the description's world (`Scene::top_level`) became, in its order; a program's own shapes come after.
@@ -134,13 +135,19 @@ impl World {
     /// The surface at a hit of this very ray, and what a pixel sees of it by the ray's footprint.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit, footprint: &PackedFootprint) -> Surface {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let point = self.surface_point(ray, hit);
         let (n, ng) = shading_normal(point.n, point.ng, -ray.d);
         let frame = Frame::from_normal(n);
         let ng = ng.map(|ng| frame.to_local(ng));
-        let mut surface =
-            Surface { point, frame, ng, material: self.material_of(hit), emitter: look.emitter, at: None };
+        let mut surface = Surface {
+            point,
+            frame,
+            ng,
+            material: self.material_of(hit),
+            emitter: geometry.emitter,
+            at: None,
+        };
         if self.materials.vary() {
             self.look_closely(&mut surface, (ray, hit), footprint);
         }
@@ -179,18 +186,18 @@ impl World {
 
     /// How a hit point moves with its texture coordinates, and where it is on its object.
     fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, Vec3) {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
-        let point = self.local_surface(look, &local, hit);
-        let own = match look.kind {
+        let point = self.local_surface(geometry, &local, hit);
+        let own = match geometry.kind {
             Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].tangents(hit.primitive, hit.u, hit.v),
             Kind::Shapes(first) => self.geometry.tangents(first + hit.primitive, &point),
         };
         let outwards = transforms().rev().fold((own, point.n), |(tangents, n), m| {
             (tangents.to_world(m, n), m.normal(n).try_normalize().unwrap_or(n))
         });
-        let tangents = if look.flip { outwards.0.flipped() } else { outwards.0 };
+        let tangents = if geometry.flip { outwards.0.flipped() } else { outwards.0 };
         (tangents, point.p)
     }
 
@@ -213,13 +220,13 @@ impl World {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let mut point = if hit.chain.is_empty() {
-            self.local_surface(look, ray, hit)
+            self.local_surface(geometry, ray, hit)
         } else {
-            self.instanced_surface(look, ray, hit)
+            self.instanced_surface(geometry, ray, hit)
         };
-        if look.flip {
+        if geometry.flip {
             // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
             point.n = -point.n;
         }
@@ -227,8 +234,8 @@ impl World {
     }
 
     #[inline]
-    fn local_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        match look.kind {
+    fn local_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match geometry.kind {
             Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].surface(hit.primitive, hit.u, hit.v),
             Kind::Shapes(first) => {
                 let h = ShapeHit { t: hit.t, u: hit.u, v: hit.v };
@@ -239,23 +246,23 @@ impl World {
 
     /// Into the object and back out, level by level.
     #[cold]
-    fn instanced_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    fn instanced_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
-        let point = self.local_surface(look, &local, hit);
+        let point = self.local_surface(geometry, &local, hit);
         transforms().rev().fold(point, |p, m| p.to_world(m))
     }
 
-    /// How the geometry of a hit looks.
+    /// What shading must know of the geometry of a hit.
     #[inline(always)]
-    pub(crate) fn look(&self, hit: &Hit) -> &Look {
-        &self.looks[hit.geometry as usize]
+    pub(crate) fn geometry(&self, hit: &Hit) -> &GeometryRecord {
+        &self.geometries[hit.geometry as usize]
     }
 
     /// The material at a hit.
     #[inline]
     pub(crate) fn material_of(&self, hit: &Hit) -> u32 {
-        let own = self.looks[hit.geometry as usize].material;
+        let own = self.geometries[hit.geometry as usize].material;
         if own != INHERIT {
             return own;
         }
@@ -287,6 +294,12 @@ impl World {
         Reading { tables: &self.tables, lanes, textures: &self.textures }
     }
 
+    /// How many paths side by side read colours.
+    #[inline(always)]
+    pub(crate) fn readings<'a, L: Lanes>(&'a self, lanes: &'a [L]) -> Readings<'a, L> {
+        Readings { tables: &self.tables, lanes, textures: &self.textures }
+    }
+
     /// Emitters that surround the scene, with their indices.
     #[inline]
     pub fn environments(&self) -> impl Iterator<Item = (u32, &Emitter)> {
@@ -303,6 +316,38 @@ impl World {
         lanes: L,
     ) -> Option<LightSample> {
         self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
+    }
+
+    /// [`Self::sample_light`] at many points side by side, of each the emitter that was picked there.
+    #[inline(always)]
+    pub(crate) fn sample_lights<F: Float, L: Lanes>(
+        &self,
+        picked: &Picks<F>,
+        at: &Receiver<F>,
+        v: F,
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let u = [picked.rest, v];
+        let mut all = LightSample::none();
+        let mut left = picked.pmf.gt(F::ZERO);
+        while left.any() {
+            let first = left.to_bits().trailing_zeros() as usize;
+            let emitter = picked.index.lane(first);
+            let these = left & picked.index.eq(F::Uint::splat(emitter));
+            let light = &self.emitters[emitter as usize];
+            let sample = if F::WIDTH > 1 && these.to_bits().is_power_of_two() {
+                // By itself: of many lights each is picked by few.
+                let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
+                let u = [u[0].lane(first), u[1].lane(first)];
+                let one = light.sample_many::<f32, L>(&self.geometry, &at, u, &readings.from(first));
+                LightSample::uniform(&one)
+            } else {
+                light.sample_many(&self.geometry, at, u, readings)
+            };
+            all = LightSample::select(these, sample, all);
+            left = left & !these;
+        }
+        all
     }
 
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting

@@ -6,7 +6,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 use super::exact::{outward, size};
 use super::offset::End;
 use super::patch::{Level, Patch};
-use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents, sampling};
+use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// A disc, or an ellipse: center + x a + y b for x² + y² <= 1. Its normal is a × b.
 ///
@@ -112,6 +112,11 @@ impl Form for Disc {
     #[inline]
     fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
         Some(Disc::sample_area(self, u))
+    }
+
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        DirSamples::by_area(p, self.patch.end_at(warp::concentric_disc(u)), F::splat(self.pdf_area))
     }
 
     #[inline]

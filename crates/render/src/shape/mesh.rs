@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use straal_math::simd::{Double, Float};
+use straal_math::simd::{BLOCK, Double, Float, Mask, Uint};
 use straal_math::{Affine, DVec3, Vec3, warp};
 
 use super::exact::{HALF_ULP, SUBNORMAL, bound, unit_or};
@@ -177,6 +177,35 @@ impl TriangleMesh {
         let area = self.triangle_area(primitive);
         AreaSample { point: self.surface(primitive, b1, b2), pdf_area: (1.0 / area) as f32 }
     }
+
+    /// [`Self::sample_triangle`] for many side by side, without what only shading wants.
+    #[inline(always)]
+    pub(crate) fn sample_triangles<F: Float>(&self, primitive: F::Uint, u: [F; 2]) -> (End<F>, F) {
+        let mut rows = [[Vec3::ZERO; 3]; BLOCK];
+        for (i, corners) in rows.iter_mut().enumerate().take(F::WIDTH) {
+            *corners = self.corners(primitive.lane(i));
+        }
+        let corners = [corner(&rows, 0), corner(&rows, 1), corner(&rows, 2)];
+        let [p0, p1, p2] = corners;
+        let (e1, e2) = (p1.to_double() - p0.to_double(), p2.to_double() - p0.to_double());
+        let area: F::Double = e1.cross(e2).length() * 0.5;
+        let area = F::Double::select(area.lt(F::Double::splat(f64::INFINITY)), area, F::Double::ZERO);
+        let end = end(corners, warp::uniform_triangle(u), F::Mask::splat(self.flip));
+        (end, F::from_double(F::Double::ONE / area))
+    }
+}
+
+/// A corner of the triangle of each row.
+#[inline(always)]
+fn corner<F: Float>(rows: &[[Vec3; 3]; BLOCK], k: usize) -> Vec3<F> {
+    let [x, y, z, _] = F::from_rows(
+        #[inline(always)]
+        |i| {
+            let p = rows[i][k];
+            [p.x, p.y, p.z, 0.0]
+        },
+    );
+    Vec3::new(x, y, z)
 }
 
 /// The point of a triangle at barycentric weights of its corners 1 and 2, with its geometric normal, which is turned round

@@ -31,7 +31,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use straal_accel::Shapes;
-use straal_math::simd::Float;
+use straal_math::simd::{self, Float, Mask};
 use straal_math::{Bounds, DVec3, Ray, Transform, Vec3};
 
 use offset::End;
@@ -127,6 +127,16 @@ trait Form {
         by_solid_angle(p, self.sample_area(u)?)
     }
 
+    /// [`Self::sample_from`] for many side by side: one by one, unless it says otherwise.
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        DirSamples::one_by_one(
+            F::Mask::splat(true),
+            #[inline(always)]
+            |i| self.sample_from(p.lane(i), [u[0].lane(i), u[1].lane(i)]),
+        )
+    }
+
     /// See [`Geometry::pdf_from`].
     #[inline]
     fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
@@ -206,6 +216,69 @@ pub struct DirSample {
     pub pdf: f32,
 }
 
+/// Directions towards a surface, side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DirSamples<F> {
+    /// The point of the surface.
+    pub end: End<F>,
+    /// Unit vector from the reference point to it.
+    pub wi: Vec3<F>,
+    /// Density by solid angle at the reference point; 0 where there is no sample of value.
+    pub pdf: F,
+}
+
+impl<F: Float> DirSamples<F> {
+    /// Points that were sampled by area as directions, as [`by_solid_angle`].
+    #[inline(always)]
+    pub fn by_area(p: Vec3<F>, end: End<F>, pdf_area: F) -> Self {
+        let (wi, there) = (end.p - p).normalize_checked();
+        let pdf = solid_angle_pdfs(p, (end.p, end.ng), pdf_area);
+        Self { end, wi, pdf: F::select(there & pdf.gt(F::ZERO), pdf, F::ZERO) }
+    }
+
+    /// Those of some lanes one after the other; nothing in the others.
+    #[inline(always)]
+    pub fn one_by_one(mask: F::Mask, sample: impl Fn(usize) -> Option<DirSample>) -> Self {
+        let mut rows = [[[0.0; 4]; 4]; simd::BLOCK];
+        let mut left = mask.to_bits();
+        while left != 0 {
+            let i = left.trailing_zeros() as usize;
+            left &= left - 1;
+            if let Some(DirSample { point: s, wi, pdf }) = sample(i) {
+                rows[i] = [
+                    [s.p.x, s.p.y, s.p.z, pdf],
+                    [s.p_err.x, s.p_err.y, s.p_err.z, 0.0],
+                    [s.ng.x, s.ng.y, s.ng.z, 0.0],
+                    [wi.x, wi.y, wi.z, 0.0],
+                ];
+            }
+        }
+        let (p, pdf) = column(&rows, 0);
+        let (p_err, ng, wi) = (column(&rows, 1).0, column(&rows, 2).0, column(&rows, 3).0);
+        Self { end: End { p, p_err, ng }, wi, pdf }
+    }
+
+    /// `yes` where the mask says so, `no` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            end: End::select(mask, yes.end, no.end),
+            wi: Vec3::select(mask, yes.wi, no.wi),
+            pdf: F::select(mask, yes.pdf, no.pdf),
+        }
+    }
+}
+
+/// A vector and a number of each row.
+#[inline(always)]
+fn column<F: Float, const K: usize>(rows: &[[[f32; 4]; K]; simd::BLOCK], k: usize) -> (Vec3<F>, F) {
+    let [x, y, z, w] = F::from_rows(
+        #[inline(always)]
+        |i| rows[i][k],
+    );
+    (Vec3::new(x, y, z), w)
+}
+
 /// Every surface of a world.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
@@ -257,11 +330,17 @@ pub(crate) fn by_solid_angle(p: Vec3, s: AreaSample) -> Option<DirSample> {
 /// seen edge-on.
 #[inline]
 pub(crate) fn solid_angle_pdf(p: Vec3, q: &SurfacePoint, pdf_area: f32) -> f32 {
-    let d = q.p - p;
+    solid_angle_pdfs(p, (q.p, q.ng), pdf_area)
+}
+
+/// [`solid_angle_pdf`] at points with these normals, one or many side by side.
+#[inline(always)]
+pub(crate) fn solid_angle_pdfs<F: Float>(p: Vec3<F>, (q, ng): (Vec3<F>, Vec3<F>), pdf_area: F) -> F {
+    let d = q - p;
     let d2 = d.length_squared();
-    let cos_d = d.dot(q.ng).abs(); // cosine times distance
+    let cos_d = d.dot(ng).abs(); // cosine times distance
     let pdf = pdf_area * d2 * d2.sqrt() / cos_d;
-    if pdf.is_finite() { pdf } else { 0.0 }
+    F::select(pdf.is_finite(), pdf, F::ZERO)
 }
 
 /// Double-precision constants and helpers that the shapes share.

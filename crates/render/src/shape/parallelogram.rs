@@ -6,7 +6,7 @@ use straal_math::{Bounds, DVec3, Ray, Vec3};
 use super::exact::{outward, size};
 use super::offset::End;
 use super::patch::{Level, Patch};
-use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents};
+use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents};
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
 ///
@@ -105,6 +105,11 @@ impl Form for Parallelogram {
     #[inline]
     fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
         Some(Parallelogram::sample_area(self, u))
+    }
+
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        DirSamples::by_area(p, self.patch.end_at(u), F::splat(self.pdf_area))
     }
 
     #[inline]

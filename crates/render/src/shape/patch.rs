@@ -53,9 +53,16 @@ impl Patch {
 
     /// The point at x and y, with these as texture's.
     #[inline(always)]
-    pub fn point_at(&self, [x, y]: [f32; 2]) -> SurfacePoint {
-        let q = self.origin + self.a * f64::from(x) + self.b * f64::from(y);
-        textured(self.level().end(q), [x, y])
+    pub fn point_at(&self, xy: [f32; 2]) -> SurfacePoint {
+        textured(self.end_at(xy), xy)
+    }
+
+    /// The points at these coordinates, with their errors and normals.
+    #[inline(always)]
+    pub fn end_at<F: Float>(&self, [x, y]: [F; 2]) -> End<F> {
+        let (a, b) = (DVec3::uniform(self.a), DVec3::uniform(self.b));
+        let q = DVec3::uniform(self.origin) + a * x.to_double() + b * y.to_double();
+        Level::uniform(self).end(q)
     }
 
     /// The plane that it lies in.
