@@ -121,6 +121,7 @@ impl PathTracer {
         let mut vertices = Vertices::new();
         let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
+            out.stopwatch.begin_block();
             meet(world, queue, paths, &mut scratch.surfaces, out);
             self.arrive(world, queue, (paths, &scratch.surfaces), &mut vertices);
             for (lanes, &path) in lanes.iter_mut().zip(paths) {
@@ -128,12 +129,13 @@ impl PathTracer {
             }
             let block = Block { paths, vertices: &vertices, lanes: &lanes };
             draw_numbers(queue, block, &mut scratch.numbers);
-            out.stopwatch.lap(Phase::Shading);
+            out.stopwatch.part(Phase::Shading);
             light(world, queue, block, &mut scratch, out);
-            out.stopwatch.lap(Phase::Lights);
+            out.stopwatch.part(Phase::Lights);
             scatter(world, queue, block, &mut scratch, out);
-            out.stopwatch.lap(Phase::Shading);
+            out.stopwatch.part(Phase::Shading);
         }
+        out.stopwatch.lap_of_blocks();
     }
 
     /// Whether a path of so many edges may be ended by chance.
