@@ -2,17 +2,18 @@
 
 use super::numbers::{BLOCK, Numbers, Wanted};
 use super::side_by_side::{Onward, Scatter, Vertex, all_diffuse, fill_lanes};
-use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
+use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
+use crate::material::interior::{Boundary, Inside};
 use crate::material::{Bsdf, BsdfSample, Shaded, Transport};
 use crate::shape::offset::End;
 use crate::stopwatch::Phase;
 use crate::surface::Surface;
 use crate::world::World;
 use straal_color::Light;
-use straal_math::lowdisc::SampleName;
+use straal_math::lowdisc::{Purpose, SampleName};
 use straal_math::{Ray, Vec3};
 use straal_scene::desc;
 use straal_scene::value::Depth;
@@ -68,6 +69,8 @@ pub struct State<L> {
     depth: u32,
     /// Product of squared relative indices passed: roulette looks at the light's energy, not its radiance.
     eta_squared: f32,
+    /// What clear materials it is inside of, in a world where that matters.
+    inside: Inside,
 }
 
 impl Integrator for PathTracer {
@@ -92,14 +95,20 @@ impl Integrator for PathTracer {
             delta: true,
             depth: 1,
             eta_squared: 1.0,
+            inside: Inside::default(),
         };
         start.camera_ray.map(|ray| (ray, state))
     }
 
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         match queue.kind {
-            Kind::Missed => queue.arrivals().for_each(|arrival| miss(world, &arrival, out)),
+            Kind::Missed => queue.arrivals().for_each(|arrival| {
+                let dimmed = dimmed(world, &arrival);
+                miss(world, &Arrival { path: dimmed.as_ref().unwrap_or(arrival.path), ..arrival }, out);
+            }),
             Kind::Dark => queue.arrivals().for_each(|arrival| {
+                let dimmed = dimmed(world, &arrival);
+                let arrival = Arrival { path: dimmed.as_ref().unwrap_or(arrival.path), ..arrival };
                 let surface = world.surface(arrival.ray, arrival.hit, &arrival.path.state.footprint);
                 meet_light(world, &arrival, &surface, out);
             }),
@@ -146,15 +155,29 @@ impl PathTracer {
         out: &mut Out<'_, State<L>>,
     ) -> Option<Vertex<'w>> {
         let arrival = queue.arrival(path);
+        let dimmed = dimmed(world, &arrival);
+        let arrival = Arrival { path: dimmed.as_ref().unwrap_or(arrival.path), ..arrival };
         let state = &arrival.path.state;
-        let surface = world.surface(arrival.ray, arrival.hit, &state.footprint);
+        let mut surface = world.surface(arrival.ray, arrival.hit, &state.footprint);
         meet_light(world, &arrival, &surface, out);
         if state.depth >= self.max_depth {
             return None;
         }
-        let bsdf = world.bsdf(&surface, state.lanes);
+        let mut bsdf = if world.materials.choose() {
+            let u = queue.pattern.d1(&arrival.path.name, Purpose::Material);
+            world.chosen_bsdf(&mut surface, state.lanes, u)
+        } else {
+            world.bsdf(&surface, state.lanes)
+        };
         if matches!(bsdf, Bsdf::Black(_)) {
             return None;
+        }
+        if world.materials.interiors().matter() {
+            bsdf = at_boundary(world, &arrival, &surface, bsdf, out)?;
+        }
+        if world.has_ambient_light() {
+            let ambient = world.ambient_from(&bsdf, state.lanes);
+            out.add(Contribution::own(arrival.path, state.beta * ambient));
         }
         let wo = surface.frame.to_local(-arrival.ray.d);
         let shaded = Shaded { bsdf, ng: surface.ng };
@@ -162,6 +185,8 @@ impl PathTracer {
             path,
             beta: state.beta,
             eta_squared: state.eta_squared,
+            inside: state.inside,
+            interior: world.materials.interiors().number(surface.material),
             roulette: self.plays_roulette(state.depth),
             end: End::from(&surface.point),
             frame: surface.frame,
@@ -169,6 +194,61 @@ impl PathTracer {
             wo,
         })
     }
+}
+
+/// The path with what the medium that its ray went through has left of its light, in a world where there are such.
+#[inline(always)]
+fn dimmed<L: Lanes>(world: &World, arrival: &Arrival<'_, State<L>>) -> Option<Path<State<L>>> {
+    world.materials.interiors().matter().then(|| dimmed_by_medium(world, arrival))
+}
+
+#[cold]
+fn dimmed_by_medium<L: Lanes>(world: &World, arrival: &Arrival<'_, State<L>>) -> Path<State<L>> {
+    let (ray, hit, interiors) = (arrival.ray, arrival.hit, world.materials.interiors());
+    let mut path = *arrival.path;
+    let mut inside = path.state.inside;
+    if let Some(material) = world.material_hit(hit)
+        && world.is_met_from_inside(ray, hit)
+    {
+        inside = inside.or(interiors.number(material));
+    }
+    let start = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
+    path.state.inside = inside;
+    path.state.beta *= interiors.left_after(inside, hit.t - start, &world.reading(path.state.lanes));
+    path
+}
+
+/// What scatters at the boundary of a clear material, which depends on what is on the other side. Nothing where something of a higher priority is
+/// on both: the ray goes on.
+#[cold]
+fn at_boundary<'w, L: Lanes>(
+    world: &World,
+    arrival: &Arrival<'_, State<L>>,
+    surface: &Surface,
+    bsdf: Bsdf<'w>,
+    out: &mut Out<'_, State<L>>,
+) -> Option<Bsdf<'w>> {
+    let interiors = world.materials.interiors();
+    let number = interiors.number(surface.material);
+    if number == 0 {
+        return Some(bsdf);
+    }
+    let (path, ray) = (arrival.path, arrival.ray);
+    let entering = ray.d.dot(surface.frame.n) < 0.0;
+    match interiors.boundary(path.state.inside, number, entering) {
+        Boundary::Real(eta) => Some(eta.map_or(bsdf, |eta| bsdf.with_eta(eta))),
+        Boundary::Ignored(inside) => {
+            // The least number beyond the hit: what lies at the very same place is behind it as well.
+            let beyond = Ray { t_min: arrival.hit.t.next_up(), ..*ray };
+            out.go_on(path, 0, beyond, State { inside, ..path.state });
+            None
+        }
+    }
+}
+
+/// Inside of what a path is that leaves a vertex, on the other side if it is transmitted.
+fn inside_beyond(vertex: &Vertex<'_>, transmitted: bool) -> Inside {
+    if transmitted { vertex.inside.crossed(vertex.interior, vertex.wo.z > 0.0) } else { vertex.inside }
 }
 
 /// Light from the surroundings, for a ray that leaves the scene.
@@ -279,12 +359,19 @@ fn light<L: Lanes>(
     }
     let light_pdf = pick.pmf * light.pdf;
     let weight = if light.delta { 1.0 } else { power_heuristic(light_pdf, pdf) };
-    let contribution = path.state.beta * value * light.radiance * (weight / light_pdf);
+    let mut contribution = vertex.beta * value * light.radiance * (weight / light_pdf);
     if contribution.is_black() {
         return;
     }
     let ray = &queue.rays[vertex.path as usize];
     let towards = Ray { time: ray.time, mask: ray.mask, ..light.shadow_ray(&vertex.end) };
+    if world.materials.interiors().matter() {
+        // What is free for the light to arrive lies within one medium.
+        let transmitted = wi.z * vertex.wo.z < 0.0;
+        let inside = inside_beyond(vertex, transmitted);
+        let reading = world.reading(path.state.lanes);
+        contribution *= world.materials.interiors().left_after(inside, towards.t_max, &reading);
+    }
     out.shadow(towards, Contribution::own(path, contribution));
 }
 
@@ -326,6 +413,7 @@ fn scatter<L: Lanes>(
             delta: s.delta,
             depth: state.depth + 1,
             eta_squared: next.eta_squared,
+            inside: inside_beyond(vertex, s.transmitted),
         };
         out.go_on(path, 0, next.ray, state);
     }

@@ -4,6 +4,7 @@
 
 use super::numbers::{BLOCK, Numbers};
 use crate::light::Receiver;
+use crate::material::interior::Inside;
 use crate::material::shaded::goes_on;
 use crate::material::{Bsdf, BsdfSample, Diffuse, Shaded};
 use crate::shape::offset::End;
@@ -20,6 +21,10 @@ pub(super) struct Vertex<'w> {
     pub beta: Light,
     /// Product of squared relative indices passed.
     pub eta_squared: f32,
+    /// What clear materials the path is inside of.
+    pub inside: Inside,
+    /// What the surface is filled with, by its number; 0 for nothing.
+    pub interior: u16,
     /// Whether the path may be ended by chance.
     pub roulette: bool,
     /// The point, its error and geometric normal.
@@ -37,6 +42,7 @@ impl Vertex<'_> {
     pub fn receiver(&self) -> Receiver {
         let n = match self.shaded.bsdf {
             Bsdf::Custom(_) => Vec3::ZERO,
+            bsdf if bsdf.transmits() => Vec3::ZERO,
             _ if self.wo.z < 0.0 => -self.frame.n,
             _ => self.frame.n,
         };
@@ -379,6 +385,8 @@ mod tests {
             path: i as u32,
             beta: Light(u[3].map(|x| x * 0.1)),
             eta_squared: 0.5 + u[1][2],
+            inside: Inside::default(),
+            interior: 0,
             roulette: !i.is_multiple_of(3),
             end: End { p: point(u[4]), p_err: point(u[5]).abs() * 1e-6, ng },
             frame,

@@ -3,7 +3,7 @@
 use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, ShadingPoint, Value};
 use straal_color::Light;
-use straal_math::{Vec3, table::Table1};
+use straal_math::{Vec3, ops, table::Table1};
 
 use super::reach::Lamp;
 use super::{Extent, LightSample, Reach, Receiver, Shine, Target, strength};
@@ -16,6 +16,8 @@ pub struct AreaLight {
     pub surface: LitSurface,
     /// Radiance in W/(m² sr).
     pub radiance: Value<Colour>,
+    /// The share of the surface that is there, where it has a mask: rays that pass through it don't see it shine.
+    pub opacity: Option<Value<f32>>,
     /// From which sides.
     pub sides: Sides,
 }
@@ -105,7 +107,10 @@ impl Shine for AreaLight {
             return None;
         }
         let target = Target::Point((&s.point).into());
-        let radiance = reading.eval(&self.radiance, &at(&s.point));
+        let mut radiance = reading.eval(&self.radiance, &at(&s.point));
+        if let Some(opacity) = &self.opacity {
+            radiance *= ops::clamp(reading.eval(opacity, &at(&s.point)), 0.0, 1.0);
+        }
         Some(LightSample { wi: s.wi, radiance, pdf: s.pdf, delta: false, target })
     }
 
