@@ -261,7 +261,7 @@ fn scattering_is_reciprocal() {
                 let largest = ops::max(there.max_lane(), 1e-20);
                 let apart = (there - back).map(f32::abs).max_lane() / largest;
                 // What two directions on both sides have half-way is known the less, the nearer they are to opposite.
-                let tolerance = if wi.z > 0.0 { 1e-4 } else { 1e-3 };
+                let tolerance = if wi.z > 0.0 { 1e-4 } else { 1e-3 + 1e-4 / wo.z };
                 assert!(apart < tolerance, "{}: {wo:?} {wi:?} {there:?} {back:?}", entry.name);
             }
             if let Some(s) = drawn.filter(|s| s.delta) {
@@ -331,7 +331,9 @@ fn no_more_comes_out_than_goes_in() {
             };
             let f = |wi| f64::from(entry.bsdf.eval(wo, wi, Transport::Importance)[0]);
             let integral = grid.total(f, 1e-4);
-            assert!((integral - mean[0]).abs() < 5e-3, "{} from {wo:?}: {integral} {mean:?}", entry.name);
+            // Of several lobes the grid of numbers is coarser.
+            let tolerance = if entry.bsdf.chooses_lobe() { 1.5e-2 } else { 5e-3 };
+            assert!((integral - mean[0]).abs() < tolerance, "{} from {wo:?}: {integral} {mean:?}", entry.name);
         }
     });
 }
