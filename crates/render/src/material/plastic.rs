@@ -253,7 +253,7 @@ impl Scatter for Plastic<'_> {
         let bell = Some((facets(0.15, desc::Distribution::Beckmann), beckmann));
         let bsdf = Bsdf::Plastic;
         vec![
-            Example::new("white plastic", bsdf(of(1.0, smooth_within, None))).nearly_energy(1e-3),
+            Example::new("white plastic", bsdf(of(1.0, smooth_within, None))).nearly_energy(1e-2),
             Example::new("grey plastic", bsdf(of(0.4, smooth_within, None))),
             Example::new("rough plastic", bsdf(of(0.8, ggx_within.of_all_directions(0.3), rough))).focus(3),
             Example::new("satin plastic", bsdf(of(0.5, beckmann_within.of_all_directions(0.15), bell)))
