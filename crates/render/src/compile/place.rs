@@ -9,7 +9,7 @@ use crate::paint::Paint;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
 use crate::texture::Value;
-use crate::world::{INHERIT, Kind, Look, TopLevel};
+use crate::world::{GeometryRecord, INHERIT, Kind, TopLevel};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
@@ -55,7 +55,7 @@ pub(super) struct Build<'a> {
     materials: Materials<'a>,
     geometry: Geometry,
     input: accel::Input,
-    looks: Vec<Look>,
+    geometries: Vec<GeometryRecord>,
     /// The node that each geometry comes from; none of a program's own.
     nodes: Vec<Option<&'a Node>>,
     /// The node that the walk is at.
@@ -79,7 +79,7 @@ pub(super) struct Build<'a> {
 
 /// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
 /// of an object that glows.
-fn room(t: &Tally) -> (Geometry, accel::Input, Vec<Look>, Vec<Glowing>) {
+fn room(t: &Tally) -> (Geometry, accel::Input, Vec<GeometryRecord>, Vec<Glowing>) {
     let of = |count: u64| count.min(4 * MAX_DISSOLVED as u64) as usize;
     let geometry = Geometry {
         shapes: Vec::with_capacity(of(t.shapes)),
@@ -96,7 +96,7 @@ fn room(t: &Tally) -> (Geometry, accel::Input, Vec<Look>, Vec<Glowing>) {
 pub(super) struct Built<'a> {
     pub input: accel::Input,
     pub geometry: Geometry,
-    pub looks: Vec<Look>,
+    pub geometries: Vec<GeometryRecord>,
     /// The node that each geometry comes from; none of a program's own.
     pub nodes: Vec<Option<&'a Node>>,
     /// Names of objects, by their groups.
@@ -117,7 +117,7 @@ impl<'a> Build<'a> {
         custom: &Custom,
         (spectral, detail): (bool, Detail),
     ) -> Result<Self, CompileError> {
-        let (geometry, input, looks, glowing) = room(&count::count(scene, assets).kept);
+        let (geometry, input, geometries, glowing) = room(&count::count(scene, assets).kept);
         Ok(Self {
             detail,
             in_focus: false,
@@ -126,7 +126,7 @@ impl<'a> Build<'a> {
             materials: Materials::new(scene, custom, Paint::new(scene, assets, spectral))?,
             geometry,
             input,
-            looks,
+            geometries,
             nodes: Vec::new(),
             node: None,
             group_materials: vec![Vec::new()],
@@ -184,7 +184,7 @@ impl<'a> Build<'a> {
             let material = self.materials.named(material)?;
             self.geometry.custom.push(shape.clone());
             let look = self.add_shape(Shape::Custom(i as u32), 0, material, false);
-            self.looks.push(look);
+            self.geometries.push(look);
         }
         Ok(())
     }
@@ -194,7 +194,7 @@ impl<'a> Build<'a> {
         Ok(Built {
             input: self.input,
             geometry: self.geometry,
-            looks: self.looks,
+            geometries: self.geometries,
             nodes: self.nodes,
             objects: self.objects.into_values().collect(),
             // The search structure numbers instances group by group, in this order.
@@ -407,17 +407,18 @@ impl<'a> Build<'a> {
             let radiance = self.materials.emission(emission)?;
             let opacity = self.materials.opacity(material)?;
             let two_sided = surface.two_sided_emission;
+            look.emission_varies = radiance.varies();
             look.emitter = Some(self.glow(Glowing { kind: look.kind, radiance, opacity, two_sided, flip }));
         }
-        self.looks.push(look);
+        self.geometries.push(look);
         Ok(())
     }
 
-    fn add_shape(&mut self, shape: Shape, group: u32, material: u32, flip: bool) -> Look {
+    fn add_shape(&mut self, shape: Shape, group: u32, material: u32, flip: bool) -> GeometryRecord {
         let first = self.geometry.shapes.len() as u32;
         self.geometry.shapes.push(shape);
         self.add_geometry(group, accel::GeometryKind::Shapes { first, count: 1 });
-        Look { kind: Kind::Shapes(first), material, emitter: None, flip }
+        GeometryRecord { kind: Kind::Shapes(first), material, emitter: None, emission_varies: false, flip }
     }
 
     fn add_geometry(&mut self, group: u32, kind: accel::GeometryKind) {
@@ -501,6 +502,7 @@ impl<'a> Build<'a> {
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
             let two_sided = surface.two_sided_emission;
+            let emission_varies = radiance.is_some_and(|r| r.varies());
             let emitter = match radiance {
                 Some(radiance) => {
                     let opacity = self.materials.opacity(material)?;
@@ -508,7 +510,7 @@ impl<'a> Build<'a> {
                 }
                 None => None,
             };
-            self.looks.push(Look { kind, material, emitter, flip: false });
+            self.geometries.push(GeometryRecord { kind, material, emitter, emission_varies, flip: false });
         }
         Ok(())
     }

@@ -135,7 +135,8 @@ impl Scatter for Clear {
             return Some(reflected(wo, self.reflectance * of_reflected, chance));
         }
         let (reflectance, transmittance) = (self.reflectance, self.transmittance);
-        let through = Dielectric { eta: self.eta, reflectance, transmittance }.refracted(wo, transport)?;
+        let glass = Dielectric { eta: self.eta, reflectance, transmittance };
+        let (_, through) = glass.refracted(wo, transport);
         let passes = 1.0 - chance;
         (passes > 0.0).then_some(BsdfSample { weight: through.weight * of_passed, pdf: passes, ..through })
     }

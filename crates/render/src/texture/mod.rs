@@ -28,6 +28,7 @@ mod reading;
 mod tests;
 
 pub use checker::Checker;
+pub(crate) use reading::Readings;
 pub use reading::{ReadRgb, Reading};
 
 /// A place, and how it moves on the surface from one pixel to the next.
