@@ -47,7 +47,10 @@ pub(crate) struct Look {
 }
 
 /// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.
-pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<Look>();
+pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<Look>() + RANK_BYTES;
+
+/// And for the order in which a render works on surfaces.
+const RANK_BYTES: usize = size_of::<u32>();
 
 /// What a node at the top of the world became: ranges of what stands in the world's own group
 /// (`accel::Input::groups[0]`).
@@ -289,12 +292,6 @@ impl World {
     #[inline(always)]
     pub(crate) fn readings<'a, L: Lanes>(&'a self, lanes: &'a [L]) -> Readings<'a, L> {
         Readings { tables: &self.tables, lanes, textures: &self.textures }
-    }
-
-    /// The material of what a ray hit; `None` where it met nothing.
-    #[inline]
-    pub(crate) fn material_hit(&self, hit: &Hit) -> Option<u32> {
-        hit.is_hit().then(|| self.material_of(hit))
     }
 
     /// Emitters that surround the scene, with their indices.

@@ -5,6 +5,7 @@
 
 mod samples;
 mod sorting;
+mod starting;
 mod stream;
 mod worker;
 
@@ -15,6 +16,7 @@ use crate::probe::{CostMeter, Plain, Probe};
 use crate::settings::{Region, Settings};
 use crate::stopwatch::{Clock, Times};
 use crate::world::World;
+use sorting::Ranks;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -26,6 +28,7 @@ pub use worker::thread_bytes;
 /// that is still sampled has the same number of samples, and the sums are those of any other way to get there.
 pub struct Render<'w, I> {
     world: &'w World,
+    ranks: Ranks,
     integrator: I,
     settings: Settings,
     film: Film,
@@ -98,6 +101,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         }
         Ok(Self {
             world,
+            ranks: Ranks::new(world),
             integrator,
             settings,
             film,
@@ -197,7 +201,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         let pause = &self.pause;
         let goes_on = || pause.as_ref().is_none_or(|pause| next.load(Ordering::Relaxed) == start || !pause());
         let (world, integrator, settings, clock) =
-            (self.world, &self.integrator, &self.settings, &self.clock);
+            ((self.world, &self.ranks), &self.integrator, &self.settings, &self.clock);
         let take_tile = || {
             let place = goes_on().then(|| next.fetch_add(1, Ordering::Relaxed))?;
             order.get(place).copied()

@@ -273,7 +273,7 @@ impl FilmTile {
     /// where it was dropped. Where noise is told by batches, a pixel's samples come in the order of their indices.
     pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) -> bool {
         let i = self.index(pixel);
-        let of_each = self.bands.len() / self.pixels.len();
+        let of_each = if bands.is_empty() { 0 } else { self.bands.len() / self.pixels.len() };
         if !self.halves.is_empty() {
             self.note_half(i, index);
         }

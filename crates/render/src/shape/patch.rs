@@ -27,16 +27,6 @@ pub(crate) struct Patch {
 }
 
 impl Patch {
-    /// None.
-    pub const NOWHERE: Self = Self {
-        origin: DVec3::ZERO,
-        a: DVec3::ZERO,
-        b: DVec3::ZERO,
-        n: DVec3::ZERO,
-        dual: [DVec3::ZERO; 2],
-        pad: 0.0,
-    };
-
     pub fn new(origin: Vec3, a: Vec3, b: Vec3) -> Self {
         let [origin, a, b] = [origin, a, b].map(Vec3::as_dvec3);
         let cross = a.cross(b);
@@ -101,6 +91,13 @@ pub(crate) struct Level<D> {
     pad: D,
 }
 
+impl Level<f64> {
+    /// How many numbers it has.
+    pub const NUMBERS: usize = 7;
+    /// Some plane.
+    pub const EXAMPLE: Self = Self { origin: DVec3::ZERO, n: DVec3::Z, pad: 0.0 };
+}
+
 impl<D: Double> Level<D> {
     /// That of one patch in all lanes.
     #[inline(always)]
@@ -108,23 +105,17 @@ impl<D: Double> Level<D> {
         Self { origin: DVec3::uniform(patch.origin), n: DVec3::uniform(patch.n), pad: D::splat(patch.pad) }
     }
 
-    /// Those of the patches that `f` gives.
+    /// Its numbers.
     #[inline(always)]
-    pub fn from_fn<'a>(f: impl Fn(usize) -> &'a Patch) -> Self {
-        Self {
-            origin: DVec3::from_fn(
-                #[inline(always)]
-                |i| f(i).origin,
-            ),
-            n: DVec3::from_fn(
-                #[inline(always)]
-                |i| f(i).n,
-            ),
-            pad: D::from_fn(
-                #[inline(always)]
-                |i| f(i).pad,
-            ),
-        }
+    pub const fn to_array(self) -> [D; Level::NUMBERS] {
+        let Self { origin: o, n, pad } = self;
+        [o.x, o.y, o.z, n.x, n.y, n.z, pad]
+    }
+
+    /// By its numbers.
+    #[inline(always)]
+    pub const fn from_array([ox, oy, oz, nx, ny, nz, pad]: [D; Level::NUMBERS]) -> Self {
+        Self { origin: DVec3::new(ox, oy, oz), n: DVec3::new(nx, ny, nz), pad }
     }
 
     /// Its point next to `q`.

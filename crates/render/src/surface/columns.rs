@@ -8,7 +8,7 @@ use straal_math::simd::{self, Float};
 pub const BLOCK: usize = 2 * simd::BLOCK;
 
 /// Room for a block, and for what a vector writes that begins in it and ends beyond.
-const ROOM: usize = BLOCK + simd::BLOCK;
+pub(super) const ROOM: usize = BLOCK + simd::BLOCK;
 
 /// A number of each vertex.
 #[derive(Clone, Copy, Debug)]

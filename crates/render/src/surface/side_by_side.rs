@@ -5,7 +5,7 @@
 //! read off textures.
 
 use super::Surface;
-use super::columns::{BLOCK, Vectors};
+use super::columns::{BLOCK, ROOM, Vectors};
 use crate::footprint::PackedFootprint;
 use crate::material::shaded::shading_normals;
 use crate::shape::offset::End;
@@ -13,8 +13,9 @@ use crate::shape::patch::{Level, Patch};
 use crate::shape::{Shape, SurfacePoint, TriangleMesh, exact, mesh, sphere};
 use crate::texture::ShadingPoint;
 use crate::world::{Kind, Look, World};
+use std::ops::Range;
 use straal_accel::Hit;
-use straal_math::simd::{self, Float, Kernel, Mask, Simd};
+use straal_math::simd::{Double, Float, Kernel, Mask, Simd};
 use straal_math::{DVec3, Frame, Ray, Vec3};
 
 /// Rays and what they hit, out of many.
@@ -37,15 +38,14 @@ impl<'a> Met<'a> {
 }
 
 /// What hits that are computed together have in common.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Form {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Form {
     /// A triangle of a mesh.
-    Triangle {
-        smooth: bool,
-    },
+    Triangle,
     /// A part of a plane.
     Flat,
-    Sphere,
+    /// A part of a sphere.
+    Round,
     /// Anything, by itself.
     Other,
 }
@@ -65,6 +65,7 @@ pub struct Surfaces {
     pub leaning: Vectors,
     /// In those frames, where the rays came from.
     pub wo: Vectors,
+    gathered: Gathered,
     /// Indices of materials in the world.
     pub material: [u32; BLOCK],
     /// Indices of emitters in the world, where the surface glows.
@@ -82,6 +83,7 @@ impl Default for Surfaces {
             frame: [Vectors::default(); 3],
             leaning: Vectors::default(),
             wo: Vectors::default(),
+            gathered: Gathered::default(),
             material: [0; BLOCK],
             emitter: [None; BLOCK],
             apart: Vec::new(),
@@ -102,11 +104,15 @@ impl Surfaces {
         let mut forms = [Form::Other; BLOCK];
         let count = met.order.len().min(BLOCK);
         for (i, form) in forms[..count].iter_mut().enumerate() {
-            let (_, hit) = met.at(i);
+            let (ray, hit) = met.at(i);
             let look = world.look(hit);
             self.material[i] = world.material_of(hit);
             self.emitter[i] = look.emitter;
-            *form = world.form(look, hit, self.material[i]);
+            let whole = hit.chain.is_empty() && !world.materials.wants(self.material[i]).point;
+            *form = if whole { world.form(look) } else { Form::Other };
+            if *form != Form::Other {
+                self.gathered.take(i, world, (ray, hit), look);
+            }
         }
         // What the last vector of a run writes beyond its end is overwritten by the next run.
         let mut start = 0;
@@ -118,8 +124,7 @@ impl Surfaces {
                     self.set(i, ray, world.surface(ray, hit, &footprint(met.order[i])));
                 }
             } else {
-                let met = Met { order: &met.order[start..end], ..*met };
-                simd.run(Run { world, form: run[0], met, start, out: self });
+                simd.run(Run { form: run[0], range: start..end, out: self });
             }
             start = end;
         }
@@ -200,18 +205,14 @@ struct Seen<F> {
 }
 
 impl World {
-    /// How the surface at a hit may be computed.
+    /// How the surface of a geometry may be computed, where its material asks for no more.
     #[inline]
-    fn form(&self, look: &Look, hit: &Hit, material: u32) -> Form {
-        if !hit.chain.is_empty() || look.emission_varies || self.materials.wants(material).point {
-            return Form::Other;
-        }
+    pub(crate) fn form(&self, look: &Look) -> Form {
         match look.kind {
-            Kind::Mesh(mesh) => {
-                Form::Triangle { smooth: !self.geometry.meshes[mesh as usize].normals.is_empty() }
-            }
-            Kind::Shapes(first) => match &self.geometry.shapes[(first + hit.primitive) as usize] {
-                Shape::Sphere(_) => Form::Sphere,
+            _ if look.emission_varies => Form::Other,
+            Kind::Mesh(_) => Form::Triangle,
+            Kind::Shapes(first) => match &self.geometry.shapes[first as usize] {
+                Shape::Sphere(_) => Form::Round,
                 shape if shape.patch().is_some() => Form::Flat,
                 _ => Form::Other,
             },
@@ -219,13 +220,159 @@ impl World {
     }
 }
 
-/// Hits of one form, not [`Form::Other`].
+/// Four numbers of each hit, as they lie in memory.
+type Rows = [[f32; 4]; ROOM];
+
+/// What surfaces are made from, gathered hit by hit. Lanes that no hit of the form has are left over from another block.
+#[derive(Debug)]
+struct Gathered {
+    /// The rays' directions.
+    d: Rows,
+    /// Their origins, and how far off the hits are.
+    o: Rows,
+    /// Corners of triangles; beside the first two, the weights of corners 1 and 2.
+    corners: [Rows; 3],
+    /// The corners' shading normals.
+    normals: [Rows; 3],
+    /// Planes of flat shapes, number by number.
+    levels: [[f64; ROOM]; Level::NUMBERS],
+    /// Centers and radii.
+    sphere: Rows,
+    /// A bit for each triangle that has shading normals.
+    smooth: u64,
+    /// A bit for each triangle whose geometric normal is turned round.
+    turned: u64,
+    /// A bit for each surface whose shading normal is.
+    flipped: u64,
+}
+
+impl Default for Gathered {
+    /// Something that is there, since a vector with nothing in a lane takes the long way.
+    fn default() -> Self {
+        let all = |v: Vec3, w: f32| [[v.x, v.y, v.z, w]; ROOM];
+        Self {
+            d: all(Vec3::Z, 0.0),
+            o: all(Vec3::ZERO, 1.0),
+            corners: [Vec3::ZERO, Vec3::X, Vec3::Y].map(|v| all(v, 0.0)),
+            normals: [all(Vec3::Z, 0.0); 3],
+            levels: Level::EXAMPLE.to_array().map(|x| [x; ROOM]),
+            sphere: all(Vec3::ZERO, 1.0),
+            smooth: 0,
+            turned: 0,
+            flipped: 0,
+        }
+    }
+}
+
+impl Gathered {
+    /// Takes what a hit's surface is made from; its form is one of those that are computed side by side.
+    #[inline]
+    fn take(&mut self, i: usize, world: &World, (ray, hit): (&Ray, &Hit), look: &Look) {
+        self.d[i] = beside(ray.d, 0.0);
+        set(&mut self.flipped, i, look.flip);
+        match look.kind {
+            Kind::Mesh(mesh) => self.take_triangle(i, &world.geometry.meshes[mesh as usize], hit),
+            Kind::Shapes(first) => {
+                self.o[i] = beside(ray.o, hit.t);
+                match &world.geometry.shapes[first as usize] {
+                    Shape::Sphere(s) => self.sphere[i] = beside(s.center, s.radius),
+                    shape => {
+                        let level = shape.patch().map_or(Level::EXAMPLE, Patch::level);
+                        for (column, x) in self.levels.iter_mut().zip(level.to_array()) {
+                            column[i] = x;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn take_triangle(&mut self, i: usize, mesh: &TriangleMesh, hit: &Hit) {
+        let ([a, b, c], [a_rows, b_rows, c_rows]) = (mesh.corners(hit.primitive), &mut self.corners);
+        (a_rows[i], b_rows[i], c_rows[i]) = (beside(a, hit.u), beside(b, hit.v), beside(c, 0.0));
+        let normals = mesh.corner_normals(hit.primitive);
+        set(&mut self.turned, i, mesh.flip);
+        set(&mut self.smooth, i, normals.is_some());
+        for (rows, n) in self.normals.iter_mut().zip(normals.into_iter().flatten()) {
+            rows[i] = beside(n, 0.0);
+        }
+    }
+
+    #[inline(always)]
+    fn triangles<F: Float>(&self, first: usize) -> (End<F>, Vec3<F>) {
+        let [(a, u), (b, v), (c, _)] = vectors(&self.corners, first);
+        let end = mesh::end([a, b, c], [u, v], mask::<F>(self.turned, first));
+        let smooth = mask::<F>(self.smooth, first);
+        if !smooth.any() {
+            return (end, end.ng);
+        }
+        let [(a, _), (b, _), (c, _)] = vectors(&self.normals, first);
+        let n = mesh::shading_normal([a, b, c], [u, v], end.ng);
+        (end, Vec3::select(smooth, n, end.ng))
+    }
+
+    #[inline(always)]
+    fn flat<F: Float>(&self, first: usize) -> End<F> {
+        let mut numbers = [F::Double::ZERO; Level::NUMBERS];
+        let mut k = 0;
+        while k < numbers.len() {
+            numbers[k] = F::Double::load(&self.levels[k][first..]);
+            k += 1;
+        }
+        Level::from_array(numbers).nearest(self.arrived::<F>(first))
+    }
+
+    #[inline(always)]
+    fn round<F: Float>(&self, first: usize) -> End<F> {
+        let (center, radius) = vector(&self.sphere, first);
+        sphere::end((center, radius), self.arrived::<F>(first) - center.to_double())
+    }
+
+    /// The points of the rays where they hit something.
+    #[inline(always)]
+    fn arrived<F: Float>(&self, first: usize) -> DVec3<F::Double> {
+        let ((o, t), (d, _)) = (vector::<F>(&self.o, first), vector::<F>(&self.d, first));
+        exact::along([o, d], t)
+    }
+}
+
+#[inline(always)]
+fn beside(v: Vec3, w: f32) -> [f32; 4] {
+    [v.x, v.y, v.z, w]
+}
+
+#[inline(always)]
+fn set(bits: &mut u64, i: usize, is: bool) {
+    *bits = *bits & !(1 << i) | u64::from(is) << i;
+}
+
+/// Bits from `first` on.
+#[inline(always)]
+fn mask<F: Float>(bits: u64, first: usize) -> F::Mask {
+    F::Mask::from_bits((bits >> first) as u32)
+}
+
+/// Vectors from `first` on, and what stands beside them.
+#[inline(always)]
+fn vector<F: Float>(rows: &Rows, first: usize) -> (Vec3<F>, F) {
+    let rows = &rows[first..first + F::WIDTH];
+    let [x, y, z, w] = F::from_rows(
+        #[inline(always)]
+        |i| rows[i],
+    );
+    (Vec3::new(x, y, z), w)
+}
+
+#[inline(always)]
+fn vectors<F: Float>([a, b, c]: &[Rows; 3], first: usize) -> [(Vec3<F>, F); 3] {
+    [vector(a, first), vector(b, first), vector(c, first)]
+}
+
+/// Hits of one form, not [`Form::Other`], that follow one another.
 struct Run<'a> {
-    world: &'a World,
     form: Form,
-    met: Met<'a>,
-    /// Where their surfaces stand.
-    start: usize,
+    range: Range<usize>,
     out: &'a mut Surfaces,
 }
 
@@ -234,159 +381,27 @@ impl Kernel for Run<'_> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Self { world, form, met, start, out } = self;
-        for first in (0..met.order.len()).step_by(F::WIDTH) {
-            let lanes = Lanes { world, met, first };
-            let d = lanes.directions::<F>();
+        let Self { form, range, out } = self;
+        for first in range.step_by(F::WIDTH) {
+            let from = &out.gathered;
             let (end, n) = match form {
-                Form::Triangle { smooth } => lanes.triangles::<F>(smooth),
-                Form::Flat => lanes.flat::<F>(d),
-                Form::Sphere | Form::Other => lanes.spheres::<F>(d),
+                Form::Triangle => from.triangles::<F>(first),
+                Form::Flat => flat(from.flat::<F>(first)),
+                Form::Round | Form::Other => flat(from.round::<F>(first)),
             };
+            let (d, _) = vector(&from.d, first);
             // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
-            let n = Vec3::select(lanes.flipped::<F>(), -n, n);
+            let n = Vec3::select(mask::<F>(from.flipped, first), -n, n);
             let (n, leaning) = shading_normals(n, end.ng, -d);
             let frame = Frame::from_normal(n);
             let (leaning, wo) = (frame.to_local(leaning), frame.to_local(-d));
-            out.store(start + first, &Seen { end, frame, leaning, wo });
+            out.store(first, &Seen { end, frame, leaning, wo });
         }
     }
 }
 
-/// Hits in the lanes of vectors: those of a run from one on. What is left of lanes beyond does what the last hit does.
-struct Lanes<'a> {
-    world: &'a World,
-    met: Met<'a>,
-    first: usize,
-}
-
-impl<'a> Lanes<'a> {
-    #[inline(always)]
-    fn at(&self, lane: usize) -> (&'a Ray, &'a Hit) {
-        let (i, last) = (self.first + lane, self.met.order.len() - 1);
-        self.met.at(if i < last { i } else { last })
-    }
-
-    #[inline(always)]
-    fn hit(&self, lane: usize) -> &'a Hit {
-        self.at(lane).1
-    }
-
-    #[inline(always)]
-    fn directions<F: Float>(&self) -> Vec3<F> {
-        let [x, y, z, _] = F::from_rows(
-            #[inline(always)]
-            |i| {
-                let d = self.at(i).0.d;
-                [d.x, d.y, d.z, 0.0]
-            },
-        );
-        Vec3::new(x, y, z)
-    }
-
-    /// The points at the hits' distances along the rays.
-    #[inline(always)]
-    fn arrived<F: Float>(&self, d: Vec3<F>) -> DVec3<F::Double> {
-        let [x, y, z, t] = F::from_rows(
-            #[inline(always)]
-            |i| {
-                let (ray, hit) = self.at(i);
-                [ray.o.x, ray.o.y, ray.o.z, hit.t]
-            },
-        );
-        exact::along([Vec3::new(x, y, z), d], t)
-    }
-
-    #[inline(always)]
-    fn flipped<F: Float>(&self) -> F::Mask {
-        let mut bits = 0;
-        for i in 0..F::WIDTH {
-            bits |= u32::from(self.world.look(self.hit(i)).flip) << i;
-        }
-        F::Mask::from_bits(bits)
-    }
-
-    /// The mesh of a lane.
-    #[inline(always)]
-    fn mesh(&self, lane: usize) -> &'a TriangleMesh {
-        let meshes = &self.world.geometry.meshes;
-        match self.world.look(self.hit(lane)).kind {
-            Kind::Mesh(mesh) | Kind::Shapes(mesh) => &meshes[mesh as usize],
-        }
-    }
-
-    /// The shape of a lane.
-    #[inline(always)]
-    fn shape(&self, lane: usize) -> &'a Shape {
-        let hit = self.hit(lane);
-        let shapes = &self.world.geometry.shapes;
-        match self.world.look(hit).kind {
-            Kind::Mesh(first) | Kind::Shapes(first) => &shapes[(first + hit.primitive) as usize],
-        }
-    }
-
-    #[inline(always)]
-    fn triangles<F: Float>(&self, smooth: bool) -> (End<F>, Vec3<F>) {
-        let mut corners = [[[0.0; 4]; 3]; simd::BLOCK];
-        let mut flip = 0;
-        for (i, rows) in corners[..F::WIDTH].iter_mut().enumerate() {
-            let (mesh, hit) = (self.mesh(i), self.hit(i));
-            let [a, b, c] = mesh.corners(hit.primitive);
-            *rows = [[a.x, a.y, a.z, hit.u], [b.x, b.y, b.z, hit.v], [c.x, c.y, c.z, 0.0]];
-            flip |= u32::from(mesh.flip) << i;
-        }
-        let ([p0, p1, p2], uv) = three(&corners);
-        let end = mesh::end::<F>([p0, p1, p2], uv, F::Mask::from_bits(flip));
-        if !smooth {
-            return (end, end.ng);
-        }
-        for (i, rows) in corners[..F::WIDTH].iter_mut().enumerate() {
-            let normals = self.mesh(i).corner_normals(self.hit(i).primitive);
-            let [a, b, c] = normals.unwrap_or([Vec3::ZERO; 3]);
-            *rows = [[a.x, a.y, a.z, 0.0], [b.x, b.y, b.z, 0.0], [c.x, c.y, c.z, 0.0]];
-        }
-        let (normals, _) = three(&corners);
-        (end, mesh::shading_normal(normals, uv, end.ng))
-    }
-
-    #[inline(always)]
-    fn flat<F: Float>(&self, d: Vec3<F>) -> (End<F>, Vec3<F>) {
-        let level = Level::from_fn(
-            #[inline(always)]
-            |i| self.shape(i).patch().unwrap_or(&Patch::NOWHERE),
-        );
-        let end = level.nearest::<F>(self.arrived(d));
-        (end, end.ng)
-    }
-
-    #[inline(always)]
-    fn spheres<F: Float>(&self, d: Vec3<F>) -> (End<F>, Vec3<F>) {
-        let [x, y, z, radius] = F::from_rows(
-            #[inline(always)]
-            |i| match self.shape(i) {
-                Shape::Sphere(s) => [s.center.x, s.center.y, s.center.z, s.radius],
-                _ => [0.0; 4],
-            },
-        );
-        let center = Vec3::new(x, y, z);
-        let end = sphere::end::<F>((center, radius), self.arrived(d) - center.to_double());
-        (end, end.ng)
-    }
-}
-
-/// Three vectors in each lane, and the first two of the numbers that stand beside them.
+/// A surface whose shading normal is the geometric one.
 #[inline(always)]
-fn three<F: Float>(rows: &[[[f32; 4]; 3]; simd::BLOCK]) -> ([Vec3<F>; 3], [F; 2]) {
-    let [ax, ay, az, u] = columns(rows, 0);
-    let [bx, by, bz, v] = columns(rows, 1);
-    let [cx, cy, cz, _] = columns(rows, 2);
-    ([Vec3::new(ax, ay, az), Vec3::new(bx, by, bz), Vec3::new(cx, cy, cz)], [u, v])
-}
-
-#[inline(always)]
-fn columns<F: Float>(rows: &[[[f32; 4]; 3]; simd::BLOCK], k: usize) -> [F; 4] {
-    F::from_rows(
-        #[inline(always)]
-        |i| rows[i][k],
-    )
+fn flat<F: Float>(end: End<F>) -> (End<F>, Vec3<F>) {
+    (end, end.ng)
 }
