@@ -109,7 +109,7 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             if plays.any() {
                 let survive = (beta.max_lane() * eta_squared).sqrt().min(F::splat(0.95));
                 alive = alive & !(plays & numbers.roulette::<F>(first).ge(survive));
-                beta = beta * F::select(plays, F::ONE / survive, F::ONE);
+                beta *= F::select(plays, F::ONE / survive, F::ONE);
             }
 
             let wi = frames(surfaces, first).to_world(s.wi);
