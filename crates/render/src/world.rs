@@ -32,9 +32,9 @@ pub(crate) enum Kind {
     Shapes(u32),
 }
 
-/// How a geometry of the search structure looks.
+/// What shading must know of a geometry of the search structure.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
+pub(crate) struct GeometryRecord {
     pub kind: Kind,
     /// Index into the world's materials, or [`INHERIT`].
     pub material: u32,
@@ -47,7 +47,7 @@ pub(crate) struct Look {
 }
 
 /// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.
-pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<Look>() + RANK_BYTES;
+pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<GeometryRecord>() + RANK_BYTES;
 
 /// And for the order in which a render works on surfaces.
 const RANK_BYTES: usize = size_of::<u32>();
@@ -85,7 +85,7 @@ pub struct World {
     /// Which emitter to sample.
     pub lights: LightTable,
     /// By geometry of the search structure.
-    pub(crate) looks: Vec<Look>,
+    pub(crate) geometries: Vec<GeometryRecord>,
     /// By instance of the search structure: a material for what has none inside, or [`INHERIT`].
     pub(crate) instance_materials: Vec<u32>,
     /// What each node at the top of the description's world (`Scene::top_level`) became, in its order; a program's own shapes come after.
@@ -135,13 +135,19 @@ impl World {
     /// The surface at a hit of this very ray, and what a pixel sees of it by the ray's footprint.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit, footprint: &PackedFootprint) -> Surface {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let point = self.surface_point(ray, hit);
         let (n, ng) = shading_normal(point.n, point.ng, -ray.d);
         let frame = Frame::from_normal(n);
         let ng = ng.map(|ng| frame.to_local(ng));
-        let mut surface =
-            Surface { point, frame, ng, material: self.material_of(hit), emitter: look.emitter, at: None };
+        let mut surface = Surface {
+            point,
+            frame,
+            ng,
+            material: self.material_of(hit),
+            emitter: geometry.emitter,
+            at: None,
+        };
         if self.materials.vary() {
             self.look_closely(&mut surface, (ray, hit), footprint);
         }
@@ -180,18 +186,18 @@ impl World {
 
     /// How a hit point moves with its texture coordinates, and where it is on its object.
     fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, Vec3) {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
-        let point = self.local_surface(look, &local, hit);
-        let own = match look.kind {
+        let point = self.local_surface(geometry, &local, hit);
+        let own = match geometry.kind {
             Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].tangents(hit.primitive, hit.u, hit.v),
             Kind::Shapes(first) => self.geometry.tangents(first + hit.primitive, &point),
         };
         let outwards = transforms().rev().fold((own, point.n), |(tangents, n), m| {
             (tangents.to_world(m, n), m.normal(n).try_normalize().unwrap_or(n))
         });
-        let tangents = if look.flip { outwards.0.flipped() } else { outwards.0 };
+        let tangents = if geometry.flip { outwards.0.flipped() } else { outwards.0 };
         (tangents, point.p)
     }
 
@@ -214,13 +220,13 @@ impl World {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let mut point = if hit.chain.is_empty() {
-            self.local_surface(look, ray, hit)
+            self.local_surface(geometry, ray, hit)
         } else {
-            self.instanced_surface(look, ray, hit)
+            self.instanced_surface(geometry, ray, hit)
         };
-        if look.flip {
+        if geometry.flip {
             // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
             point.n = -point.n;
         }
@@ -228,8 +234,8 @@ impl World {
     }
 
     #[inline]
-    fn local_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        match look.kind {
+    fn local_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match geometry.kind {
             Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].surface(hit.primitive, hit.u, hit.v),
             Kind::Shapes(first) => {
                 let h = ShapeHit { t: hit.t, u: hit.u, v: hit.v };
@@ -240,23 +246,23 @@ impl World {
 
     /// Into the object and back out, level by level.
     #[cold]
-    fn instanced_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    fn instanced_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
-        let point = self.local_surface(look, &local, hit);
+        let point = self.local_surface(geometry, &local, hit);
         transforms().rev().fold(point, |p, m| p.to_world(m))
     }
 
-    /// How the geometry of a hit looks.
+    /// What shading must know of the geometry of a hit.
     #[inline(always)]
-    pub(crate) fn look(&self, hit: &Hit) -> &Look {
-        &self.looks[hit.geometry as usize]
+    pub(crate) fn geometry(&self, hit: &Hit) -> &GeometryRecord {
+        &self.geometries[hit.geometry as usize]
     }
 
     /// The material at a hit.
     #[inline]
     pub(crate) fn material_of(&self, hit: &Hit) -> u32 {
-        let own = self.looks[hit.geometry as usize].material;
+        let own = self.geometries[hit.geometry as usize].material;
         if own != INHERIT {
             return own;
         }

@@ -9,11 +9,11 @@ mod starting;
 mod stream;
 mod worker;
 
-use crate::film::{Film, FilmTile, MAX_SAMPLES, next_look};
+use crate::film::{Film, FilmTile, MAX_SAMPLES, Region, next_check};
 use crate::integrator::Integrator;
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{CostMeter, Plain, Probe};
-use crate::settings::{Region, Settings};
+use crate::settings::Settings;
 use crate::stopwatch::{Clock, Times};
 use crate::world::World;
 use sorting::Ranks;
@@ -94,7 +94,7 @@ impl<'w, I: Integrator> Render<'w, I> {
             film.hold_batches();
         }
         if settings.error {
-            film.tell_error(settings.evidence());
+            film.tell_error(settings.error_estimate());
         }
         if settings.cost {
             film.count_costs(clock.is_some());
@@ -172,7 +172,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         let mut probes = Vec::new();
         while self.done < self.goal && !self.is_settled() {
             // Looks come at fixed counts, however the samples are cut into passes.
-            let look = next_look(self.done);
+            let look = next_check(self.done);
             let end = if self.settings.noise.is_some() { self.goal.min(look) } else { self.goal };
             probes.append(&mut self.take::<L, P>(self.done..end, &probe));
             if self.is_midway() {
@@ -180,7 +180,7 @@ impl<'w, I: Integrator> Render<'w, I> {
             }
             if let Some(target) = self.settings.noise.filter(|_| self.done == look) {
                 for tile in &mut self.film.tiles {
-                    tile.look(look, target);
+                    tile.check(look, target);
                 }
             }
         }

@@ -5,7 +5,7 @@ use crate::lanes::Rgb;
 use crate::material::BsdfKind;
 use crate::surface::Form;
 use crate::texture::ShadingPoint;
-use crate::world::{INHERIT, Look, World};
+use crate::world::{GeometryRecord, INHERIT, World};
 use std::collections::BTreeSet;
 use straal_accel::Hit;
 
@@ -43,14 +43,20 @@ impl Ranks {
             let kind = kinds.get(material as usize).copied().unwrap_or(Kind::Varying);
             (kind, material, form)
         };
-        let own = |look: &Look| (look.material != INHERIT).then(|| key(look.material, world.form(look)));
+        let own = |geometry: &GeometryRecord| {
+            (geometry.material != INHERIT).then(|| key(geometry.material, world.form(geometry)))
+        };
         let inherited = |material| key(material, Form::Other);
         let all: BTreeSet<_> =
-            world.looks.iter().filter_map(own).chain(materials.clone().map(inherited)).collect();
+            world.geometries.iter().filter_map(own).chain(materials.clone().map(inherited)).collect();
         let all: Vec<_> = all.into_iter().collect();
         let rank = |key| all.binary_search(&key).map_or(0, |rank| rank as u32);
         Self {
-            of_geometry: world.looks.iter().map(|look| own(look).map_or(INHERIT, rank)).collect(),
+            of_geometry: world
+                .geometries
+                .iter()
+                .map(|geometry| own(geometry).map_or(INHERIT, rank))
+                .collect(),
             inherited: materials.map(|material| rank(inherited(material))).collect(),
             kinds: all.iter().map(|&(kind, ..)| kind).chain([Kind::Missed]).collect(),
         }

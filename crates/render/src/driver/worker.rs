@@ -262,11 +262,9 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             for i in old..paths.len() {
                 let (ray, hit) = (&rays[i], &self.hits[i]);
                 if hit.is_hit() {
-                    let first = FirstHit {
-                        world,
-                        surface: world.surface(ray, hit, &PackedFootprint::NONE),
-                        distance: hit.t,
-                    };
+                    let surface = world.surface(ray, hit, &PackedFootprint::NONE);
+                    let first =
+                        FirstHit { albedo: world.albedo(&surface), normal: surface.point.n, distance: hit.t };
                     self.samples.seen[paths[i].sample as usize] = see(&first);
                 }
             }

@@ -12,7 +12,7 @@ use crate::shape::offset::End;
 use crate::shape::patch::{Level, Patch};
 use crate::shape::{Shape, SurfacePoint, TriangleMesh, exact, mesh, sphere};
 use crate::texture::ShadingPoint;
-use crate::world::{Kind, Look, World};
+use crate::world::{GeometryRecord, Kind, World};
 use std::ops::Range;
 use straal_accel::Hit;
 use straal_math::simd::{Double, Float, Kernel, Mask, Simd};
@@ -105,13 +105,13 @@ impl Surfaces {
         let count = met.order.len().min(BLOCK);
         for (i, form) in forms[..count].iter_mut().enumerate() {
             let (ray, hit) = met.at(i);
-            let look = world.look(hit);
+            let geometry = world.geometry(hit);
             self.material[i] = world.material_of(hit);
-            self.emitter[i] = look.emitter;
+            self.emitter[i] = geometry.emitter;
             let whole = hit.chain.is_empty() && !world.materials.wants(self.material[i]).point;
-            *form = if whole { world.form(look) } else { Form::Other };
+            *form = if whole { world.form(geometry) } else { Form::Other };
             if *form != Form::Other {
-                self.gathered.take(i, world, (ray, hit), look);
+                self.gathered.take(i, world, (ray, hit), geometry);
             }
         }
         // What the last vector of a run writes beyond its end is overwritten by the next run.
@@ -207,9 +207,9 @@ struct Seen<F> {
 impl World {
     /// How the surface of a geometry may be computed, where its material asks for no more.
     #[inline]
-    pub(crate) fn form(&self, look: &Look) -> Form {
-        match look.kind {
-            _ if look.emission_varies => Form::Other,
+    pub(crate) fn form(&self, geometry: &GeometryRecord) -> Form {
+        match geometry.kind {
+            _ if geometry.emission_varies => Form::Other,
             Kind::Mesh(_) => Form::Triangle,
             Kind::Shapes(first) => match &self.geometry.shapes[first as usize] {
                 Shape::Sphere(_) => Form::Round,
@@ -267,10 +267,10 @@ impl Default for Gathered {
 impl Gathered {
     /// Takes what a hit's surface is made from; its form is one of those that are computed side by side.
     #[inline]
-    fn take(&mut self, i: usize, world: &World, (ray, hit): (&Ray, &Hit), look: &Look) {
+    fn take(&mut self, i: usize, world: &World, (ray, hit): (&Ray, &Hit), geometry: &GeometryRecord) {
         self.d[i] = beside(ray.d, 0.0);
-        set(&mut self.flipped, i, look.flip);
-        match look.kind {
+        set(&mut self.flipped, i, geometry.flip);
+        match geometry.kind {
             Kind::Mesh(mesh) => self.take_triangle(i, &world.geometry.meshes[mesh as usize], hit),
             Kind::Shapes(first) => {
                 self.o[i] = beside(ray.o, hit.t);
