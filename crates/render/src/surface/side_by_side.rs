@@ -105,11 +105,18 @@ impl Surfaces {
         footprint: impl Fn(u32) -> PackedFootprint,
     ) {
         self.apart.clear();
-        let mut likes = [Alike::Apart; BLOCK];
         let count = met.order.len().min(BLOCK);
+        // Rays and hits lie here and there in memory: a loop that does little else asks for many of them at once.
+        let mut geometries = [0; BLOCK];
+        for (i, geometry) in geometries[..count].iter_mut().enumerate() {
+            let (ray, hit) = met.at(i);
+            self.gathered.d[i] = beside(ray.d, 0.0);
+            *geometry = hit.geometry;
+        }
+        let mut likes = [Alike::Apart; BLOCK];
         for (i, alike) in likes[..count].iter_mut().enumerate() {
             let (ray, hit) = met.at(i);
-            let geometry = world.geometry(hit);
+            let geometry = &world.geometries[geometries[i] as usize];
             self.material[i] = world.material_of(hit);
             self.emitter[i] = geometry.emitter;
             let whole = hit.chain.is_empty() && !world.materials.wants(self.material[i]).point;
@@ -272,10 +279,9 @@ impl Default for Gathered {
 }
 
 impl Gathered {
-    /// Takes what a hit's surface is made from.
+    /// Takes what a hit's surface is made from, besides the ray's direction.
     #[inline]
     fn take(&mut self, i: usize, world: &World, (ray, hit): (&Ray, &Hit), geometry: &GeometryRecord) {
-        self.d[i] = beside(ray.d, 0.0);
         set(&mut self.flipped, i, geometry.flip);
         match geometry.kind {
             Kind::Mesh(mesh) => self.take_triangle(i, &world.geometry.meshes[mesh as usize], hit),
