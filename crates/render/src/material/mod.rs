@@ -43,7 +43,10 @@ mod dispersive;
 pub mod fresnel;
 mod ggx;
 mod list;
+mod microfacet;
 mod mirror;
+pub mod open_pbr;
+mod principled;
 mod rough_conductor;
 pub mod shaded;
 #[cfg(test)]
@@ -57,6 +60,8 @@ pub use dielectric::{Dielectric, DielectricMaterial};
 pub use diffuse::{Diffuse, DiffuseMaterial};
 pub use dispersive::DispersiveDielectric;
 pub use mirror::{Mirror, MirrorMaterial};
+pub use open_pbr::{Interior, OpenPbr, OpenPbrMaterial};
+pub use principled::{Principled, PrincipledMaterial};
 pub use rough_conductor::RoughConductor;
 pub use shaded::Shaded;
 
@@ -69,6 +74,10 @@ list::materials! {
     Dielectric(DielectricMaterial),
     /// A metal, polished or rough.
     Conductor(ConductorMaterial),
+    /// The layers of OpenPBR.
+    OpenPbr(Box<OpenPbrMaterial>),
+    /// Disney's, as Mitsuba has it.
+    Principled(PrincipledMaterial),
 }
 
 list::bsdfs! {
@@ -86,6 +95,10 @@ list::bsdfs! {
     Conductor(Conductor),
     /// As rough metal.
     RoughConductor(RoughConductor),
+    /// By the layers of OpenPBR.
+    OpenPbr(OpenPbr),
+    /// As Disney's.
+    Principled(Principled),
     /// As a user of the library says.
     Custom(CustomBsdf<'w>),
 }
@@ -110,6 +123,31 @@ pub(crate) trait Recipe: Sized {
     /// Some for the tests, each with the kind of BSDF as which it is read.
     #[cfg(test)]
     fn examples() -> Vec<(Self, BsdfKind)>;
+}
+
+/// A large one.
+impl<R: Recipe> Recipe for Box<R> {
+    type Described = R::Described;
+
+    const CLEAR: bool = R::CLEAR;
+
+    fn of(described: &R::Described, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        R::of(described, paint).map(Self::new)
+    }
+
+    fn wants(&self) -> Wants {
+        (**self).wants()
+    }
+
+    #[inline]
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        (**self).bsdf(at, reading)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, BsdfKind)> {
+        R::examples().into_iter().map(|(recipe, kind)| (Self::new(recipe), kind)).collect()
+    }
 }
 
 /// What a kind of BSDF does, by [the contract](self). It is small, plain data.

@@ -14,16 +14,35 @@ pub(crate) struct Example {
     pub focus: i32,
     /// The share of light that comes back in the first lane, where the model promises one for all angles.
     pub albedo: Option<f64>,
+    /// Whether light passes through it.
+    pub passes: bool,
+    /// Whether no more comes out than goes in for each direction to the viewer alone, not for each direction of a light as well: it isn't
+    /// reciprocal, and what light paths see is the adjoint.
+    pub one_way: bool,
+    /// By how much more may come out than goes in: the error of fits and tables.
+    pub gain: f64,
 }
 
 impl Example {
     /// One without sharp lobes that promises no albedo.
     pub const fn new(name: &'static str, bsdf: Bsdf<'static>) -> Self {
-        Self { name, bsdf, focus: 1, albedo: None }
+        Self { name, bsdf, focus: 1, albedo: None, passes: false, one_way: false, gain: 1e-6 }
     }
 
     pub const fn albedo(self, share: f64) -> Self {
         Self { albedo: Some(share), ..self }
+    }
+
+    pub const fn passes(self) -> Self {
+        Self { passes: true, ..self }
+    }
+
+    pub const fn one_way(self) -> Self {
+        Self { one_way: true, ..self }
+    }
+
+    pub const fn gain(self, gain: f64) -> Self {
+        Self { gain, ..self }
     }
 
     pub const fn focus(self, focus: i32) -> Self {

@@ -9,8 +9,8 @@ use crate::decode::{Decoder, Keys};
 use crate::desc::{
     Bezier, CameraAt, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment,
     EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Gaussian, Index, Lens, LensProfile,
-    Measured, Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight,
-    Triangle, TriangleMesh, Viewpoint,
+    Measured, Observer, Orthographic, Panorama, Perspective, Plane, Principled, Rectangle, SpectralChannels,
+    SpotLight, Triangle, TriangleMesh, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -329,6 +329,15 @@ pub(super) fn conductor(c: &Conductor, keys: &Keys<'_>, d: &mut Decoder) {
             d.push(Diagnostic::error(keys.owner(), message));
             return;
         }
+    }
+}
+
+/// The index of refraction is told in one way.
+pub(super) fn principled(p: &Principled, keys: &Keys<'_>, d: &mut Decoder) {
+    if p.eta.is_some() && p.specular.is_some() {
+        let message = "`principled` takes `eta` or `specular`, not both";
+        let other = (keys.key_span("eta"), "`eta` is here");
+        d.push(Diagnostic::error(keys.key_span("specular"), message).related(other.0, other.1));
     }
 }
 
