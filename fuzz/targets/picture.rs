@@ -1,4 +1,4 @@
-//! Any bytes as a picture: EXR, PNG, HDR or PFM, told by how they begin.
+//! Any bytes as a picture: of all formats, told by how they begin.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
@@ -6,6 +6,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let limits = straal_formats::Limits { max_pixels: 1 << 20, max_samples: 1 << 22, ..Default::default() };
     let _ = straal_formats::image::header(bytes, &limits);
     let _ = straal_formats::image::surroundings(bytes, &limits);
+    let _ = straal_formats::image::bitmap(bytes, &limits);
     let _ = straal_formats::image::png::read_metadata(bytes, &limits);
     if let Ok(picture) = straal_formats::image::exr::read(bytes, &limits) {
         let _ = picture.beauty();

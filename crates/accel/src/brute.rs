@@ -18,6 +18,7 @@ impl Brute {
 }
 
 impl Search for Brute {
+    #[inline(always)]
     fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
@@ -29,6 +30,7 @@ impl Search for Brute {
         }
     }
 
+    #[inline(always)]
     fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         self.prims.iter().any(|&prim| q.prim_occluded(at, prim))
     }

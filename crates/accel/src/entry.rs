@@ -257,7 +257,7 @@ fn closest_in<K: Kernel, const COUNT: bool>(q: &mut Query<'_, K, COUNT>, at: &Pl
     let stage = q.scene;
     match &stage.searchers[at.group.index] {
         Searcher::Bvh(s) => s.closest(q, at, best),
-        other => closest_by(q, other, at, best),
+        searcher => q.kernel.run(ClosestBy { q, searcher, at, best }),
     }
 }
 
@@ -268,29 +268,41 @@ fn occluded_in<K: Kernel, const COUNT: bool>(q: &mut Query<'_, K, COUNT>, at: &P
     at.group.unbounded.iter().any(|&object| q.object_occluded(at, object))
         || match &stage.searchers[at.group.index] {
             Searcher::Bvh(s) => s.occluded(q, at),
-            other => occluded_by(q, other, at),
+            searcher => q.kernel.run(OccludedBy { q, searcher, at }),
         }
 }
 
 /// Searches with any structure, apart: the fast path shall not make room for what the others keep on the stack.
-#[inline(never)]
-fn closest_by<K: Kernel, const COUNT: bool>(
-    q: &mut Query<'_, K, COUNT>,
-    searcher: &Searcher,
-    at: &Place<'_>,
-    best: &mut Hit,
-) {
-    each!(searcher, s => s.closest(q, at, best));
+struct ClosestBy<'a, 'q, K: Descend, const COUNT: bool> {
+    q: &'a mut Query<'q, K, COUNT>,
+    searcher: &'a Searcher,
+    at: &'a Place<'a>,
+    best: &'a mut Hit,
+}
+
+impl<K: Kernel, const COUNT: bool> Task for ClosestBy<'_, '_, K, COUNT> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        each!(self.searcher, s => s.closest(self.q, self.at, self.best));
+    }
 }
 
 /// The same.
-#[inline(never)]
-fn occluded_by<K: Kernel, const COUNT: bool>(
-    q: &mut Query<'_, K, COUNT>,
-    searcher: &Searcher,
-    at: &Place<'_>,
-) -> bool {
-    each!(searcher, s => s.occluded(q, at))
+struct OccludedBy<'a, 'q, K: Descend, const COUNT: bool> {
+    q: &'a mut Query<'q, K, COUNT>,
+    searcher: &'a Searcher,
+    at: &'a Place<'a>,
+}
+
+impl<K: Kernel, const COUNT: bool> Task for OccludedBy<'_, '_, K, COUNT> {
+    type Answer = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        each!(self.searcher, s => s.occluded(self.q, self.at))
+    }
 }
 
 /// `Descend::closest_slice` in code that may use the instruction set. Only the wide tree searches slices.

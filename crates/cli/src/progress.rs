@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use straal::{Blocks, FIRST_LOOK, Progress};
+use straal::{Blocks, FIRST_CHECK, Progress};
 use straal_math::ops::{exp_d, ln_d};
 
 /// Time between two lines where no terminal is.
@@ -109,7 +109,7 @@ impl Foresight {
         self.work += open as f64 * (samples - self.samples) as f64;
         self.samples = samples;
         // Before the first look nothing can have ended.
-        if samples >= u64::from(FIRST_LOOK) && self.looks.last().is_none_or(|l| l.1 > left) {
+        if samples >= u64::from(FIRST_CHECK) && self.looks.last().is_none_or(|l| l.1 > left) {
             self.looks.push((samples, left));
         }
         let &(now, last) = self.looks.last().filter(|l| l.1 > 0)?;

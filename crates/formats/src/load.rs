@@ -19,6 +19,8 @@ use crate::mesh_file::{self, MeshFile};
 use crate::studio::{self, Studio};
 use crate::{Limits, ReadError, foreign, image, spd, yaml};
 
+mod bitmaps;
+
 /// How a scene is loaded.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
@@ -243,7 +245,8 @@ fn locate(
     let mut paths = BTreeMap::new();
     let meshes = scene.mesh_files().into_iter().map(|asset| &asset.file);
     let images = scene.image_files().into_iter().map(|asset| &asset.file);
-    for file in meshes.chain(images).chain(scene.spectrum_files()) {
+    let bitmaps = scene.bitmap_files().into_iter().map(|asset| &asset.file);
+    for file in meshes.chain(images).chain(bitmaps).chain(scene.spectrum_files()) {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
@@ -325,6 +328,7 @@ impl Reader<'_> {
                 self.hashes.insert(file.value.clone(), *hash);
             }
         }
+        self.bitmaps(scene, paths, &mut assets);
         for file in scene.spectrum_files() {
             let Some(path) = paths.get(&file.value) else { continue };
             if assets.spectra.contains_key(&file.value) {

@@ -255,6 +255,25 @@ fn pictures() {
     assert!(cases > 5000, "{cases}");
 }
 
+/// Pictures that other programs made, as textures take them.
+#[test]
+fn pictures_of_codes() {
+    let limits = Limits { max_pixels: 1 << 20, ..Limits::default() };
+    let mut cases = 0;
+    for name in [
+        "steps-runs.tga",
+        "steps-runs.bmp",
+        "steps-alpha.webp",
+        "steps-lossy.webp",
+        "steps-progressive.jpg",
+        "steps-cmyk.jpg",
+    ] {
+        let sample = std::fs::read(format!("../../tests/pictures/{name}")).unwrap();
+        cases += storm(name, &sample, |bytes| image::bitmap(bytes, &limits));
+    }
+    assert!(cases > 6000, "{cases}");
+}
+
 /// The same picture in every way that the `exr` crate can write it, besides our own.
 #[test]
 fn openexr() {

@@ -77,6 +77,17 @@ impl<F: Float> SampleName<F> {
         }
     }
 
+    /// Gives `f` the name of each lane.
+    #[inline(always)]
+    pub fn for_each(&self, mut f: impl FnMut(usize, SampleName)) {
+        let (pixel, node) = (self.pixel.to_array(), self.node.to_array());
+        let reversed_index = self.reversed_index.to_array();
+        for i in 0..F::WIDTH {
+            let (pixel, node) = (pixel.as_ref()[i], node.as_ref()[i]);
+            f(i, SampleName { pixel, node, reversed_index: reversed_index.as_ref()[i] });
+        }
+    }
+
     /// The same sample at another node.
     #[inline(always)]
     pub fn at(self, node: F::Uint) -> Self {

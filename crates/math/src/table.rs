@@ -86,12 +86,12 @@ impl Table1 {
     /// As [`Self::sample`], in each lane.
     #[inline(always)]
     pub fn samples<F: Float>(&self, u: F) -> Choices<F> {
-        self.whole().choose([F::Uint::splat(0); 2], u)
+        self.whole().choose(List::among(F::Uint::splat(0), self.len(), self.guide.len()), u)
     }
 
     #[inline(always)]
     fn whole(&self) -> Lists<'_> {
-        Lists { cdfs: &self.cdf, guides: &self.guide, len: self.len(), guide_len: self.guide.len() }
+        Lists { cdfs: &self.cdf, guides: &self.guide }
     }
 
     /// The probability of an entry; 0 beyond the list.
@@ -190,10 +190,11 @@ impl Table2 {
     #[inline(always)]
     pub fn samples<F: Float>(&self, u: [F; 2]) -> Points2<F> {
         let row = self.rows.samples(u[1]);
-        let lists = self.lists();
-        let column = lists.choose(lists.starts(row.index), u[0]);
+        let list = List::among(row.index, self.width, guide_len(self.width));
+        let column = self.lists().choose(list, u[0]);
+        let [width, height] = self.size().map(|n| F::Uint::splat(n as u32));
         Points2 {
-            uv: [place(column, self.width), place(row, self.rows.len())],
+            uv: [place(column, width), place(row, height)],
             texel: [column.index, row.index],
             pdf: self.density(column.pmf, row.pmf),
         }
@@ -202,8 +203,8 @@ impl Table2 {
     /// The density at a point of the unit square, 0 outside; or at many.
     #[inline(always)]
     pub fn pdf<F: Float>(&self, uv: [F; 2]) -> F {
-        let (across, x) = texel_of(uv[0], self.width);
-        let (along, y) = texel_of(uv[1], self.rows.len());
+        let (across, x) = texel_of(uv[0], F::Uint::splat(self.width as u32));
+        let (along, y) = texel_of(uv[1], F::Uint::splat(self.rows.len() as u32));
         F::select(across & along, self.texel_pdfs([x, y]), F::ZERO)
     }
 
@@ -219,8 +220,8 @@ impl Table2 {
     /// As [`Self::texel_pdf`], in each lane.
     #[inline(always)]
     pub fn texel_pdfs<F: Float>(&self, texel: [F::Uint; 2]) -> F {
-        let lists = self.lists();
-        let pdf = self.density(lists.pmf(lists.starts(texel[1])[0], texel[0]), self.rows.pmfs(texel[1]));
+        let start = texel[1].wrapping_mul(F::Uint::splat(self.width as u32 + 1));
+        let pdf = self.density(self.lists().pmf(start, texel[0]), self.rows.pmfs(texel[1]));
         let [width, height] = self.size();
         let within = texel[0].lt(F::Uint::splat(width as u32)) & texel[1].lt(F::Uint::splat(height as u32));
         F::select(within, pdf, F::ZERO)
@@ -229,8 +230,8 @@ impl Table2 {
     /// The numbers that [`Self::sample`] turns into this point, but for rounding; `None` outside of the square and
     /// where the density is 0.
     pub fn invert(&self, uv: [f32; 2]) -> Option<[f32; 2]> {
-        let (across, x) = texel_of(uv[0], self.width);
-        let (along, y) = texel_of(uv[1], self.rows.len());
+        let (across, x) = texel_of(uv[0], self.width as u32);
+        let (along, y) = texel_of(uv[1], self.rows.len() as u32);
         if !(across && along) {
             return None;
         }
@@ -253,13 +254,109 @@ impl Table2 {
     /// All rows.
     #[inline(always)]
     fn lists(&self) -> Lists<'_> {
-        let guide_len = guide_len(self.width);
-        Lists { cdfs: &self.cdfs, guides: &self.guides, len: self.width, guide_len }
+        Lists { cdfs: &self.cdfs, guides: &self.guides }
     }
 
     #[inline(always)]
     fn density<F: Float>(&self, column_pmf: F, row_pmf: F) -> F {
         (column_pmf * self.width as f32) * (row_pmf * self.rows.len() as f32)
+    }
+}
+
+/// Several grids, of which each lane asks one.
+#[derive(Clone, Debug, Default)]
+pub struct Tables2 {
+    /// Of each grid its rows as a list, then its rows one by one, as in [`Table1`].
+    cdfs: Vec<u32>,
+    guides: Vec<u32>,
+    /// Eight numbers for each grid, see [`Grids`].
+    grids: Vec<u32>,
+}
+
+/// The grids that lanes ask.
+struct Grids<F: Float> {
+    /// Columns and rows.
+    size: [F::Uint; 2],
+    /// The list that chooses a row.
+    rows: List<F::Uint>,
+    /// The first row.
+    cells: List<F::Uint>,
+}
+
+impl Tables2 {
+    /// Bytes that a grid takes beside its cells, which take as many as those of a [`Table1`].
+    pub const BYTES: usize = 8 * size_of::<u32>();
+
+    /// None yet, but room for grids of so many cells in all.
+    pub fn with_room(cells: usize) -> Self {
+        Self { cdfs: Vec::with_capacity(cells), guides: Vec::with_capacity(cells / 2), grids: Vec::new() }
+    }
+
+    /// Adds one; `None` where all of them have more cells than indices of 31 bits reach.
+    pub fn push(&mut self, table: &Table2) -> Option<()> {
+        let index = |n: usize| i32::try_from(n).ok().map(|n| n as u32);
+        let (start, guide) = (index(self.cdfs.len())?, index(self.guides.len())?);
+        self.cdfs.extend_from_slice(&table.rows.cdf);
+        self.guides.extend_from_slice(&table.rows.guide);
+        let (cells, cells_guide) = (index(self.cdfs.len())?, index(self.guides.len())?);
+        self.cdfs.extend_from_slice(&table.cdfs);
+        self.guides.extend_from_slice(&table.guides);
+        index(self.cdfs.len())?;
+        let [width, height] = table.size().map(|n| n as u32);
+        let shift = |guide_len: usize| 24 - guide_len.trailing_zeros();
+        let shifts = [shift(table.rows.guide.len()), shift(guide_len(table.width))];
+        self.grids.extend([start, guide, cells, cells_guide, width, height, shifts[0], shifts[1]]);
+        Some(())
+    }
+
+    /// Draws a point of a grid by `u` in [0, 1)², as [`Table2::samples`]; and tells the grid's columns and rows.
+    #[inline(always)]
+    pub fn samples<F: Float>(&self, grid: F::Uint, u: [F; 2]) -> (Points2<F>, [F::Uint; 2]) {
+        let Grids { size: [width, height], rows, cells } = self.grids::<F>(grid);
+        let lists = Lists { cdfs: &self.cdfs, guides: &self.guides };
+        let row = lists.choose(rows, u[1]);
+        let one = F::Uint::splat(1);
+        let guide_len = one.shl_each(F::Uint::splat(24).wrapping_sub(cells.shift));
+        let column = lists.choose(
+            List {
+                start: cells.start.wrapping_add(row.index.wrapping_mul(width.wrapping_add(one))),
+                guide: cells.guide.wrapping_add(row.index.wrapping_mul(guide_len)),
+                ..cells
+            },
+            u[0],
+        );
+        let points = Points2 {
+            uv: [place(column, width), place(row, height)],
+            texel: [column.index, row.index],
+            pdf: (column.pmf * F::from_uint(width)) * (row.pmf * F::from_uint(height)),
+        };
+        (points, [width, height])
+    }
+
+    /// The density within a texel (column, row) of a grid, as [`Table2::texel_pdfs`], and the grid's columns and rows. The texel is one
+    /// of the grid's.
+    #[inline(always)]
+    pub fn texel_pdfs<F: Float>(&self, grid: F::Uint, [x, y]: [F::Uint; 2]) -> (F, [F::Uint; 2]) {
+        let Grids { size: [width, height], rows, cells } = self.grids::<F>(grid);
+        let lists = Lists { cdfs: &self.cdfs, guides: &self.guides };
+        let row = cells.start.wrapping_add(y.wrapping_mul(width.wrapping_add(F::Uint::splat(1))));
+        let (column_pmf, row_pmf): (F, F) = (lists.pmf(row, x), lists.pmf(rows.start, y));
+        ((column_pmf * F::from_uint(width)) * (row_pmf * F::from_uint(height)), [width, height])
+    }
+
+    #[inline(always)]
+    fn grids<F: Float>(&self, grid: F::Uint) -> Grids<F> {
+        let first = grid << 3;
+        let mut numbers = [first; 8];
+        for (k, number) in numbers.iter_mut().enumerate() {
+            *number = F::Uint::gather(&self.grids, first | k as u32);
+        }
+        let [start, guide, cells, cells_guide, width, height, row_shift, shift] = numbers;
+        Grids {
+            size: [width, height],
+            rows: List { start, guide, len: height, shift: row_shift },
+            cells: List { start: cells, guide: cells_guide, len: width, shift },
+        }
     }
 }
 
@@ -323,23 +420,41 @@ fn width(cdf: &[u32], index: usize) -> u32 {
     cdf[index + 1] - cdf[index]
 }
 
-/// Lists of the same length, one after the other, of which each lane asks one.
+/// Lists one after the other, of which each lane asks one.
+#[derive(Clone, Copy)]
 struct Lists<'a> {
     /// Of each list one more than it has entries.
     cdfs: &'a [u32],
     guides: &'a [u32],
-    /// Entries of a list.
-    len: usize,
-    guide_len: usize,
+}
+
+/// Which list a lane asks.
+#[derive(Clone, Copy)]
+struct List<U> {
+    /// Where it begins in `cdfs`.
+    start: U,
+    /// Where it begins in `guides`.
+    guide: U,
+    /// Its entries.
+    len: U,
+    /// Of a step, how far it is shifted down to its bucket in the guide, of which there are as many as 24 less this tells bits.
+    shift: U,
+}
+
+impl<U: Uint> List<U> {
+    /// Number `list` of lists of the same length.
+    #[inline(always)]
+    fn among(list: U, len: usize, guide_len: usize) -> Self {
+        Self {
+            start: list.wrapping_mul(U::splat(len as u32 + 1)),
+            guide: list.wrapping_mul(U::splat(guide_len as u32)),
+            len: U::splat(len as u32),
+            shift: U::splat(24 - guide_len.trailing_zeros()),
+        }
+    }
 }
 
 impl Lists<'_> {
-    /// Where the lists with these numbers start in `cdfs` and in `guides`.
-    #[inline(always)]
-    fn starts<U: Uint>(&self, list: U) -> [U; 2] {
-        [list.wrapping_mul(U::splat(self.len as u32 + 1)), list.wrapping_mul(U::splat(self.guide_len as u32))]
-    }
-
     /// The probability of an entry of the list that starts at `start`.
     #[inline(always)]
     fn pmf<F: Float>(&self, start: F::Uint, index: F::Uint) -> F {
@@ -349,15 +464,15 @@ impl Lists<'_> {
     }
 
     #[inline(always)]
-    fn choose<F: Float>(&self, [start, guide_start]: [F::Uint; 2], u: F) -> Choices<F> {
+    fn choose<F: Float>(&self, list: List<F::Uint>, u: F) -> Choices<F> {
         let one = F::Uint::splat(1);
         // Exact: a power of two times u. What isn't in [0, 1) lands at the nearer end.
         let scaled = ops::clamp(u, F::ZERO, F::splat(BELOW_ONE)) * STEPS as f32;
         let step = scaled.to_int();
-        let bucket = step >> (24 - self.guide_len.trailing_zeros());
-        let at = guide_start.wrapping_add(bucket);
-        let is_last = F::Uint::splat(self.guide_len as u32 - 1).eq(bucket);
-        let last = F::Uint::splat(self.len as u32 - 1);
+        let bucket = step.shr_each(list.shift);
+        let at = list.guide.wrapping_add(bucket);
+        let is_last = F::Uint::splat(STEPS - 1).shr_each(list.shift).eq(bucket);
+        let last = list.len.wrapping_sub(one);
         let mut low = F::Uint::gather(self.guides, at);
         let mut high = F::Uint::select(is_last, last, F::Uint::gather(self.guides, at.wrapping_add(one)));
         // The entry is in low..=high: the last whose steps begin at or before this one.
@@ -368,11 +483,11 @@ impl Lists<'_> {
             }
             // Lanes that have found it stay there.
             let middle = low.wrapping_add(high.wrapping_sub(low).wrapping_add(one) >> 1);
-            let begins = F::Uint::gather(self.cdfs, start.wrapping_add(middle)).le(step);
+            let begins = F::Uint::gather(self.cdfs, list.start.wrapping_add(middle)).le(step);
             low = F::Uint::select(is_open & begins, middle, low);
             high = F::Uint::select(is_open & !begins, middle.wrapping_sub(one), high);
         }
-        let at = start.wrapping_add(low);
+        let at = list.start.wrapping_add(low);
         let first = F::Uint::gather(self.cdfs, at);
         let width = F::Uint::gather(self.cdfs, at.wrapping_add(one)).wrapping_sub(first);
         let width = F::from_int(width);
@@ -389,8 +504,8 @@ fn invert(cdf: &[u32], index: usize, rest: f32) -> f32 {
 
 /// A chosen cell and what is left as a coordinate, kept within the cell whatever the rounding.
 #[inline(always)]
-fn place<F: Float>(choice: Choices<F>, cells: usize) -> F {
-    let v = (F::from_uint(choice.index) + choice.rest) / cells as f32;
+fn place<F: Float>(choice: Choices<F>, cells: F::Uint) -> F {
+    let v = (F::from_uint(choice.index) + choice.rest) / F::from_uint(cells);
     let (inside, cell) = texel_of(v, cells);
     // Else it was rounded up into the next cell.
     let below = F::from_bits(v.to_bits().wrapping_sub(F::Uint::splat(1)));
@@ -399,14 +514,67 @@ fn place<F: Float>(choice: Choices<F>, cells: usize) -> F {
 
 /// Whether a coordinate is in [0, 1), and its cell.
 #[inline(always)]
-fn texel_of<F: Float>(v: F, cells: usize) -> (F::Mask, F::Uint) {
-    let cell = (v * cells as f32).to_uint().min(F::Uint::splat(cells as u32 - 1));
+fn texel_of<F: Float>(v: F, cells: F::Uint) -> (F::Mask, F::Uint) {
+    let cell = (v * F::from_uint(cells)).to_uint().min(cells.wrapping_sub(F::Uint::splat(1)));
     (v.ge(F::ZERO) & v.lt(F::ONE), cell)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simd::{Isa, Kernel, Simd};
+
+    /// Points of grids by their numbers, with what densities are told of them.
+    struct Draws<'a>(&'a Tables2, &'a [u32], &'a [[f32; 2]]);
+
+    impl Kernel for Draws<'_> {
+        type Output = Vec<(Point2, f32, [usize; 2])>;
+
+        #[inline(always)]
+        fn run<F: Float>(self) -> Self::Output {
+            let mut all = vec![];
+            for first in (0..self.1.len()).step_by(F::WIDTH) {
+                let grid = F::Uint::load(&self.1[first..]);
+                let u = [0, 1].map(|k| F::from_fn(|i| self.2[first + i][k]));
+                let (points, size) = self.0.samples(grid, u);
+                let (told, same_size): (F, _) = self.0.texel_pdfs(grid, points.texel);
+                for i in 0..F::WIDTH {
+                    let point = Point2 {
+                        uv: points.uv.map(|v| v.lane(i)),
+                        texel: points.texel.map(|v| v.lane(i) as usize),
+                        pdf: points.pdf.lane(i),
+                    };
+                    let size = size.map(|n| n.lane(i) as usize);
+                    assert_eq!(size, same_size.map(|n| n.lane(i) as usize));
+                    all.push((point, told.lane(i), size));
+                }
+            }
+            all
+        }
+    }
+
+    #[test]
+    fn several_grids_are_drawn_from_as_each_alone() {
+        let grids: Vec<Table2> = [[1, 1], [3, 5], [32, 16], [31, 2], [1, 9]]
+            .into_iter()
+            .map(|[w, h]| {
+                let weight = |i: usize| if i % 7 == 3 { 0.0 } else { (i % 5) as f32 + 0.1 };
+                Table2::new(w, h, &(0..w * h).map(weight).collect::<Vec<_>>()).unwrap()
+            })
+            .collect();
+        let mut all = Tables2::with_room(700);
+        grids.iter().for_each(|grid| all.push(grid).unwrap());
+        let asked: Vec<u32> = (0..320).map(|i| i % 5).collect();
+        let u: Vec<[f32; 2]> =
+            (0..320).map(|i| [(i * 37 % 320) as f32 / 320.0, (i * 91 % 320) as f32 / 320.0]).collect();
+        for simd in Isa::ALL.into_iter().filter_map(Simd::new) {
+            for (i, (point, told, size)) in simd.run(Draws(&all, &asked, &u)).into_iter().enumerate() {
+                let grid = &grids[asked[i] as usize];
+                assert_eq!((point, size), (grid.sample(u[i]), grid.size()), "{simd:?}");
+                assert_eq!(told, grid.texel_pdf(point.texel), "{simd:?}");
+            }
+        }
+    }
 
     #[test]
     fn probabilities_are_what_is_drawn() {

@@ -7,6 +7,7 @@
 
 use std::f64::consts::PI;
 use straal_math::ops;
+use straal_math::simd::Float;
 use straal_math::table::Table1;
 
 /// How a pixel weighs the picture around its centre.
@@ -18,23 +19,23 @@ pub enum Filter {
     Separable(Separable),
 }
 
-/// Where a sample lies, and what it weighs.
+/// Where a sample lies, and what it weighs; or many, one in each lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FilterSample {
+pub struct FilterSample<F = f32> {
     /// Displacement from the pixel's centre, in pixels.
-    pub offset: [f32; 2],
+    pub offset: [F; 2],
     /// What the sample's light is multiplied by; 1 on average.
-    pub weight: f32,
+    pub weight: F,
 }
 
 impl Filter {
     /// A place by two numbers of [0, 1).
-    #[inline]
-    pub fn sample(&self, u: [f32; 2]) -> FilterSample {
+    #[inline(always)]
+    pub fn sample<F: Float>(&self, [u, v]: [F; 2]) -> FilterSample<F> {
         match self {
-            Self::Box => FilterSample { offset: [u[0] - 0.5, u[1] - 0.5], weight: 1.0 },
+            Self::Box => FilterSample { offset: [u - 0.5, v - 0.5], weight: F::ONE },
             Self::Separable(f) => {
-                let [x, y] = u.map(|u| f.sample(u));
+                let (x, y) = (f.sample(u), f.sample(v));
                 FilterSample { offset: [x.0, y.0], weight: x.1 * y.1 }
             }
         }
@@ -179,11 +180,11 @@ impl Separable {
     }
 
     /// Signed distance from the centre for a number in [0, 1), and the weight.
-    #[inline]
-    fn sample(&self, u: f32) -> (f32, f32) {
-        let choice = self.steps.sample(u);
-        let x = ((choice.index as f32 + choice.rest) * (2.0 / STEPS as f32) - 1.0) * self.radius;
-        (x, self.weights[choice.index])
+    #[inline(always)]
+    fn sample<F: Float>(&self, u: F) -> (F, F) {
+        let choice = self.steps.samples(u);
+        let x = ((F::from_uint(choice.index) + choice.rest) * (2.0 / STEPS as f32) - 1.0) * self.radius;
+        (x, F::gather(&self.weights, choice.index))
     }
 
     /// The step that a place belongs to, in pixels from the centre.

@@ -1,4 +1,11 @@
-//! A hit as shading sees it.
+//! A hit as shading sees it: one, or many [side by side](Surfaces).
+
+mod columns;
+mod side_by_side;
+
+pub use columns::{BLOCK, Column, Vectors};
+pub(crate) use side_by_side::Form;
+pub use side_by_side::{Met, Surfaces};
 
 use crate::shape::SurfacePoint;
 use crate::texture::ShadingPoint;

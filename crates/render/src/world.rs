@@ -5,17 +5,18 @@ use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
+use crate::light::table::Picks;
 use crate::light::{Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Surface, frame_along};
-use crate::texture::{Place, Reading, ShadingPoint, Texture};
+use crate::texture::{Place, Reading, Readings, ShadingPoint, Texture};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
-use straal_math::simd::Simd;
+use straal_math::simd::{Float, Mask, Simd, Uint};
 use straal_math::{DVec3, Frame, Ray, Vec3};
 use straal_scene::Span;
 
@@ -31,20 +32,25 @@ pub(crate) enum Kind {
     Shapes(u32),
 }
 
-/// How a geometry of the search structure looks.
+/// What shading must know of a geometry of the search structure.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
+pub(crate) struct GeometryRecord {
     pub kind: Kind,
     /// Index into the world's materials, or [`INHERIT`].
     pub material: u32,
     /// Index into [`World::emitters`].
     pub emitter: Option<u32>,
+    /// Whether what it emits differs from point to point.
+    pub emission_varies: bool,
     /// Front and back are swapped.
     pub flip: bool,
 }
 
 /// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.
-pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<Look>();
+pub const GEOMETRY_BYTES: usize = size_of::<accel::Geometry>() + size_of::<GeometryRecord>() + RANK_BYTES;
+
+/// And for the order in which a render works on surfaces.
+const RANK_BYTES: usize = size_of::<u32>();
 
 /// What a node at the top of the world became: ranges of what stands in the world's own group
 /// (`accel::Input::groups[0]`).
@@ -79,7 +85,7 @@ pub struct World {
     /// Which emitter to sample.
     pub lights: LightTable,
     /// By geometry of the search structure.
-    pub(crate) looks: Vec<Look>,
+    pub(crate) geometries: Vec<GeometryRecord>,
     /// By instance of the search structure: a material for what has none inside, or [`INHERIT`].
     pub(crate) instance_materials: Vec<u32>,
     /// What each node at the top of the description's world (`Scene::top_level`) became, in its order; a program's own shapes come after.
@@ -129,13 +135,19 @@ impl World {
     /// The surface at a hit of this very ray, and what a pixel sees of it by the ray's footprint.
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit, footprint: &PackedFootprint) -> Surface {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let point = self.surface_point(ray, hit);
         let (n, ng) = shading_normal(point.n, point.ng, -ray.d);
         let frame = Frame::from_normal(n);
         let ng = ng.map(|ng| frame.to_local(ng));
-        let mut surface =
-            Surface { point, frame, ng, material: self.material_of(hit), emitter: look.emitter, at: None };
+        let mut surface = Surface {
+            point,
+            frame,
+            ng,
+            material: self.material_of(hit),
+            emitter: geometry.emitter,
+            at: None,
+        };
         if self.materials.vary() {
             self.look_closely(&mut surface, (ray, hit), footprint);
         }
@@ -174,18 +186,18 @@ impl World {
 
     /// How a hit point moves with its texture coordinates, and where it is on its object.
     fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, Vec3) {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
-        let point = self.local_surface(look, &local, hit);
-        let own = match look.kind {
+        let point = self.local_surface(geometry, &local, hit);
+        let own = match geometry.kind {
             Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].tangents(hit.primitive, hit.u, hit.v),
             Kind::Shapes(first) => self.geometry.tangents(first + hit.primitive, &point),
         };
         let outwards = transforms().rev().fold((own, point.n), |(tangents, n), m| {
             (tangents.to_world(m, n), m.normal(n).try_normalize().unwrap_or(n))
         });
-        let tangents = if look.flip { outwards.0.flipped() } else { outwards.0 };
+        let tangents = if geometry.flip { outwards.0.flipped() } else { outwards.0 };
         (tangents, point.p)
     }
 
@@ -208,13 +220,13 @@ impl World {
 
     #[inline]
     fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let look = &self.looks[hit.geometry as usize];
+        let geometry = &self.geometries[hit.geometry as usize];
         let mut point = if hit.chain.is_empty() {
-            self.local_surface(look, ray, hit)
+            self.local_surface(geometry, ray, hit)
         } else {
-            self.instanced_surface(look, ray, hit)
+            self.instanced_surface(geometry, ray, hit)
         };
-        if look.flip {
+        if geometry.flip {
             // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
             point.n = -point.n;
         }
@@ -222,8 +234,8 @@ impl World {
     }
 
     #[inline]
-    fn local_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        match look.kind {
+    fn local_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        match geometry.kind {
             Kind::Mesh(mesh) => self.geometry.meshes[mesh as usize].surface(hit.primitive, hit.u, hit.v),
             Kind::Shapes(first) => {
                 let h = ShapeHit { t: hit.t, u: hit.u, v: hit.v };
@@ -234,16 +246,23 @@ impl World {
 
     /// Into the object and back out, level by level.
     #[cold]
-    fn instanced_surface(&self, look: &Look, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    fn instanced_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
-        let point = self.local_surface(look, &local, hit);
+        let point = self.local_surface(geometry, &local, hit);
         transforms().rev().fold(point, |p, m| p.to_world(m))
     }
 
+    /// What shading must know of the geometry of a hit.
+    #[inline(always)]
+    pub(crate) fn geometry(&self, hit: &Hit) -> &GeometryRecord {
+        &self.geometries[hit.geometry as usize]
+    }
+
+    /// The material at a hit.
     #[inline]
-    fn material_of(&self, hit: &Hit) -> u32 {
-        let own = self.looks[hit.geometry as usize].material;
+    pub(crate) fn material_of(&self, hit: &Hit) -> u32 {
+        let own = self.geometries[hit.geometry as usize].material;
         if own != INHERIT {
             return own;
         }
@@ -254,8 +273,14 @@ impl World {
     /// How light scatters there.
     #[inline]
     pub fn bsdf<L: Lanes>(&self, surface: &Surface, lanes: L) -> Bsdf<'_> {
-        let at = surface.at.as_ref().unwrap_or(&ShadingPoint::NOWHERE);
-        self.materials.bsdf(surface.material, at, &self.reading(lanes))
+        self.bsdf_at(surface.material, surface.at.as_ref(), lanes)
+    }
+
+    /// How a material scatters at a point, which is told where the material [wants](crate::material::Wants) it.
+    #[inline]
+    pub fn bsdf_at<L: Lanes>(&self, material: u32, at: Option<&ShadingPoint>, lanes: L) -> Bsdf<'_> {
+        let at = at.unwrap_or(&ShadingPoint::NOWHERE);
+        self.materials.bsdf(material, at, &self.reading(lanes))
     }
 
     /// The colour of a surface, in the work space whatever the lanes, as [`Bsdf::albedo`] of red, green and blue.
@@ -269,10 +294,10 @@ impl World {
         Reading { tables: &self.tables, lanes, textures: &self.textures }
     }
 
-    /// The material of what a ray hit; `None` where it met nothing.
-    #[inline]
-    pub(crate) fn material_hit(&self, hit: &Hit) -> Option<u32> {
-        hit.is_hit().then(|| self.material_of(hit))
+    /// How many paths side by side read colours.
+    #[inline(always)]
+    pub(crate) fn readings<'a, L: Lanes>(&'a self, lanes: &'a [L]) -> Readings<'a, L> {
+        Readings { tables: &self.tables, lanes, textures: &self.textures }
     }
 
     /// Emitters that surround the scene, with their indices.
@@ -293,12 +318,44 @@ impl World {
         self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
     }
 
+    /// [`Self::sample_light`] at many points side by side, of each the emitter that was picked there.
+    #[inline(always)]
+    pub(crate) fn sample_lights<F: Float, L: Lanes>(
+        &self,
+        picked: &Picks<F>,
+        at: &Receiver<F>,
+        v: F,
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let u = [picked.rest, v];
+        let mut all = LightSample::none();
+        let mut left = picked.pmf.gt(F::ZERO);
+        while left.any() {
+            let first = left.to_bits().trailing_zeros() as usize;
+            let emitter = picked.index.lane(first);
+            let these = left & picked.index.eq(F::Uint::splat(emitter));
+            let light = &self.emitters[emitter as usize];
+            let sample = if F::WIDTH > 1 && these.to_bits().is_power_of_two() {
+                // By itself: of many lights each is picked by few.
+                let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
+                let u = [u[0].lane(first), u[1].lane(first)];
+                let one = light.sample_many::<f32, L>(&self.geometry, &at, u, &readings.from(first));
+                LightSample::uniform(&one)
+            } else {
+                light.sample_many(&self.geometry, at, u, readings)
+            };
+            all = LightSample::select(these, sample, all);
+            left = left & !these;
+        }
+        all
+    }
+
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting
     /// surface that a ray hit.
     #[inline]
-    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, surface: &Surface) -> f32 {
+    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, point: &SurfacePoint) -> f32 {
         let light = &self.emitters[emitter as usize];
-        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, &surface.point);
+        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
         if pdf > 0.0 { self.lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 

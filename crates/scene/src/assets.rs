@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock};
 use crate::desc::Material;
 use crate::handle::{Handle, Store};
 use crate::value::{Color, FileRef};
-use crate::{Image, Mesh};
+use crate::{Bitmap, Image, Mesh};
 use straal_color::spectrum::Spectrum;
 
 /// What a mesh file's own material of a given name becomes.
@@ -34,6 +34,8 @@ pub struct Assets {
     pub meshes: Store<Mesh, MeshAsset>,
     /// Pictures.
     pub images: Store<Image, Arc<Image>>,
+    /// Pictures that textures are read off.
+    pub bitmaps: Store<Bitmap, Arc<Bitmap>>,
     /// Spectra.
     pub spectra: BTreeMap<String, Arc<Spectrum>>,
 }
@@ -52,6 +54,7 @@ impl Assets {
         }
         once(self.meshes.iter().map(|asset| &asset.mesh), Mesh::heap_bytes)
             + once(self.images.iter(), Image::heap_bytes)
+            + once(self.bitmaps.iter(), Bitmap::heap_bytes)
     }
 
     /// A mesh; an empty one where it was never read, which whoever reads has complained of.
@@ -62,6 +65,11 @@ impl Assets {
     /// A picture; a black one where it was never read, which whoever reads has complained of.
     pub fn image(&self, image: Handle<Image>) -> &Arc<Image> {
         self.images.get(image).unwrap_or(&NO_IMAGE)
+    }
+
+    /// A picture that a texture is read off; `None` where it was never read, which whoever reads has complained of.
+    pub fn bitmap(&self, bitmap: Handle<Bitmap>) -> Option<&Arc<Bitmap>> {
+        self.bitmaps.get(bitmap)
     }
 
     /// The spectrum of a file; `None` when it was never read.

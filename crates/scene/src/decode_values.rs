@@ -8,7 +8,7 @@ use straal_math::{Affine, DVec3};
 use crate::decode::{Decoder, Describe, Written};
 use crate::desc::{
     AxisAngle, ColorIn, Coordinate, Formula, Index, Material, MaterialRef, Measured, Rotation, Spectrum,
-    Step, Texture, Transform, Varying, check,
+    Step, Texture, Transform, Varying, Wrap, Wraps, check,
 };
 use crate::diagnostic::Diagnostic;
 use crate::handle::{Handle, Kind};
@@ -129,6 +129,9 @@ impl<T: Kind> Describe for Asset<T> {
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         <Spanned<String>>::schema(limit, defs)
+    }
+    fn show<'a>(&'a self, _: Limit, visitor: &mut dyn Visitor<'a>) {
+        T::show(self, visitor);
     }
 }
 
@@ -474,6 +477,29 @@ impl<T: Describe> Describe for Varying<T> {
             Self::Constant(v) => v.show(limit, visitor),
             Self::Texture(t) => t.show(limit, visitor),
         }
+    }
+}
+
+/// One for both sides, or a list of two.
+impl Describe for Wraps {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Sequence(_) => Self(<[Wrap; 2]>::read(tree, limit, d)),
+            _ => {
+                let both = Wrap::read(tree, limit, d);
+                Self([both.clone(), both])
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self([Wrap::Repeat, Wrap::Repeat])
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        let Self([u, v]) = self;
+        if u == v { u.write_to(out) } else { self.0.write_to(out) }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "anyOf": [Wrap::schema(limit, defs), <[Wrap; 2]>::schema(limit, defs)] })
     }
 }
 

@@ -4,6 +4,9 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::marker::PhantomData;
 
+use crate::value::Asset;
+use crate::visit::Visitor;
+
 /// Which mesh, or which picture: its place in the lists of [`crate::Assets`], whether it comes from a file, from a buffer inside of
 /// one, or from a program.
 pub struct Handle<T> {
@@ -99,7 +102,7 @@ impl<T, V> Store<T, V> {
 /// Handles by the names that a description gives to what they lead to: the same name leads to the same thing.
 #[derive(Clone, Debug, Default)]
 pub struct Handles {
-    known: [std::collections::BTreeMap<String, u32>; 2],
+    known: [std::collections::BTreeMap<String, u32>; 3],
 }
 
 impl Handles {
@@ -116,9 +119,12 @@ impl Handles {
 }
 
 /// What has handles.
-pub trait Kind {
+pub trait Kind: Sized {
     /// Its place among the kinds.
     const KIND: usize;
+
+    /// Shows one that a description names to whoever looks through it; nothing, unless it says otherwise.
+    fn show<'a>(_: &'a Asset<Self>, _: &mut dyn Visitor<'a>) {}
 }
 
 impl Kind for crate::Mesh {
@@ -127,6 +133,14 @@ impl Kind for crate::Mesh {
 
 impl Kind for crate::Image {
     const KIND: usize = 1;
+}
+
+impl Kind for crate::Bitmap {
+    const KIND: usize = 2;
+
+    fn show<'a>(asset: &'a Asset<Self>, visitor: &mut dyn Visitor<'a>) {
+        visitor.bitmap(asset);
+    }
 }
 
 #[cfg(test)]

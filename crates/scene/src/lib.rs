@@ -6,6 +6,7 @@
 
 mod alias;
 pub mod assets;
+pub mod bitmap;
 pub mod count;
 mod css;
 pub mod decode;
@@ -29,6 +30,7 @@ pub mod value;
 pub mod visit;
 
 pub use assets::{Assets, MeshAsset, PartMaterial};
+pub use bitmap::Bitmap;
 pub use desc::Scene;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::{is_of_a_scene, read_scene, schema};

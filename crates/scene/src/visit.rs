@@ -3,14 +3,19 @@
 //! [`Describe::show`] comes from the same definition as reading and writing does: a new key of a new
 //! material is seen by all who look for colours, without a list of colours that anyone has to keep.
 
+use crate::Bitmap;
 use crate::decode::Describe;
 use crate::desc::{Scene, Spectrum};
 use crate::limit::Limit;
+use crate::value::Asset;
 
 /// Is shown the values of a description, in the order of its keys.
 pub trait Visitor<'a> {
     /// A colour, and what its numbers must be within.
-    fn spectrum(&mut self, spectrum: &'a Spectrum, limit: Limit);
+    fn spectrum(&mut self, _spectrum: &'a Spectrum, _limit: Limit) {}
+
+    /// A picture that a texture is read off.
+    fn bitmap(&mut self, _bitmap: &'a Asset<Bitmap>) {}
 }
 
 /// A list of colours.
@@ -20,7 +25,21 @@ impl<'a> Visitor<'a> for Vec<(&'a Spectrum, Limit)> {
     }
 }
 
+/// A list of pictures.
+impl<'a> Visitor<'a> for Vec<&'a Asset<Bitmap>> {
+    fn bitmap(&mut self, bitmap: &'a Asset<Bitmap>) {
+        self.push(bitmap);
+    }
+}
+
 impl Scene {
+    /// The pictures that textures are read off, with repetitions.
+    pub fn bitmap_files(&self) -> Vec<&Asset<Bitmap>> {
+        let mut found = Vec::new();
+        self.show(Limit::FINITE, &mut found);
+        found
+    }
+
     /// Every colour of the scene, with what its numbers must be within.
     pub fn spectra(&self) -> Vec<(&Spectrum, Limit)> {
         let mut found = Vec::new();

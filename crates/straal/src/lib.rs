@@ -39,8 +39,8 @@ pub use straal_formats::studio::{self, Studio};
 pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};
 pub use straal_render::driver::Pause;
-pub use straal_render::film::{FIRST_LOOK, MAX_SAMPLES, Recording};
-pub use straal_render::settings::Region;
+pub use straal_render::film::Region;
+pub use straal_render::film::{FIRST_CHECK, MAX_SAMPLES, Recording};
 pub use straal_render::stopwatch::{Clock, Phase, Times};
 
 /// The version of the library, which goes into every picture.

@@ -7,10 +7,10 @@ use straal_color::RgbSpace;
 use straal_formats::atomic::{self, WriteError};
 use straal_formats::image::exr::{self, Channel, Layer, Window};
 use straal_formats::image::{hdr, pfm, png};
+use straal_render::film::Region;
 use straal_render::film::channel::Source;
 pub use straal_render::film::hash_of as film_hash;
 use straal_render::film::{BandLayers, ChannelLayer, Film, Layers};
-use straal_render::settings::Region;
 use straal_scene::Image;
 
 /// A rendered picture or a crop of one.
@@ -157,7 +157,7 @@ impl Picture {
         let mut metadata = self.metadata.clone();
         if let Some(error) = &l.error {
             layers.push(Layer::from_rgb("error", &error.rgb));
-            metadata.push((ERROR.to_owned(), error.evidence.name().to_owned()));
+            metadata.push((ERROR.to_owned(), error.estimate.name().to_owned()));
         }
         let costs = l.channels.iter().filter(|l| matches!(l.channel.source, Source::Search(_)));
         costs.for_each(|channel| add_channel(&mut layers, channel));

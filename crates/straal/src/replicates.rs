@@ -5,7 +5,7 @@ use crate::picture::Picture;
 use crate::resolve::Error;
 use straal_color::spectrum::Bands;
 use straal_render::film::channel;
-use straal_render::film::{BandLayers, Channel, ChannelLayer, Dropped, ErrorLayer, Evidence, Layers};
+use straal_render::film::{BandLayers, Channel, ChannelLayer, Dropped, ErrorEstimate, ErrorLayer, Layers};
 use straal_render::settings::Settings;
 use straal_render::stopwatch::Times;
 
@@ -164,7 +164,7 @@ impl Sums {
         };
         let mut variance: Vec<[f32; 3]> = self.spread.iter().map(of_mean).collect();
         let error = || ErrorLayer {
-            evidence: Evidence::Replicates,
+            estimate: ErrorEstimate::Replicates,
             rgb: variance.iter().map(|v| v.map(f32::sqrt)).collect(),
         };
         let error = self.tells_error.then(error);

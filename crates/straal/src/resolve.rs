@@ -9,9 +9,10 @@ use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
 use straal_render::compile::CompileError;
 use straal_render::driver::RenderError;
+use straal_render::film::Region;
 use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
 use straal_render::integrator::AnyIntegrator;
-use straal_render::settings::{Region, Settings};
+use straal_render::settings::Settings;
 use straal_scene::desc;
 use straal_scene::memory::Shortage;
 

@@ -104,6 +104,7 @@ fn memory_as_json(needs: &Forecast) -> Json {
         "building": needs.building,
         "lights": needs.lights,
         "images": needs.images,
+        "textures": needs.textures,
         "film": needs.film,
         "layers": needs.layers,
         "threads": needs.threads,
@@ -154,6 +155,7 @@ fn tell(needs: &Forecast, frame: &str, structure: &str) -> String {
         ("search", needs.search, structure),
         ("lights", needs.lights, ""),
         ("images", needs.images, ""),
+        ("textures", needs.textures, "with their smaller copies"),
         ("scene", needs.scene, "its text"),
         ("threads", needs.threads + needs.program, of_threads.as_str()),
     ];

@@ -197,11 +197,11 @@ fn begins(job: &Job) -> String {
 fn ends_by_noise(noise: f64, most: u32) -> String {
     let percent = tell_percent(noise);
     let limit = count(most.into(), "sample");
-    if most < straal::FIRST_LOOK {
+    if most < straal::FIRST_CHECK {
         return format!(
             "warning: no block can be found to be within {percent} of noise: that is looked at first after {} samples, and no \
              pixel gets more than {limit}",
-            straal::FIRST_LOOK
+            straal::FIRST_CHECK
         );
     }
     format!(

@@ -7,6 +7,7 @@ use std::io::{self, Write};
 
 use straal_color::{Chromaticity, RgbSpace};
 use straal_scene::Image;
+use straal_scene::bitmap::Number;
 
 use super::header::PIXEL;
 use super::{Format, Photo};
@@ -240,6 +241,7 @@ impl Header {
             height: self.height(),
             channels: 3,
             decoded_bytes: pixels.saturating_mul(PIXEL).saturating_add(4 * self.line_length as u64),
+            texel: super::Header::texel(Number::Single, 3),
         }
     }
 

@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::{exr, hdr, pfm, png};
+use straal_scene::bitmap::TexelFormat;
+
+use super::{bmp, exr, hdr, jpeg, pfm, png, tga, webp};
 use crate::{Limits, ReadError};
 
 /// A format of pictures that can be read.
@@ -18,6 +20,14 @@ pub enum Format {
     Hdr,
     /// Portable float map.
     Pfm,
+    /// JPEG.
+    Jpeg,
+    /// WebP.
+    Webp,
+    /// Truevision TGA.
+    Tga,
+    /// BMP.
+    Bmp,
 }
 
 /// A picture's size and what it costs to read.
@@ -33,6 +43,8 @@ pub struct Header {
     pub channels: usize,
     /// The most bytes that [`super::read`] takes at a time, besides those of the file.
     pub decoded_bytes: u64,
+    /// The largest texel that [`super::bitmap()`] makes of a pixel.
+    pub texel: TexelFormat,
 }
 
 /// Bytes of a pixel of three floats.
@@ -46,11 +58,15 @@ impl Format {
             [0x89, b'P', b'N', b'G', ..] => Ok(Self::Png),
             [b'#', b'?', ..] => Ok(Self::Hdr),
             [b'P', b'F' | b'f', ..] => Ok(Self::Pfm),
+            [0xff, 0xd8, 0xff, ..] => Ok(Self::Jpeg),
+            [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Ok(Self::Webp),
+            [b'B', b'M', ..] => Ok(Self::Bmp),
             [] => Err(ReadError::file("the file is empty")),
-            [0xff, 0xd8, 0xff, ..] => {
-                Err(ReadError::file("JPEG pictures are not supported; EXR, HDR, PFM and PNG are"))
-            }
-            _ => Err(ReadError::file("not a picture that straal knows: EXR, HDR, PFM and PNG are")),
+            // It has no mark.
+            _ if tga::is_one(bytes) => Ok(Self::Tga),
+            _ => Err(ReadError::file(
+                "not a picture that straal knows: BMP, EXR, HDR, JPEG, PFM, PNG, TGA and WebP are",
+            )),
         }
     }
 }
@@ -63,6 +79,10 @@ pub fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
         Format::Png => png::header(bytes, limits),
         Format::Hdr => hdr::header(bytes, limits),
         Format::Pfm => pfm::header(bytes, limits),
+        Format::Jpeg => jpeg::header(bytes, limits),
+        Format::Webp => webp::header(bytes, limits),
+        Format::Tga => tga::header(bytes, limits),
+        Format::Bmp => bmp::header(bytes, limits),
     }?;
     limits.check_decoded(header.decoded_bytes)?;
     Ok(header)

@@ -1,12 +1,21 @@
 //! Readers and writers of pictures.
 
+mod bitmap;
+pub mod bmp;
+mod coded;
 pub mod exr;
 pub mod hdr;
 mod header;
+mod icc;
+pub mod jpeg;
+mod light;
 pub mod pfm;
 mod photo;
 pub mod png;
+pub mod tga;
+pub mod webp;
 
+pub use bitmap::bitmap;
 pub use header::{Format, Header, header};
 pub use photo::{Fault, Faults, Photo, framed, surroundings};
 

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use straal_scene::Image;
+use straal_scene::bitmap::Number;
 
 use super::header::PIXEL;
 use super::{Format, Header};
@@ -42,7 +43,8 @@ pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError>
     let Start { channels, width, height, .. } = Start::parse(bytes)?;
     let pixels = limits.check_size(width.into(), height.into())? as u64;
     let (width, height) = (width as usize, height as usize);
-    Ok(Header { format: Format::Pfm, width, height, channels, decoded_bytes: pixels.saturating_mul(PIXEL) })
+    let (decoded_bytes, texel) = (pixels.saturating_mul(PIXEL), Header::texel(Number::Single, channels));
+    Ok(Header { format: Format::Pfm, width, height, channels, decoded_bytes, texel })
 }
 
 /// What stands before the pixels.

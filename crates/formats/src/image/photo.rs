@@ -4,7 +4,7 @@ use straal_color::{Adaptation, RgbSpace, Space};
 use straal_scene::Image;
 
 use super::exr::{self, Beauty, Window};
-use super::{Format, hdr, pfm, png};
+use super::{Format, bmp, hdr, jpeg, pfm, png, tga, webp};
 use crate::{Limits, ReadError};
 
 /// The colours of a picture, with what its file says of them.
@@ -22,7 +22,7 @@ pub struct Photo {
     pub space: Option<RgbSpace>,
     /// The layer of an EXR that they come from.
     pub layer: String,
-    /// How a PNG encodes light.
+    /// How a picture of codes encodes light.
     pub encoding: Option<png::Encoding>,
     /// Texts of the file by their keys.
     pub metadata: Vec<(String, String)>,
@@ -58,6 +58,10 @@ impl Photo {
             Format::Png => png::read_photo(bytes, limits),
             Format::Hdr => hdr::read_photo(bytes, limits),
             Format::Pfm => Ok(Self::of_image(Format::Pfm, pfm::read(bytes, limits)?)),
+            Format::Jpeg => Ok(jpeg::read_codes(bytes, limits)?.into_photo()),
+            Format::Webp => Ok(webp::read_codes(bytes, limits)?.into_photo()),
+            Format::Tga => Ok(tga::read_codes(bytes, limits)?.into_photo()),
+            Format::Bmp => Ok(bmp::read_codes(bytes, limits)?.into_photo()),
         }
     }
 
@@ -168,7 +172,7 @@ impl Photo {
     }
 
     /// Makes light of what is none, as [`surroundings`] takes it, and tells what was done.
-    fn tame(&mut self) {
+    pub(super) fn tame(&mut self) {
         let faults = self.faults();
         let largest = if faults.largest > LARGEST_HALF { faults.largest } else { LARGEST_HALF };
         let tamed = |v: f32| match v {

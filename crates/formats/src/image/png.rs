@@ -3,13 +3,13 @@
 use std::io::{self, Cursor, Write};
 
 use straal_scene::Image;
+use straal_scene::bitmap::{Bitmap, Number, TexelFormat, Texels};
 
-use self::light::Light;
 use super::header::PIXEL;
-use super::{Format, Header, Photo};
+use super::light::Light;
+use super::{Format, Header, Photo, coded};
 use crate::{Limits, ReadError};
 
-mod icc;
 mod light;
 
 /// An encoded picture and the text that goes with it.
@@ -66,26 +66,10 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
 /// standard has it: the first of `cICP`, `iCCP`, `sRGB` that is there and understood, else `gAMA` and `cHRM`, else they are sRGB.
 /// Transparency is left out.
 pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
-    limits.check_bytes(bytes)?;
-    limits.check_decoded(header(bytes, limits)?.decoded_bytes)?;
-    let mut decoder = png::Decoder::new(Cursor::new(bytes));
-    decoder.set_transformations(png::Transformations::EXPAND);
-    let mut reader = decoder.read_info().map_err(told)?;
-    let (width, height) = reader.info().size();
-    let count = limits.check_size(width.into(), height.into())?;
-    // Deflate can't do better than 1:1032; a header that promises more has nothing to back it.
-    if reader.info().raw_bytes() as u64 / 2048 > bytes.len() as u64 {
-        return Err(ReadError::file(format!(
-            "the header promises {width} x {height} pixels, which can't be in a file of {} bytes",
-            bytes.len()
-        )));
-    }
-    let mut light = light_of(bytes, reader.info());
-    let metadata = texts(reader.info());
-    let (kind, depth) = reader.output_color_type();
-    let channels = kind.samples();
-    let (codes, depth) = if depth == png::BitDepth::Sixteen { (1 << 16, 2) } else { (1 << 8, 1) };
-    let tables = light.tables(codes);
+    let mut opened = Opened::new(bytes, limits)?;
+    let Opened { width, height, channels, depth, .. } = opened;
+    let codes = opened.codes();
+    let tables = opened.light.tables(codes);
     let code = |pixel: &[u8], channel: usize| match pixel[channel * depth..][..depth] {
         [high, low] => usize::from(u16::from_be_bytes([high, low])),
         [code] => usize::from(code),
@@ -94,32 +78,18 @@ pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
     let (green, blue) = if channels >= 3 { (1, 2) } else { (0, 0) };
     let has_alpha = channels % 2 == 0;
     let mut is_transparent = false;
-    let mut decode = |pixel: &[u8]| {
-        is_transparent |= has_alpha && code(pixel, channels - 1) < codes - 1;
-        [tables[0][code(pixel, 0)], tables[1][code(pixel, green)], tables[2][code(pixel, blue)]]
-    };
-    let mut pixels = Vec::with_capacity(count);
-    if reader.info().interlaced {
-        let size = reader.output_buffer_size().ok_or_else(|| ReadError::file("the picture is too large"))?;
-        let mut raw = vec![0; size];
-        reader.next_frame(&mut raw).map_err(told)?;
-        pixels.extend(raw.chunks_exact(channels * depth).take(count).map(&mut decode));
-    } else {
-        // Row by row, so that what is decoded needn't be kept.
-        while pixels.len() < count {
-            let Some(row) = reader.next_row().map_err(told)? else { break };
-            let rest = count - pixels.len();
-            pixels.extend(row.data().chunks_exact(channels * depth).take(rest).map(&mut decode));
-        }
-    }
-    reader.finish().map_err(told)?;
-    if pixels.len() < count {
-        return Err(ReadError::file("the PNG file is damaged: pixels are missing"));
-    }
+    let mut pixels = Vec::with_capacity(width * height);
+    opened.rows(|_, row| {
+        pixels.extend(row.chunks_exact(channels * depth).take(width).map(|pixel| {
+            is_transparent |= has_alpha && code(pixel, channels - 1) < codes - 1;
+            [tables[0][code(pixel, 0)], tables[1][code(pixel, green)], tables[2][code(pixel, blue)]]
+        }));
+    })?;
+    let Opened { mut light, metadata, .. } = opened;
     if is_transparent {
         light.notes.push("its transparency is left out".into());
     }
-    let image = Image { width: width as usize, height: height as usize, pixels };
+    let image = Image { width, height, pixels };
     Ok(Photo {
         space: light.space,
         encoding: Some(light.encoding),
@@ -127,6 +97,102 @@ pub fn read_photo(bytes: &[u8], limits: &Limits) -> Result<Photo, ReadError> {
         notes: light.notes,
         ..Photo::of_image(Format::Png, image)
     })
+}
+
+/// Reads a PNG of any depth and kind as a texture takes it: its codes.
+pub(super) fn read_bitmap(bytes: &[u8], limits: &Limits) -> Result<(Bitmap, Vec<String>), ReadError> {
+    let mut opened = Opened::new(bytes, limits)?;
+    let Opened { width, height, channels, depth, .. } = opened;
+    let number = if depth == 2 { Number::Short } else { Number::Byte };
+    let format = TexelFormat { number, channels: if channels == 3 { 4 } else { channels } };
+    let mut texels = Texels::new(width, height, format).ok_or_else(coded::no_memory)?;
+    opened.rows(|y, row| {
+        for (x, pixel) in row.chunks_exact(channels * depth).take(width).enumerate() {
+            // Fully there, unless it says otherwise; 16 bits in the machine's order.
+            let mut bytes = [255; 8];
+            bytes[..pixel.len()].copy_from_slice(pixel);
+            if depth == 2 {
+                for code in bytes.as_chunks_mut::<2>().0 {
+                    *code = u16::from_be_bytes(*code).to_ne_bytes();
+                }
+            }
+            texels.put(x, y, &bytes[..format.bytes()]);
+        }
+    })?;
+    let (response, space) = opened.light.of_codes(opened.codes());
+    Ok((Bitmap { texels, response, space, has_alpha: channels % 2 == 0 }, opened.light.notes))
+}
+
+/// A PNG of which all is read but its pixels.
+struct Opened<'b> {
+    reader: png::Reader<Cursor<&'b [u8]>>,
+    width: usize,
+    height: usize,
+    /// Codes of a pixel, and bytes of each, once palettes and few bits are expanded.
+    channels: usize,
+    depth: usize,
+    light: Light,
+    metadata: Vec<(String, String)>,
+}
+
+impl<'b> Opened<'b> {
+    fn new(bytes: &'b [u8], limits: &Limits) -> Result<Self, ReadError> {
+        limits.check_bytes(bytes)?;
+        limits.check_decoded(header(bytes, limits)?.decoded_bytes)?;
+        let mut decoder = png::Decoder::new(Cursor::new(bytes));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let reader = decoder.read_info().map_err(told)?;
+        let (width, height) = reader.info().size();
+        limits.check_size(width.into(), height.into())?;
+        // Deflate can't do better than 1:1032; a header that promises more has nothing to back it.
+        if reader.info().raw_bytes() as u64 / 2048 > bytes.len() as u64 {
+            return Err(ReadError::file(format!(
+                "the header promises {width} x {height} pixels, which can't be in a file of {} bytes",
+                bytes.len()
+            )));
+        }
+        let light = light_of(bytes, reader.info());
+        let metadata = texts(reader.info());
+        let (kind, depth) = reader.output_color_type();
+        let depth = if depth == png::BitDepth::Sixteen { 2 } else { 1 };
+        let (width, height) = (width as usize, height as usize);
+        Ok(Self { width, height, channels: kind.samples(), depth, light, metadata, reader })
+    }
+
+    /// How many codes there are.
+    fn codes(&self) -> usize {
+        1 << (8 * self.depth)
+    }
+
+    /// Gives `each` row after row, from the top.
+    fn rows(&mut self, mut each: impl FnMut(usize, &[u8])) -> Result<(), ReadError> {
+        let Self { reader, width, height, channels, depth, .. } = self;
+        let length = *width * *channels * *depth;
+        let mut count = 0;
+        if reader.info().interlaced {
+            let size =
+                reader.output_buffer_size().ok_or_else(|| ReadError::file("the picture is too large"))?;
+            let mut raw = vec![0; size];
+            reader.next_frame(&mut raw).map_err(told)?;
+            for row in raw.chunks_exact(length).take(*height) {
+                each(count, row);
+                count += 1;
+            }
+        } else {
+            // Row by row, so that what is decoded needn't be kept.
+            while count < *height {
+                let Some(row) = reader.next_row().map_err(told)? else { break };
+                let Some(row) = row.data().get(..length) else { break };
+                each(count, row);
+                count += 1;
+            }
+        }
+        reader.finish().map_err(told)?;
+        if count < *height {
+            return Err(ReadError::file("the PNG file is damaged: pixels are missing"));
+        }
+        Ok(())
+    }
 }
 
 fn told(error: png::DecodingError) -> ReadError {
@@ -193,6 +259,7 @@ pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError>
         height: height as usize,
         channels,
         decoded_bytes: pixels.saturating_mul(PIXEL).saturating_add(whole),
+        texel: Header::texel(if depth == 2 { Number::Short } else { Number::Byte }, expanded as usize),
     })
 }
 

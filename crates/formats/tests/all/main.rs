@@ -1,6 +1,7 @@
 //! The integration tests of this crate, in one program: linking is what costs when there are many.
 
 mod bare_mesh;
+mod bitmaps;
 mod colours;
 mod common;
 mod complaints;

@@ -1,6 +1,7 @@
 //! Double precision, for set-up.
 
 use super::{exp_log::split, inverse, poly, power_of_two, round, trig};
+use crate::simd::Double;
 use std::f64::consts::LOG2_E;
 
 /// ln 2 in two pieces; a whole number below 2^11 times the first is exact.
@@ -13,8 +14,13 @@ pub fn sin_cos_d(x: f64) -> (f64, f64) {
 }
 
 /// Arc cosine, in [0, pi]; NaN beyond [-1, 1].
-pub fn acos_d(x: f64) -> f64 {
-    inverse::acos_with(x, inverse::asin_long)
+#[inline(always)]
+pub fn acos_d<D: Double>(x: D) -> D {
+    inverse::acos_with(
+        x,
+        #[inline(always)]
+        |z| inverse::asin_long(z),
+    )
 }
 
 /// The angle of the point (x, y) in [-pi, pi], 0 along +x, counter-clockwise.

@@ -11,7 +11,11 @@ const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 #[inline(always)]
 pub fn asin<F: Float>(x: F) -> F {
     let x = x.to_double();
-    let (p, far) = asin_kernel(x.abs(), asin_short);
+    let (p, far) = asin_kernel(
+        x.abs(),
+        #[inline(always)]
+        |z| asin_short(z),
+    );
     let a = F::Double::select(far, F::Double::splat(FRAC_PI_2) - p * 2.0, p);
     F::from_double(a.copysign(x))
 }
@@ -19,7 +23,11 @@ pub fn asin<F: Float>(x: F) -> F {
 /// Arc cosine, in [0, pi]; NaN beyond [-1, 1].
 #[inline(always)]
 pub fn acos<F: Float>(x: F) -> F {
-    F::from_double(acos_with(x.to_double(), asin_short))
+    F::from_double(acos_with(
+        x.to_double(),
+        #[inline(always)]
+        |z| asin_short(z),
+    ))
 }
 
 /// Arc tangent, in [-pi/2, pi/2].
@@ -31,7 +39,12 @@ pub fn atan<F: Float>(x: F) -> F {
 /// The angle of the point (x, y) in [-pi, pi], 0 along +x, counter-clockwise.
 #[inline(always)]
 pub fn atan2<F: Float>(y: F, x: F) -> F {
-    F::from_double(atan2_with(y.to_double(), x.to_double(), atan_short))
+    F::from_double(atan2_with(
+        y.to_double(),
+        x.to_double(),
+        #[inline(always)]
+        |z| atan_short(z),
+    ))
 }
 
 /// Arc cosine by a given series for (asin(s)/s - 1)/s².

@@ -20,7 +20,7 @@ mod tests;
 pub use double::{acos_d, atan2_d, exp_d, ln_d, pow_d, sin_cos_d};
 pub use exp_log::{cbrt, cosh, exp, exp2, hypot, ln, log2, log10, pow, powi, sinh, tanh};
 pub use inverse::{acos, asin, atan, atan2};
-pub use trig::{cos, sin, sin_cos, sin_cos_degrees, sin_cos_eighth, tan};
+pub use trig::{cos, sin, sin_cos, sin_cos_degrees, sin_cos_eighth, sin_cos_two_turns, tan};
 
 /// The lesser of two; `b` when they can't be compared.
 #[inline(always)]

@@ -151,6 +151,10 @@ fn degrees_are_exact_at_the_quarters() {
     }
     assert_eq!(sin_cos_degrees(90.0 * 1e15), (0.0, 1.0));
     assert!(sin_cos_degrees(f64::INFINITY).0.is_nan());
+    for i in 0..7200 {
+        let degrees = 0.1 * f64::from(i);
+        assert_eq!(sin_cos_two_turns(degrees), sin_cos_degrees(degrees), "{degrees}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{poly, round};
 use crate::simd::{Double, Float, Mask, Ulong};
-use std::f64::consts::FRAC_2_PI;
+use std::f64::consts::{FRAC_2_PI, PI};
 
 /// pi/2 in three pieces; a whole number below 2^20 times either of the first two is exact (33 bits each).
 const PIO2: [f64; 3] = [1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21];
@@ -74,10 +74,21 @@ pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
         return (f64::NAN, f64::NAN);
     }
     // The remainder of a division is exact in IEEE 754, as is the subtraction of the nearest multiple of 90.
-    let d = degrees % 360.0;
-    let (quarters, n) = round(d / 90.0);
-    let r = (d - quarters * 90.0).to_radians();
-    turn(kernel(r, 0.0), n)
+    within_a_turn(degrees % 360.0)
+}
+
+/// [`sin_cos_degrees`] of angles from 0 to below 720 degrees, one or many side by side.
+#[inline(always)]
+pub fn sin_cos_two_turns<D: Double>(degrees: D) -> (D, D) {
+    // As exact as a remainder.
+    within_a_turn(D::select(degrees.lt(D::splat(360.0)), degrees, degrees - 360.0))
+}
+
+#[inline(always)]
+fn within_a_turn<D: Double>(degrees: D) -> (D, D) {
+    let (quarters, n) = round(degrees / 90.0);
+    let r = (degrees - quarters * 90.0) * (PI / 180.0);
+    turn(kernel(r, D::ZERO), n)
 }
 
 /// Sine and cosine to some 33 bits.
@@ -146,7 +157,8 @@ fn kernel_short<D: Double>(r: D) -> (D, D) {
 }
 
 /// Taylor series of r + tail, |r| <= pi/4 and tail below a unit in the last place of r, to double precision.
-fn kernel(r: f64, tail: f64) -> (f64, f64) {
+#[inline(always)]
+fn kernel<D: Double>(r: D, tail: D) -> (D, D) {
     const S: [f64; 8] = [
         -1.0 / 6.0,
         1.0 / 120.0,
@@ -168,12 +180,12 @@ fn kernel(r: f64, tail: f64) -> (f64, f64) {
         -1.0 / 6_402_373_705_728_000.0,
     ];
     let z = r * r;
-    let s = r + (r * z * poly(z, S) + tail * (1.0 - 0.5 * z));
-    let half = 0.5 * z;
-    let c = 1.0 - half;
+    let half = z * 0.5;
+    let s = r + (r * z * poly(z, S) + tail * (D::ONE - half));
+    let c = D::ONE - half;
     // What 1 - z/2 lost is added back.
-    let c = c + (((1.0 - c) - half) + (z * z * poly(z, C) - r * tail));
-    (if r == 0.0 { r } else { s }, c)
+    let c = c + (((D::ONE - c) - half) + (z * z * poly(z, C) - r * tail));
+    (D::select(r.eq(D::ZERO), r, s), c)
 }
 
 /// x modulo pi/2 and the count of quarter turns (modulo 4), for any |x| >= 2^20 (Payne and Hanek 1983, "Radian

@@ -330,6 +330,14 @@ pub trait Double: Arithmetic<f64> + sealed::Sealed + 'static {
         Self::from_array(lanes)
     }
 
+    /// The first numbers of a slice, which has at least [`Self::WIDTH`].
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        let mut lanes = Self::ZERO.to_array();
+        lanes.as_mut().copy_from_slice(&from[..Self::WIDTH]);
+        Self::from_array(lanes)
+    }
+
     /// One lane.
     #[inline(always)]
     fn lane(self, i: usize) -> f64 {

@@ -1,5 +1,6 @@
 //! The opening of a lens, and places drawn in it.
 
+use straal_math::simd::Float;
 use straal_math::{ops, warp};
 
 /// The opening of a lens: a shape, and how light is spread over it.
@@ -49,15 +50,27 @@ impl Iris {
 
     /// A place in the opening, to the right of the axis and above it, for a point of the unit square. None of the maps
     /// tears the square apart, so that what is spread evenly stays so.
-    #[inline]
-    pub fn sample(&self, u: [f32; 2]) -> [f32; 2] {
+    #[inline(always)]
+    pub fn sample<F: Float>(&self, u: [F; 2]) -> [F; 2] {
         let [x, y] = match &self.opening {
             Opening::Disc => warp::concentric_disc(u),
-            Opening::Bell(sigma) => bell(warp::concentric_disc(u), *sigma),
-            Opening::Polygon(corners) => polygon(u, corners),
+            Opening::Bell(sigma) => one_by_one(u, |u| bell(warp::concentric_disc(u), *sigma)),
+            Opening::Polygon(corners) => one_by_one(u, |u| polygon(u, corners)),
         };
         [x * self.radius, y * self.radius]
     }
+}
+
+/// What `f` gives for each lane's point.
+#[inline(always)]
+fn one_by_one<F: Float>([u, v]: [F; 2], f: impl Fn([f32; 2]) -> [f32; 2]) -> [F; 2] {
+    let [mut x, mut y] = [u.to_array(), v.to_array()];
+    for i in 0..F::WIDTH {
+        let [a, b] = f([x.as_ref()[i], y.as_ref()[i]]);
+        x.as_mut()[i] = a;
+        y.as_mut()[i] = b;
+    }
+    [F::from_array(x), F::from_array(y)]
 }
 
 /// Moves a point of the evenly filled disc towards or from the middle so that its density becomes a bell's. The squared

@@ -25,6 +25,12 @@ macro_rules! cameras {
                 match self { $( Self::$Kind(c) => c.ray(at), )+ }
             }
 
+            /// The rays through points of the film, side by side.
+            #[inline(always)]
+            pub fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
+                match self { $( Self::$Kind(c) => c.rays(at), )+ }
+            }
+
             /// How the ray changes from the pixel to its neighbours, moment and place on the lens staying the same;
             /// [`Footprint::NONE`] where nothing is seen.
             pub fn footprint(&self, at: &FilmPoint) -> Footprint {

@@ -12,6 +12,8 @@
 //!   (two eyes, six faces), the pixel says which of them it belongs to, so that none bleeds into another.
 //! - [`Camera::footprint`] is the ray's derivative by the place on the film: what a pixel sees, to first order.
 //! - It is a pure function of what it is given, of plain operations in a fixed order.
+//! - Rays are asked for one by one or many side by side ([`Camera::rays`]). The commonest kinds are written once for both; the
+//!   others make each ray by itself.
 //!
 //! To add one: its file, which implements `Sees` and gives examples to be tested; its line in the list below; its keys in the
 //! description.
@@ -46,6 +48,7 @@ pub use view::View;
 
 use crate::error::CompileError;
 use crate::footprint::Footprint;
+use straal_math::simd::{Float, Mask, Uint};
 use straal_math::{Ray, Vec3};
 use straal_scene::desc;
 use straal_scene::value::Name;
@@ -61,6 +64,78 @@ pub struct FilmPoint {
     pub lens: [f32; 2],
     /// Moment, 0 to 1 over the shutter.
     pub time: f32,
+}
+
+/// What camera rays are made from, side by side: a [`FilmPoint`] in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmPoints<F: Float> {
+    /// See [`FilmPoint::pixel`].
+    pub pixel: [F::Uint; 2],
+    /// See [`FilmPoint::position`].
+    pub position: [F; 2],
+    /// See [`FilmPoint::lens`].
+    pub lens: [F; 2],
+    /// See [`FilmPoint::time`].
+    pub time: F,
+}
+
+impl<F: Float> FilmPoints<F> {
+    /// That of one lane.
+    #[inline]
+    pub fn lane(&self, i: usize) -> FilmPoint {
+        let ([px, py], [x, y], [u, v]) = (self.pixel, self.position, self.lens);
+        FilmPoint {
+            pixel: [px.lane(i), py.lane(i)],
+            position: [x.lane(i), y.lane(i)],
+            lens: [u.lane(i), v.lane(i)],
+            time: self.time.lane(i),
+        }
+    }
+}
+
+impl From<&FilmPoint> for FilmPoints<f32> {
+    #[inline]
+    fn from(&FilmPoint { pixel, position, lens, time }: &FilmPoint) -> Self {
+        Self { pixel, position, lens, time }
+    }
+}
+
+/// Camera rays side by side, made from [`FilmPoints`], whose moments are theirs.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRays<F: Float> {
+    /// Where they start.
+    pub o: Vec3<F>,
+    /// Unit vectors.
+    pub d: Vec3<F>,
+    /// Whether anything is seen there.
+    pub seen: F::Mask,
+}
+
+impl<F: Float> CameraRays<F> {
+    /// Those that `f` gives, a lane each.
+    #[inline(always)]
+    fn from_fn(mut f: impl FnMut(usize) -> Option<Ray>) -> Self {
+        let (mut o, mut d) = ([F::ZERO.to_array(); 3], [F::ZERO.to_array(); 3]);
+        let mut seen = 0;
+        for i in 0..F::WIDTH {
+            let Some(ray) = f(i) else { continue };
+            seen |= 1 << i;
+            for k in 0..3 {
+                o[k].as_mut()[i] = ray.o[k];
+                d[k].as_mut()[i] = ray.d[k];
+            }
+        }
+        let vector =
+            |[x, y, z]: [F::Array; 3]| Vec3::new(F::from_array(x), F::from_array(y), F::from_array(z));
+        Self { o: vector(o), d: vector(d), seen: F::Mask::from_bits(seen) }
+    }
+}
+
+impl CameraRays<f32> {
+    #[inline]
+    fn at(self, time: f32) -> Option<Ray> {
+        self.seen.then(|| Ray { time, ..Ray::new(self.o, self.d) })
+    }
 }
 
 impl FilmPoint {
@@ -108,9 +183,24 @@ list::cameras! {
 }
 
 /// What a kind of camera does, by [the contract](self).
+///
+/// It makes its rays either one by one ([`Self::ray`]) or side by side ([`Self::rays`], which is `#[inline(always)]`), and has the other
+/// from that.
 trait Sees {
     /// See [`Camera::ray`].
-    fn ray(&self, at: &FilmPoint) -> Option<Ray>;
+    #[inline]
+    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+        self.rays(&FilmPoints::from(at)).at(at.time)
+    }
+
+    /// See [`Camera::rays`].
+    #[inline(always)]
+    fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
+        CameraRays::from_fn(
+            #[inline(always)]
+            |i| self.ray(&at.lane(i)),
+        )
+    }
 
     /// See [`Camera::footprint`].
     fn footprint(&self, at: &FilmPoint) -> Footprint;

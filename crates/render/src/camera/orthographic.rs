@@ -1,9 +1,10 @@
 //! A camera at infinity.
 
-use super::{Camera, Facts, FilmPoint, Sees, Setup, View};
+use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, View};
 use crate::error::CompileError;
 use crate::footprint::Footprint;
-use straal_math::{Ray, Vec3};
+use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
 /// Parallel rays: a point of the film is a point of a plane through the eye.
@@ -35,10 +36,11 @@ impl Orthographic {
 }
 
 impl Sees for Orthographic {
-    #[inline]
-    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    #[inline(always)]
+    fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
         let [x, y] = at.position;
-        Some(Ray { time: at.time, ..Ray::new(self.corner + self.dx * x + self.dy * y, self.forward) })
+        let o = Vec3::uniform(self.corner) + Vec3::uniform(self.dx) * x + Vec3::uniform(self.dy) * y;
+        CameraRays { o, d: Vec3::uniform(self.forward), seen: Mask::splat(true) }
     }
 
     fn footprint(&self, _: &FilmPoint) -> Footprint {

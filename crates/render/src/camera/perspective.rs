@@ -1,10 +1,13 @@
 //! An ideal pinhole.
 
 use super::facts::degrees;
-use super::{Camera, Facts, FilmPoint, Iris, Sees, Setup, Stereo, ThinLens, View, turned};
+use super::{
+    Camera, CameraRays, Facts, FilmPoint, FilmPoints, Iris, Sees, Setup, Stereo, ThinLens, View, turned,
+};
 use crate::error::CompileError;
 use crate::footprint::Footprint;
-use straal_math::{Ray, Vec3};
+use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
 /// The part of the view plane that the film sees, the plane being at distance 1 from the eye.
@@ -72,9 +75,9 @@ impl ViewPlane {
         }
     }
 
-    #[inline]
-    pub fn direction(&self, [x, y]: [f32; 2]) -> Vec3 {
-        self.corner + self.dx * x + self.dy * y
+    #[inline(always)]
+    pub fn direction<F: Float>(&self, [x, y]: [F; 2]) -> Vec3<F> {
+        Vec3::uniform(self.corner) + Vec3::uniform(self.dx) * x + Vec3::uniform(self.dy) * y
     }
 }
 
@@ -95,9 +98,10 @@ impl Perspective {
 }
 
 impl Sees for Perspective {
-    #[inline]
-    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
-        Some(Ray { time: at.time, ..Ray::new(self.eye, self.plane.direction(at.position).normalize()) })
+    #[inline(always)]
+    fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
+        let d = self.plane.direction(at.position).normalize();
+        CameraRays { o: Vec3::uniform(self.eye), d, seen: Mask::splat(true) }
     }
 
     fn footprint(&self, at: &FilmPoint) -> Footprint {

@@ -4,9 +4,10 @@
 use super::Camera;
 use super::facts::degrees;
 use super::perspective::ViewPlane;
-use super::{Facts, FilmPoint, Focus, Iris, Needs, Sees, View, Window, turned};
+use super::{CameraRays, Facts, FilmPoint, FilmPoints, Focus, Iris, Needs, Sees, View, Window, turned};
 use crate::footprint::Footprint;
-use straal_math::{Ray, Vec3};
+use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 
 /// A lens without thickness or faults: of all light that leaves a point of the plane in focus, every place on the lens sends
 /// the same to one point of the film. So the ray of a place on the film goes from any place on the lens to where the pinhole's
@@ -51,12 +52,13 @@ impl ThinLens {
 }
 
 impl Sees for ThinLens {
-    #[inline]
-    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    #[inline(always)]
+    fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
         let [x, y] = self.iris.sample(at.lens);
-        let place = self.right * x + self.up * y;
-        let towards = self.plane.direction(at.position) * self.focus - place;
-        Some(Ray { time: at.time, ..Ray::new(self.middle + place, towards.normalize()) })
+        let place = Vec3::uniform(self.right) * x + Vec3::uniform(self.up) * y;
+        let towards = self.plane.direction(at.position) * F::splat(self.focus) - place;
+        let o = Vec3::uniform(self.middle) + place;
+        CameraRays { o, d: towards.normalize(), seen: Mask::splat(true) }
     }
 
     fn footprint(&self, at: &FilmPoint) -> Footprint {

@@ -29,9 +29,7 @@ pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
         world.closest(&rays, &mut hits);
         let met = hits.iter().filter(|h| h.is_hit()).count();
         let is_glass = |h: &&Hit| {
-            { world.material_hit(h) }
-                .and_then(|m| world.materials.get(m as usize))
-                .is_some_and(Material::is_clear)
+            h.is_hit() && world.materials.get(world.material_of(h) as usize).is_some_and(Material::is_clear)
         };
         let caught = hits.iter().filter(is_glass).count();
         if met == 0 || (caught as f64) < CAUGHT * met as f64 {

@@ -92,7 +92,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
     let place::Built {
         input,
         geometry,
-        looks,
+        geometries,
         nodes,
         objects,
         instance_materials,
@@ -126,7 +126,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         sensor,
         emitters: lights.emitters,
         lights: lights.table,
-        looks,
+        geometries,
         instance_materials,
         top_level,
         environments: lights.environments,

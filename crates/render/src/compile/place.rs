@@ -9,7 +9,7 @@ use crate::paint::Paint;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
 use crate::texture::Value;
-use crate::world::{INHERIT, Kind, Look, TopLevel};
+use crate::world::{GeometryRecord, INHERIT, Kind, TopLevel};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
@@ -53,7 +53,7 @@ pub(super) struct Build<'a> {
     materials: Materials<'a>,
     geometry: Geometry,
     input: accel::Input,
-    looks: Vec<Look>,
+    geometries: Vec<GeometryRecord>,
     /// The node that each geometry comes from; none of a program's own.
     nodes: Vec<Option<&'a Node>>,
     /// The node that the walk is at.
@@ -77,7 +77,7 @@ pub(super) struct Build<'a> {
 
 /// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
 /// of an object that glows.
-fn room(t: &Tally) -> (Geometry, accel::Input, Vec<Look>, Vec<Glowing>) {
+fn room(t: &Tally) -> (Geometry, accel::Input, Vec<GeometryRecord>, Vec<Glowing>) {
     let of = |count: u64| count.min(4 * MAX_DISSOLVED as u64) as usize;
     let geometry = Geometry {
         shapes: Vec::with_capacity(of(t.shapes)),
@@ -94,7 +94,7 @@ fn room(t: &Tally) -> (Geometry, accel::Input, Vec<Look>, Vec<Glowing>) {
 pub(super) struct Built<'a> {
     pub input: accel::Input,
     pub geometry: Geometry,
-    pub looks: Vec<Look>,
+    pub geometries: Vec<GeometryRecord>,
     /// The node that each geometry comes from; none of a program's own.
     pub nodes: Vec<Option<&'a Node>>,
     /// Names of objects, by their groups.
@@ -115,7 +115,7 @@ impl<'a> Build<'a> {
         custom: &Custom,
         (spectral, detail): (bool, Detail),
     ) -> Result<Self, CompileError> {
-        let (geometry, input, looks, glowing) = room(&count::count(scene, assets).kept);
+        let (geometry, input, geometries, glowing) = room(&count::count(scene, assets).kept);
         Ok(Self {
             detail,
             in_focus: false,
@@ -124,7 +124,7 @@ impl<'a> Build<'a> {
             materials: Materials::new(scene, custom, Paint::new(scene, assets, spectral))?,
             geometry,
             input,
-            looks,
+            geometries,
             nodes: Vec::new(),
             node: None,
             group_materials: vec![Vec::new()],
@@ -182,7 +182,7 @@ impl<'a> Build<'a> {
             let material = self.materials.named(material)?;
             self.geometry.custom.push(shape.clone());
             let look = self.add_shape(Shape::Custom(i as u32), 0, material, false);
-            self.looks.push(look);
+            self.geometries.push(look);
         }
         Ok(())
     }
@@ -192,7 +192,7 @@ impl<'a> Build<'a> {
         Built {
             input: self.input,
             geometry: self.geometry,
-            looks: self.looks,
+            geometries: self.geometries,
             nodes: self.nodes,
             objects: self.objects.into_values().collect(),
             // The search structure numbers instances group by group, in this order.
@@ -403,17 +403,18 @@ impl<'a> Build<'a> {
         let mut look = self.add_shape(shape, place.group, material, flip);
         if let Some(emission) = &surface.emission {
             let radiance = self.materials.emission(emission)?;
+            look.emission_varies = radiance.varies();
             look.emitter = Some(self.glow(look.kind, radiance, surface.two_sided_emission, flip));
         }
-        self.looks.push(look);
+        self.geometries.push(look);
         Ok(())
     }
 
-    fn add_shape(&mut self, shape: Shape, group: u32, material: u32, flip: bool) -> Look {
+    fn add_shape(&mut self, shape: Shape, group: u32, material: u32, flip: bool) -> GeometryRecord {
         let first = self.geometry.shapes.len() as u32;
         self.geometry.shapes.push(shape);
         self.add_geometry(group, accel::GeometryKind::Shapes { first, count: 1 });
-        Look { kind: Kind::Shapes(first), material, emitter: None, flip }
+        GeometryRecord { kind: Kind::Shapes(first), material, emitter: None, emission_varies: false, flip }
     }
 
     fn add_geometry(&mut self, group: u32, kind: accel::GeometryKind) {
@@ -497,7 +498,8 @@ impl<'a> Build<'a> {
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
             let emitter = radiance.map(|r| self.glow(kind, r, surface.two_sided_emission, false));
-            self.looks.push(Look { kind, material, emitter, flip: false });
+            let emission_varies = radiance.is_some_and(|r| r.varies());
+            self.geometries.push(GeometryRecord { kind, material, emitter, emission_varies, flip: false });
         }
         Ok(())
     }

@@ -5,16 +5,18 @@
 
 mod samples;
 mod sorting;
+mod starting;
 mod stream;
 mod worker;
 
-use crate::film::{Film, FilmTile, MAX_SAMPLES, next_look};
+use crate::film::{Film, FilmTile, MAX_SAMPLES, Region, next_check};
 use crate::integrator::Integrator;
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{CostMeter, Plain, Probe};
-use crate::settings::{Region, Settings};
+use crate::settings::Settings;
 use crate::stopwatch::{Clock, Times};
 use crate::world::World;
+use sorting::Ranks;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -26,6 +28,7 @@ pub use worker::thread_bytes;
 /// that is still sampled has the same number of samples, and the sums are those of any other way to get there.
 pub struct Render<'w, I> {
     world: &'w World,
+    ranks: Ranks,
     integrator: I,
     settings: Settings,
     film: Film,
@@ -91,13 +94,14 @@ impl<'w, I: Integrator> Render<'w, I> {
             film.hold_batches();
         }
         if settings.error {
-            film.tell_error(settings.evidence());
+            film.tell_error(settings.error_estimate());
         }
         if settings.cost {
             film.count_costs(clock.is_some());
         }
         Ok(Self {
             world,
+            ranks: Ranks::new(world),
             integrator,
             settings,
             film,
@@ -168,7 +172,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         let mut probes = Vec::new();
         while self.done < self.goal && !self.is_settled() {
             // Looks come at fixed counts, however the samples are cut into passes.
-            let look = next_look(self.done);
+            let look = next_check(self.done);
             let end = if self.settings.noise.is_some() { self.goal.min(look) } else { self.goal };
             probes.append(&mut self.take::<L, P>(self.done..end, &probe));
             if self.is_midway() {
@@ -176,7 +180,7 @@ impl<'w, I: Integrator> Render<'w, I> {
             }
             if let Some(target) = self.settings.noise.filter(|_| self.done == look) {
                 for tile in &mut self.film.tiles {
-                    tile.look(look, target);
+                    tile.check(look, target);
                 }
             }
         }
@@ -197,7 +201,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         let pause = &self.pause;
         let goes_on = || pause.as_ref().is_none_or(|pause| next.load(Ordering::Relaxed) == start || !pause());
         let (world, integrator, settings, clock) =
-            (self.world, &self.integrator, &self.settings, &self.clock);
+            ((self.world, &self.ranks), &self.integrator, &self.settings, &self.clock);
         let take_tile = || {
             let place = goes_on().then(|| next.fetch_add(1, Ordering::Relaxed))?;
             order.get(place).copied()

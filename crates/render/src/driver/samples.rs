@@ -57,8 +57,13 @@ impl<L: Copy> Samples<L> {
         self.pending.len()
     }
 
+    /// How many more there is room for.
+    pub fn room_left(&self) -> usize {
+        self.room() - (self.end - self.first)
+    }
+
     pub fn is_full(&self) -> bool {
-        self.end - self.first == self.room()
+        self.room_left() == 0
     }
 
     pub fn is_empty(&self) -> bool {

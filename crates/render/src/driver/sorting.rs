@@ -3,8 +3,10 @@
 use crate::integrator::Kind;
 use crate::lanes::Rgb;
 use crate::material::BsdfKind;
+use crate::surface::Form;
 use crate::texture::ShadingPoint;
-use crate::world::World;
+use crate::world::{GeometryRecord, INHERIT, World};
+use std::collections::BTreeSet;
 use straal_accel::Hit;
 
 /// What must be computed where a ray meets a material.
@@ -21,13 +23,58 @@ fn kind_of(world: &World, material: u32) -> Kind {
     }
 }
 
-/// Sorts the paths of a turn by what must be computed where their rays arrived, and within that by material, so that like is
-/// shaded beside like.
-pub(super) struct Sorting {
-    /// By material: its place when materials are sorted by kind.
-    rank: Vec<u32>,
+/// In which order what rays meet is worked on: by what must be computed, then by material and by the form of the surface, so that
+/// like is shaded beside like.
+pub(super) struct Ranks {
+    /// By geometry; [`INHERIT`] where instances give the material.
+    of_geometry: Vec<u32>,
+    /// By material, of what has it from an instance.
+    inherited: Vec<u32>,
     /// By rank, and for what missed, which comes last.
     kinds: Vec<Kind>,
+}
+
+impl Ranks {
+    pub fn new(world: &World) -> Self {
+        let materials = 0..world.materials.len() as u32;
+        let kinds: Vec<Kind> = materials.clone().map(|m| kind_of(world, m)).collect();
+        // A surface whose material isn't there is black; it may shine.
+        let key = |material: u32, form| {
+            let kind = kinds.get(material as usize).copied().unwrap_or(Kind::Varying);
+            (kind, material, form)
+        };
+        let own = |geometry: &GeometryRecord| {
+            (geometry.material != INHERIT).then(|| key(geometry.material, world.form(geometry)))
+        };
+        let inherited = |material| key(material, Form::Other);
+        let all: BTreeSet<_> =
+            world.geometries.iter().filter_map(own).chain(materials.clone().map(inherited)).collect();
+        let all: Vec<_> = all.into_iter().collect();
+        let rank = |key| all.binary_search(&key).map_or(0, |rank| rank as u32);
+        Self {
+            of_geometry: world
+                .geometries
+                .iter()
+                .map(|geometry| own(geometry).map_or(INHERIT, rank))
+                .collect(),
+            inherited: materials.map(|material| rank(inherited(material))).collect(),
+            kinds: all.iter().map(|&(kind, ..)| kind).chain([Kind::Missed]).collect(),
+        }
+    }
+
+    #[inline]
+    fn of(&self, world: &World, hit: &Hit) -> u32 {
+        match self.of_geometry.get(hit.geometry as usize) {
+            Some(&INHERIT) => self.inherited.get(world.material_of(hit) as usize).copied().unwrap_or(0),
+            Some(&rank) => rank,
+            None => self.kinds.len() as u32 - 1,
+        }
+    }
+}
+
+/// Sorts the paths of a turn.
+pub(super) struct Sorting<'a> {
+    ranks: &'a Ranks,
     /// Where each rank's paths begin in `order`, then where they end.
     ends: Vec<u32>,
     /// Each path's rank.
@@ -35,36 +82,22 @@ pub(super) struct Sorting {
     order: Vec<u32>,
 }
 
-impl Sorting {
-    pub fn new(world: &World) -> Self {
-        let count = world.materials.len();
-        let kind = |m: &u32| kind_of(world, *m);
-        let mut by_kind: Vec<u32> = (0..count as u32).collect();
-        by_kind.sort_by_key(kind);
-        let mut rank = vec![0; count];
-        for (place, &m) in by_kind.iter().enumerate() {
-            rank[m as usize] = place as u32;
-        }
-        let kinds = by_kind.iter().map(kind).chain([Kind::Missed]).collect();
-        Self { rank, kinds, ends: Vec::new(), keys: Vec::new(), order: Vec::new() }
+impl<'a> Sorting<'a> {
+    pub fn new(ranks: &'a Ranks) -> Self {
+        Self { ranks, ends: Vec::new(), keys: Vec::new(), order: Vec::new() }
     }
 
     /// Sorts paths by what their rays hit (a counting sort; those of one material stay in order).
     pub fn sort(&mut self, world: &World, hits: &[Hit]) {
-        let missed = self.rank.len() as u32;
+        let ranks = self.ranks.kinds.len();
         self.ends.clear();
-        self.ends.resize(self.kinds.len() + 1, 0);
+        self.ends.resize(ranks + 1, 0);
         self.keys.clear();
-        for hit in hits {
-            let rank = match world.material_hit(hit) {
-                // A surface whose material isn't there is black; it may shine.
-                Some(material) => self.rank.get(material as usize).copied().unwrap_or(0),
-                None => missed,
-            };
-            self.keys.push(rank);
+        self.keys.extend(hits.iter().map(|hit| self.ranks.of(world, hit)));
+        for &rank in &self.keys {
             self.ends[rank as usize + 1] += 1;
         }
-        for rank in 0..self.kinds.len() {
+        for rank in 0..ranks {
             self.ends[rank + 1] += self.ends[rank];
         }
         self.order.resize(hits.len(), 0);
@@ -77,12 +110,13 @@ impl Sorting {
 
     /// The queues that aren't empty.
     pub fn queues(&self) -> impl Iterator<Item = (Kind, &[u32])> {
+        let kinds = &self.ranks.kinds;
         let mut rank = 0;
         std::iter::from_fn(move || {
-            while rank < self.kinds.len() {
-                let kind = self.kinds[rank];
+            while rank < kinds.len() {
+                let kind = kinds[rank];
                 let start = if rank == 0 { 0 } else { self.ends[rank - 1] };
-                while rank < self.kinds.len() && self.kinds[rank] == kind {
+                while rank < kinds.len() && kinds[rank] == kind {
                     rank += 1;
                 }
                 let end = self.ends[rank - 1];

@@ -1,7 +1,6 @@
 //! The samples of a tile, one after the other.
 
-use crate::film::{FilmTile, Sampled};
-use crate::settings::Region;
+use crate::film::{FilmTile, Region, Sampled};
 use std::ops::Range;
 
 /// Which sample of which pixel.

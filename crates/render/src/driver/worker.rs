@@ -5,25 +5,26 @@
 //! stays bounded by what a path can split into, not by what a picture can.
 
 use super::samples::{Pending, Samples};
-use super::sorting::Sorting;
-use super::stream::Stream;
-use crate::camera::{FilmPoint, Needs};
+use super::sorting::{Ranks, Sorting};
+use super::starting::{self, Starting, Wanted};
+use super::stream::{Name, Stream};
+use crate::camera::Needs;
 use crate::film::channel::{FirstHit, Seen, see};
 use crate::film::{BandSample, FilmTile, Flying, LightSum, Sample, TILE};
-use crate::filter::{Filter, FilterSample};
+use crate::filter::Filter;
 use crate::footprint::PackedFootprint;
 use crate::integrator::{Contribution, Integrator, Origin, Out, Path, PathTracer, Queue, Start, Target};
 use crate::lanes::{Lanes, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, Probe};
 use crate::settings::Settings;
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
+use crate::surface::BLOCK;
 use crate::world::World;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
-use straal_math::lowdisc::Purpose;
 use straal_math::simd::Simd;
 
 /// Samples that may be under way for each path that the pool holds: a long path holds up those that were started after it.
@@ -63,6 +64,16 @@ impl<'a, 'f> Pass<'a, 'f> {
     }
 }
 
+/// Puts a list in place of what another has from `base` on, and leaves it empty.
+fn put_on<T>(list: &mut Vec<T>, base: usize, next: &mut Vec<T>) {
+    list.truncate(base);
+    if list.is_empty() {
+        std::mem::swap(list, next);
+    } else {
+        list.append(next);
+    }
+}
+
 /// One thread's buffers.
 pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
     world: &'a World,
@@ -76,6 +87,9 @@ pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
     stream: Stream,
     /// The tile of the stream.
     tile: u32,
+    /// Samples that set out.
+    names: Vec<Name>,
+    starting: Box<Starting>,
     /// Whether there may be samples that weren't started.
     has_more: bool,
     paths: Vec<Path<I::State<L>>>,
@@ -83,7 +97,7 @@ pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
     /// How many of the paths, the last, have just been started.
     fresh: usize,
     hits: Vec<Hit>,
-    sorting: Sorting,
+    sorting: Sorting<'a>,
     next: Vec<Path<I::State<L>>>,
     next_rays: Vec<Ray>,
     shadow_rays: Vec<Ray>,
@@ -97,7 +111,7 @@ pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
 
 impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
     pub fn new(
-        world: &'a World,
+        (world, ranks): (&'a World, &'a Ranks),
         integrator: &'a I,
         settings: &'a Settings,
         (clock, mut probe): (Option<Clock>, P),
@@ -116,12 +130,14 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             samples,
             stream: Stream::empty(),
             tile: 0,
+            names: Vec::new(),
+            starting: Box::default(),
             has_more: true,
             paths: Vec::new(),
             rays: Vec::new(),
             fresh: 0,
             hits: Vec::new(),
-            sorting: Sorting::new(world),
+            sorting: Sorting::new(ranks),
             next: Vec::new(),
             next_rays: Vec::new(),
             shadow_rays: Vec::new(),
@@ -164,56 +180,65 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             return;
         }
         while self.paths.len() < self.capacity() && !self.samples.is_full() {
-            let Some(name) = self.stream.next() else {
-                let Some(tile) = (pass.take_tile)() else {
-                    self.has_more = false;
-                    break;
-                };
-                self.tile = tile;
-                self.stream = Stream::of(&pass.tile(tile), pass.indices.clone());
+            let room = (self.capacity() - self.paths.len()).min(self.samples.room_left()).min(BLOCK);
+            self.names.clear();
+            self.names.extend(self.stream.by_ref().take(room));
+            if !self.names.is_empty() {
+                self.start();
                 continue;
+            }
+            let Some(tile) = (pass.take_tile)() else {
+                self.has_more = false;
+                break;
             };
-            self.start(name);
+            self.tile = tile;
+            self.stream = Stream::of(&pass.tile(tile), pass.indices.clone());
         }
         self.stopwatch.lap(Phase::Camera);
     }
 
-    /// Starts a sample.
-    fn start(&mut self, (pixel, index): ([u32; 2], u32)) {
+    /// Starts the samples that have names.
+    fn start(&mut self) {
         let (world, settings) = (self.world, self.settings);
-        let pattern = settings.pattern;
-        let name = pattern.name(settings.seed, pixel, index);
-        // The first two of four numbers are the same as two by themselves, which are cheaper.
-        let (film, lens) = if self.needs.lens {
-            let [x, y, u, v] = pattern.d4(&name, Purpose::Film);
-            ([x, y], [u, v])
-        } else {
-            (pattern.d2(&name, Purpose::Film), [0.5; 2])
-        };
-        let time = if self.needs.time { pattern.d1(&name, Purpose::Time) } else { 0.0 };
-        let FilterSample { offset, weight } =
-            if settings.splat { Filter::Box.sample(film) } else { world.filter.sample(film) };
-        let position = [pixel[0] as f32 + 0.5 + offset[0], pixel[1] as f32 + 0.5 + offset[1]];
-        let at = FilmPoint { pixel, position, lens, time };
-        let u = if L::DRAWN { pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
-        let lanes = L::drawn(&world.tables, u);
-        let taken = if self.needs.taken { world.camera.taken(&at) } else { [1.0; 3] };
-        let pending = Pending { name: (pixel, index), tile: self.tile, lanes, weight, offset, taken };
-        let sample = self.samples.begin(pending);
-        self.probe.begin(sample);
+        let from_camera = I::ORIGIN == Origin::Camera;
+        let Needs { lens, time, taken } = self.needs;
+        self.simd.run(starting::Start {
+            names: &self.names,
+            pattern: settings.pattern,
+            seed: settings.seed,
+            filter: if settings.splat { &Filter::Box } else { &world.filter },
+            wanted: Wanted { lens, time, wavelength: L::DRAWN, rays: from_camera },
+            camera: &world.camera,
+            out: &mut self.starting,
+        });
+        let starting = &self.starting;
+        for (i, &(pixel, index)) in self.names.iter().enumerate() {
+            let Some(name) = starting.names[i] else { continue };
+            let lanes = L::drawn(&world.tables, if L::DRAWN { starting.wavelength(i) } else { 0.0 });
+            let at = || starting.film_point(i, pixel);
+            let pending = Pending {
+                name: (pixel, index),
+                tile: self.tile,
+                lanes,
+                weight: starting.weight(i),
+                offset: starting.offset(i),
+                taken: if taken { world.camera.taken(&at()) } else { [1.0; 3] },
+            };
+            let sample = self.samples.begin(pending);
+            self.probe.begin(sample);
 
-        // Where nothing is seen there is no path, and the sample is black.
-        let camera_ray = if I::ORIGIN == Origin::Camera { world.camera.ray(&at) } else { None };
-        let mut footprint = PackedFootprint::NONE;
-        if I::ORIGIN == Origin::Camera && world.materials.vary() {
-            footprint = world.camera.footprint(&at).packed();
-        }
-        let start = Start { world, pattern, name, lanes, camera_ray, footprint };
-        if let Some((ray, state)) = self.integrator.start(&start) {
-            self.rays.push(ray);
-            self.paths.push(Path { name, sample, state });
-            self.samples.depart(sample);
-            self.fresh += 1;
+            let wants_footprint = from_camera && world.materials.vary();
+            let footprint =
+                if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
+            // Where nothing is seen there is no path, and the sample is black.
+            let camera_ray = starting.ray(i);
+            let start = Start { world, pattern: settings.pattern, name, lanes, camera_ray, footprint };
+            if let Some((ray, state)) = self.integrator.start(&start) {
+                self.rays.push(ray);
+                self.paths.push(Path { name, sample, state });
+                self.samples.depart(sample);
+                self.fresh += 1;
+            }
         }
     }
 
@@ -237,11 +262,9 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             for i in old..paths.len() {
                 let (ray, hit) = (&rays[i], &self.hits[i]);
                 if hit.is_hit() {
-                    let first = FirstHit {
-                        world,
-                        surface: world.surface(ray, hit, &PackedFootprint::NONE),
-                        distance: hit.t,
-                    };
+                    let surface = world.surface(ray, hit, &PackedFootprint::NONE);
+                    let first =
+                        FirstHit { albedo: world.albedo(&surface), normal: surface.point.n, distance: hit.t };
                     self.samples.seen[paths[i].sample as usize] = see(&first);
                 }
             }
@@ -263,10 +286,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         }
         self.next.iter().for_each(|path| self.samples.depart(path.sample));
         paths.iter().for_each(|path| self.samples.arrive(path.sample));
-        self.paths.truncate(base);
-        self.rays.truncate(base);
-        self.paths.append(&mut self.next);
-        self.rays.append(&mut self.next_rays);
+        put_on(&mut self.paths, base, &mut self.next);
+        put_on(&mut self.rays, base, &mut self.next_rays);
         self.stopwatch.lap(Phase::Shading);
         self.answer();
     }

@@ -7,17 +7,17 @@
 //! Sampling Techniques for Image Synthesis"). A pixel's value is the mean of its two halves' means, whatever their numbers: weighed by
 //! these, the darker half would count for more.
 //!
-//! Between one look and the next the first of the samples go to one half and the rest to the other, so that each of both is well spread
+//! Between one check and the next the first of the samples go to one half and the rest to the other, so that each of both is well spread
 //! where the whole is.
 //!
-//! [`super::evidence`] tells how noisy a half of a pixel is. By itself it tells little by two or three batches, but the half of a
+//! [`super::error_estimate`] tells how noisy a half of a pixel is. By itself it tells little by two or three batches, but the half of a
 //! block that is judged as one has 64 of them.
 
 use super::control::Control;
-use super::evidence::Marks;
+use super::error_estimate::BatchSums;
 use super::fixed::{Square, Value};
 use super::{Film, FilmTile, Pixel, TILE};
-use crate::settings::Region;
+use crate::film::Region;
 
 /// Side of a block in pixels.
 pub const BLOCK: u32 = 8;
@@ -29,21 +29,21 @@ const ACROSS: u32 = TILE / BLOCK;
 pub const DARK: f64 = 0.01;
 
 /// The least number of samples after which blocks are looked at.
-pub const FIRST_LOOK: u32 = 32;
+pub const FIRST_CHECK: u32 = 32;
 
-/// The look after `samples` samples: the next of 32, 48, 64, 96, 128, ...
-pub(crate) fn next_look(samples: u32) -> u32 {
-    let mut look = FIRST_LOOK;
-    while look <= samples {
-        look += 1 << (look.ilog2() - 1);
+/// The check after `samples` samples: the next of 32, 48, 64, 96, 128, ...
+pub(crate) fn next_check(samples: u32) -> u32 {
+    let mut check = FIRST_CHECK;
+    while check <= samples {
+        check += 1 << (check.ilog2() - 1);
     }
-    look
+    check
 }
 
 /// Which of a pixel's two halves a sample belongs to.
 pub(crate) fn half_of(index: u32) -> usize {
-    // Between two looks lie half as many samples as the greatest power of two that isn't above them.
-    let step = if index < FIRST_LOOK { FIRST_LOOK } else { 1 << (index.ilog2() - 1) };
+    // Between two checks lie half as many samples as the greatest power of two that isn't above them.
+    let step = if index < FIRST_CHECK { FIRST_CHECK } else { 1 << (index.ilog2() - 1) };
     (index & (step >> 1) != 0).into()
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn half_of(index: u32) -> usize {
 fn index_after(half: u32, count: u32) -> u32 {
     let (mut start, mut left) = (0, count);
     loop {
-        let each = (next_look(start) - start) / 2;
+        let each = (next_check(start) - start) / 2;
         if left == 0 {
             return start;
         }
@@ -72,7 +72,7 @@ pub(super) struct Halves {
     pub(super) control: Control,
     pub(super) count: u32,
     /// Of each half, where noise is told by batches.
-    pub(super) marks: [Marks; 2],
+    pub(super) batch_sums: [BatchSums; 2],
 }
 
 /// The sums of one half of a pixel.
@@ -95,7 +95,7 @@ impl FilmTile {
         let part = self.half(k, half);
         if self.by_batches && part.sums.count.is_power_of_two() {
             let sums = self.sums_of(&part.sums, part.control.as_ref());
-            self.halves[k].marks[half].end(sums);
+            self.halves[k].batch_sums[half].end(sums);
         }
         self.halves[k].count += half as u32;
     }
@@ -140,7 +140,7 @@ impl FilmTile {
         let sum = self.sums_of(&p, control.as_ref())[channel];
         let mean = sum / f64::from(p.count.max(1));
         let variance = match &control {
-            _ if by_batches => self.halves[k].marks[half].variance(p.count, sum, channel),
+            _ if by_batches => self.halves[k].batch_sums[half].variance(p.count, sum, channel),
             Some(control) => control.variance((&p, &squares), channel, self.weight),
             None => p.variance(&squares, channel),
         };
@@ -272,7 +272,7 @@ impl FilmTile {
     }
 
     /// Ends the halves whose counterparts' noise is at most `target`, those that go on having `samples` samples with them.
-    pub(crate) fn look(&mut self, samples: u32, target: f64) {
+    pub(crate) fn check(&mut self, samples: u32, target: f64) {
         let mut blocks = [[Half::default(); 2]; (ACROSS * ACROSS) as usize];
         let width = self.region.width() as usize;
         for k in 0..self.pixels.len() {
@@ -297,21 +297,21 @@ mod tests {
 
     #[test]
     fn looks_are_at_fixed_counts() {
-        let mut looks = vec![next_look(0)];
-        while looks.len() < 8 {
-            looks.push(next_look(looks[looks.len() - 1]));
+        let mut checks = vec![next_check(0)];
+        while checks.len() < 8 {
+            checks.push(next_check(checks[checks.len() - 1]));
         }
-        assert_eq!(looks, [32, 48, 64, 96, 128, 192, 256, 384]);
-        assert_eq!(next_look(100), 128);
+        assert_eq!(checks, [32, 48, 64, 96, 128, 192, 256, 384]);
+        assert_eq!(next_check(100), 128);
     }
 
     #[test]
     fn halves_are_as_large_at_every_look() {
-        let (mut counts, mut look) = ([0, 0], next_look(0));
+        let (mut counts, mut check) = ([0, 0], next_check(0));
         for index in 0..4096 {
-            if index == look {
-                assert_eq!(counts[0], counts[1], "at {look}");
-                look = next_look(look);
+            if index == check {
+                assert_eq!(counts[0], counts[1], "at {check}");
+                check = next_check(check);
             }
             counts[half_of(index)] += 1;
         }
@@ -324,7 +324,7 @@ mod tests {
                 }
             }
         }
-        // Well spread: each half of what comes between two looks is a block of its own.
+        // Well spread: each half of what comes between two checks is a block of its own.
         assert!((0..16).all(|i| half_of(i) == 0) && (16..32).all(|i| half_of(i) == 1));
         assert!((32..40).all(|i| half_of(i) == 0) && (40..48).all(|i| half_of(i) == 1));
         assert!((96..112).all(|i| half_of(i) == 0) && (112..128).all(|i| half_of(i) == 1));
@@ -341,10 +341,10 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f32 / (1_u64 << 24) as f32
         };
-        let (mut done, mut look) = (0, 0);
+        let (mut done, mut check) = (0, 0);
         while tile.is_open() && done < 1 << 17 {
-            look = next_look(look);
-            for index in done..look {
+            check = next_check(check);
+            for index in done..check {
                 for k in 0..64 {
                     let pixel = [k % 8, k / 8];
                     if tile.sampled().contains(pixel, index) {
@@ -354,8 +354,8 @@ mod tests {
                     }
                 }
             }
-            done = look;
-            tile.look(look, 0.02);
+            done = check;
+            tile.check(check, 0.02);
         }
         // The pixel's standard error over 64 pixels, over 0.01: 2 % with 32,000 samples.
         let noise = (tile.variance_of_mean(63, 0) / 64.0).sqrt() / DARK;

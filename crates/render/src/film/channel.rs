@@ -5,9 +5,7 @@
 
 use super::CostSample;
 use super::fixed::{Guide, MAX_VALUE, Value};
-use crate::surface::Surface;
-use crate::world::World;
-use straal_math::ops;
+use straal_math::{Vec3, ops};
 
 /// Numbers of each pixel that samples have a mean of.
 #[derive(Debug)]
@@ -45,18 +43,18 @@ pub enum Scale {
 #[derive(Clone, Copy, Debug)]
 pub enum Source {
     /// The surface that the camera's ray met first; 0 where it met nothing. Held by films that keep layers.
-    FirstHit(fn(&FirstHit<'_>) -> [f32; 3]),
+    FirstHit(fn(&FirstHit) -> [f32; 3]),
     /// The searches of all rays of a sample. Held by films that count costs.
     Search(fn(&CostSample) -> u64),
 }
 
 /// What a camera's ray met first.
-pub struct FirstHit<'w> {
-    /// The scene.
-    pub world: &'w World,
-    /// The surface.
-    pub surface: Surface,
-    /// Its distance from the camera in metres.
+pub struct FirstHit {
+    /// Share of light that the surface reflects or passes on, linear RGB.
+    pub albedo: [f32; 3],
+    /// Unit shading normal in world space.
+    pub normal: Vec3,
+    /// Distance from the camera in metres.
     pub distance: f32,
 }
 
@@ -66,7 +64,7 @@ pub static ALBEDO: Channel = Channel {
     components: &["R", "G", "B"],
     name: "albedo",
     scale: Scale::Unit,
-    source: Source::FirstHit(|hit| hit.world.albedo(&hit.surface)),
+    source: Source::FirstHit(|hit| hit.albedo),
 };
 
 /// Unit shading normal of the first surface in world space.
@@ -75,7 +73,7 @@ pub static NORMAL: Channel = Channel {
     components: &["X", "Y", "Z"],
     name: "normal",
     scale: Scale::Unit,
-    source: Source::FirstHit(|hit| hit.surface.point.n.to_array()),
+    source: Source::FirstHit(|hit| hit.normal.to_array()),
 };
 
 /// Distance from the camera to the first surface in metres.
@@ -121,7 +119,7 @@ pub static CHANNELS: [&Channel; 6] = [&ALBEDO, &NORMAL, &DEPTH, &NODES, &PRIMITI
 pub type Seen = [[f32; 3]; CHANNELS.len()];
 
 /// What the channels have of a first hit.
-pub(crate) fn see(hit: &FirstHit<'_>) -> Seen {
+pub(crate) fn see(hit: &FirstHit) -> Seen {
     CHANNELS.map(|channel| match channel.source {
         Source::FirstHit(of) => of(hit),
         Source::Search(_) => [0.0; 3],

@@ -97,8 +97,8 @@ impl Weights {
 #[cfg(test)]
 mod tests {
     use super::super::{FilmTile, Keep, Sample};
+    use crate::film::Region;
     use crate::filter::{Filter, Profile, Separable};
-    use crate::settings::Region;
     use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 
     fn filters() -> [Filter; 2] {

@@ -22,16 +22,56 @@ const GUIDE_RANGE: f32 = 4.0;
 pub struct Value(pub(super) i128);
 
 impl Value {
+    /// Adds a value below 2^32.
+    #[inline(always)]
     pub fn add(&mut self, v: f32) {
-        self.0 += round(f64::from(v) * VALUE_SCALE);
+        self.0 += match usual(v) {
+            Some(units) => i128::from(units),
+            None => round(f64::from(v) * VALUE_SCALE),
+        };
     }
 
-    #[inline]
+    /// Adds any value that is one; false if it isn't, or is 2^32 or more.
+    #[inline(always)]
+    pub fn add_sound(&mut self, v: f32) -> bool {
+        self.0 += match usual(v) {
+            Some(units) => i128::from(units),
+            None if v == 0.0 => 0,
+            None if v.abs() < MAX_VALUE => round(f64::from(v) * VALUE_SCALE),
+            None => return false,
+        };
+        true
+    }
+
+    #[inline(always)]
     pub fn to_f64(self) -> f64 {
         // Most sums fit 64 bits, whose conversion is one instruction, and rounds alike.
-        let sum = i64::try_from(self.0).map_or_else(|_| self.0 as f64, |sum| sum as f64);
+        let sum = match i64::try_from(self.0) {
+            Ok(sum) => sum as f64,
+            Err(_) => wide(self.0),
+        };
         sum * (1.0 / VALUE_SCALE)
     }
+}
+
+/// A number in units of 2^-62 where that is exact and fits 64 bits, from 2^-39 to 2: its 24 digits, shifted.
+#[inline(always)]
+fn usual(v: f32) -> Option<i64> {
+    const DIGITS: u32 = f32::MANTISSA_DIGITS - 1;
+    /// The exponent, as it is stored, of a number whose last digit has the weight of a unit.
+    const LEAST: u32 = 127 + DIGITS - 62;
+    let bits = v.to_bits();
+    let shift = (bits >> DIGITS & 0xff).wrapping_sub(LEAST);
+    let units = i64::from(bits & ((1 << DIGITS) - 1) | 1 << DIGITS) << (shift & 63);
+    let sign = i64::from(bits as i32 >> 31);
+    (shift <= 62 - DIGITS).then_some((units ^ sign).wrapping_sub(sign))
+}
+
+/// Any sum; out of line, where the compiler makes nothing else of it.
+#[cold]
+#[inline(never)]
+fn wide(sum: i128) -> f64 {
+    sum as f64
 }
 
 impl From<Value> for f64 {
@@ -198,4 +238,25 @@ fn round(v: f64) -> i128 {
 #[inline(always)]
 fn nearest(v: f64) -> i64 {
     (v + 0.5_f64.copysign(v)) as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The short way gives what the long one does, at its ends and beyond, whatever the sign.
+    #[test]
+    fn numbers_are_rounded_once() {
+        let ends =
+            [2.0_f32, 1.0, 0.5, 1.0 / (1_u64 << 39) as f32, MAX_VALUE * 0.5, 0.0, 1e-30, 0.3, 1234.567];
+        for v in ends.into_iter().flat_map(|v| [v.next_down(), v, v.next_up()]).flat_map(|v| [v, -v]) {
+            let mut sum = Value::default();
+            sum.add(v);
+            assert_eq!(sum.0, round(f64::from(v) * VALUE_SCALE), "{v:e}");
+            let sums = [sum.0, i128::from(i64::MAX), i128::from(i64::MAX) + 1, i128::from(i64::MIN) - 1];
+            for sum in sums {
+                assert_eq!(Value(sum).to_f64(), sum as f64 / VALUE_SCALE, "{sum}");
+            }
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The light of one sample while it is gathered.
 
-use super::fixed::{MAX_VALUE, Value};
+use super::fixed::Value;
 use straal_color::Light;
 
 /// A sum of contributions, each rounded once to fixed point and added as integers, so that their order changes no bit.
@@ -15,14 +15,11 @@ pub struct LightSum {
 
 impl LightSum {
     /// Adds a contribution.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, light: Light) {
-        if light.0.iter().all(|v| v.abs() < MAX_VALUE) {
-            for (sum, v) in self.lanes.iter_mut().zip(light.0) {
-                sum.add(v);
-            }
-        } else {
-            self.spoil();
+        for (sum, v) in self.lanes.iter_mut().zip(light.0) {
+            // What else a spoilt sum holds doesn't matter.
+            self.is_spoiled |= !sum.add_sound(v);
         }
     }
 
@@ -40,6 +37,7 @@ impl LightSum {
 
 #[cfg(test)]
 mod tests {
+    use super::super::MAX_VALUE;
     use super::*;
 
     #[test]

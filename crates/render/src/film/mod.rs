@@ -6,35 +6,36 @@
 mod adaptive;
 pub mod channel;
 mod control;
-mod evidence;
+mod error_estimate;
 mod fixed;
 mod hash;
 mod light_sum;
 mod planes;
 mod recording;
+mod region;
 mod sensor;
 mod splat;
 mod sums;
 
-pub use adaptive::{BLOCK, DARK, FIRST_LOOK};
+pub use adaptive::{BLOCK, DARK, FIRST_CHECK};
 pub use channel::{Channel, ChannelLayer};
-pub use evidence::Evidence;
+pub use error_estimate::ErrorEstimate;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use hash::hash_of;
 pub use light_sum::LightSum;
 pub use recording::Recording;
+pub use region::Region;
 pub use sensor::Sensor;
 pub use splat::{Flying, Splats, reach};
 pub use sums::{Held, Joined, Span};
 
 use crate::filter::Filter;
-use crate::settings::Region;
 use adaptive::Halves;
 pub(crate) use adaptive::Sampled;
-pub(crate) use adaptive::next_look;
+pub(crate) use adaptive::next_check;
 use channel::{Plane, Seen};
 use control::Control;
-use evidence::Marks;
+use error_estimate::BatchSums;
 use fixed::{Square, Value};
 use straal_color::spectrum::Bands;
 
@@ -133,9 +134,9 @@ pub struct FilmTile {
     /// Index of the first sample.
     first: u32,
     /// By pixel; empty unless noise is told by batches.
-    marks: Vec<Marks>,
+    batch_sums: Vec<BatchSums>,
     /// The same of samples that are not the first of their pixel.
-    ends: Vec<Marks<Value>>,
+    ends: Vec<BatchSums<Value>>,
     /// By pixel; empty unless the filter has negative lobes.
     controls: Vec<Control>,
     /// By pixel and band, what samples of negative weight brought; empty unless there are bands and controls.
@@ -164,7 +165,7 @@ impl FilmTile {
             first_dropped: None,
             sampled: Sampled::default(),
             first: 0,
-            marks: Vec::new(),
+            batch_sums: Vec::new(),
             ends: Vec::new(),
             controls: Vec::new(),
             negative_bands: Vec::new(),
@@ -201,7 +202,7 @@ impl FilmTile {
 
     /// Makes ready to tell noise by batches.
     fn mark_batches(&mut self) {
-        self.marks = vec![Marks::default(); self.pixels.len()];
+        self.batch_sums = vec![BatchSums::default(); self.pixels.len()];
     }
 
     /// Makes ready for samples that weigh plus or minus `weight`; bands, if any, are held before.
@@ -236,10 +237,10 @@ impl FilmTile {
         if let Some((_, variance)) = self.mean_of_halves(k, channel, self.by_batches) {
             return variance;
         }
-        match self.marks.get(k) {
-            Some(marks) => {
+        match self.batch_sums.get(k) {
+            Some(sums) => {
                 let p = &self.pixels[k];
-                marks.variance(p.count, p.value[channel].to_f64(), channel)
+                sums.variance(p.count, p.value[channel].to_f64(), channel)
             }
             None => self.variance_by_spread(k, channel),
         }
@@ -273,13 +274,13 @@ impl FilmTile {
     /// where it was dropped. Where noise is told by batches, a pixel's samples come in the order of their indices.
     pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) -> bool {
         let i = self.index(pixel);
-        let of_each = self.bands.len() / self.pixels.len();
+        let of_each = if bands.is_empty() { 0 } else { self.bands.len() / self.pixels.len() };
         if !self.halves.is_empty() {
             self.note_half(i, index);
         }
         let p = &mut self.pixels[i];
-        if let Some(marks) = self.marks.get_mut(i) {
-            marks.note(p.count, &p.value);
+        if let Some(sums) = self.batch_sums.get_mut(i) {
+            sums.note(p.count, &p.value);
         } else if let Some(ends) = self.ends.get_mut(i) {
             ends.note(self.first + p.count, &p.value);
         }
@@ -335,7 +336,7 @@ pub struct Film {
     /// Bands of wavelengths that are held besides RGB.
     bands: Option<Bands>,
     /// By what pixels tell their standard error, if they do.
-    error: Option<Evidence>,
+    error: Option<ErrorEstimate>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -408,7 +409,7 @@ impl Layers {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorLayer {
     /// By what it is told.
-    pub evidence: Evidence,
+    pub estimate: ErrorEstimate,
     /// Standard error of each pixel's mean; 0 for a single sample.
     pub rgb: Vec<[f32; 3]>,
 }
@@ -452,7 +453,7 @@ impl Film {
     }
 
     /// Lets layers have the standard error; batches, if it is by these, are held before.
-    pub(crate) fn tell_error(&mut self, by: Evidence) {
+    pub(crate) fn tell_error(&mut self, by: ErrorEstimate) {
         self.error = Some(by);
     }
 
@@ -525,7 +526,7 @@ impl Film {
     }
 
     /// Bytes that a pixel's batches take, wherever they are kept.
-    pub const BATCH_BYTES: usize = size_of::<Marks>();
+    pub const BATCH_BYTES: usize = size_of::<BatchSums>();
 
     /// Bytes that a film takes for each pixel, but for what splatting takes beyond that.
     pub fn bytes_a_pixel(of: &Extent) -> usize {
@@ -568,7 +569,7 @@ impl Film {
             height: h,
             rgb: vec![[0.0; 3]; n],
             variance: vec![[0.0; 3]; held],
-            error: self.error.map(|evidence| ErrorLayer { evidence, rgb: vec![[0.0; 3]; n] }),
+            error: self.error.map(|estimate| ErrorLayer { estimate, rgb: vec![[0.0; 3]; n] }),
             samples: vec![0; held],
             channels: channel::held(self.keep.layers, self.costs != Costs::No)
                 .filter(|(_, c)| self.costs != Costs::Tests || *c != &channel::TIME)

@@ -13,8 +13,8 @@
 use super::fixed::{Down, HEIGHT_SCALE, Value, height};
 use super::planes::{Columns, Plane, product};
 use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
+use crate::film::Region;
 use crate::filter::Filter;
-use crate::settings::Region;
 use straal_color::spectrum::Bands;
 
 /// The farthest that a pixel may be from a sample's own: filters are up to 16 pixels wide to either side.

@@ -1,4 +1,4 @@
-//! A film's exact sums as bytes, to be taken up again or put together.
+//! A film's exact sums as bytes, to be owner up again or put together.
 //!
 //! [`Record::visit`] is the one list of what a pixel's sums are made of, in the order in which they are written: integers
 //! and, for the ends of batches, doubles, all little-endian and of fixed size. A film is written pixel by pixel, row by
@@ -7,11 +7,11 @@
 use super::adaptive::Halves;
 use super::channel::{self, Scale, Sum};
 use super::control::Control;
-use super::evidence::Marks;
+use super::error_estimate::BatchSums;
 use super::fixed::{Square, Value};
 use super::splat::Splat;
-use super::{Costs, Evidence, Film, Keep, Pixel, Splats, TILE};
-use crate::settings::Region;
+use super::{Costs, ErrorEstimate, Film, Keep, Pixel, Splats, TILE};
+use crate::film::Region;
 use std::io::{self, Read, Write};
 use straal_color::spectrum::Bands;
 
@@ -56,8 +56,8 @@ struct Record {
     control: Control,
     negative_bands: Vec<Value>,
     halves: Halves,
-    marks: Marks<f64>,
-    ends: Marks<Value>,
+    batch_sums: BatchSums<f64>,
+    ends: BatchSums<Value>,
 }
 
 /// One number of a record.
@@ -78,7 +78,7 @@ enum Part {
     /// Those that a filter has brought.
     Splat,
     /// Where batches end, of samples from the first on.
-    Marks,
+    BatchSums,
     /// The same of samples from a later one on, exact.
     Ends,
 }
@@ -125,7 +125,7 @@ impl Record {
                     h.value.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                     h.square.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                     see_control(&mut h.control, see);
-                    h.marks
+                    h.batch_sums
                         .iter_mut()
                         .flat_map(|m| m.0.as_flattened_mut())
                         .for_each(|v| see(Number::Double(v)));
@@ -137,7 +137,7 @@ impl Record {
                 self.splat_bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
             }
             Part::Splat => {}
-            Part::Marks => self.marks.0.iter_mut().flatten().for_each(|v| see(Number::Double(v))),
+            Part::BatchSums => self.batch_sums.0.iter_mut().flatten().for_each(|v| see(Number::Double(v))),
             Part::Ends => self.ends.0.iter_mut().flatten().for_each(|v| see(Number::Sum(&mut v.0))),
         }
     }
@@ -152,7 +152,7 @@ fn see_control(control: &mut Control, see: &mut impl FnMut(Number<'_>)) {
 fn parts(held: &Held, first: u32) -> impl Iterator<Item = Part> {
     let ends = match (held.batches, first) {
         (false, _) => None,
-        (true, 0) => Some(Part::Marks),
+        (true, 0) => Some(Part::BatchSums),
         (true, _) => Some(Part::Ends),
     };
     [Part::Own, Part::Splat].into_iter().chain(ends)
@@ -242,8 +242,8 @@ pub struct Span {
 pub struct Joined {
     film: Film,
     region: Region,
-    /// By pixel of the region: the group of spans of one crop, from 1, that it is taken from.
-    taken: Vec<u32>,
+    /// By pixel of the region: the group of spans of one crop, from 1, that it is owner from.
+    owner: Vec<u32>,
     end: u32,
     gaps: bool,
 }
@@ -259,7 +259,7 @@ impl Film {
             },
             bands: self.bands,
             splats: self.tiles.first().is_some_and(|t| t.splats.is_some()),
-            batches: self.tiles.first().is_some_and(|t| !t.marks.is_empty() || !t.ends.is_empty()),
+            batches: self.tiles.first().is_some_and(|t| !t.batch_sums.is_empty() || !t.ends.is_empty()),
             squares: self.keep.squares || self.keep.layers,
             weight: self.tiles.first().filter(|t| !t.controls.is_empty()).map(|t| t.weight),
             halves: self.tiles.first().is_some_and(|t| !t.halves.is_empty()),
@@ -290,14 +290,14 @@ impl Film {
         }
         for tile in &mut self.tiles {
             tile.first = first;
-            tile.ends = vec![Marks::default(); tile.marks.len()];
-            tile.marks = Vec::new();
+            tile.ends = vec![BatchSums::default(); tile.batch_sums.len()];
+            tile.batch_sums = Vec::new();
         }
         self.tell_spread();
     }
 
     fn tell_spread(&mut self) {
-        self.error = self.error.map(|_| Evidence::Spread);
+        self.error = self.error.map(|_| ErrorEstimate::Spread);
     }
 
     /// Writes all sums.
@@ -378,7 +378,7 @@ impl Film {
         }
         record.halves = tile.halves.get(k).copied().unwrap_or_default();
         record.bands.copy_from_slice(&tile.bands[k * count..][..count]);
-        record.marks = tile.marks.get(k).copied().unwrap_or_default();
+        record.batch_sums = tile.batch_sums.get(k).copied().unwrap_or_default();
         record.ends = tile.ends.get(k).copied().unwrap_or_default();
         if let Some(splats) = &tile.splats {
             // Tiles around have splatted here as well.
@@ -423,8 +423,8 @@ impl Film {
             *halves = record.halves;
         }
         tile.bands[k * count..][..count].copy_from_slice(&record.bands);
-        if let Some(marks) = tile.marks.get_mut(k) {
-            *marks = record.marks;
+        if let Some(sums) = tile.batch_sums.get_mut(k) {
+            *sums = record.batch_sums;
         }
         if let Some(ends) = tile.ends.get_mut(k) {
             *ends = record.ends;
@@ -482,7 +482,12 @@ fn notes(first: u32, end: u32) -> usize {
 
 impl Joined {
     /// An empty film for the part `crop` of a picture of some size, of which more was rendered where `region` is larger.
-    pub fn new(size: [u32; 2], [crop, region]: [Region; 2], held: &Held, error: Option<Evidence>) -> Self {
+    pub fn new(
+        size: [u32; 2],
+        [crop, region]: [Region; 2],
+        held: &Held,
+        error: Option<ErrorEstimate>,
+    ) -> Self {
         let keep = Keep { squares: held.squares, layers: held.guides };
         let mut film = Film::over(size, [crop, region], keep);
         film.mean_squares.clone_from(&held.mean_squares);
@@ -501,7 +506,7 @@ impl Joined {
             film.hold_light_splats();
         }
         if held.halves {
-            film.adapt(error == Some(Evidence::Batches));
+            film.adapt(error == Some(ErrorEstimate::Batches));
         }
         if held.batches {
             film.hold_batches();
@@ -510,7 +515,7 @@ impl Joined {
             film.count_costs(timed);
         }
         film.error = error;
-        Self { film, region, taken: vec![0; region.area()], end: 0, gaps: false }
+        Self { film, region, owner: vec![0; region.area()], end: 0, gaps: false }
     }
 
     /// Adds what a film of the same kind has written. Spans of one crop are a group, numbered from 1, and come in the order
@@ -534,7 +539,7 @@ impl Joined {
                 let place = (y - self.region.min[1]) as usize * self.region.width() as usize
                     + (x - self.region.min[0]) as usize;
                 // What lies beyond a crop is in its neighbour as well, and the same there.
-                let is_own = self.taken[place] == 0 || self.taken[place] == group;
+                let is_own = self.owner[place] == 0 || self.owner[place] == group;
                 let mut sums = self.film.record(pixel, &held);
                 let before = sums.pixel.value;
                 let (mut other, mut bytes) = (Record::empty(&held), bytes);
@@ -542,17 +547,17 @@ impl Joined {
                     let is_added = match part {
                         Part::Own => is_own,
                         Part::Splat => span.crop.contains(pixel),
-                        Part::Marks | Part::Ends => false,
+                        Part::BatchSums | Part::Ends => false,
                     };
                     let to = if is_added { &mut sums } else { &mut other };
                     to.visit(part, &held, &mut |number| take(number, &mut bytes, plus));
                 }
                 if is_own {
-                    self.taken[place] = group;
+                    self.owner[place] = group;
                     if span.first == 0 {
-                        sums.marks = other.marks;
+                        sums.batch_sums = other.batch_sums;
                     } else if held.batches {
-                        sums.marks.follow(&before, &other.ends, notes);
+                        sums.batch_sums.follow(&before, &other.ends, notes);
                     }
                 }
                 self.film.put(pixel, sums);
@@ -571,7 +576,7 @@ impl Joined {
     /// The film of all parts.
     pub fn into_film(mut self) -> Film {
         if self.gaps {
-            self.film.tiles.iter_mut().for_each(|tile| tile.marks = Vec::new());
+            self.film.tiles.iter_mut().for_each(|tile| tile.batch_sums = Vec::new());
             self.film.tell_spread();
         }
         self.film
@@ -609,7 +614,7 @@ mod tests {
         } else {
             film.hold_batches();
         }
-        film.tell_error(if splat { Evidence::Spread } else { Evidence::Batches });
+        film.tell_error(if splat { ErrorEstimate::Spread } else { ErrorEstimate::Batches });
         film.begin_at(samples[0]);
         for tile in &mut film.tiles {
             let Region { min, max } = tile.region;
@@ -620,10 +625,10 @@ mod tests {
                     let seen = std::array::from_fn(|k| [v, 0.5 - v, k as f32 * v]);
                     let sample = Sample { rgb, negative: v < 0.1, seen };
                     let bands = [BandSample { band: (i % 3) as u16, value: v }];
-                    let taken = tile.add(pixel, i, &sample, &bands);
+                    let owner = tile.add(pixel, i, &sample, &bands);
                     tile.add_cost(pixel, &CostSample { nodes: i.into(), primitives: 2, nanoseconds: 3 });
                     if let Some(splats) = tile.splats() {
-                        let sample = taken.then_some(&sample);
+                        let sample = owner.then_some(&sample);
                         splats.add(
                             &filter(),
                             &Flying { pixel, offset: [v - 0.5, 0.25], sample, bands: &bands },

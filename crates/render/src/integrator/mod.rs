@@ -8,13 +8,16 @@
 //! To add an integrator, write its file: a state, where its paths start, and a step; its line in the list below; its keys in the
 //! description.
 
+mod leaving;
+mod lighting;
 mod list;
 mod numbers;
 mod out;
 mod path;
 mod queue;
-mod side_by_side;
+mod scattering;
 mod sine_product;
+mod vertices;
 
 pub use out::{Contribution, Out, Target};
 pub use path::PathTracer;

@@ -3,9 +3,7 @@
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 use straal_math::simd::{Float, Kernel, Simd};
 
-/// Paths whose vertices are worked on together: their surfaces and BSDFs stay in the first-level cache between
-/// the paragraphs of a step.
-pub(super) const BLOCK: usize = 2 * straal_math::simd::BLOCK;
+pub(super) use crate::surface::BLOCK;
 
 /// A number for each vertex.
 #[derive(Default)]
@@ -38,22 +36,17 @@ impl Numbers {
         simd.run(Draw { pattern, names, wanted, numbers: self });
     }
 
-    /// Chooses a light and a point on it, for vertex `i` of the block.
+    /// Choose lights and points on them, from vertex `first` on.
     #[inline(always)]
-    pub fn light(&self, i: usize) -> [f32; 2] {
-        [self.light[0].0[i], self.light[1].0[i]]
+    pub fn light<F: Float>(&self, first: usize) -> [F; 2] {
+        [F::load(&self.light[0].0[first..]), F::load(&self.light[1].0[first..])]
     }
 
-    /// Choose the direction in which the path goes on, the last its lobe.
+    /// Choose the directions in which the paths go on, from vertex `first` on: a lobe, and where in it.
     #[inline(always)]
-    pub fn direction(&self, i: usize) -> [f32; 3] {
-        [self.direction[0].0[i], self.direction[1].0[i], self.direction[2].0[i]]
-    }
-
-    /// The first two of [`Numbers::direction`] from vertex `first` on.
-    #[inline(always)]
-    pub fn direction_lanes<F: Float>(&self, first: usize) -> [F; 2] {
-        [F::load(&self.direction[0].0[first..]), F::load(&self.direction[1].0[first..])]
+    pub fn direction<F: Float>(&self, first: usize) -> [F; 3] {
+        let [u, v, lobe] = &self.direction;
+        [F::load(&lobe.0[first..]), F::load(&u.0[first..]), F::load(&v.0[first..])]
     }
 
     /// Whether the paths from vertex `first` on go on.
@@ -129,8 +122,12 @@ mod tests {
                 let wanted = Wanted { light: true, lobe: count % 2 == 1, roulette: true };
                 numbers.draw(simd, pattern, &names[..count], wanted);
                 for (i, name) in names[..count].iter().enumerate() {
-                    let [u, v, lobe] = numbers.direction(i);
-                    assert_eq!(numbers.light(i), pattern.d2(name, Purpose::LightPoint), "{isa} {pattern:?}");
+                    let [lobe, u, v] = numbers.direction::<f32>(i);
+                    assert_eq!(
+                        numbers.light::<f32>(i),
+                        pattern.d2(name, Purpose::LightPoint),
+                        "{isa} {pattern:?}"
+                    );
                     assert_eq!([u, v], pattern.d2(name, Purpose::Direction), "{isa} {pattern:?}");
                     assert_eq!(
                         numbers.roulette::<f32>(i),

@@ -90,3 +90,13 @@ impl<S> Out<'_, S> {
         self.rays.push(ray);
     }
 }
+
+impl<S: Copy> Out<'_, S> {
+    /// [`Self::go_on`] with the state that the path has; gives what goes on, to be changed where it lies.
+    #[inline(always)]
+    pub fn go_on_as(&mut self, path: &Path<S>, branch: u32, ray: Ray) -> &mut S {
+        self.go_on(path, branch, ray, path.state);
+        let last = self.next.len() - 1;
+        &mut self.next[last].state
+    }
+}

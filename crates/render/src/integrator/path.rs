@@ -1,15 +1,18 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
-use super::numbers::{BLOCK, Numbers, Wanted};
-use super::side_by_side::{Onward, Scatter, Vertex, all_diffuse, fill_lanes};
+use super::leaving::{Leaver, Leaving, LookUp};
+use super::lighting::{Brought, Illuminate, Lit, Weigh, power_heuristic};
+use super::numbers::{Numbers, Wanted};
+use super::scattering::{Onward, SendOn};
+use super::vertices::{Arriving, BLOCK, ROOM, Vertices};
 use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
-use crate::material::{Bsdf, BsdfSample, Shaded, Transport};
-use crate::shape::offset::End;
+use crate::material::Bsdf;
+use crate::shape::SurfacePoint;
 use crate::stopwatch::Phase;
-use crate::surface::Surface;
+use crate::surface::{Met, Surfaces};
 use crate::world::World;
 use straal_color::Light;
 use straal_math::lowdisc::SampleName;
@@ -98,11 +101,13 @@ impl Integrator for PathTracer {
 
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         match queue.kind {
-            Kind::Missed => queue.arrivals().for_each(|arrival| miss(world, &arrival, out)),
-            Kind::Dark => queue.arrivals().for_each(|arrival| {
-                let surface = world.surface(arrival.ray, arrival.hit, &arrival.path.state.footprint);
-                meet_light(world, &arrival, &surface, out);
-            }),
+            Kind::Missed => miss(world, queue, out),
+            Kind::Dark => {
+                let mut surfaces = Box::<Surfaces>::default();
+                for paths in queue.order.chunks(BLOCK) {
+                    meet(world, queue, paths, &mut surfaces, out);
+                }
+            }
             Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, out),
         }
     }
@@ -111,19 +116,20 @@ impl Integrator for PathTracer {
 impl PathTracer {
     /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
     fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
-        let mut vertices = Vec::with_capacity(BLOCK);
-        let mut scratch = Scratch::default();
+        let Some(&first) = queue.order.first() else { return };
+        let mut lanes = [queue.paths[first as usize].state.lanes; ROOM];
+        let mut vertices = Vertices::new();
+        let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
-            vertices.clear();
-            vertices.extend(paths.iter().filter_map(|&path| self.arrive(world, queue, path, out)));
-            draw_numbers(queue, &vertices, &mut scratch.numbers);
-            let (count, diffuse) = (vertices.len(), all_diffuse(&vertices));
-            fill_lanes(&mut vertices, queue.simd.width());
-            let block = Block { vertices: &vertices, count, diffuse };
-            out.stopwatch.lap(Phase::Shading);
-            for (i, vertex) in block.all().enumerate() {
-                light(world, queue, vertex, scratch.numbers.light(i), out);
+            meet(world, queue, paths, &mut scratch.surfaces, out);
+            self.arrive(world, queue, (paths, &scratch.surfaces), &mut vertices);
+            for (lanes, &path) in lanes.iter_mut().zip(paths) {
+                *lanes = queue.paths[path as usize].state.lanes;
             }
+            let block = Block { paths, vertices: &vertices, lanes: &lanes };
+            draw_numbers(queue, block, &mut scratch.numbers);
+            out.stopwatch.lap(Phase::Shading);
+            light(world, queue, block, &mut scratch, out);
             out.stopwatch.lap(Phase::Lights);
             scatter(world, queue, block, &mut scratch, out);
             out.stopwatch.lap(Phase::Shading);
@@ -136,206 +142,179 @@ impl PathTracer {
         depth >= self.roulette_depth || depth >= PATIENCE
     }
 
-    /// Adds the light emitted where the ray arrives; gives the vertex if the path may go on from there.
+    /// The vertices of a block: the surfaces from which paths may go on, and how they scatter.
     #[inline]
     fn arrive<'w, L: Lanes>(
         &self,
         world: &'w World,
         queue: &Queue<'_, State<L>>,
-        path: u32,
-        out: &mut Out<'_, State<L>>,
-    ) -> Option<Vertex<'w>> {
-        let arrival = queue.arrival(path);
-        let state = &arrival.path.state;
-        let surface = world.surface(arrival.ray, arrival.hit, &state.footprint);
-        meet_light(world, &arrival, &surface, out);
-        if state.depth >= self.max_depth {
-            return None;
+        (paths, surfaces): (&[u32], &Surfaces),
+        vertices: &mut Vertices<'w>,
+    ) {
+        vertices.begin(paths.len());
+        let mut last: Option<((u32, L), Bsdf<'w>)> = None;
+        for (i, &path) in paths.iter().enumerate() {
+            let &State { lanes, beta, eta_squared, depth, .. } = &queue.paths[path as usize].state;
+            if depth >= self.max_depth {
+                continue;
+            }
+            // Read once where it doesn't differ from vertex to vertex.
+            let (material, at) = (surfaces.material[i], surfaces.at(i));
+            if at.is_some() || last.as_ref().is_none_or(|(like, _)| *like != (material, lanes)) {
+                last = Some(((material, lanes), world.bsdf_at(material, at, lanes)));
+            }
+            let Some((_, bsdf)) = &last else { continue };
+            if matches!(bsdf, Bsdf::Black(_)) {
+                continue;
+            }
+            let plays_roulette = self.plays_roulette(depth);
+            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette }, bsdf);
         }
-        let bsdf = world.bsdf(&surface, state.lanes);
-        if matches!(bsdf, Bsdf::Black(_)) {
-            return None;
-        }
-        let wo = surface.frame.to_local(-arrival.ray.d);
-        let shaded = Shaded { bsdf, ng: surface.ng };
-        Some(Vertex {
-            path,
-            beta: state.beta,
-            eta_squared: state.eta_squared,
-            roulette: self.plays_roulette(state.depth),
-            end: End::from(&surface.point),
-            frame: surface.frame,
-            shaded,
-            wo,
-        })
     }
 }
 
-/// Light from the surroundings, for a ray that leaves the scene.
-#[inline]
-fn miss<L: Lanes>(world: &World, arrival: &Arrival<'_, State<L>>, out: &mut Out<'_, State<L>>) {
-    let (state, d) = (&arrival.path.state, arrival.ray.d);
-    let reading = world.reading(state.lanes);
-    for (emitter, environment) in world.environments() {
-        let (radiance, weight) = if state.delta {
-            (environment.radiance_from(d, &reading), 1.0)
-        } else {
-            let (radiance, pdf) = environment.radiance_pdf_from(state.from.n, d, &reading);
-            (radiance, power_heuristic(state.pdf, world.lights.pmf(emitter, &state.from) * pdf))
-        };
-        out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
+/// Where the rays of a block arrived; adds the light that is emitted there.
+fn meet<L: Lanes>(
+    world: &World,
+    queue: &Queue<'_, State<L>>,
+    paths: &[u32],
+    surfaces: &mut Surfaces,
+    out: &mut Out<'_, State<L>>,
+) {
+    let met = Met { order: paths, rays: queue.rays, hits: queue.hits };
+    surfaces.meet(world, queue.simd, &met, |path| queue.paths[path as usize].state.footprint);
+    for (i, &path) in paths.iter().enumerate() {
+        if let Some(emitter) = surfaces.emitter[i] {
+            meet_light(world, &queue.arrival(path), (emitter, &surfaces.point(i)), out);
+        }
     }
 }
 
-/// Light that a surface emits, if it glows.
+/// Light from the surroundings, for rays that leave the scene.
+fn miss<L: Lanes>(world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+    let Some(&first) = queue.order.first() else { return };
+    let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
+    let mut light = [Light::ZERO; BLOCK];
+    for paths in queue.order.chunks(BLOCK) {
+        leaving.clear();
+        for &path in paths {
+            let Arrival { path, ray, .. } = queue.arrival(path);
+            let &State { lanes, beta, from, pdf, delta, .. } = &path.state;
+            leaving.push(&Leaver { d: ray.d, beta, pdf, delta, from, lanes });
+        }
+        for (emitter, _) in world.environments() {
+            queue.simd.run(LookUp { world, leaving: &leaving, emitter, out: &mut light });
+            for (&path, &light) in paths.iter().zip(&light) {
+                out.add(Contribution::own(&queue.paths[path as usize], light));
+            }
+        }
+    }
+}
+
+/// Light that a glowing surface emits.
 #[inline]
 fn meet_light<L: Lanes>(
     world: &World,
     arrival: &Arrival<'_, State<L>>,
-    surface: &Surface,
+    (emitter, point): (u32, &SurfacePoint),
     out: &mut Out<'_, State<L>>,
 ) {
-    let Some(emitter) = surface.emitter else { return };
     let (state, d) = (&arrival.path.state, arrival.ray.d);
-    let radiance =
-        world.emitters[emitter as usize].radiance_at(&surface.point, -d, &world.reading(state.lanes));
+    let radiance = world.emitters[emitter as usize].radiance_at(point, -d, &world.reading(state.lanes));
     if radiance.is_black() {
         return;
     }
     let weight = if state.delta {
         1.0
     } else {
-        power_heuristic(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, surface))
+        power_heuristic(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, point))
     };
     out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
 }
 
-/// Vertices that are worked on together.
+/// Paths whose vertices are worked on together.
 #[derive(Clone, Copy)]
-struct Block<'a, 'w> {
-    /// As many as fill whole vectors, the last of them repeated.
-    vertices: &'a [Vertex<'w>],
-    /// How many there are.
-    count: usize,
-    /// Whether all BSDFs are diffuse.
-    diffuse: bool,
-}
-
-impl<'a, 'w> Block<'a, 'w> {
-    /// Each vertex once.
-    fn all(&self) -> impl Iterator<Item = &'a Vertex<'w>> + use<'a, 'w> {
-        self.vertices[..self.count].iter()
-    }
+struct Block<'a, 'w, L> {
+    /// Their numbers in the driver's turn.
+    paths: &'a [u32],
+    vertices: &'a Vertices<'w>,
+    /// By what they read colours.
+    lanes: &'a [L; ROOM],
 }
 
 /// What the paragraphs of a step leave for one another.
 #[derive(Default)]
 struct Scratch {
+    surfaces: Surfaces,
     numbers: Numbers,
-    drawn: Vec<Option<BsdfSample>>,
+    lit: Lit,
+    brought: Brought,
     onward: Onward,
 }
 
 /// The random numbers of a block, those that any of its vertices needs.
-fn draw_numbers<L: Lanes>(queue: &Queue<'_, State<L>>, vertices: &[Vertex<'_>], numbers: &mut Numbers) {
+fn draw_numbers<L: Lanes>(queue: &Queue<'_, State<L>>, block: Block<'_, '_, L>, numbers: &mut Numbers) {
     let mut names = [SampleName::new(0, [0; 2], 0); BLOCK];
-    let mut wanted = Wanted::default();
-    for (name, vertex) in names.iter_mut().zip(vertices) {
-        *name = queue.paths[vertex.path as usize].name;
-        wanted.light |= !vertex.shaded.bsdf.is_delta();
-        wanted.lobe |= vertex.shaded.bsdf.chooses_lobe();
-        wanted.roulette |= vertex.roulette;
+    for (name, &path) in names.iter_mut().zip(block.paths) {
+        *name = queue.paths[path as usize].name;
     }
-    numbers.draw(queue.simd, queue.pattern, &names[..vertices.len()], wanted);
+    let wanted = Wanted {
+        light: block.vertices.asks_lights.any(),
+        lobe: block.vertices.chooses_lobe,
+        roulette: block.vertices.plays_roulette.any(),
+    };
+    numbers.draw(queue.simd, queue.pattern, &names[..block.paths.len()], wanted);
 }
 
-/// Next-event estimation: asks for a shadow ray to a point on a light.
-#[inline]
+/// Next-event estimation: asks for a shadow ray from each vertex to a point on a light.
 fn light<L: Lanes>(
     world: &World,
     queue: &Queue<'_, State<L>>,
-    vertex: &Vertex<'_>,
-    [u, v]: [f32; 2],
+    block: Block<'_, '_, L>,
+    Scratch { surfaces, numbers, lit, brought, .. }: &mut Scratch,
     out: &mut Out<'_, State<L>>,
 ) {
-    if vertex.shaded.bsdf.is_delta() {
+    let Block { vertices, lanes, .. } = block;
+    let simd = queue.simd;
+    if !vertices.asks_lights.any() {
         return;
     }
-    let path = &queue.paths[vertex.path as usize];
-
-    // A light, and a point on it by what is left of the number that chose: pairs of numbers are spread better than what is drawn
-    // beside them.
-    let at = vertex.receiver();
-    let Some(pick) = world.lights.pick(u, &at) else { return };
-    let Some(light) = world.sample_light(pick.index, &at, [pick.rest, v], path.state.lanes) else {
-        return;
-    };
-
-    // What it would bring, weighed against the chance that the BSDF finds it.
-    let wi = vertex.frame.to_local(light.wi);
-    let (value, pdf) = vertex.shaded.eval_pdf(vertex.wo, wi, Transport::Radiance);
-    if value.is_black() {
-        return;
+    simd.run(Illuminate { world, surfaces, vertices, lanes, numbers, out: lit });
+    vertices.by_kind(Weigh { simd, surfaces, vertices, lit, out: brought });
+    for i in brought.bright.each() {
+        let path = block.paths[i] as usize;
+        let (ray, light) = brought.get(i, &queue.rays[path]);
+        out.shadow(ray, Contribution::own(&queue.paths[path], light));
     }
-    let light_pdf = pick.pmf * light.pdf;
-    let weight = if light.delta { 1.0 } else { power_heuristic(light_pdf, pdf) };
-    let contribution = path.state.beta * value * light.radiance * (weight / light_pdf);
-    if contribution.is_black() {
-        return;
-    }
-    let ray = &queue.rays[vertex.path as usize];
-    let towards = Ray { time: ray.time, mask: ray.mask, ..light.shadow_ray(&vertex.end) };
-    out.shadow(towards, Contribution::own(path, contribution));
 }
 
 /// Draws the next directions, or ends paths.
 fn scatter<L: Lanes>(
     world: &World,
     queue: &Queue<'_, State<L>>,
-    block: Block<'_, '_>,
-    Scratch { numbers, drawn, onward, .. }: &mut Scratch,
+    block: Block<'_, '_, L>,
+    Scratch { surfaces, numbers, onward, .. }: &mut Scratch,
     out: &mut Out<'_, State<L>>,
 ) {
-    drawn.clear();
-    if !block.diffuse {
-        drawn.extend(block.all().enumerate().map(|(i, vertex)| {
-            let [u, v, lobe] = numbers.direction(i);
-            vertex.shaded.sample(vertex.wo, lobe, [u, v], Transport::Radiance)
-        }));
-        drawn.resize(block.vertices.len(), None);
-    }
-    queue.simd.run(Scatter { vertices: block.vertices, numbers, drawn, out: onward });
-    for (i, vertex) in block.all().enumerate() {
-        let index = vertex.path as usize;
+    let (vertices, simd) = (block.vertices, queue.simd);
+    vertices.by_kind(SendOn { simd, surfaces, vertices, numbers, out: onward });
+    for i in onward.alive.each() {
+        let index = block.paths[i] as usize;
         let (path, ray) = (&queue.paths[index], &queue.rays[index]);
-        let state = &path.state;
-        let Some(next) = onward.get(i, ray) else { continue };
-        let s = drawn.get(i).copied().flatten().unwrap_or(BsdfSample::REFLECTED);
-        let mut footprint = state.footprint;
-        if world.materials.vary() {
-            let sample = BsdfSample { wi: next.ray.d, pdf: next.pdf, ..s };
-            footprint = world.footprint_beyond(&footprint, (ray, &queue.hits[index]), &sample);
-        }
-        let state = State {
+        let next = onward.get(i, surfaces, ray);
+        let state = out.go_on_as(path, 0, next.ray);
+        if next.sample.wavelength > 0.0 {
             // A direction of a single wavelength: the others end here, and their lanes are 0.
-            lanes: if s.wavelength > 0.0 { state.lanes.only(s.wavelength) } else { state.lanes },
-            footprint,
-            beta: next.beta,
-            from: vertex.receiver(),
-            pdf: next.pdf,
-            delta: s.delta,
-            depth: state.depth + 1,
-            eta_squared: next.eta_squared,
-        };
-        out.go_on(path, 0, next.ray, state);
+            state.lanes = state.lanes.only(next.sample.wavelength);
+        }
+        if world.materials.vary() {
+            let arrived = (ray, &queue.hits[index]);
+            state.footprint = world.footprint_beyond(&path.state.footprint, arrived, &next.sample);
+        }
+        state.beta = next.beta;
+        state.from = next.from;
+        (state.pdf, state.delta) = (next.sample.pdf, next.sample.delta);
+        state.depth += 1;
+        state.eta_squared = next.eta_squared;
     }
-}
-
-/// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn
-/// with density `b` (Veach 1997, section 9.2.4).
-#[inline(always)]
-fn power_heuristic(a: f32, b: f32) -> f32 {
-    // By the ratio: squares of densities leave the range of single precision.
-    let r = b / a;
-    1.0 / (1.0 + r * r)
 }

@@ -12,6 +12,7 @@ use std::fmt;
 
 use straal_color::Light;
 use straal_color::spectrum::FIRST;
+use straal_math::simd::{BLOCK, Float};
 
 mod tables;
 
@@ -19,7 +20,7 @@ pub(crate) use tables::table_of;
 pub use tables::{Colour, Eta, EtaTable, SpectralTables};
 
 /// By what a path reads colours.
-pub trait Lanes: Copy + fmt::Debug + Send + Sync + 'static {
+pub trait Lanes: Copy + PartialEq + fmt::Debug + Send + Sync + 'static {
     /// Whether a number is drawn at the camera.
     const DRAWN: bool;
 
@@ -31,6 +32,29 @@ pub trait Lanes: Copy + fmt::Debug + Send + Sync + 'static {
 
     /// A colour of the scene.
     fn light(self, tables: &SpectralTables, colour: &Colour) -> Light;
+
+    /// [`Self::light`] for many paths side by side.
+    #[inline(always)]
+    fn lights<F: Float>(these: &[Self], tables: &SpectralTables, colour: &Colour) -> Light<F> {
+        Light::from_fn(
+            #[inline(always)]
+            |i| these[i].light(tables, colour),
+        )
+    }
+
+    /// [`Self::radiance_of_rgb`] for many paths side by side.
+    #[inline(always)]
+    fn radiances_of_rgb<F: Float>(these: &[Self], tables: &SpectralTables, rgb: Light<F>) -> Light<F> {
+        let mut rows = [Light::ZERO; BLOCK];
+        rgb.for_each(
+            #[inline(always)]
+            |i, rgb| rows[i] = these[i].radiance_of_rgb(tables, rgb),
+        );
+        Light::from_fn(
+            #[inline(always)]
+            |i| rows[i],
+        )
+    }
 
     /// Light of linear RGB, lit as D65 is where lanes are wavelengths; there channels below 0 are of colours that sRGB doesn't hold.
     fn radiance_of_rgb(self, tables: &SpectralTables, rgb: Light) -> Light;
@@ -105,6 +129,16 @@ impl Lanes for Rgb {
     #[inline(always)]
     fn light(self, _: &SpectralTables, colour: &Colour) -> Light {
         colour.rgb
+    }
+
+    #[inline(always)]
+    fn lights<F: Float>(_: &[Self], _: &SpectralTables, colour: &Colour) -> Light<F> {
+        Light::uniform(colour.rgb)
+    }
+
+    #[inline(always)]
+    fn radiances_of_rgb<F: Float>(_: &[Self], _: &SpectralTables, rgb: Light<F>) -> Light<F> {
+        rgb
     }
 
     #[inline(always)]

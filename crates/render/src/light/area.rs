@@ -1,13 +1,14 @@
 //! Surfaces that shine.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, ShadingPoint, Value};
+use crate::texture::{Reading, Readings, ShadingPoint, Value};
 use straal_color::Light;
+use straal_math::simd::{Float, Mask};
 use straal_math::{Vec3, table::Table1};
 
 use super::reach::Lamp;
-use super::{Extent, LightSample, Reach, Receiver, Shine, Target, strength};
-use crate::shape::{Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
+use super::{Extent, LightSample, Reach, Receiver, Shine, strength};
+use crate::shape::{DirSamples, Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
 /// A surface that sends the same radiance in every direction on its lit side.
 #[derive(Clone, Debug)]
@@ -61,14 +62,45 @@ impl LitSurface {
 
 impl Sides {
     /// Whether the side on which `wo` leaves a surface with normal `ng` shines.
-    #[inline]
-    fn lit(self, ng: Vec3, wo: Vec3) -> bool {
+    #[inline(always)]
+    fn lit<F: Float>(self, ng: Vec3<F>, wo: Vec3<F>) -> F::Mask {
         let cos = ng.dot(wo);
         match self {
-            Self::Front => cos > 0.0,
-            Self::Back => cos < 0.0,
-            Self::Both => cos != 0.0,
+            Self::Front => cos.gt(F::ZERO),
+            Self::Back => cos.lt(F::ZERO),
+            Self::Both => cos.ne(F::ZERO),
         }
+    }
+}
+
+impl AreaLight {
+    /// A sample of radiance that is read at its point.
+    #[cold]
+    fn sample_textured<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        (p, u): (Vec3, [f32; 2]),
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        if self.radiance.most() == 0.0 {
+            return None;
+        }
+        let s = match &self.surface {
+            LitSurface::Shape(shape) => geometry.sample_from(*shape, p, u)?,
+            LitSurface::Mesh { mesh, triangles, .. } => {
+                let choice = triangles.as_ref()?.sample(u[0]);
+                let mesh = &geometry.meshes[*mesh as usize];
+                let mut s = mesh.sample_triangle(choice.index as u32, [choice.rest, u[1]]);
+                s.pdf_area *= choice.pmf;
+                by_solid_angle(p, s)?
+            }
+        };
+        if !self.sides.lit(s.point.ng, -s.wi) {
+            return None;
+        }
+        let radiance = reading.eval(&self.radiance, &at(&s.point));
+        let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
+        Some(LightSample { far: false, to: (&s.point).into(), ..sample })
     }
 }
 
@@ -81,32 +113,48 @@ fn at(point: &SurfacePoint) -> ShadingPoint {
 impl Shine for AreaLight {
     const EXTENT: Extent = Extent::Surface;
 
-    #[inline]
     fn sample<L: Lanes>(
         &self,
         geometry: &Geometry,
-        (&Receiver { p, .. }, u): (&Receiver, [f32; 2]),
+        (at, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        if self.radiance.most() == 0.0 {
-            return None;
+        if self.radiance.varies() {
+            return self.sample_textured(geometry, (at.p, u), reading);
         }
-        let s = match &self.surface {
-            LitSurface::Shape(shape) => geometry.sample_from(*shape, p, u)?,
-            LitSurface::Mesh { mesh, triangles, .. } => {
-                let choice = triangles.as_ref()?.sample(u[0]);
-                let mut s =
-                    geometry.meshes[*mesh as usize].sample_triangle(choice.index as u32, [choice.rest, u[1]]);
-                s.pdf_area *= choice.pmf;
-                by_solid_angle(p, s)?
-            }
+        self.sample_many(geometry, (at, u), &Readings::one(reading)).of_value()
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        (at, u): (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let Value::Constant(radiance) = &self.radiance else {
+            return LightSample::one_by_one(
+                #[inline(always)]
+                |i| {
+                    let u = [u[0].lane(i), u[1].lane(i)];
+                    self.sample_textured(geometry, (at.p.lane(i), u), &readings.of(i))
+                },
+            );
         };
-        if !self.sides.lit(s.point.ng, -s.wi) {
-            return None;
-        }
-        let target = Target::Point((&s.point).into());
-        let radiance = reading.eval(&self.radiance, &at(&s.point));
-        Some(LightSample { wi: s.wi, radiance, pdf: s.pdf, delta: false, target })
+        let s = match &self.surface {
+            LitSurface::Shape(shape) => geometry.sample_from_many(*shape, at.p, u),
+            LitSurface::Mesh { mesh, triangles: Some(triangles), .. } => {
+                let choice = triangles.samples(u[0]);
+                let mesh = &geometry.meshes[*mesh as usize];
+                let (end, pdf) = mesh.sample_triangles(choice.index, [choice.rest, u[1]]);
+                DirSamples::by_area(at.p, end, pdf * choice.pmf)
+            }
+            LitSurface::Mesh { triangles: None, .. } => return LightSample::none(),
+        };
+        let lit = self.sides.lit(s.end.ng, -s.wi) & F::Mask::splat(!radiance.is_black());
+        let far = F::Mask::splat(false);
+        let sample = LightSample::from_afar(s.wi, readings.light(radiance), s.pdf);
+        LightSample { far, to: s.end, ..sample }.only(lit)
     }
 
     #[inline]

@@ -1,11 +1,12 @@
 //! Parallel light.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, ShadingPoint, Value};
+use crate::texture::{Reading, Readings, ShadingPoint, Value};
+use straal_math::simd::{Float, Mask};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -42,18 +43,26 @@ impl Shine for DirectionalLight {
     #[inline]
     fn sample<L: Lanes>(
         &self,
-        _: &Geometry,
-        _: (&Receiver, [f32; 2]),
+        geometry: &Geometry,
+        from: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        let radiance = reading.eval(&self.irradiance, &ShadingPoint::NOWHERE);
-        (!radiance.is_black()).then_some(LightSample {
-            wi: self.wi,
-            radiance,
-            pdf: 1.0,
-            delta: true,
-            target: Target::Direction,
-        })
+        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        _: &Geometry,
+        _: (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let radiance = readings.eval(&self.irradiance, &ShadingPoint::NOWHERE);
+        let wi = Vec3::uniform(self.wi);
+        LightSample {
+            delta: F::Mask::splat(true),
+            ..LightSample::from_afar(wi, radiance, F::ONE).only(!radiance.is_black())
+        }
     }
 
     /// What falls on the scene's disc.

@@ -1,15 +1,16 @@
 //! Light from all around: one radiance, or a picture.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, ShadingPoint, Value};
+use crate::texture::{Reading, Readings, ShadingPoint, Value};
 use straal_color::Light;
+use straal_math::simd::{Double, Float, Mask, Uint};
 use straal_math::table::Table1;
 use straal_math::{Affine, DVec3, Frame, Vec3, ops, warp};
 use straal_scene::{Image, desc, value};
 
 use super::cube::latitude_longitude;
 use super::facing::Facing;
-use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength};
 use crate::camera::CubeLayout;
 use crate::error::CompileError;
 use crate::paint::Paint;
@@ -37,6 +38,17 @@ impl ConstantEnvironment {
         let radiance = paint.emission_times(radiance, l.scale)?.into();
         Ok(Emitter::Constant(Self { radiance }))
     }
+
+    /// By the cosine where a normal is known.
+    #[inline(always)]
+    fn pdfs<F: Float>(&self, n: Vec3<F>, wi: Vec3<F>) -> F {
+        if self.radiance.most() == 0.0 {
+            return F::ZERO;
+        }
+        let everywhere = Receiver { p: n, n }.is_anywhere();
+        let by_cosine = warp::cosine_hemisphere_pdf(n.dot(wi));
+        F::select(everywhere, F::splat(warp::uniform_sphere_pdf()), by_cosine)
+    }
 }
 
 impl Shine for ConstantEnvironment {
@@ -45,19 +57,33 @@ impl Shine for ConstantEnvironment {
     #[inline]
     fn sample<L: Lanes>(
         &self,
-        _: &Geometry,
-        (at, u): (&Receiver, [f32; 2]),
+        geometry: &Geometry,
+        from: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        let radiance = reading.eval(&self.radiance, &ShadingPoint::NOWHERE);
-        let wi = if at.n == Vec3::ZERO {
-            warp::uniform_sphere(u)
-        } else {
-            Frame::from_normal(at.n).to_world(warp::cosine_hemisphere(u)).try_normalize()?
-        };
-        let pdf = self.pdf_from(at.n, wi);
-        let sound = !radiance.is_black() && pdf > 0.0;
-        sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
+        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        _: &Geometry,
+        (at, u): (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let radiance = readings.eval(&self.radiance, &ShadingPoint::NOWHERE);
+        let everywhere = at.is_anywhere();
+        let mut wi = Vec3::splat(F::ZERO);
+        let mut there = everywhere;
+        if everywhere.any() {
+            wi = warp::uniform_sphere(u);
+        }
+        if !everywhere.all() {
+            let above = Frame::from_normal(at.n).to_world(warp::cosine_hemisphere(u)).normalize_checked();
+            (wi, there) = (Vec3::select(everywhere, wi, above.0), there | above.1);
+        }
+        let pdf = self.pdfs(at.n, wi);
+        LightSample::from_afar(wi, radiance, pdf).only(there & !radiance.is_black() & pdf.gt(F::ZERO))
     }
 
     #[inline]
@@ -65,19 +91,19 @@ impl Shine for ConstantEnvironment {
         (reading.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdf_from(n, wi))
     }
 
-    /// By the cosine where a normal is known.
+    #[inline(always)]
+    fn radiance_pdf_from_many<F: Float, L: Lanes>(
+        &self,
+        n: Vec3<F>,
+        wi: Vec3<F>,
+        readings: &Readings<'_, L>,
+    ) -> (Light<F>, F) {
+        (readings.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdfs(n, wi))
+    }
+
     #[inline]
     fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
-        let cos = n.dot(wi);
-        if self.radiance.most() == 0.0 {
-            0.0
-        } else if n == Vec3::ZERO {
-            warp::uniform_sphere_pdf()
-        } else if cos > 0.0 {
-            warp::cosine_hemisphere_pdf(cos)
-        } else {
-            0.0
-        }
+        self.pdfs(n, wi)
     }
 
     /// What falls on the scene's disc from all sides.
@@ -117,6 +143,8 @@ pub struct ImageEnvironment {
     cells: Option<Facing>,
     /// Cosine of the polar angle of each row.
     cosines: Vec<f64>,
+    /// Of each row of cells its solid angle, times the number of rows: what densities over the unit square are divided by.
+    bands: Vec<f64>,
     /// Local x, y and z in the world: an orthonormal frame.
     axes: [Vec3; 3],
     /// Integral of the strongest lane over all directions.
@@ -138,9 +166,35 @@ impl Shine for Box<ImageEnvironment> {
         ImageEnvironment::sample(self, at.n, u, reading)
     }
 
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        _: &Geometry,
+        (at, u): (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        ImageEnvironment::sample_many(self, at.n, u, readings)
+    }
+
     #[inline]
     fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        self.radiance_pdf(n, wi, reading)
+        self.radiance_pdf_from_many(n, wi, &Readings::one(reading))
+    }
+
+    #[inline(always)]
+    fn radiance_pdf_from_many<F: Float, L: Lanes>(
+        &self,
+        n: Vec3<F>,
+        wi: Vec3<F>,
+        readings: &Readings<'_, L>,
+    ) -> (Light<F>, F) {
+        let place = self.place(wi);
+        (readings.radiance_of_rgb(self.interpolate(&place)), self.pdf_of(&place, n))
+    }
+
+    #[inline(always)]
+    fn radiance_from_many<F: Float, L: Lanes>(&self, wi: Vec3<F>, readings: &Readings<'_, L>) -> Light<F> {
+        readings.radiance_of_rgb(self.interpolate(&self.place(wi)))
     }
 
     #[inline]
@@ -180,13 +234,13 @@ impl Shine for Box<ImageEnvironment> {
 /// No pixel is brighter, so that sums of pixels are finite.
 const MOST: f32 = 1e30;
 
-/// A place between four pixels.
-struct Place {
-    column: usize,
-    row: usize,
+/// A place between four pixels, or many side by side.
+struct Place<F: Float> {
+    column: F::Uint,
+    row: F::Uint,
     /// Weights of the next column and row.
-    x: f32,
-    y: f32,
+    x: F,
+    y: F,
 }
 
 impl ImageEnvironment {
@@ -267,7 +321,9 @@ impl ImageEnvironment {
             (x * s - z * c) * (1.0 - up * up).abs().sqrt() + y * up
         };
         let cells = Facing::new([width, height - 1], &relative, direction);
-        Some(Self { width, height, pixels, cells, cosines, axes, total, irradiance })
+        let band = |c: &[f64]| 2.0 * std::f64::consts::PI * (c[0] - c[1]) * (height - 1) as f64;
+        let bands = cosines.windows(2).map(band).collect();
+        Some(Self { width, height, pixels, cells, cosines, bands, axes, total, irradiance })
     }
 
     fn of(
@@ -300,19 +356,37 @@ impl ImageEnvironment {
 
     /// See [`super::Emitter::sample`].
     pub fn sample<L: Lanes>(&self, n: Vec3, u: [f32; 2], reading: &Reading<'_, L>) -> Option<LightSample> {
-        let cell = self.cells.as_ref()?.sample(u, n)?;
+        self.sample_many(n, u, &Readings::one(reading)).of_value()
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        n: Vec3<F>,
+        u: [F; 2],
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let Some(cells) = &self.cells else { return LightSample::none() };
+        let cell = cells.samples(u, n);
         let (column, row) = (cell.column, cell.row);
-        let cos = self.cosines[row] + (self.cosines[row + 1] - self.cosines[row]) * cell.down;
-        let y = ops::acos_d(cos) * (std::f64::consts::FRAC_1_PI * (self.height - 1) as f64) - row as f64;
-        let (s, c) = ops::sin_cos_degrees(360.0 * (column as f64 + 0.5 + cell.across) / self.width as f64);
-        let sin = (1.0 - cos * cos).abs().sqrt();
-        let [ax, ay, az] = self.axes.map(Vec3::as_dvec3);
-        let wi = (ax * (sin * s) + ay * cos - az * (sin * c)).try_normalize()?.as_vec3();
-        let place = Place { column, row, x: cell.across as f32, y: ops::clamp(y as f32, 0.0, 1.0) };
-        let radiance = reading.radiance_of_rgb(self.interpolate(&place));
+        let next = row.wrapping_add(F::Uint::splat(1));
+        let (above, below) = (entries::<F>(&self.cosines, row), entries::<F>(&self.cosines, next));
+        let cos = above + (below - above) * cell.down;
+        let rows = std::f64::consts::FRAC_1_PI * (self.height - 1) as f64;
+        let y = ops::acos_d(cos) * rows - F::from_uint(row).to_double();
+        let turned = (F::from_uint(column).to_double() + 0.5 + cell.across) * 360.0 / self.width as f64;
+        let (s, c) = ops::sin_cos_two_turns(turned);
+        let sin = (F::Double::ONE - cos * cos).abs().sqrt();
+        let [ax, ay, az] = &self.axes;
+        let (ax, ay, az) =
+            (DVec3::uniform(ax.as_dvec3()), DVec3::uniform(ay.as_dvec3()), DVec3::uniform(az.as_dvec3()));
+        let (wi, there) = (ax * (sin * s) + ay * cos - az * (sin * c)).normalize_checked();
+        let y = ops::clamp(F::from_double(y), F::ZERO, F::ONE);
+        let place = Place { column, row, x: F::from_double(cell.across), y };
+        let radiance = readings.radiance_of_rgb(self.interpolate(&place));
         let pdf = self.density(cell.pdf, row);
-        let sound = !radiance.is_black() && pdf > 0.0 && pdf.is_finite();
-        sound.then_some(LightSample { wi, radiance, pdf, delta: false, target: Target::Direction })
+        let sound = there & !radiance.is_black() & pdf.gt(F::ZERO) & pdf.is_finite();
+        LightSample::from_afar(Vec3::from_double(wi), radiance, pdf).only(sound)
     }
 
     /// See [`super::Emitter::pdf_from`].
@@ -320,15 +394,10 @@ impl ImageEnvironment {
         self.pdf_of(&self.place(wi), n)
     }
 
-    /// See [`super::Emitter::radiance_pdf_from`].
-    pub fn radiance_pdf<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        let place = self.place(wi);
-        (reading.radiance_of_rgb(self.interpolate(&place)), self.pdf_of(&place, n))
-    }
-
-    fn pdf_of(&self, place: &Place, n: Vec3) -> f32 {
-        let pdf = |cells: &Facing| self.density(cells.pdf([place.column, place.row], n), place.row);
-        self.cells.as_ref().map_or(0.0, pdf)
+    #[inline(always)]
+    fn pdf_of<F: Float>(&self, place: &Place<F>, n: Vec3<F>) -> F {
+        let Some(cells) = &self.cells else { return F::ZERO };
+        self.density(cells.pdfs([place.column, place.row], n), place.row)
     }
 
     /// What falls on the scene's disc from all sides.
@@ -338,31 +407,69 @@ impl ImageEnvironment {
 
     /// A density over the unit square, in a row of cells, as density by solid angle: the square's (height - 1) equal
     /// rows are bands of solid angle 2 pi times a difference of cosines.
-    fn density(&self, over_square: f32, row: usize) -> f32 {
-        let band = self.cosines[row] - self.cosines[row + 1];
-        (f64::from(over_square) / (2.0 * std::f64::consts::PI * band * (self.height - 1) as f64)) as f32
+    #[inline(always)]
+    fn density<F: Float>(&self, over_square: F, row: F::Uint) -> F {
+        F::from_double(over_square.to_double() / entries::<F>(&self.bands, row))
     }
 
-    fn place(&self, wi: Vec3) -> Place {
+    #[inline(always)]
+    fn place<F: Float>(&self, wi: Vec3<F>) -> Place<F> {
         use std::f32::consts::FRAC_1_PI;
-        let [x, y, z] = self.axes.map(|a| a.dot(wi));
+        let [x, y, z] = &self.axes;
+        let (x, y, z) = (Vec3::uniform(*x).dot(wi), Vec3::uniform(*y).dot(wi), Vec3::uniform(*z).dot(wi));
         // In pixels. The polar angle by its tangent: near the poles the cosine has lost it.
         let across = ops::atan2(x, -z) * (0.5 * FRAC_1_PI) * self.width as f32 - 0.5;
         let down = ops::atan2((x * x + z * z).sqrt(), y) * FRAC_1_PI * (self.height - 1) as f32;
         let left = across.floor();
-        let row = (down as usize).min(self.height - 2);
+        let row = down.to_uint().min(F::Uint::splat(self.height as u32 - 2));
+        // From half a turn to the left of the middle: once around for what lies there.
+        let column = left.to_int();
+        let around = column.wrapping_add(F::Uint::splat(self.width as u32));
         Place {
-            column: (left as i64).rem_euclid(self.width as i64) as usize,
+            column: F::Uint::select(column.lt_signed(F::Uint::splat(0)), around, column),
             row,
             x: across - left,
-            y: ops::clamp(down - row as f32, 0.0, 1.0),
+            y: ops::clamp(down - F::from_uint(row), F::ZERO, F::ONE),
         }
     }
 
-    fn interpolate(&self, at: &Place) -> Light {
-        let next = if at.column + 1 == self.width { 0 } else { at.column + 1 };
-        let pixel = |column: usize, row: usize| Light::rgb(self.pixels[row * self.width + column]);
-        let row = |row: usize| pixel(at.column, row) * (1.0 - at.x) + pixel(next, row) * at.x;
-        row(at.row) * (1.0 - at.y) + row(at.row + 1) * at.y
+    #[inline(always)]
+    fn interpolate<F: Float>(&self, at: &Place<F>) -> Light<F> {
+        let (zero, one) = (F::Uint::splat(0), F::Uint::splat(1));
+        let width = F::Uint::splat(self.width as u32);
+        let next = at.column.wrapping_add(one);
+        let next = F::Uint::select(next.eq(width), zero, next);
+        let first = at.row.wrapping_mul(width);
+        let columns = [at.column, next];
+        let [upper, lower] =
+            [self.row(first, columns, at.x), self.row(first.wrapping_add(width), columns, at.x)];
+        upper * (F::ONE - at.y) + lower * at.y
     }
+
+    /// Between two pixels of a row.
+    #[inline(always)]
+    fn row<F: Float>(&self, first: F::Uint, [left, right]: [F::Uint; 2], x: F) -> Light<F> {
+        self.pixels_at::<F>(first.wrapping_add(left)) * (F::ONE - x)
+            + self.pixels_at::<F>(first.wrapping_add(right)) * x
+    }
+
+    #[inline(always)]
+    fn pixels_at<F: Float>(&self, index: F::Uint) -> Light<F> {
+        let first = index.wrapping_mul(F::Uint::splat(3));
+        let pixels = self.pixels.as_flattened();
+        let mut light = Light::splat(F::ZERO);
+        for k in 0..3 {
+            light[k] = F::gather(pixels, first.wrapping_add(F::Uint::splat(k as u32)));
+        }
+        light
+    }
+}
+
+/// Those of a list with these numbers.
+#[inline(always)]
+fn entries<F: Float>(list: &[f64], index: F::Uint) -> F::Double {
+    F::Double::from_fn(
+        #[inline(always)]
+        |i| list[index.lane(i) as usize],
+    )
 }

@@ -7,7 +7,8 @@
 //!
 //! A block that any surface facing the way of its normal's part of the sphere may see has a share, if it shines.
 
-use straal_math::table::Table2;
+use straal_math::simd::{Double, Float, Uint};
+use straal_math::table::{Table2, Tables2};
 use straal_math::{DVec3, Vec3};
 
 /// Blocks across and down, at most.
@@ -28,24 +29,29 @@ pub(super) struct Facing {
     /// Blocks across and down.
     blocks: [usize; 2],
     /// By normal, then that for none.
-    chosen: Vec<Table2>,
-    /// By block, row by row; `None` where it is black.
-    within: Vec<Option<Table2>>,
+    chosen: Tables2,
+    /// By block, row by row; of a single cell where it is black.
+    within: Tables2,
+    /// Where each block's cells begin, across and down.
+    starts: [Vec<u32>; 2],
+    /// In which block a cell lies, across and down.
+    owners: [Vec<u32>; 2],
 }
 
-/// A cell, a place in it, and the density over the unit square of all cells.
-pub(super) struct Drawn {
-    pub column: usize,
-    pub row: usize,
-    /// In [0, 1).
-    pub across: f64,
-    pub down: f64,
-    pub pdf: f32,
+/// Cells, places in them, and the densities over the unit square of all cells.
+pub(super) struct Drawn<F: Float> {
+    pub column: F::Uint,
+    pub row: F::Uint,
+    /// In [0, 1].
+    pub across: F::Double,
+    pub down: F::Double,
+    pub pdf: F,
 }
 
 impl Facing {
     /// Bytes of the tables by normals, and of the blocks' own beside their cells: a block's cell in the tables takes at most eight and a half.
-    pub const BYTES: usize = (SIDE * SIDE + 1) * ACROSS * DOWN * 17 / 2 + ACROSS * DOWN * size_of::<Table2>();
+    pub const BYTES: usize =
+        (SIDE * SIDE + 1) * ACROSS * DOWN * 17 / 2 + (ACROSS * DOWN + SIDE * SIDE + 1) * Tables2::BYTES;
 
     /// For `weights` of cells, row by row; `direction` tells where the place (across, down) of the unit square lies in the world, a unit
     /// vector. `None` where all is black.
@@ -54,9 +60,13 @@ impl Facing {
         weights: &[f32],
         direction: impl Fn(f64, f64) -> DVec3,
     ) -> Option<Self> {
+        if width.max(height) >= 1 << 24 {
+            return None;
+        }
         let blocks = [width.min(ACROSS), height.min(DOWN)];
         let mut sums = vec![0.0_f64; blocks[0] * blocks[1]];
-        let mut within = Vec::with_capacity(sums.len());
+        let mut within = Tables2::with_room((width + blocks[0]) * (height + 2 * blocks[1]));
+        let black = Table2::new(1, 1, &[1.0])?;
         let mut seen = Vec::with_capacity(sums.len());
         for y in 0..blocks[1] {
             for x in 0..blocks[0] {
@@ -66,7 +76,7 @@ impl Facing {
                     own.extend_from_slice(&weights[row * width..][columns.clone()]);
                 }
                 sums[y * blocks[0] + x] = own.iter().map(|w| f64::from(*w)).sum();
-                within.push(Table2::new(columns.len(), rows.len(), &own));
+                within.push(Table2::new(columns.len(), rows.len(), &own).as_ref().unwrap_or(&black))?;
                 let part = |k: f64, r: &std::ops::Range<usize>, of: usize| {
                     (r.start as f64 + k * r.len() as f64) / of as f64
                 };
@@ -83,50 +93,59 @@ impl Facing {
         };
         let any = table(&|_| 1.0)?;
         // Where all that a surface sees is black nothing is drawn that isn't.
-        let facing =
-            |i: usize| table(&|block| block.share(normal(i), spread(i))).unwrap_or_else(|| any.clone());
-        let mut chosen: Vec<Table2> = (0..SIDE * SIDE).map(facing).collect();
-        chosen.push(any);
-        Some(Self { cells: [width, height], blocks, chosen, within })
+        let mut chosen = Tables2::with_room((SIDE * SIDE + 1) * (blocks[0] + 1) * (blocks[1] + 1));
+        for i in 0..SIDE * SIDE {
+            let facing = table(&|block| block.share(normal(i), spread(i)));
+            chosen.push(facing.as_ref().unwrap_or(&any))?;
+        }
+        chosen.push(&any)?;
+        let starts = [0, 1].map(|k| {
+            (0..blocks[k]).map(|block| range(block, blocks[k], [width, height][k]).start as u32).collect()
+        });
+        let owners = [0, 1].map(|k| {
+            let cells = [width, height][k];
+            (0..cells).map(|cell| (cell * blocks[k] / cells) as u32).collect()
+        });
+        Some(Self { cells: [width, height], blocks, chosen, within, starts, owners })
     }
 
-    /// Draws a cell and a place in it by `u` in [0, 1)², for a surface of a unit normal, or any way where that is zero.
-    #[inline]
-    pub fn sample(&self, u: [f32; 2], n: Vec3) -> Option<Drawn> {
-        let block = self.chosen[index(n)].sample(u);
+    /// Draws a cell and a place in it by `u` in [0, 1)², for a surface of a unit normal, or any way where that is zero. For many such
+    /// surfaces side by side.
+    #[inline(always)]
+    pub fn samples<F: Float>(&self, u: [F; 2], n: Vec3<F>) -> Drawn<F> {
+        let (block, blocks) = self.chosen.samples(index(n), u);
         let [x, y] = block.texel;
-        let rest = [0, 1].map(|k| rest(block.uv[k], self.blocks[k], block.texel[k]));
-        let table = self.within[y * self.blocks[0] + x].as_ref()?;
-        let cell = table.sample(rest.map(|v| below_one(v as f32)));
-        let size = table.size();
-        let [across, down] = [0, 1].map(|k| self::rest(cell.uv[k], size[k], cell.texel[k]));
-        Some(Drawn {
-            column: range(x, self.blocks[0], self.cells[0]).start + cell.texel[0],
-            row: range(y, self.blocks[1], self.cells[1]).start + cell.texel[1],
-            across,
-            down,
+        let left = [rest::<F>(block.uv[0], blocks[0], x), rest::<F>(block.uv[1], blocks[1], y)];
+        let left = [below_one(F::from_double(left[0])), below_one(F::from_double(left[1]))];
+        let (cell, size) = self.within.samples(y.wrapping_mul(blocks[0]).wrapping_add(x), left);
+        Drawn {
+            column: F::Uint::gather(&self.starts[0], x).wrapping_add(cell.texel[0]),
+            row: F::Uint::gather(&self.starts[1], y).wrapping_add(cell.texel[1]),
+            across: rest::<F>(cell.uv[0], size[0], cell.texel[0]),
+            down: rest::<F>(cell.uv[1], size[1], cell.texel[1]),
             pdf: self.density(block.pdf, cell.pdf, size),
-        })
+        }
     }
 
-    /// The density over the unit square of all cells with which that cell is drawn.
-    #[inline]
-    pub fn pdf(&self, [column, row]: [usize; 2], n: Vec3) -> f32 {
-        let x = column * self.blocks[0] / self.cells[0];
-        let y = row * self.blocks[1] / self.cells[1];
-        let Some(table) = &self.within[y * self.blocks[0] + x] else { return 0.0 };
-        let first =
-            [range(x, self.blocks[0], self.cells[0]).start, range(y, self.blocks[1], self.cells[1]).start];
-        let cell = table.texel_pdf([column - first[0], row - first[1]]);
-        self.density(self.chosen[index(n)].texel_pdf([x, y]), cell, table.size())
+    /// The densities over the unit square of all cells with which these cells are drawn.
+    #[inline(always)]
+    pub fn pdfs<F: Float>(&self, [column, row]: [F::Uint; 2], n: Vec3<F>) -> F {
+        let (x, y) = (F::Uint::gather(&self.owners[0], column), F::Uint::gather(&self.owners[1], row));
+        let first = [F::Uint::gather(&self.starts[0], x), F::Uint::gather(&self.starts[1], y)];
+        let (block, blocks): (F, _) = self.chosen.texel_pdfs(index(n), [x, y]);
+        let within = y.wrapping_mul(blocks[0]).wrapping_add(x);
+        let (cell, size) =
+            self.within.texel_pdfs(within, [column.wrapping_sub(first[0]), row.wrapping_sub(first[1])]);
+        // A black block has no cell but the first; it is never chosen.
+        F::select(block.gt(F::ZERO), self.density(block, cell, size), F::ZERO)
     }
 
     /// From densities over the squares of the blocks and of the cells of one of them.
-    #[inline]
-    fn density(&self, of_block: f32, of_cell: f32, size: [usize; 2]) -> f32 {
-        let share = |all: usize, part: usize| all as f32 / part as f32;
-        let blocks = self.blocks[0] * self.blocks[1];
-        of_block * of_cell * share(self.cells[0] * self.cells[1], blocks * size[0] * size[1])
+    #[inline(always)]
+    fn density<F: Float>(&self, of_block: F, of_cell: F, size: [F::Uint; 2]) -> F {
+        let all = F::splat((self.cells[0] * self.cells[1]) as f32);
+        let blocks = F::Uint::splat((self.blocks[0] * self.blocks[1]) as u32);
+        of_block * of_cell * (all / F::from_uint(blocks.wrapping_mul(size[0]).wrapping_mul(size[1])))
     }
 }
 
@@ -137,15 +156,16 @@ fn range(block: usize, blocks: usize, cells: usize) -> std::ops::Range<usize> {
 }
 
 /// What is left of a place, times how many there are, beyond the one that it lies in: in [0, 1].
-#[inline]
-fn rest(uv: f32, count: usize, index: usize) -> f64 {
-    let rest = f64::from(uv) * count as f64 - index as f64;
-    if rest > 0.0 { if rest < 1.0 { rest } else { 1.0 } } else { 0.0 }
+#[inline(always)]
+fn rest<F: Float>(uv: F, count: F::Uint, index: F::Uint) -> F::Double {
+    // Both are below 2^24 (see `Facing::new`): single precision holds them.
+    let rest = uv.to_double() * F::from_uint(count).to_double() - F::from_uint(index).to_double();
+    rest.max(F::Double::ZERO).min(F::Double::ONE)
 }
 
-#[inline]
-fn below_one(v: f32) -> f32 {
-    if v < 1.0 { v } else { 1.0 - f32::EPSILON / 2.0 }
+#[inline(always)]
+fn below_one<F: Float>(v: F) -> F {
+    v.min(F::splat(1.0 - f32::EPSILON / 2.0))
 }
 
 /// Where a block lies.
@@ -212,18 +232,23 @@ fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 }
 
 /// The octahedral map (Meyer et al. 2010): where on the unfolded square a normal lies, as the nearest of the normals there; the last for zero.
-#[inline]
-fn index(n: Vec3) -> usize {
+#[inline(always)]
+fn index<F: Float>(n: Vec3<F>) -> F::Uint {
     let sum = n.x.abs() + n.y.abs() + n.z.abs();
-    if sum.is_nan() || sum <= 0.0 {
-        return SIDE * SIDE;
-    }
-    let (mut u, mut v) = (n.x / sum, n.z / sum);
-    if n.y < 0.0 {
-        (u, v) = ((1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v));
-    }
-    let place = |v: f32| ((v * 0.5 + 0.5) * SIDE as f32) as usize;
-    place(u).min(SIDE - 1) + SIDE * place(v).min(SIDE - 1)
+    let (u, v) = (n.x / sum, n.z / sum);
+    let below = n.y.lt(F::ZERO);
+    let (u, v) = (
+        F::select(below, (F::ONE - v.abs()).copysign(u), u),
+        F::select(below, (F::ONE - u.abs()).copysign(v), v),
+    );
+    let part = place(u).wrapping_add(place(v).wrapping_mul(F::Uint::splat(SIDE as u32)));
+    F::Uint::select(sum.gt(F::ZERO), part, F::Uint::splat((SIDE * SIDE) as u32))
+}
+
+/// The part of a side of the square where a place lies.
+#[inline(always)]
+fn place<F: Float>(v: F) -> F::Uint {
+    ((v * 0.5 + 0.5) * SIDE as f32).to_uint().min(F::Uint::splat(SIDE as u32 - 1))
 }
 
 /// A place of the unfolded square, in [-1, 1]², as a unit vector.
@@ -263,14 +288,14 @@ mod tests {
         let mut rng = Rng(3);
         let axes = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z];
         for n in axes.into_iter().chain((0..20_000).map(|_| rng.direction())) {
-            let i = index(n);
+            let i = index(n) as usize;
             let cos = normal(i).dot(n.as_dvec3());
             assert!(cos >= spread(i)[0] && cos > 0.9, "{n:?} is {cos} from {:?}", normal(i));
         }
         for n in [Vec3::X, -Vec3::X, Vec3::Z, Vec3::Y] {
-            assert!(normal(index(n)).dot(n.as_dvec3()) > 0.97);
+            assert!(normal(index(n) as usize).dot(n.as_dvec3()) > 0.97);
         }
-        assert!(normal(index(Vec3::Y)).dot(DVec3::Y) > 1.0 - 1e-12);
-        assert_eq!(index(Vec3::ZERO), SIDE * SIDE);
+        assert!(normal(index(Vec3::Y) as usize).dot(DVec3::Y) > 1.0 - 1e-12);
+        assert_eq!(index(Vec3::ZERO) as usize, SIDE * SIDE);
     }
 }

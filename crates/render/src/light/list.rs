@@ -31,6 +31,39 @@ macro_rules! emitters {
                 match self { $( Self::$Kind(l) => Shine::sample(l, geometry, (at, u), reading), )+ }
             }
 
+            /// [`Emitter::sample`] for many places side by side.
+            #[inline(always)]
+            pub(crate) fn sample_many<F: Float, L: Lanes>(
+                &self,
+                geometry: &Geometry,
+                at: &Receiver<F>,
+                u: [F; 2],
+                readings: &Readings<'_, L>,
+            ) -> LightSample<F> {
+                match self { $( Self::$Kind(l) => Shine::sample_many(l, geometry, (at, u), readings), )+ }
+            }
+
+            /// [`Emitter::radiance_from`] for many directions side by side.
+            #[inline(always)]
+            pub(crate) fn radiance_from_many<F: Float, L: Lanes>(
+                &self,
+                wi: Vec3<F>,
+                readings: &Readings<'_, L>,
+            ) -> Light<F> {
+                match self { $( Self::$Kind(l) => Shine::radiance_from_many(l, wi, readings), )+ }
+            }
+
+            /// [`Emitter::radiance_pdf_from`] for many directions side by side.
+            #[inline(always)]
+            pub(crate) fn radiance_pdf_from_many<F: Float, L: Lanes>(
+                &self,
+                n: Vec3<F>,
+                wi: Vec3<F>,
+                readings: &Readings<'_, L>,
+            ) -> (Light<F>, F) {
+                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from_many(l, n, wi, readings), )+ }
+            }
+
             /// The radiance that a point of an emitting surface sends in the unit direction `wo`; 0 for all other lights.
             #[inline]
             pub fn radiance_at<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {

@@ -16,14 +16,15 @@
 //! and mesh ids are those of its [`Geometry`].
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, Value};
+use crate::texture::{Reading, Readings, Value};
 use straal_color::Light;
+use straal_math::simd::{BLOCK, Float, Mask};
 use straal_math::{DVec3, Ray, Vec3};
 use straal_scene::desc;
 
 use crate::error::CompileError;
 use crate::paint::Paint;
-use crate::shape::offset::{End, offset_origin, ray_between};
+use crate::shape::offset::{End, FAR_END};
 use crate::shape::{Geometry, SurfacePoint};
 
 pub mod area;
@@ -85,6 +86,24 @@ trait Shine {
         reading: &Reading<'_, L>,
     ) -> Option<LightSample>;
 
+    /// [`Self::sample`] for many places side by side: one by one, unless it says otherwise. (Who says otherwise writes
+    /// [`Self::sample`] as one lane of it.)
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        (at, u): (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        LightSample::one_by_one(
+            #[inline(always)]
+            |i| {
+                let at = Receiver { p: at.p.lane(i), n: at.n.lane(i) };
+                self.sample(geometry, (&at, [u[0].lane(i), u[1].lane(i)]), &readings.of(i))
+            },
+        )
+    }
+
     /// See [`Emitter::radiance_at`].
     #[inline]
     fn radiance_at<L: Lanes>(&self, _hit: &SurfacePoint, _wo: Vec3, _reading: &Reading<'_, L>) -> Light {
@@ -101,6 +120,35 @@ trait Shine {
     #[inline]
     fn radiance_pdf_from<L: Lanes>(&self, _n: Vec3, _wi: Vec3, _reading: &Reading<'_, L>) -> (Light, f32) {
         (Light::ZERO, 0.0)
+    }
+
+    /// The first of [`Self::radiance_pdf_from_many`].
+    #[inline(always)]
+    fn radiance_from_many<F: Float, L: Lanes>(&self, wi: Vec3<F>, readings: &Readings<'_, L>) -> Light<F> {
+        self.radiance_pdf_from_many(Vec3::splat(F::ZERO), wi, readings).0
+    }
+
+    /// [`Self::radiance_pdf_from`] for many directions side by side: one by one, unless it says otherwise.
+    #[inline(always)]
+    fn radiance_pdf_from_many<F: Float, L: Lanes>(
+        &self,
+        n: Vec3<F>,
+        wi: Vec3<F>,
+        readings: &Readings<'_, L>,
+    ) -> (Light<F>, F) {
+        let mut all = [(Light::ZERO, 0.0); BLOCK];
+        for (i, one) in all.iter_mut().enumerate().take(F::WIDTH) {
+            *one = self.radiance_pdf_from(n.lane(i), wi.lane(i), &readings.of(i));
+        }
+        let radiance = Light::from_fn(
+            #[inline(always)]
+            |i| all[i].0,
+        );
+        let pdf = F::from_fn(
+            #[inline(always)]
+            |i| all[i].1,
+        );
+        (radiance, pdf)
     }
 
     /// See [`Emitter::pdf_from`].
@@ -120,38 +168,106 @@ trait Shine {
     fn examples() -> Vec<tests::Example>;
 }
 
-/// A direction towards an emitter, and what comes from there.
+/// A direction towards an emitter, and what comes from there. Or many side by side, where a density of 0 is a sample of no value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightSample {
+pub struct LightSample<F: Float = f32> {
     /// Unit vector from the reference point towards the light.
-    pub wi: Vec3,
+    pub wi: Vec3<F>,
     /// Radiance along -`wi`, in W/(m² sr); for a delta light irradiance on a surface facing it, in W/m².
-    pub radiance: Light,
+    pub radiance: Light<F>,
     /// Density by solid angle at the reference point, positive and finite; 1 for a delta light.
-    pub pdf: f32,
+    pub pdf: F,
     /// Whether no ray can hit the light by chance, so that it takes no part in multiple importance sampling.
-    pub delta: bool,
-    /// Where the shadow ray must go.
-    pub target: Target,
+    pub delta: F::Mask,
+    /// Whether the shadow ray ends nowhere: along `wi` for ever.
+    pub far: F::Mask,
+    /// Where it ends else.
+    pub to: End<F>,
 }
 
-/// Where a shadow ray ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
-    /// At a point.
-    Point(End),
-    /// Nowhere: along `wi` for ever.
-    Direction,
+impl<F: Float> LightSample<F> {
+    /// Of no value.
+    #[inline(always)]
+    pub(crate) fn none() -> Self {
+        Self::from_afar(Vec3::splat(F::ZERO), Light::splat(F::ZERO), F::ZERO)
+    }
+
+    /// From infinitely far away.
+    #[inline(always)]
+    fn from_afar(wi: Vec3<F>, radiance: Light<F>, pdf: F) -> Self {
+        let (no, yes) = (F::Mask::splat(false), F::Mask::splat(true));
+        Self { wi, radiance, pdf, delta: no, far: yes, to: End::in_space(Vec3::splat(F::ZERO)) }
+    }
+
+    /// Origin, direction and largest t of the ray that must be free for the light to arrive.
+    #[inline(always)]
+    pub(crate) fn way_from(&self, from: &End<F>) -> ([Vec3<F>; 2], F) {
+        let [o, d] = from.way_to(&self.to);
+        if !self.far.any() {
+            return ([o, d], F::splat(FAR_END));
+        }
+        let o = Vec3::select(self.far, from.leave(self.wi), o);
+        let d = Vec3::select(self.far, self.wi, d);
+        ([o, d], F::select(self.far, F::splat(f32::INFINITY), F::splat(FAR_END)))
+    }
+
+    /// `yes` where the mask says so, `no` elsewhere.
+    #[inline(always)]
+    pub(crate) fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            wi: Vec3::select(mask, yes.wi, no.wi),
+            radiance: Light::select(mask, yes.radiance, no.radiance),
+            pdf: F::select(mask, yes.pdf, no.pdf),
+            delta: mask & yes.delta | !mask & no.delta,
+            far: mask & yes.far | !mask & no.far,
+            to: End::select(mask, yes.to, no.to),
+        }
+    }
+
+    /// The same in all lanes.
+    #[inline(always)]
+    pub(crate) fn uniform(one: &LightSample) -> Self {
+        Self {
+            wi: Vec3::uniform(one.wi),
+            radiance: Light::uniform(one.radiance),
+            pdf: F::splat(one.pdf),
+            delta: F::Mask::splat(one.delta),
+            far: F::Mask::splat(one.far),
+            to: End::uniform(&one.to),
+        }
+    }
+
+    /// One after the other.
+    #[inline(always)]
+    fn one_by_one(sample: impl Fn(usize) -> Option<LightSample>) -> Self {
+        let mut all = Self::none();
+        for i in 0..F::WIDTH {
+            if let Some(one) = sample(i) {
+                all = Self::select(F::Mask::from_bits(1 << i), Self::uniform(&one), all);
+            }
+        }
+        all
+    }
+
+    /// What is left of it where something holds.
+    #[inline(always)]
+    fn only(self, mask: F::Mask) -> Self {
+        Self { pdf: F::select(mask, self.pdf, F::ZERO), ..self }
+    }
 }
 
 impl LightSample {
+    /// `None` for one of no value.
+    #[inline(always)]
+    fn of_value(self) -> Option<Self> {
+        (self.pdf > 0.0).then_some(self)
+    }
+
     /// The ray that must be free for the light to arrive; its time and mask are those of [`Ray::new`].
     #[inline]
     pub fn shadow_ray(&self, from: &End) -> Ray {
-        match &self.target {
-            Target::Point(to) => ray_between(from, to),
-            Target::Direction => Ray::new(offset_origin(from.p, from.p_err, from.ng, self.wi), self.wi),
-        }
+        let ([o, d], t_max) = self.way_from(from);
+        Ray { t_max, ..Ray::new(o, d) }
     }
 }
 

@@ -1,12 +1,13 @@
 //! The point light.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, ShadingPoint, Value};
+use crate::texture::{Reading, Readings, ShadingPoint, Value};
 use straal_color::Light;
+use straal_math::simd::{Float, Mask};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, Target, strength};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength};
 use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -44,11 +45,26 @@ impl Shine for PointLight {
     #[inline]
     fn sample<L: Lanes>(
         &self,
-        _: &Geometry,
-        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
+        geometry: &Geometry,
+        from: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        towards(self.position, p, |_| reading.eval(&self.intensity, &self.place()))
+        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        _: &Geometry,
+        (at, _): (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        towards(
+            self.position,
+            at.p,
+            #[inline(always)]
+            |_| readings.eval(&self.intensity, &self.place()),
+        )
     }
 
     fn power(&self, _: &Geometry, _: f64) -> f64 {
@@ -67,16 +83,21 @@ impl Shine for PointLight {
 }
 
 /// The one direction to a point whose intensity towards `p` is a function of `wi`; it falls with the distance squared.
-pub(super) fn towards(position: Vec3, p: Vec3, intensity: impl FnOnce(Vec3) -> Light) -> Option<LightSample> {
+#[inline(always)]
+pub(super) fn towards<F: Float>(
+    position: Vec3,
+    p: Vec3<F>,
+    intensity: impl FnOnce(Vec3<F>) -> Light<F>,
+) -> LightSample<F> {
+    let position = Vec3::uniform(position);
     let way = position - p;
-    let wi = way.try_normalize()?;
+    let (wi, there) = way.normalize_checked();
     let radiance = intensity(wi) / way.length_squared();
-    let target = Target::Point(End { p: position, p_err: Vec3::ZERO, ng: Vec3::ZERO });
-    (!radiance.is_black() && radiance.is_finite()).then_some(LightSample {
-        wi,
-        radiance,
-        pdf: 1.0,
-        delta: true,
-        target,
-    })
+    let sample = LightSample {
+        delta: F::Mask::splat(true),
+        far: F::Mask::splat(false),
+        to: End::in_space(position),
+        ..LightSample::from_afar(wi, radiance, F::ONE)
+    };
+    sample.only(there & !radiance.is_black() & radiance.is_finite())
 }

@@ -1,24 +1,33 @@
 //! What a light would bring to a point if nothing were in the way: roughly, and quickly.
 
 use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 
 use super::area::Sides;
 use super::{AreaLight, LitSurface, SpotLight, strength};
 use crate::shape::{Geometry, Shape};
 
-/// Where light is to arrive.
+/// Where light is to arrive: a place, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Receiver {
+pub struct Receiver<F = f32> {
     /// The point.
-    pub p: Vec3,
+    pub p: Vec3<F>,
     /// Unit normal on the side that is lit; zero where light from all around counts alike.
-    pub n: Vec3,
+    pub n: Vec3<F>,
 }
 
 impl Receiver {
     /// A point where light from all around counts alike.
     pub const fn anywhere(p: Vec3) -> Self {
         Self { p, n: Vec3::ZERO }
+    }
+}
+
+impl<F: Float> Receiver<F> {
+    /// Whether light from all around counts alike.
+    #[inline(always)]
+    pub(super) fn is_anywhere(&self) -> F::Mask {
+        self.n.x.eq(F::ZERO) & self.n.y.eq(F::ZERO) & self.n.z.eq(F::ZERO)
     }
 }
 
@@ -60,41 +69,49 @@ pub(super) struct Lamp {
 
 impl Reach {
     /// The irradiance, or what goes with it; 0 only where no light arrives.
-    #[inline]
-    pub fn estimate(&self, at: &Receiver) -> f32 {
-        let everywhere = at.n == Vec3::ZERO;
-        let facing = |cos: f32| {
-            if everywhere {
-                1.0
-            } else if cos > 0.0 {
-                cos
-            } else {
-                0.0
-            }
-        };
+    #[inline(always)]
+    pub fn estimate<F: Float>(&self, at: &Receiver<F>) -> F {
+        let everywhere = at.is_anywhere();
         match self {
             Self::Point { position, intensity } => {
-                let way = *position - at.p;
+                let way = Vec3::uniform(*position) - at.p;
                 let d2 = way.length_squared();
-                intensity * facing(way.dot(at.n) / d2.sqrt()) / d2
+                facing(everywhere, way.dot(at.n) / d2.sqrt()) * *intensity / d2
             }
             Self::Spot { spot, intensity } => {
-                let way = spot.position() - at.p;
+                let way = Vec3::uniform(spot.position()) - at.p;
                 let d2 = way.length_squared();
-                let cos = facing(way.dot(at.n) / d2.sqrt());
-                if cos > 0.0 { intensity * spot.share(-way) * cos / d2 } else { 0.0 }
+                let cos = facing(everywhere, way.dot(at.n) / d2.sqrt());
+                let is_seen = cos.gt(F::ZERO);
+                if !is_seen.any() {
+                    return F::ZERO;
+                }
+                F::select(is_seen, spot.share(-way) * *intensity * cos / d2, F::ZERO)
             }
-            Self::Parallel { wi, irradiance } => irradiance * facing(wi.dot(at.n)),
+            Self::Parallel { wi, irradiance } => {
+                facing(everywhere, Vec3::uniform(*wi).dot(at.n)) * *irradiance
+            }
             Self::Surface(lamp) => lamp.estimate(at, everywhere),
             Self::Around(axes) => {
-                if everywhere {
-                    return axes.iter().sum::<f32>() * (2.0 / 3.0);
-                }
-                let towards = |axis: usize, cos: f32| cos * cos * axes[2 * axis + usize::from(cos < 0.0)];
-                towards(0, at.n.x) + towards(1, at.n.y) + towards(2, at.n.z)
+                let [x, y, z] = [0, 2, 4].map(|axis| [axes[axis], axes[axis + 1]]);
+                let of_all = F::splat(axes.iter().sum::<f32>() * (2.0 / 3.0));
+                let of_some = towards(x, at.n.x) + towards(y, at.n.y) + towards(z, at.n.z);
+                F::select(everywhere, of_all, of_some)
             }
         }
     }
+}
+
+/// The part of the light at an angle that falls on a surface.
+#[inline(always)]
+fn facing<F: Float>(everywhere: F::Mask, cos: F) -> F {
+    F::select(everywhere, F::ONE, F::select(cos.gt(F::ZERO), cos, F::ZERO))
+}
+
+/// Of the light from the two ends of an axis, the part that counts for a normal with this cosine to it.
+#[inline(always)]
+fn towards<F: Float>([positive, negative]: [f32; 2], cos: F) -> F {
+    cos * cos * F::select(cos.lt(F::ZERO), F::splat(negative), F::splat(positive))
 }
 
 impl Lamp {
@@ -150,30 +167,23 @@ impl Lamp {
         lamp.flux.is_finite().then_some(lamp)
     }
 
-    #[inline]
-    fn estimate(&self, at: &Receiver, everywhere: bool) -> f32 {
-        let way = self.center - at.p;
+    #[inline(always)]
+    fn estimate<F: Float>(&self, at: &Receiver<F>, everywhere: F::Mask) -> F {
+        let way = Vec3::uniform(self.center) - at.p;
         let d2 = way.length_squared();
-        let per_distance = 1.0 / d2.sqrt();
+        let per_distance = F::ONE / d2.sqrt();
         // Within the ball around it, anything may be in sight.
-        let near = d2 <= self.radius * self.radius;
-        let sin = if near { 1.0 } else { self.radius * per_distance };
+        let near = d2.le(F::splat(self.radius * self.radius));
+        let sin = F::select(near, F::ONE, per_distance * self.radius);
         // From 1 where its middle is straight above down to 0 where all of it is below the horizon.
-        let above = if everywhere || near { 1.0 } else { (way.dot(at.n) * per_distance + sin) / (1.0 + sin) };
-        if above <= 0.0 {
-            return 0.0;
-        }
+        let above = (way.dot(at.n) * per_distance + sin) / (F::ONE + sin);
+        let above = F::select(everywhere | near, F::ONE, above);
         // What is seen of its area: a quarter of a closed surface.
-        let cos = -way.dot(self.facing) * per_distance;
-        let cos = if self.both_sides {
-            cos.abs()
-        } else if cos > 0.0 {
-            cos
-        } else {
-            0.0
-        };
+        let cos = -way.dot(Vec3::uniform(self.facing)) * per_distance;
+        let cos = if self.both_sides { cos.abs() } else { F::select(cos.gt(F::ZERO), cos, F::ZERO) };
         let round = if self.both_sides { 0.5 } else { 0.25 };
-        let seen = round * (1.0 - self.flatness) + self.flatness * cos;
-        self.flux * above * seen / (d2 + self.flatness * self.spread)
+        let seen = cos * self.flatness + round * (1.0 - self.flatness);
+        let estimate = above * self.flux * seen / (d2 + self.flatness * self.spread);
+        F::select(above.le(F::ZERO), F::ZERO, estimate)
     }
 }

@@ -1,7 +1,8 @@
 //! The spot light.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, ShadingPoint, Value};
+use crate::texture::{Reading, Readings, ShadingPoint, Value};
+use straal_math::simd::Float;
 use straal_math::{DVec3, Frame, Vec3, ops, warp};
 use straal_scene::desc;
 
@@ -83,23 +84,21 @@ impl SpotLight {
     }
 
     /// How much of the full intensity goes in direction `w`, of any length.
-    pub(super) fn share(&self, w: Vec3) -> f32 {
+    #[inline(always)]
+    pub(super) fn share<F: Float>(&self, w: Vec3<F>) -> F {
         // By its tangent: near the axis the cosine has lost the angle.
-        let angle = ops::atan2(self.axis.cross(w).length(), self.axis.dot(w));
-        if angle <= self.beam {
-            return 1.0;
-        }
-        if angle >= self.cutoff {
-            return 0.0;
-        }
-        match self.falloff {
-            Falloff::Linear => (self.cutoff - angle) / (self.cutoff - self.beam),
+        let axis = Vec3::uniform(self.axis);
+        let angle = ops::atan2(axis.cross(w).length(), axis.dot(w));
+        let (beam, cutoff) = (F::splat(self.beam), F::splat(self.cutoff));
+        let between = match self.falloff {
+            Falloff::Linear => (cutoff - angle) / (self.cutoff - self.beam),
             Falloff::Smooth => {
                 let x = (ops::cos(angle) - self.cos_cutoff) / (self.cos_beam - self.cos_cutoff);
-                let x = ops::clamp(x, 0.0, 1.0);
-                x * x * (3.0 - 2.0 * x)
+                let x = ops::clamp(x, F::ZERO, F::ONE);
+                x * x * (F::splat(3.0) - x * 2.0)
             }
-        }
+        };
+        F::select(angle.le(beam), F::ONE, F::select(angle.ge(cutoff), F::ZERO, between))
     }
 
     /// Of what a scene says.
@@ -128,11 +127,26 @@ impl Shine for SpotLight {
     #[inline]
     fn sample<L: Lanes>(
         &self,
-        _: &Geometry,
-        (&Receiver { p, .. }, _): (&Receiver, [f32; 2]),
+        geometry: &Geometry,
+        from: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        towards(self.position, p, |wi| reading.eval(&self.intensity, &self.place()) * self.share(-wi))
+        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        _: &Geometry,
+        (at, _): (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        towards(
+            self.position,
+            at.p,
+            #[inline(always)]
+            |wi| readings.eval(&self.intensity, &self.place()) * self.share(-wi),
+        )
     }
 
     /// The full beam, and half of what is between it and the cutoff.

@@ -1,6 +1,7 @@
 //! The choice of an emitter.
 
-use straal_math::table::Table1;
+use straal_math::simd::{Float, Uint};
+use straal_math::table::{Choices, Table1};
 
 use super::Emitter;
 use super::reach::{Reach, Receiver};
@@ -42,6 +43,17 @@ pub struct Pick {
     pub rest: f32,
 }
 
+/// Chosen emitters, side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Picks<F: Float> {
+    /// Which.
+    pub index: F::Uint,
+    /// With which probability; 0 where nothing shines.
+    pub pmf: F,
+    /// What is left of the numbers that chose.
+    pub rest: F,
+}
+
 /// The greatest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
@@ -81,13 +93,20 @@ impl LightTable {
     /// Picks for a point by `u` in [0, 1); `None` when nothing shines on it.
     #[inline]
     pub fn pick(&self, u: f32, at: &Receiver) -> Option<Pick> {
+        let Picks { index, pmf, rest } = self.picks(u, at);
+        (pmf > 0.0).then_some(Pick { index, pmf, rest })
+    }
+
+    /// [`Self::pick`] for many points side by side.
+    #[inline(always)]
+    pub fn picks<F: Float>(&self, u: F, at: &Receiver<F>) -> Picks<F> {
         match &self.way {
-            Way::Nothing => None,
-            Way::Only(index) => Some(Pick { index: *index, pmf: 1.0, rest: u }),
-            Way::Few(lights) => pick_of_few(lights, u, at),
+            Way::Nothing => Picks { index: F::Uint::splat(0), pmf: F::ZERO, rest: u },
+            Way::Only(index) => Picks { index: F::Uint::splat(*index), pmf: F::ONE, rest: u },
+            Way::Few(lights) => picks_of_few(lights, u, at),
             Way::Many(table) => {
-                let choice = table.sample(u);
-                Some(Pick { index: choice.index as u32, pmf: choice.pmf, rest: choice.rest })
+                let Choices { index, pmf, rest } = table.samples(u);
+                Picks { index, pmf, rest }
             }
         }
     }
@@ -95,75 +114,81 @@ impl LightTable {
     /// The probability with which an emitter is picked for a point.
     #[inline]
     pub fn pmf(&self, index: u32, at: &Receiver) -> f32 {
+        self.pmfs(index, at)
+    }
+
+    /// [`Self::pmf`] for many points side by side.
+    #[inline(always)]
+    pub fn pmfs<F: Float>(&self, index: u32, at: &Receiver<F>) -> F {
         match &self.way {
-            Way::Nothing => 0.0,
-            Way::Only(only) => f32::from(u8::from(*only == index)),
+            Way::Nothing => F::ZERO,
+            Way::Only(only) => F::splat(f32::from(u8::from(*only == index))),
             Way::Few(lights) => {
-                let Some(place) = lights.iter().position(|(i, _)| *i == index) else { return 0.0 };
+                let Some(place) = lights.iter().position(|(i, _)| *i == index) else { return F::ZERO };
                 let shares = Shares::of(lights, at);
-                f32::from(shares.each[place]) / f32::from(shares.steps)
+                shares.each[place] / shares.steps
             }
-            Way::Many(table) => table.pmf(index as usize),
+            Way::Many(table) => F::splat(table.pmf(index as usize)),
         }
     }
 }
 
-/// Out of line: where a single light shines none of it is needed.
-#[inline(never)]
-fn pick_of_few(lights: &[(u32, Reach)], u: f32, at: &Receiver) -> Option<Pick> {
+#[inline(always)]
+fn picks_of_few<F: Float>(lights: &[(u32, Reach)], u: F, at: &Receiver<F>) -> Picks<F> {
     let shares = Shares::of(lights, at);
-    let steps = f32::from(shares.steps);
     // Exact: the steps are a power of two.
-    let place = u * steps;
-    let mut first = 0.0;
-    for ((index, _), &share) in lights.iter().zip(&shares.each) {
-        let width = f32::from(share);
-        if place < first + width {
-            let rest = (place - first) / width;
-            let rest = if rest < BELOW_ONE { rest } else { BELOW_ONE };
-            return Some(Pick { index: *index, pmf: width / steps, rest });
-        }
-        first += width;
+    let place = u * shares.steps;
+    let mut first = F::ZERO;
+    let mut picked = Picks { index: F::Uint::splat(0), pmf: F::ZERO, rest: F::ZERO };
+    for ((index, _), &width) in lights.iter().zip(&shares.each) {
+        let end = first + width;
+        // Those before have ended at or before it.
+        let it = place.lt(end) & !place.lt(first);
+        picked.index = F::Uint::select(it, F::Uint::splat(*index), picked.index);
+        picked.pmf = F::select(it, width / shares.steps, picked.pmf);
+        picked.rest = F::select(it, ((place - first) / width).min(F::splat(BELOW_ONE)), picked.rest);
+        first = end;
     }
-    None
+    picked
 }
 
 /// Probabilities in whole steps.
-struct Shares {
-    steps: u8,
+struct Shares<F> {
+    steps: f32,
     /// By light; their sum is `steps`, or 0 when none shines there.
-    each: [u8; FEW],
+    each: [F; FEW],
 }
 
-impl Shares {
-    #[inline]
-    fn of(lights: &[(u32, Reach)], at: &Receiver) -> Self {
-        let mut weights = [0.0; FEW];
-        let (mut total, mut count) = (0.0, 0_u8);
+impl<F: Float> Shares<F> {
+    #[inline(always)]
+    fn of(lights: &[(u32, Reach)], at: &Receiver<F>) -> Self {
+        let mut weights = [F::ZERO; FEW];
+        let (mut total, mut count) = (F::ZERO, F::ZERO);
         for (weight, (_, reach)) in weights.iter_mut().zip(lights) {
             let w = reach.estimate(at);
+            let shines = w.gt(F::ZERO);
             // On a light of no size anything is infinite.
-            *weight = if w > 0.0 { if w < 1e30 { w } else { 1e30 } } else { 0.0 };
+            *weight = F::select(shines, w.min(F::splat(1e30)), F::ZERO);
             total += *weight;
-            count += u8::from(*weight > 0.0);
+            count += F::select(shines, F::ONE, F::ZERO);
         }
-        let steps = if lights.len() <= 4 { 16 } else { 64 };
-        let mut each = [0; FEW];
-        let shared = f32::from(steps - count);
-        let (mut sum, mut before) = (0.0, 0_u8);
-        let mut last = 0;
-        for (i, (share, &weight)) in each.iter_mut().zip(&weights).enumerate() {
-            if weight > 0.0 {
-                // One step, and of the others its part, by rounding the running sum.
-                sum += weight;
-                let now = (shared * (sum / total) + 0.5) as u8;
-                *share = 1 + now - before;
-                (before, last) = (now, i);
-            }
+        let steps = if lights.len() <= 4 { 16.0 } else { 64.0 };
+        let mut each = [F::ZERO; FEW];
+        let shared = F::splat(steps) - count;
+        let (mut sum, mut before, mut last) = (F::ZERO, F::ZERO, F::ZERO);
+        for (i, (share, &weight)) in each.iter_mut().zip(&weights).enumerate().take(lights.len()) {
+            // One step, and of the others its part, by rounding the running sum.
+            let shines = weight.gt(F::ZERO);
+            sum += weight;
+            let now = (shared * (sum / total) + 0.5).trunc();
+            *share = F::select(shines, now - before + 1.0, F::ZERO);
+            before = F::select(shines, now, before);
+            last = F::select(shines, F::splat(i as f32), last);
         }
-        if count > 0 {
-            // Should rounding have left a step over.
-            each[last] += steps - count - before;
+        // Should rounding have left a step over.
+        let over = F::select(count.gt(F::ZERO), shared - before, F::ZERO);
+        for (i, share) in each.iter_mut().enumerate().take(lights.len()) {
+            *share += F::select(last.eq(F::splat(i as f32)), over, F::ZERO);
         }
         Self { steps, each }
     }

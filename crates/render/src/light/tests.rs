@@ -12,6 +12,7 @@ use crate::shape::{Disc, Parallelogram, Shape, Sphere, TriangleMesh};
 use crate::testing::in_rgb;
 
 mod density;
+mod side_by_side;
 
 pub(super) const RADIANCE: Light = Light::rgb([2.0, 3.0, 0.5]);
 
@@ -176,8 +177,8 @@ fn what_is_sampled_is_what_is_hit() {
                     continue;
                 };
                 assert!((s.wi.length() - 1.0).abs() < 1e-6 && !s.delta && s.pdf > 0.0, "{}", entry.name);
-                match s.target {
-                    Target::Direction => {
+                match (s.far, s.to) {
+                    (true, _) => {
                         let (radiance, pdf) =
                             (entry.emitter.radiance_from(s.wi, &in_rgb()), entry.emitter.pdf_from(n, s.wi));
                         assert_eq!(entry.emitter.radiance_pdf_from(n, s.wi, &in_rgb()), (radiance, pdf));
@@ -188,7 +189,7 @@ fn what_is_sampled_is_what_is_hit() {
                         let crossed = pdf != s.pdf;
                         assert!(!crossed || rng.f() < 0.9, "{}: {pdf} against {s:?}", entry.name);
                     }
-                    Target::Point(end) => {
+                    (false, end) => {
                         let at = SurfacePoint { p: end.p, p_err: end.p_err, ng: end.ng, ..blank() };
                         assert_eq!(
                             entry.emitter.radiance_at(&at, -s.wi, &in_rgb()),
@@ -391,11 +392,11 @@ fn power_is_what_leaves_in_all_directions() {
             entry.emitter.sample(&entry.geometry, &Receiver::anywhere(p), u, &in_rgb()).map_or(0.0, |s| {
                 let cos = s.wi.dot(-p.normalize());
                 // The far side of a closed shape that shines on both is hidden.
-                let front = match s.target {
-                    Target::Point(end) => {
+                let front = match (s.far, s.to) {
+                    (false, end) => {
                         entry.crossings(p, s.wi).first().is_none_or(|(_, c)| (c.p - end.p).length() < 1e-3)
                     }
-                    Target::Direction => true,
+                    (true, _) => true,
                 };
                 if front || !convex { f64::from(s.radiance.max_lane() * cos / s.pdf) } else { 0.0 }
             }) * 4.0
@@ -468,9 +469,9 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
                     "{}",
                     entry.name
                 );
-                match s.target {
-                    Target::Direction => assert_eq!(ray.t_max, f32::INFINITY),
-                    Target::Point(end) => {
+                match (s.far, s.to) {
+                    (true, _) => assert_eq!(ray.t_max, f32::INFINITY),
+                    (false, end) => {
                         assert!(ray.t_max < 1.0 && ray.t_max > 0.99999);
                         assert!((ray.at(ray.t_max) - end.p).length() < 1e-4);
                         let flat = entry.name.starts_with("disc") || entry.name.starts_with("para");

@@ -5,12 +5,13 @@
 //! too dark.
 
 use straal_color::Light;
+use straal_math::simd::Float;
 use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
-use super::{
-    Bsdf, BsdfSample, Recipe, RoughConductor, Scatter, Transport, Wants, facing, fresnel, mirror::reflected,
-};
+use super::many::{self, Lobe, These, is_lobe};
+use super::mirror::reflected;
+use super::{Bsdf, BsdfSample, Recipe, RoughConductor, Scatter, Transport, Wants, facing_or_zero, fresnel};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -76,45 +77,69 @@ impl Recipe for ConductorMaterial {
     }
 }
 
-/// What metal it is.
+/// What metal it is, of one surface or of many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Metal {
+pub struct Metal<F = f32> {
     /// Real part of the index of refraction, relative to the outside.
-    pub eta: Light,
+    pub eta: Light<F>,
     /// Imaginary part: absorption.
-    pub k: Light,
+    pub k: Light<F>,
     /// Tint of what is reflected; physical is 1.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
 }
 
-impl Metal {
+impl<F: Float> Metal<F> {
+    /// That of each of these.
+    #[inline(always)]
+    pub(super) fn gather<K>(these: impl These<K>, of: impl Fn(&K) -> &Metal) -> Self {
+        Self {
+            eta: many::light(these, |k: &K| of(k).eta),
+            k: many::light(these, |k: &K| of(k).k),
+            reflectance: many::light(these, |k: &K| of(k).reflectance),
+        }
+    }
+
     /// Share of light that is reflected straight back.
-    pub(super) fn albedo(&self) -> Light {
-        self.reflected(1.0)
+    pub(super) fn albedo(&self) -> Light<F> {
+        self.reflected(F::ONE)
     }
 
     /// Share of light that is reflected at an angle.
-    #[inline]
-    pub(super) fn reflected(&self, cos: f32) -> Light {
-        self.reflectance * fresnel::conductor(ops::clamp(cos, 0.0, 1.0), self.eta, self.k)
+    #[inline(always)]
+    pub(super) fn reflected(&self, cos: F) -> Light<F> {
+        self.reflectance * fresnel::conductor(ops::clamp(cos, F::ZERO, F::ONE), self.eta, self.k)
     }
 }
 
-/// Polished metal.
+/// Polished metal, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conductor {
+pub struct Conductor<F: Float = f32> {
     /// Which.
-    pub metal: Metal,
+    pub metal: Metal<F>,
     /// Whether the back looks like the front; else it is black.
-    pub two_sided: bool,
+    pub two_sided: F::Mask,
+}
+
+impl<F: Float> Lobe<F> for Conductor<F> {
+    type One = Conductor;
+
+    #[inline(always)]
+    fn gather(these: impl These<Conductor>) -> Self {
+        Self {
+            metal: Metal::gather(these, |c: &Conductor| &c.metal),
+            two_sided: many::which::<_, F>(these, |c: &Conductor| c.two_sided),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, _: F, _: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        let sample = reflected(wo, self.metal.reflected(wo.z.abs()), F::ONE);
+        (sample, facing_or_zero(wo, self.two_sided).ne(F::ZERO))
+    }
 }
 
 impl Scatter for Conductor {
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, _: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        facing(wo, self.two_sided)?;
-        Some(reflected(wo, self.metal.reflected(wo.z.abs()), 1.0))
-    }
+    is_lobe!(Conductor);
 
     fn albedo(&self) -> Light {
         self.metal.albedo()

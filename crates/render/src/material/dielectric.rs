@@ -5,11 +5,13 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
-use super::{
-    Bsdf, BsdfSample, DispersiveDielectric, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected,
-};
+use super::fresnel::Split;
+use super::many::{self, Lobe, These, is_lobe};
+use super::mirror::reflected;
+use super::{Bsdf, BsdfSample, DispersiveDielectric, Recipe, Scatter, Transport, Wants, fresnel};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Eta, Lanes};
 use crate::paint::Paint;
@@ -76,38 +78,68 @@ impl Recipe for DielectricMaterial {
     }
 }
 
-/// A smooth boundary between transparent media.
+/// A smooth boundary between transparent media, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dielectric {
+pub struct Dielectric<F = f32> {
     /// Index of refraction on the side of -z over that on the side of z.
-    pub eta: f32,
+    pub eta: F,
     /// Tint of what is reflected; physical is 1.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// Tint of what passes; physical is 1.
-    pub transmittance: Light,
+    pub transmittance: Light<F>,
+}
+
+impl<F: Float> Lobe<F> for Dielectric<F> {
+    type One = Dielectric;
+
+    #[inline(always)]
+    fn gather(these: impl These<Dielectric>) -> Self {
+        Self {
+            eta: many::each(these, |d: &Dielectric| d.eta),
+            reflectance: many::light(these, |d: &Dielectric| d.reflectance),
+            transmittance: many::light(these, |d: &Dielectric| d.transmittance),
+        }
+    }
+
+    /// Reflects with the probability of Fresnel's share, so that both weights are 1 but for tint and the
+    /// compression of radiance.
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, u_lobe: F, _: [F; 2], transport: Transport) -> (BsdfSample<F>, F::Mask) {
+        let (split, refracted) = self.refracted(wo, transport);
+        let reflected = reflected(wo, self.reflectance, split.reflected);
+        let sample = BsdfSample::select(u_lobe.lt(split.reflected), reflected, refracted);
+        (sample, wo.z.ne(F::ZERO))
+    }
+}
+
+impl<F: Float> Dielectric<F> {
+    /// The shares, and what passes, at its full share: of no use where all is reflected.
+    #[inline(always)]
+    pub(super) fn refracted(&self, wo: Vec3<F>, transport: Transport) -> (Split<F>, BsdfSample<F>) {
+        let eta = F::select(wo.z.gt(F::ZERO), self.eta, F::ONE / self.eta);
+        let split = fresnel::dielectric(wo.z.abs(), eta);
+        let inverse = F::ONE / eta;
+        // The tangential part shrinks by the ratio of the indices (Snell), the rest follows from unit length.
+        let wi = Vec3::new(-inverse * wo.x, -inverse * wo.y, (-split.cos_refracted).copysign(-wo.z));
+        let compression = match transport {
+            Transport::Radiance => inverse * inverse,
+            Transport::Importance => F::ONE,
+        };
+        let yes = F::Mask::splat(true);
+        let weight = self.transmittance * compression;
+        let pdf = F::ONE - split.reflected;
+        (split, BsdfSample { wi, weight, pdf, delta: yes, transmitted: yes, eta, wavelength: F::ZERO })
+    }
 }
 
 impl Scatter for Dielectric {
     const CHOOSES_LOBE: bool = true;
 
+    is_lobe!(Dielectric);
+
     fn albedo(&self) -> Light {
         let share = fresnel::dielectric(1.0, self.eta).reflected;
         self.reflectance * share + self.transmittance * (1.0 - share)
-    }
-
-    /// Reflects with the probability of Fresnel's share, so that both weights are 1 but for tint and the
-    /// compression of radiance.
-    #[inline]
-    fn sample(&self, wo: Vec3, u_lobe: f32, _: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        if wo.z == 0.0 {
-            return None;
-        }
-        let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
-        let split = fresnel::dielectric(wo.z.abs(), eta);
-        if u_lobe < split.reflected {
-            return Some(reflected(wo, self.reflectance, split.reflected));
-        }
-        self.refracted(wo, transport)
     }
 
     #[cfg(test)]
@@ -118,30 +150,5 @@ impl Scatter for Dielectric {
             Example::new(name, Bsdf::Dielectric(glass)).albedo(1.0)
         };
         vec![glass("glass", 1.5), glass("bubble", 1.0 / 1.33), glass("nothing at all", 1.0)]
-    }
-}
-
-impl Dielectric {
-    /// What passes, at its full share; `None` where all is reflected.
-    #[inline]
-    pub(super) fn refracted(&self, wo: Vec3, transport: Transport) -> Option<BsdfSample> {
-        let eta = if wo.z > 0.0 { self.eta } else { 1.0 / self.eta };
-        let split = fresnel::dielectric(wo.z.abs(), eta);
-        let inverse = 1.0 / eta;
-        // The tangential part shrinks by the ratio of the indices (Snell), the rest follows from unit length.
-        let wi = Vec3::new(-inverse * wo.x, -inverse * wo.y, (-split.cos_refracted).copysign(-wo.z));
-        let compression = match transport {
-            Transport::Radiance => inverse * inverse,
-            Transport::Importance => 1.0,
-        };
-        Some(BsdfSample {
-            wi,
-            weight: self.transmittance * compression,
-            pdf: 1.0 - split.reflected,
-            delta: true,
-            transmitted: true,
-            eta,
-            wavelength: 0.0,
-        })
     }
 }

@@ -10,6 +10,7 @@ use straal_math::simd::Float;
 use straal_math::{Vec3, warp};
 use straal_scene::desc;
 
+use super::many::{self, Lobe, These, is_lobe};
 use super::{Black, Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
@@ -52,51 +53,51 @@ impl Recipe for DiffuseMaterial {
     }
 }
 
-/// An evenly scattering surface.
+/// An evenly scattering surface, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Diffuse {
+pub struct Diffuse<F: Float = f32> {
     /// Share of light that is reflected.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// Whether the back looks like the front; else it is black.
-    pub two_sided: bool,
+    pub two_sided: F::Mask,
 }
 
-impl Diffuse {
-    /// The density of `wi`, to which the value is in proportion.
+impl<F: Float> Lobe<F> for Diffuse<F> {
+    type One = Diffuse;
+
     #[inline(always)]
-    pub(crate) fn pdf<F: Float>(two_sided: F::Mask, wo: Vec3<F>, wi: Vec3<F>) -> F {
-        let cos = facing_or_zero(wo, two_sided) * wi.z;
-        F::select(cos.gt(F::ZERO), cos * FRAC_1_PI, F::ZERO)
+    fn gather(these: impl These<Diffuse>) -> Self {
+        Self {
+            reflectance: many::light(these, |d: &Diffuse| d.reflectance),
+            two_sided: many::which::<_, F>(these, |d: &Diffuse| d.two_sided),
+        }
     }
 
-    /// A direction by its density, and the density, 0 where nothing is seen.
     #[inline(always)]
-    pub(crate) fn draw<F: Float>(two_sided: F::Mask, wo: Vec3<F>, u: [F; 2]) -> (Vec3<F>, F) {
-        let side = facing_or_zero(wo, two_sided);
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>, _: Transport) -> (Light<F>, F) {
+        let cos = facing_or_zero(wo, self.two_sided) * wi.z;
+        let pdf = F::select(cos.gt(F::ZERO), cos * FRAC_1_PI, F::ZERO);
+        (self.reflectance * pdf, pdf)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, _: F, u: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        let side = facing_or_zero(wo, self.two_sided);
         let d = warp::cosine_hemisphere(u);
-        let pdf = F::select(side.ne(F::ZERO) & d.z.gt(F::ZERO), d.z * FRAC_1_PI, F::ZERO);
-        (Vec3::new(d.x, d.y, side * d.z), pdf)
+        let wi = Vec3::new(d.x, d.y, side * d.z);
+        let there = side.ne(F::ZERO) & d.z.gt(F::ZERO);
+        (BsdfSample::reflected(wi, self.reflectance, d.z * FRAC_1_PI), there)
     }
 }
 
 impl Scatter for Diffuse {
     const LOSES_BELOW: bool = true;
 
+    is_lobe!(Diffuse);
+
     #[inline]
     fn is_delta(&self) -> bool {
         false
-    }
-
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let pdf = Self::pdf(self.two_sided, wo, wi);
-        (self.reflectance * pdf, pdf)
-    }
-
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, u: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        let (wi, pdf) = Self::draw(self.two_sided, wo, u);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight: self.reflectance, pdf, ..BsdfSample::REFLECTED })
     }
 
     fn albedo(&self) -> Light {

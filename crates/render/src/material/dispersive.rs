@@ -6,9 +6,12 @@
 //! where they meet again none.
 
 use straal_color::Light;
+use straal_math::simd::{BLOCK, Float, Mask};
 use straal_math::{Vec3, ops};
 
-use super::{BsdfSample, Dielectric, Scatter, Transport, fresnel, mirror::reflected};
+use super::many::{self, Lobe, These};
+use super::mirror::reflected;
+use super::{BsdfSample, Dielectric, Scatter, Transport, fresnel};
 use crate::lanes::{Carried, EtaTable, SpectralTables};
 
 /// A smooth boundary of a medium with dispersion.
@@ -30,76 +33,162 @@ impl Scatter for DispersiveDielectric<'_> {
     const CHOOSES_LOBE: bool = true;
 
     fn albedo(&self) -> Light {
-        self.with(self.eta.middle).albedo()
+        let yellow = Dielectric {
+            eta: self.eta.middle,
+            reflectance: self.reflectance,
+            transmittance: self.transmittance,
+        };
+        yellow.albedo()
     }
 
     /// `u_lobe` chooses the lobe, `u[0]` a wavelength.
     fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
+        let (sample, there) = Self::sample_many(self, wo, [u_lobe, u[0], u[1]], transport);
+        there.then_some(sample)
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float>(
+        these: impl These<Self>,
+        wo: Vec3<F>,
+        [u_lobe, u, v]: [F; 3],
+        transport: Transport,
+    ) -> (BsdfSample<F>, F::Mask) {
+        let indices = Indices::<F>::look_up(these, u);
+        let glass = Dielectric {
+            eta: indices.etas[0],
+            reflectance: many::light(these, |d: &Self| d.reflectance),
+            transmittance: many::light(these, |d: &Self| d.transmittance),
+        };
+        let (mut sample, there) = glass.sample(wo, u_lobe, [u, v], transport);
         // Straight through, all go the same way.
-        let parts = wo.x != 0.0 || wo.y != 0.0;
-        match Carried::unpacked(self.carried) {
-            Carried::One(nm) => self.with(self.eta.at(nm)).sample(wo, u_lobe, u, transport),
-            Carried::All if parts => self.part_rgb(wo, [u_lobe, u[0]], transport),
-            Carried::All => self.with(self.eta.middle).sample(wo, u_lobe, u, transport),
-            Carried::Four(nm) => self.part_lanes(wo, u_lobe, &nm.map(|nm| self.eta.at(nm)), transport),
+        let slants = wo.x.ne(F::ZERO) | wo.y.ne(F::ZERO);
+        let parts = slants & indices.rgb & sample.transmitted;
+        if parts.any() {
+            let parted = indices.part_rgb(&glass, wo, transport);
+            sample = BsdfSample::select(parts, BsdfSample { pdf: sample.pdf, ..parted }, sample);
         }
+        if indices.four.any() {
+            let parted = indices.part_lanes(&glass, (wo, slants), u_lobe, transport);
+            sample = BsdfSample::select(indices.four, parted, sample);
+        }
+        (sample, there)
     }
 
     #[cfg(test)]
     fn examples() -> Vec<super::testing::Example> {
-        vec![
-            super::testing::Example::new("flint, one wavelength", super::testing::flint(Carried::One(450.0)))
-                .albedo(1.0),
-        ]
+        let flint = |carried| super::testing::flint(carried);
+        vec![super::testing::Example::new("flint, one wavelength", flint(Carried::One(450.0))).albedo(1.0)]
     }
 }
 
-impl DispersiveDielectric<'_> {
-    /// The same for one index.
-    fn with(&self, eta: f32) -> Dielectric {
-        Dielectric { eta, reflectance: self.reflectance, transmittance: self.transmittance }
+/// What was looked up in tables, vertex by vertex.
+struct Indices<F: Float> {
+    /// By lane of light; all alike but where wavelengths are told apart.
+    etas: [F; 4],
+    /// Which carry red, green and blue, of which a refraction draws one wavelength.
+    rgb: F::Mask,
+    /// Which carry four wavelengths.
+    four: F::Mask,
+    /// The wavelength drawn in RGB, its index, and the colour by which its light is weighed.
+    nm: F,
+    eta: F,
+    colour: Light<F>,
+}
+
+impl<F: Float> Indices<F> {
+    #[inline(always)]
+    fn look_up<'w>(these: impl These<DispersiveDielectric<'w>>, u: F) -> Self {
+        let mut etas = [[0.0; 4]; BLOCK];
+        let mut drawn = [(0.0, 0.0, Light::ZERO); BLOCK];
+        let (mut rgb, mut four) = (0, 0);
+        for i in 0..F::WIDTH {
+            let glass = these.of(i);
+            etas[i] = match Carried::unpacked(glass.carried) {
+                Carried::One(nm) => [glass.eta.at(nm); 4],
+                Carried::Four(nm) => {
+                    four |= 1 << i;
+                    nm.map(|nm| glass.eta.at(nm))
+                }
+                Carried::All => {
+                    rgb |= 1 << i;
+                    let (nm, colour) = glass.tables.draw_wavelength(u.lane(i));
+                    drawn[i] = (nm, glass.eta.at(nm), colour);
+                    [glass.eta.middle; 4]
+                }
+            };
+        }
+        Self {
+            etas: F::from_rows(
+                #[inline(always)]
+                |i| etas[i],
+            ),
+            rgb: F::Mask::from_bits(rgb),
+            four: F::Mask::from_bits(four),
+            nm: F::from_fn(
+                #[inline(always)]
+                |i| drawn[i].0,
+            ),
+            eta: F::from_fn(
+                #[inline(always)]
+                |i| drawn[i].1,
+            ),
+            colour: Light::from_fn(
+                #[inline(always)]
+                |i| drawn[i].2,
+            ),
+        }
     }
 
-    /// The lobe by the index of yellow, so that both together lose nothing; the direction by a wavelength.
-    fn part_rgb(&self, wo: Vec3, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        let yellow = self.with(self.eta.middle).sample(wo, u[0], [0.0; 2], transport)?;
-        if !yellow.transmitted {
-            return Some(yellow);
-        }
-        let (nm, colour) = self.tables.draw_wavelength(u[1]);
-        // A number of 1 is above every share: refracted, where anything is.
-        let one = self.with(self.eta.at(nm)).sample(wo, 1.0, [0.0; 2], transport)?;
-        if one.pdf == 0.0 {
-            // Just beyond the critical angle for this wavelength.
-            return Some(BsdfSample { pdf: yellow.pdf, ..reflected(wo, self.reflectance * colour, 1.0) });
-        }
-        Some(BsdfSample { weight: one.weight * colour, pdf: yellow.pdf, wavelength: nm, ..one })
+    /// What passes in RGB: the lobe was chosen by the index of yellow, so that both together lose nothing; the direction is that of the
+    /// wavelength.
+    #[inline(always)]
+    fn part_rgb(&self, glass: &Dielectric<F>, wo: Vec3<F>, transport: Transport) -> BsdfSample<F> {
+        let (_, one) = Dielectric { eta: self.eta, ..*glass }.refracted(wo, transport);
+        // Just beyond the critical angle for this wavelength.
+        let is_beyond = one.pdf.eq(F::ZERO);
+        let reflected = reflected(wo, glass.reflectance * self.colour, F::ONE);
+        let refracted = BsdfSample { weight: one.weight * self.colour, wavelength: self.nm, ..one };
+        BsdfSample::select(is_beyond, reflected, refracted)
     }
 
-    /// Reflects with the mean chance of all lanes; what is refracted keeps the first, for all four.
-    fn part_lanes(&self, wo: Vec3, u_lobe: f32, etas: &[f32; 4], transport: Transport) -> Option<BsdfSample> {
-        if wo.z == 0.0 {
-            return None;
-        }
-        let relative = etas.map(|eta| if wo.z > 0.0 { eta } else { 1.0 / eta });
-        let shares = Light(relative.map(|eta| fresnel::dielectric(wo.z.abs(), eta).reflected));
-        let chance = 0.25 * (shares[0] + shares[1] + shares[2] + shares[3]);
-        if u_lobe < chance {
-            return Some(reflected(wo, self.reflectance * shares * (1.0 / chance), chance));
-        }
-        let passes = 1.0 - chance;
-        let refracted = self.with(etas[0]).refracted(wo, transport)?;
-        let rest = shares.map(|share| ops::max(1.0 - share, 0.0) / passes);
-        if wo.x == 0.0 && wo.y == 0.0 {
-            let compression = Light(relative.map(|eta| match transport {
-                Transport::Radiance => 1.0 / (eta * eta),
-                Transport::Importance => 1.0,
-            }));
-            let weight = self.transmittance * compression * rest;
-            return Some(BsdfSample { weight, pdf: passes, ..refracted });
-        }
-        let first = Light([4.0, 0.0, 0.0, 0.0]);
-        let weight = refracted.weight * rest * first;
-        Some(BsdfSample { weight, pdf: passes, wavelength: 1.0, ..refracted })
+    /// Reflects with the mean chance of all lanes; what is refracted keeps the first, for all four, unless all go straight through.
+    #[inline(always)]
+    fn part_lanes(
+        &self,
+        glass: &Dielectric<F>,
+        (wo, slants): (Vec3<F>, F::Mask),
+        u_lobe: F,
+        transport: Transport,
+    ) -> BsdfSample<F> {
+        let relative = Light(self.etas).map(
+            #[inline(always)]
+            |eta| F::select(wo.z.gt(F::ZERO), eta, F::ONE / eta),
+        );
+        let shares = relative.map(
+            #[inline(always)]
+            |eta| fresnel::dielectric(wo.z.abs(), eta).reflected,
+        );
+        let chance = (shares[0] + shares[1] + shares[2] + shares[3]) * 0.25;
+        let reflected = reflected(wo, glass.reflectance * shares * (F::ONE / chance), chance);
+        let passes = F::ONE - chance;
+        let (_, refracted) = glass.refracted(wo, transport);
+        let rest = shares.map(
+            #[inline(always)]
+            |share| ops::max(F::ONE - share, F::ZERO) / passes,
+        );
+        let compression = relative.map(
+            #[inline(always)]
+            |eta| match transport {
+                Transport::Radiance => F::ONE / (eta * eta),
+                Transport::Importance => F::ONE,
+            },
+        );
+        let straight = glass.transmittance * compression * rest;
+        let first = Light([F::splat(4.0), F::ZERO, F::ZERO, F::ZERO]);
+        let weight = Light::select(slants, refracted.weight * rest * first, straight);
+        let wavelength = F::select(slants, F::ONE, F::ZERO);
+        let refracted = BsdfSample { weight, pdf: passes, wavelength, ..refracted };
+        BsdfSample::select(u_lobe.lt(chance), reflected, refracted)
     }
 }

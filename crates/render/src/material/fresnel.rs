@@ -2,53 +2,60 @@
 
 use straal_color::Light;
 use straal_math::ops;
+use straal_math::simd::Float;
 
 /// What becomes of light at a boundary between dielectrics.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Split {
+pub struct Split<F = f32> {
     /// Share that is reflected; 1 for total reflection.
-    pub reflected: f32,
+    pub reflected: F,
     /// Cosine of the refracted direction to the normal, 0 for total reflection.
-    pub cos_refracted: f32,
+    pub cos_refracted: F,
 }
 
 /// Between transparent media: `cos` >= 0 of the incident direction, `eta` the index of refraction beyond the boundary
 /// over that before it.
-#[inline]
-pub fn dielectric(cos: f32, eta: f32) -> Split {
+#[inline(always)]
+pub fn dielectric<F: Float>(cos: F, eta: F) -> Split<F> {
     // Snell's law, its square: sin² = 1 - cos² as a product, which is exact near normal and grazing incidence.
-    let sin2 = ops::max((1.0 - cos) * (1.0 + cos), 0.0);
-    let cos2_refracted = 1.0 - sin2 / (eta * eta);
+    let sin2 = ops::max((F::ONE - cos) * (F::ONE + cos), F::ZERO);
+    let cos2_refracted = F::ONE - sin2 / (eta * eta);
     // NaN, as from two indices of 0, reflects as well.
-    if cos2_refracted.is_nan() || cos2_refracted <= 0.0 {
-        return Split { reflected: 1.0, cos_refracted: 0.0 };
-    }
+    let passes = cos2_refracted.gt(F::ZERO);
     let cos_refracted = cos2_refracted.sqrt();
     // Amplitudes perpendicular and parallel to the plane of incidence.
     let s = (cos - eta * cos_refracted) / (cos + eta * cos_refracted);
     let p = (eta * cos - cos_refracted) / (eta * cos + cos_refracted);
-    Split { reflected: 0.5 * (s * s + p * p), cos_refracted }
+    Split {
+        reflected: F::select(passes, (s * s + p * p) * 0.5, F::ONE),
+        cos_refracted: F::select(passes, cos_refracted, F::ZERO),
+    }
 }
 
 /// Against a conductor of complex index `eta` + i `k` (relative to the medium before it), lane by lane; `cos` in
 /// [0, 1]. Exact (Born and Wolf, Principles of Optics, 14.2). 1 where both are 0, so that a dead lane stays harmless.
-#[inline]
-pub fn conductor(cos: f32, eta: Light, k: Light) -> Light {
+#[inline(always)]
+pub fn conductor<F: Float>(cos: F, eta: Light<F>, k: Light<F>) -> Light<F> {
     let cos2 = cos * cos;
-    let sin2 = ops::max((1.0 - cos) * (1.0 + cos), 0.0);
-    eta.zip(k, |eta, k| {
-        // (a + ib)² = (eta + ik)² - sin².
-        let real = eta * eta - k * k - sin2;
-        let modulus = (real * real + 4.0 * eta * eta * k * k).sqrt();
-        let a = ops::max(0.5 * (modulus + real), 0.0).sqrt();
-        let sum = modulus + cos2;
-        let cross = 2.0 * a * cos;
-        let s = (sum - cross) / (sum + cross);
-        let sum_p = modulus * cos2 + sin2 * sin2;
-        let cross_p = cross * sin2;
-        let p_over_s = if sum_p + cross_p > 0.0 { (sum_p - cross_p) / (sum_p + cross_p) } else { 1.0 };
-        0.5 * s * (1.0 + p_over_s)
-    })
+    let sin2 = ops::max((F::ONE - cos) * (F::ONE + cos), F::ZERO);
+    eta.zip(
+        k,
+        #[inline(always)]
+        |eta, k| {
+            // (a + ib)² = (eta + ik)² - sin².
+            let real = eta * eta - k * k - sin2;
+            let modulus = (real * real + eta * 4.0 * eta * k * k).sqrt();
+            let a = ops::max((modulus + real) * 0.5, F::ZERO).sqrt();
+            let sum = modulus + cos2;
+            let cross = a * 2.0 * cos;
+            let s = (sum - cross) / (sum + cross);
+            let sum_p = modulus * cos2 + sin2 * sin2;
+            let cross_p = cross * sin2;
+            let divisor = sum_p + cross_p;
+            let p_over_s = F::select(divisor.gt(F::ZERO), (sum_p - cross_p) / divisor, F::ONE);
+            s * 0.5 * (F::ONE + p_over_s)
+        },
+    )
 }
 
 #[cfg(test)]

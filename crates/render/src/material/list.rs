@@ -18,10 +18,59 @@ macro_rules! bsdfs {
         }
 
         impl BsdfKind {
+            /// Hands the kind's own type to who works with any.
+            #[inline]
+            pub(crate) fn hand_to<'w>(self, worker: impl WithKind<'w>) {
+                match self { $( Self::$Kind => worker.with::<$Type>(), )+ }
+            }
+
             /// All kinds, each at the place of its number.
             pub const ALL: &'static [Self] = &[$(Self::$Kind),+];
             /// How many.
             pub const COUNT: usize = Self::ALL.len();
+        }
+
+        $(
+            impl<'w> OfKind<'w> for $Type {
+                #[inline(always)]
+                fn of<'a>(bsdf: &'a Bsdf<'w>) -> Option<&'a Self> {
+                    if let Bsdf::$Kind(b) = bsdf { Some(b) } else { None }
+                }
+            }
+        )+
+
+        /// As its kind does.
+        impl<'w> Scatter for Bsdf<'w> {
+            #[inline]
+            fn loses_below(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Scatter>::LOSES_BELOW, )+ }
+            }
+
+            #[inline]
+            fn is_delta(&self) -> bool {
+                match self { $( Self::$Kind(b) => b.is_delta(), )+ }
+            }
+
+            #[inline]
+            fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
+                match self { $( Self::$Kind(b) => b.eval_pdf(wo, wi, transport), )+ }
+            }
+
+            #[inline]
+            fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
+                match self { $( Self::$Kind(b) => b.sample(wo, u_lobe, u, transport), )+ }
+            }
+
+            fn albedo(&self) -> Light {
+                match self { $( Self::$Kind(b) => b.albedo(), )+ }
+            }
+
+            #[cfg(test)]
+            fn examples() -> Vec<testing::Example> {
+                let mut all = Vec::new();
+                $( all.extend(<$Type as Scatter>::examples()); )+
+                all
+            }
         }
 
         impl<'w> Bsdf<'w> {
@@ -35,7 +84,7 @@ macro_rules! bsdfs {
             /// delta lobes.
             #[inline]
             pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
-                match self { $( Self::$Kind(b) => b.eval_pdf(wo, wi, transport), )+ }
+                Scatter::eval_pdf(self, wo, wi, transport)
             }
 
             /// Draws a direction by numbers in [0, 1): `u_lobe` chooses a lobe, `u` where in it.
@@ -47,7 +96,7 @@ macro_rules! bsdfs {
                 u: [f32; 2],
                 transport: Transport,
             ) -> Option<BsdfSample> {
-                match self { $( Self::$Kind(b) => b.sample(wo, u_lobe, u, transport), )+ }
+                Scatter::sample(self, wo, u_lobe, u, transport)
             }
 
             /// Whether [`Self::sample`] reads the number that chooses a lobe.
@@ -59,19 +108,13 @@ macro_rules! bsdfs {
             /// Whether it has nothing but delta lobes: `eval` and `pdf` are 0 everywhere, asking lights is in vain.
             #[inline]
             pub fn is_delta(&self) -> bool {
-                match self { $( Self::$Kind(b) => b.is_delta(), )+ }
-            }
-
-            /// Whether what it would send into the surface is lost, see [`shaded`].
-            #[inline]
-            fn loses_below(&self) -> bool {
-                match self { $( Self::$Kind(_) => <$Type as Scatter>::LOSES_BELOW, )+ }
+                Scatter::is_delta(self)
             }
 
             /// The colour of the surface, as denoisers and people want it: the share of light that comes back from the
             /// front, 1 for glass.
             pub fn albedo(&self) -> Light {
-                match self { $( Self::$Kind(b) => b.albedo(), )+ }
+                Scatter::albedo(self)
             }
         }
 
@@ -79,9 +122,7 @@ macro_rules! bsdfs {
         #[cfg(test)]
         impl<'w> Bsdf<'w> {
             fn registry() -> Vec<testing::Example> {
-                let mut all = Vec::new();
-                $( all.extend(<$Type as Scatter>::examples()); )+
-                all
+                <Self as Scatter>::examples()
             }
         }
     };

@@ -4,9 +4,11 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
+use super::many::{self, Lobe, These, is_lobe};
+use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -43,21 +45,34 @@ impl Recipe for MirrorMaterial {
     }
 }
 
-/// A perfect mirror.
+/// A perfect mirror, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mirror {
+pub struct Mirror<F: Float = f32> {
     /// Share of light that is reflected.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// Whether the back looks like the front; else it is black.
-    pub two_sided: bool,
+    pub two_sided: F::Mask,
+}
+
+impl<F: Float> Lobe<F> for Mirror<F> {
+    type One = Mirror;
+
+    #[inline(always)]
+    fn gather(these: impl These<Mirror>) -> Self {
+        Self {
+            reflectance: many::light(these, |m: &Mirror| m.reflectance),
+            two_sided: many::which::<_, F>(these, |m: &Mirror| m.two_sided),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, _: F, _: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        (reflected(wo, self.reflectance, F::ONE), facing_or_zero(wo, self.two_sided).ne(F::ZERO))
+    }
 }
 
 impl Scatter for Mirror {
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, _: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        facing(wo, self.two_sided)?;
-        Some(reflected(wo, self.reflectance, 1.0))
-    }
+    is_lobe!(Mirror);
 
     fn albedo(&self) -> Light {
         self.reflectance
@@ -76,7 +91,7 @@ impl Scatter for Mirror {
 
 /// The delta lobe of a mirror: chosen with probability `pdf`, its coefficient divided by that is `weight`.
 #[inline(always)]
-pub(super) fn reflected(wo: Vec3, weight: Light, pdf: f32) -> BsdfSample {
+pub(super) fn reflected<F: Float>(wo: Vec3<F>, weight: Light<F>, pdf: F) -> BsdfSample<F> {
     let wi = Vec3::new(-wo.x, -wo.y, wo.z);
-    BsdfSample { wi, weight, pdf, delta: true, transmitted: false, eta: 1.0, wavelength: 0.0 }
+    BsdfSample { delta: F::Mask::splat(true), ..BsdfSample::reflected(wi, weight, pdf) }
 }

@@ -20,20 +20,21 @@
 //!
 //! A material is a `Recipe` that is read as a BSDF, of a kind of its own (`Scatter`) or one that is there. To add one: its file,
 //! with both; its line in the list below; its keys in the description. The list makes the rest, and hands what the file gives for
-//! examples to the tests: chi-square, reciprocity, energy.
+//! examples to the tests: chi-square, reciprocity, energy. A BSDF that is a `many::Lobe` as well is computed for 8 or 16 vertices at once.
 
 use std::fmt;
 use std::sync::Arc;
 
 use straal_color::Light;
 use straal_math::Vec3;
-use straal_math::simd::Float;
+use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
 use crate::error::CompileError;
 use crate::lanes::Lanes;
 use crate::paint::Paint;
 use crate::texture::{ReadRgb, Reading, ShadingPoint};
+use many::{OfKind, These, WithKind};
 
 mod black;
 mod conductor;
@@ -43,6 +44,7 @@ mod dispersive;
 pub mod fresnel;
 mod ggx;
 mod list;
+pub(crate) mod many;
 mod microfacet;
 mod mirror;
 pub mod open_pbr;
@@ -158,6 +160,12 @@ pub(crate) trait Scatter: Copy {
     /// Whether what it would send into the surface is lost; else a mirror on the surface sends it out, see [`shaded`].
     const LOSES_BELOW: bool = false;
 
+    /// Whether that is so of this very one.
+    #[inline(always)]
+    fn loses_below(&self) -> bool {
+        Self::LOSES_BELOW
+    }
+
     /// See [`Bsdf::is_delta`].
     #[inline]
     fn is_delta(&self) -> bool {
@@ -175,6 +183,28 @@ pub(crate) trait Scatter: Copy {
 
     /// See [`Bsdf::albedo`].
     fn albedo(&self) -> Light;
+
+    /// [`Self::eval_pdf`] of many side by side, for directions `wo` and `wi`. Of a kind that is a [`many::Lobe`] the macro `is_lobe`
+    /// has this and the next.
+    #[inline(always)]
+    fn eval_pdf_many<F: Float>(
+        these: impl These<Self>,
+        pair: [Vec3<F>; 2],
+        transport: Transport,
+    ) -> (Light<F>, F) {
+        many::eval_pdf_one_by_one(these, pair, transport)
+    }
+
+    /// [`Self::sample`] of many side by side, by a number for the lobe and two for the direction; and which of them are of value.
+    #[inline(always)]
+    fn sample_many<F: Float>(
+        these: impl These<Self>,
+        wo: Vec3<F>,
+        u: [F; 3],
+        transport: Transport,
+    ) -> (BsdfSample<F>, F::Mask) {
+        many::sample_one_by_one(these, wo, u, transport)
+    }
 
     /// Some for the tests of the contract.
     #[cfg(test)]
@@ -204,23 +234,23 @@ pub enum Transport {
     Importance,
 }
 
-/// A direction drawn from a BSDF.
+/// A direction drawn from a BSDF, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfSample {
+pub struct BsdfSample<F: Float = f32> {
     /// The direction, of unit length.
-    pub wi: Vec3,
+    pub wi: Vec3<F>,
     /// f |cos| / pdf, or the coefficient of a delta lobe over its probability.
-    pub weight: Light,
+    pub weight: Light<F>,
     /// Per solid angle; for delta lobes the probability of having been chosen.
-    pub pdf: f32,
+    pub pdf: F,
     /// From a delta lobe: nothing else can draw this direction.
-    pub delta: bool,
+    pub delta: F::Mask,
     /// Passed through to the other side.
-    pub transmitted: bool,
+    pub transmitted: F::Mask,
     /// Index of refraction on the side of `wi` over that on the side of `wo`: 1 for reflection.
-    pub eta: f32,
+    pub eta: F,
     /// Above 0 where the direction is that of a single wavelength, which alone goes on ([`crate::lanes::Lanes::only`]).
-    pub wavelength: f32,
+    pub wavelength: F,
 }
 
 impl BsdfSample {
@@ -236,8 +266,32 @@ impl BsdfSample {
     };
 }
 
+impl<F: Float> BsdfSample<F> {
+    /// Off a lobe with a density.
+    #[inline(always)]
+    pub(crate) fn reflected(wi: Vec3<F>, weight: Light<F>, pdf: F) -> Self {
+        let no = F::Mask::splat(false);
+        Self { wi, weight, pdf, delta: no, transmitted: no, eta: F::ONE, wavelength: F::ZERO }
+    }
+
+    /// `yes` where the mask says so, `no` elsewhere.
+    #[inline(always)]
+    pub(crate) fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            wi: Vec3::select(mask, yes.wi, no.wi),
+            weight: Light::select(mask, yes.weight, no.weight),
+            pdf: F::select(mask, yes.pdf, no.pdf),
+            delta: mask & yes.delta | !mask & no.delta,
+            transmitted: mask & yes.transmitted | !mask & no.transmitted,
+            eta: F::select(mask, yes.eta, no.eta),
+            wavelength: F::select(mask, yes.wavelength, no.wavelength),
+        }
+    }
+}
+
 /// The factor to z that brings `wo` to the front: -1 for a back that looks like the front. `None` where nothing is
 /// seen: a black back, or along the surface.
+#[allow(dead_code, reason = "for kinds that are computed one vertex after the other")]
 #[inline(always)]
 fn facing(wo: Vec3, two_sided: bool) -> Option<f32> {
     if wo.z > 0.0 {

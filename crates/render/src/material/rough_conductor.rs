@@ -2,17 +2,19 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::Float;
 
-use super::{BsdfSample, Metal, Scatter, Transport, facing, ggx::Ggx};
+use super::many::{self, Lobe, These, is_lobe};
+use super::{BsdfSample, Metal, Scatter, Transport, facing_or_zero, ggx::Ggx};
 
 /// Metal of GGX microfacets with Smith's shadowing, `wo` and `wi` shadowed independently (G = G1 G1), and facets
-/// drawn as they are seen (Heitz 2018): the weight of a sample is then Fresnel's reflectance times G1(wi).
+/// drawn as they are seen (Heitz 2018): the weight of a sample is then Fresnel's reflectance times G1(wi). Or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughConductor {
+pub struct RoughConductor<F: Float = f32> {
     /// What the facets are made of.
-    pub metal: Metal,
-    facets: Ggx,
-    two_sided: bool,
+    pub metal: Metal<F>,
+    facets: Ggx<F>,
+    two_sided: F::Mask,
 }
 
 impl RoughConductor {
@@ -29,47 +31,54 @@ impl RoughConductor {
     }
 }
 
-impl Scatter for RoughConductor {
-    #[inline]
-    fn is_delta(&self) -> bool {
-        false
+impl<F: Float> Lobe<F> for RoughConductor<F> {
+    type One = RoughConductor;
+
+    #[inline(always)]
+    fn gather(these: impl These<RoughConductor>) -> Self {
+        Self {
+            metal: Metal::gather(these, |r: &RoughConductor| &r.metal),
+            facets: Ggx { alpha: many::each(these, |r: &RoughConductor| r.facets.alpha) },
+            two_sided: many::which::<_, F>(these, |r: &RoughConductor| r.two_sided),
+        }
     }
 
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let Some(side) = facing(wo, self.two_sided) else { return (Light::ZERO, 0.0) };
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>, _: Transport) -> (Light<F>, F) {
+        let side = facing_or_zero(wo, self.two_sided);
         let (wo, wi) = (Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z));
         let h = wo + wi;
         let hh = h.length_squared();
         // Opposite directions along the surface have no half-way; f is 0 in the limit.
-        if wi.z <= 0.0 || hh <= f32::MIN_POSITIVE {
-            return (Light::ZERO, 0.0);
-        }
+        let there = side.ne(F::ZERO) & wi.z.gt(F::ZERO) & hh.gt(F::splat(f32::MIN_POSITIVE));
         // G1(wo) D (wo.m) / cos wo is the density of facets, 4 (wo.m) the stretch of reflecting.
-        let pdf = 0.5 * self.facets.density(h) * self.facets.seen_over_twice_cos(wo);
+        let pdf = self.facets.density(h) * 0.5 * self.facets.seen_over_twice_cos(wo);
+        let pdf = F::select(there, pdf, F::ZERO);
         let share = self.metal.reflected(wo.dot(h) / hh.sqrt());
-        (share * (pdf * self.facets.seen(wi)), pdf)
+        let value = share * (pdf * self.facets.seen(wi));
+        (Light::select(there, value, Light::splat(F::ZERO)), pdf)
     }
 
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, u: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, _: F, u: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        let side = facing_or_zero(wo, self.two_sided);
         let wo = Vec3::new(wo.x, wo.y, side * wo.z);
         let m = self.facets.sample_seen(wo, u);
         let cos = wo.dot(m);
-        let wi = m * (2.0 * cos) - wo;
-        if !(wi.z > 0.0 && cos > 0.0) {
-            return None;
-        }
-        Some(BsdfSample {
-            wi: Vec3::new(wi.x, wi.y, side * wi.z),
-            weight: self.metal.reflected(cos) * self.facets.seen(wi),
-            pdf: 0.5 * self.facets.density(m) * self.facets.seen_over_twice_cos(wo),
-            delta: false,
-            transmitted: false,
-            eta: 1.0,
-            wavelength: 0.0,
-        })
+        let wi = m * (cos * 2.0) - wo;
+        let there = side.ne(F::ZERO) & wi.z.gt(F::ZERO) & cos.gt(F::ZERO);
+        let weight = self.metal.reflected(cos) * self.facets.seen(wi);
+        let pdf = self.facets.density(m) * 0.5 * self.facets.seen_over_twice_cos(wo);
+        (BsdfSample::reflected(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf), there)
+    }
+}
+
+impl Scatter for RoughConductor {
+    is_lobe!(RoughConductor);
+
+    #[inline]
+    fn is_delta(&self) -> bool {
+        false
     }
 
     fn albedo(&self) -> Light {

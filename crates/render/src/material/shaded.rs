@@ -16,10 +16,11 @@
 //!
 //! And a shading normal that is seen from behind while the surface is seen from the front is bent, see [`shading_normal`].
 
-use super::{Bsdf, BsdfSample, Transport};
+use super::many::{self, These};
+use super::{Bsdf, BsdfSample, Scatter, Transport};
 use straal_color::Light;
 use straal_math::Vec3;
-use straal_math::simd::Float;
+use straal_math::simd::{Float, Mask};
 
 /// A BSDF with the normals that it is used with. Directions are those of [`Bsdf`], about the shading normal.
 #[derive(Clone, Copy, Debug)]
@@ -40,77 +41,117 @@ const LEAST: f32 = 0.5;
 /// result doesn't jump.
 #[inline]
 pub fn shading_normal(n: Vec3, ng: Vec3, wo: Vec3) -> (Vec3, Option<Vec3>) {
-    if n == ng || n == -ng {
-        return (n, None);
+    let (n, ng) = shading_normals(n, ng, wo);
+    (n, (ng != Vec3::ZERO).then_some(ng))
+}
+
+/// [`shading_normal`], one or many side by side. The geometric normal is zero where it is the shading normal.
+#[inline(always)]
+pub fn shading_normals<F: Float>(n: Vec3<F>, ng: Vec3<F>, wo: Vec3<F>) -> (Vec3<F>, Vec3<F>) {
+    let none = Vec3::splat(F::ZERO);
+    let is_flat = same(n, ng) | same(n, -ng);
+    if is_flat.all() {
+        return (n, none);
     }
-    let ng = if n.dot(ng) < 0.0 { -ng } else { ng };
+    let ng = Vec3::select(n.dot(ng).lt(F::ZERO), -ng, ng);
     let seen = wo.dot(ng);
-    let lack = LEAST - wo.dot(n) / seen;
+    let lack = F::splat(LEAST) - wo.dot(n) / seen;
     // Seen edge-on the quotient may be anything.
-    if lack > 0.0 || lack.is_nan() {
+    let bends = (lack.gt(F::ZERO) | lack.is_nan()) & !is_flat;
+    let mut seen_n = n;
+    if bends.any() {
         // By so much more its length grows that the part is LEAST / (1 + LEAST) at the least.
-        return ((n + ng * (lack * (1.0 + LEAST))).try_normalize().unwrap_or(ng), Some(ng));
+        let (bent, there) = (n + ng * (lack * (1.0 + LEAST))).normalize_checked();
+        seen_n = Vec3::select(bends, Vec3::select(there, bent, ng), n);
     }
-    (n, Some(ng))
+    (seen_n, Vec3::select(is_flat, none, ng))
+}
+
+#[inline(always)]
+fn same<F: Float>(a: Vec3<F>, b: Vec3<F>) -> F::Mask {
+    a.x.eq(b.x) & a.y.eq(b.y) & a.z.eq(b.z)
 }
 
 impl Shaded<'_> {
     /// [`Bsdf::eval_pdf`] with no light through an opaque surface.
     #[inline]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
-        let Some(ng) = self.ng else { return self.bsdf.eval_pdf(wo, wi, transport) };
-        self.eval_pdf_leaning(ng, [wo, wi], transport)
-    }
-
-    fn eval_pdf_leaning(&self, ng: Vec3, [wo, wi]: [Vec3; 2], transport: Transport) -> (Light, f32) {
-        let (mut value, mut pdf) = (Light::ZERO, 0.0);
-        if goes_on(ng, wo, wi) {
-            (value, pdf) = self.bsdf.eval_pdf(wo, wi, transport);
-        }
-        if self.bsdf.loses_below() {
-            return (value, pdf);
-        }
-        let image = mirrored(wi, ng);
-        if !goes_on(ng, wo, image) {
-            let (v, p) = self.bsdf.eval_pdf(wo, image, transport);
-            value += v;
-            pdf += p;
-        }
-        (value, pdf)
+        eval_pdf_many(&self.bsdf, self.ng.unwrap_or(Vec3::ZERO), [wo, wi], transport)
     }
 
     /// [`Bsdf::sample`], in accordance with [`Self::eval_pdf`].
     #[inline]
     pub fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        let drawn = self.bsdf.sample(wo, u_lobe, u, transport)?;
-        let Some(ng) = self.ng else { return Some(drawn) };
-        self.sample_leaning(ng, wo, drawn, transport)
+        let u = [u_lobe, u[0], u[1]];
+        let (sample, there) = sample_many(&self.bsdf, self.ng.unwrap_or(Vec3::ZERO), (wo, u), transport);
+        there.then_some(sample)
     }
+}
 
-    fn sample_leaning(
-        &self,
-        ng: Vec3,
-        wo: Vec3,
-        drawn: BsdfSample,
-        transport: Transport,
-    ) -> Option<BsdfSample> {
-        let kept = goes_on(ng, wo, drawn.wi);
-        if self.bsdf.loses_below() {
-            return kept.then_some(drawn);
-        }
-        let image = mirrored(drawn.wi, ng);
-        let wi = if kept { drawn.wi } else { image };
-        if drawn.delta {
-            return Some(BsdfSample { wi, ..drawn });
-        }
-        if kept && goes_on(ng, wo, image) {
-            return Some(drawn);
-        }
-        // The direction may have been drawn in either of two ways.
-        let (value, pdf) = self.eval_pdf_leaning(ng, [wo, wi], transport);
-        let weight = value * (1.0 / pdf);
-        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight, pdf, ..drawn })
+/// [`Shaded::eval_pdf`] of many side by side. `ng` are zero where the geometric normals are the shading normals.
+#[inline(always)]
+pub(crate) fn eval_pdf_many<K: Scatter, F: Float>(
+    these: impl These<K>,
+    ng: Vec3<F>,
+    [wo, wi]: [Vec3<F>; 2],
+    transport: Transport,
+) -> (Light<F>, F) {
+    let (value, pdf) = K::eval_pdf_many(these, [wo, wi], transport);
+    let leans = leans(ng);
+    if !leans.any() {
+        return (value, pdf);
     }
+    let kept = !leans | goes_on(ng, wo, wi);
+    let (value, pdf) = (Light::select(kept, value, Light::splat(F::ZERO)), F::select(kept, pdf, F::ZERO));
+    let image = mirrored(wi, ng);
+    let mirrors = leans & !loses_below::<K, F>(these) & !goes_on(ng, wo, image);
+    if !mirrors.any() {
+        return (value, pdf);
+    }
+    let (v, p) = K::eval_pdf_many(these, [wo, image], transport);
+    (Light::select(mirrors, value + v, value), F::select(mirrors, pdf + p, pdf))
+}
+
+/// [`Shaded::sample`] of many side by side, by a direction and three numbers, the first of which chooses a lobe; and which of
+/// them are of value. `ng` as in [`eval_pdf_many`].
+#[inline(always)]
+pub(crate) fn sample_many<K: Scatter, F: Float>(
+    these: impl These<K>,
+    ng: Vec3<F>,
+    (wo, u): (Vec3<F>, [F; 3]),
+    transport: Transport,
+) -> (BsdfSample<F>, F::Mask) {
+    let (drawn, there) = K::sample_many(these, wo, u, transport);
+    let leans = leans(ng);
+    if !leans.any() {
+        return (drawn, there);
+    }
+    let kept = !leans | goes_on(ng, wo, drawn.wi);
+    let loses = loses_below::<K, F>(these);
+    let there = there & (kept | !loses);
+    let image = mirrored(drawn.wi, ng);
+    let wi = Vec3::select(kept, drawn.wi, image);
+    // The direction may have been drawn in either of two ways.
+    let either = leans & there & !loses & !drawn.delta & !(kept & goes_on(ng, wo, image));
+    if !either.any() {
+        return (BsdfSample { wi, ..drawn }, there);
+    }
+    let (value, pdf) = eval_pdf_many(these, ng, [wo, wi], transport);
+    let weight = value * (F::ONE / pdf);
+    let sound = !either | (pdf.gt(F::ZERO) & weight.is_finite());
+    let weight = Light::select(either, weight, drawn.weight);
+    (BsdfSample { wi, weight, pdf: F::select(either, pdf, drawn.pdf), ..drawn }, there & sound)
+}
+
+/// Where the geometric normal isn't the shading normal.
+#[inline(always)]
+fn leans<F: Float>(ng: Vec3<F>) -> F::Mask {
+    ng.x.ne(F::ZERO) | ng.y.ne(F::ZERO) | ng.z.ne(F::ZERO)
+}
+
+#[inline(always)]
+fn loses_below<K: Scatter, F: Float>(these: impl These<K>) -> F::Mask {
+    many::which::<K, F>(these, |k: &K| k.loses_below())
 }
 
 /// Whether a direction that is reflected by the shading normal is reflected by the surface as well, or transmitted by both. (A
@@ -123,17 +164,19 @@ pub(crate) fn goes_on<F: Float>(ng: Vec3<F>, wo: Vec3<F>, wi: Vec3<F>) -> F::Mas
 }
 
 /// By a plane mirror on the surface.
-#[inline]
-fn mirrored(w: Vec3, ng: Vec3) -> Vec3 {
-    w - ng * (2.0 * w.dot(ng))
+#[inline(always)]
+fn mirrored<F: Float>(w: Vec3<F>, ng: Vec3<F>) -> Vec3<F> {
+    w - ng * (w.dot(ng) * 2.0)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::many::{Among, OfKind, WithKind};
     use super::super::{Dielectric, Diffuse, Metal, Mirror, RoughConductor};
     use super::*;
     use crate::testing::{ChiSquare, SphereGrid};
     use straal_math::lowdisc::{Pattern, Purpose, SampleName};
+    use straal_math::simd::{BLOCK, Isa, Kernel, Simd};
     use straal_math::{ops, warp};
 
     const WHITE: Light = Light([1.0, 1.0, 1.0, 0.0]);
@@ -291,6 +334,97 @@ mod tests {
             let step = last.map_or(0.0, |l: Vec3| (n - l).length());
             assert!(step < 0.02, "{i}: {n:?}");
             last = Some(n);
+        }
+    }
+
+    /// BSDFs of one kind, or of several that meet in a block.
+    struct Many<'a, K> {
+        bsdfs: &'a [Bsdf<'static>; BLOCK],
+        kind: std::marker::PhantomData<K>,
+        seed: u32,
+    }
+
+    type Told = ((Light, f32), Option<BsdfSample>);
+
+    impl<K: OfKind<'static>> Kernel for Many<'_, K> {
+        type Output = Vec<Told>;
+
+        #[inline(always)]
+        fn run<F: Float>(self) -> Vec<Told> {
+            let mut all = vec![];
+            for first in (0..BLOCK).step_by(F::WIDTH) {
+                let these = Among::<K>::new(&self.bsdfs[first..], &self.bsdfs[0]).expect("of the kind");
+                let point = |i: usize| point(self.seed, first + i);
+                let ng = Vec3::from_fn(|i| point(i).0.unwrap_or(Vec3::ZERO));
+                let (wo, wi) = (Vec3::from_fn(|i| point(i).1), Vec3::from_fn(|i| point(i).2));
+                let u = [0, 1, 2].map(|k| F::from_fn(|i| point(i).3[k]));
+                let (value, pdf) = eval_pdf_many(these, ng, [wo, wi], Transport::Radiance);
+                let (s, there) = sample_many(these, ng, (wo, u), Transport::Radiance);
+                let (mut values, mut weights) = ([Light::ZERO; BLOCK], [Light::ZERO; BLOCK]);
+                value.for_each(|i, v| values[i] = v);
+                s.weight.for_each(|i, v| weights[i] = v);
+                for i in 0..F::WIDTH {
+                    let sample = BsdfSample {
+                        wi: s.wi.lane(i),
+                        weight: weights[i],
+                        pdf: s.pdf.lane(i),
+                        delta: s.delta.lane(i),
+                        transmitted: s.transmitted.lane(i),
+                        eta: s.eta.lane(i),
+                        wavelength: s.wavelength.lane(i),
+                    };
+                    all.push(((values[i], pdf.lane(i)), there.lane(i).then_some(sample)));
+                }
+            }
+            all
+        }
+    }
+
+    /// A geometric normal, two directions and three numbers.
+    fn point(seed: u32, i: usize) -> (Option<Vec3>, Vec3, Vec3, [f32; 3]) {
+        let u: [[f32; 4]; 2] = [0, 1]
+            .map(|k| Pattern::Random.d4(&SampleName::new(seed.into(), [i as u32, 0], k), Purpose::Custom));
+        let ng = (Vec3::Z * 1.2 + warp::uniform_sphere([u[0][0], u[0][1]])).normalize();
+        let wo = warp::uniform_sphere([u[0][2], u[0][3]]);
+        let wi = warp::uniform_sphere([u[1][0], u[1][1]]);
+        ((i % 3 > 0).then_some(ng), wo, wi, [u[1][2], u[1][3], u[1][0]])
+    }
+
+    /// One after the other, and side by side by every instruction set.
+    fn agree<K: OfKind<'static>>(bsdfs: &[Bsdf<'static>; BLOCK], seed: u32) {
+        for simd in Isa::ALL.into_iter().filter_map(Simd::new) {
+            let many = Many::<K> { bsdfs, kind: std::marker::PhantomData, seed };
+            for (i, told) in simd.run(many).into_iter().enumerate() {
+                let (ng, wo, wi, u) = point(seed, i);
+                let one = Shaded { bsdf: bsdfs[i], ng };
+                let want = (
+                    one.eval_pdf(wo, wi, Transport::Radiance),
+                    one.sample(wo, u[0], [u[1], u[2]], Transport::Radiance),
+                );
+                assert_eq!(told, want, "{one:?} {simd:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn bsdfs_side_by_side_do_what_each_does_alone() {
+        struct Agree<'a>(&'a [Bsdf<'static>; BLOCK], u32);
+        impl WithKind<'static> for Agree<'_> {
+            fn with<K: OfKind<'static>>(self) {
+                agree::<K>(self.0, self.1);
+            }
+        }
+        let all: Vec<Bsdf<'static>> = Bsdf::registry().iter().map(|e| e.bsdf).collect();
+        for (k, bsdf) in all.iter().enumerate() {
+            // Those of its kind in turn.
+            let same: Vec<_> = all.iter().filter(|b| b.kind() == bsdf.kind()).collect();
+            bsdf.kind().hand_to(Agree(&std::array::from_fn(|i| *same[(i + k) % same.len()]), k as u32));
+        }
+        for seed in 0..8 {
+            agree::<Bsdf<'static>>(
+                &std::array::from_fn(|i| all[(i * 5 + seed) % all.len()]),
+                99 + seed as u32,
+            );
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use straal_color::spectrum::{
     Bins, COUNT, Observer, Quantity, Spectrum, illuminant, metal, refraction, uplift,
@@ -11,11 +12,11 @@ use straal_math::ops;
 use straal_scene::desc;
 use straal_scene::span::Span;
 use straal_scene::value::{self, Color};
-use straal_scene::{Assets, Image, Scene};
+use straal_scene::{Assets, Bitmap, Handle, Image, Scene};
 
 use crate::error::CompileError;
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
-use crate::texture::{Texture, TextureKind, TextureRef, Use, Value};
+use crate::texture::{Meaning, Pyramid, Texture, TextureKind, TextureRef, Use, Value};
 
 /// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
 pub(crate) struct Paint<'a> {
@@ -37,8 +38,58 @@ pub(crate) struct Paint<'a> {
     pub spectra: SpectralTables,
     /// Filled as textures are met.
     pub textures: Vec<Texture>,
+    /// Pyramids that were made: of which picture, as what, and whether with smaller copies.
+    pyramids: Vec<(Handle<Bitmap>, Meaning, bool, Arc<Pyramid>)>,
     /// What is worth telling of them.
     pub notes: Vec<String>,
+}
+
+/// What a texture is wanted for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wanted {
+    Colour(Quantity),
+    Number,
+}
+
+/// What makes the parts of a texture.
+pub(crate) struct Maker<'p, 'a> {
+    paint: &'p mut Paint<'a>,
+    of: Wanted,
+}
+
+impl Maker<'_, '_> {
+    /// A colour, or of what is read as a number, its numbers.
+    pub fn colour(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+        let of = if let Wanted::Colour(quantity) = self.of { quantity } else { Quantity::Reflectance };
+        self.paint.colour(s, of)
+    }
+
+    /// Whether the texture is read as a number.
+    pub fn wants_number(&self) -> bool {
+        self.of == Wanted::Number
+    }
+
+    /// What a picture is read off; made once, however often it is used.
+    pub fn pyramid(
+        &mut self,
+        asset: &value::Asset<Bitmap>,
+        meaning: &Meaning,
+        has_smaller: bool,
+    ) -> Result<Arc<Pyramid>, CompileError> {
+        let made = &mut self.paint.pyramids;
+        let known = made.iter().find(|(of, as_what, smaller, _)| {
+            (*of, as_what, *smaller) == (asset.handle, meaning, has_smaller)
+        });
+        if let Some((.., pyramid)) = known {
+            return Ok(pyramid.clone());
+        }
+        let bitmap = self.paint.assets.bitmap(asset.handle).ok_or_else(|| {
+            CompileError::at(format!("the picture `{}` was not read", asset.file.value), asset.file.span)
+        })?;
+        let pyramid = Arc::new(Pyramid::new(bitmap.clone(), meaning, has_smaller));
+        made.push((asset.handle, meaning.clone(), has_smaller, pyramid.clone()));
+        Ok(pyramid)
+    }
 }
 
 /// All that tells a measured spectrum from others: its name and file, and the bits of its numbers.
@@ -79,6 +130,7 @@ impl<'a> Paint<'a> {
             metals: BTreeMap::new(),
             spectra,
             textures: Vec::new(),
+            pyramids: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -110,15 +162,19 @@ impl<'a> Paint<'a> {
     ) -> Result<Value<Colour>, CompileError> {
         match v {
             desc::Varying::Constant(s) => Ok(self.colour(s, of)?.into()),
-            desc::Varying::Texture(t) => self.texture(t, of),
+            desc::Varying::Texture(t) => self.texture(t, Wanted::Colour(of)),
         }
     }
 
-    fn texture<T>(&mut self, said: &desc::Texture, of: Quantity) -> Result<Value<T>, CompileError> {
-        let kind = TextureKind::of(said, &mut |s| self.colour(s, of))?;
+    fn texture<T>(&mut self, said: &desc::Texture, of: Wanted) -> Result<Value<T>, CompileError> {
+        let kind = TextureKind::of(said, &mut Maker { paint: self, of })?;
         let most = kind.most();
-        let of = if of == Quantity::Emission { Use::Emission } else { Use::Reflectance };
-        self.textures.push(Texture { kind, of });
+        let texture = match of {
+            Wanted::Colour(Quantity::Emission) => Texture::new(kind, Use::Emission),
+            Wanted::Colour(_) => Texture::new(kind, Use::Reflectance),
+            Wanted::Number => Texture { range: [0.0, f32::MAX], ..Texture::new(kind, Use::Reflectance) },
+        };
+        self.textures.push(texture);
         Ok(Value::Texture(TextureRef { id: (self.textures.len() - 1) as u32, most }))
     }
 
@@ -126,7 +182,7 @@ impl<'a> Paint<'a> {
     pub fn number(&mut self, v: &desc::Varying<f64>) -> Result<Value<f32>, CompileError> {
         match v {
             desc::Varying::Constant(v) => Ok((*v as f32).into()),
-            desc::Varying::Texture(t) => self.texture(t, Quantity::Reflectance),
+            desc::Varying::Texture(t) => self.texture(t, Wanted::Number),
         }
     }
 

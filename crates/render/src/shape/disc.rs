@@ -1,10 +1,11 @@
 //! The disc.
 
+use straal_math::simd::Float;
 use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents, sampling};
+use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents, sampling};
 
 /// A disc, or an ellipse: center + x a + y b for x² + y² <= 1. Its normal is a × b.
 ///
@@ -26,6 +27,12 @@ impl Disc {
     pub fn facing(center: DVec3, normal: DVec3, radius: f64) -> Option<Self> {
         let (a, b) = sampling::tangents(normal.try_normalize()?);
         Some(Self::new(center.as_vec3(), (a * radius).as_vec3(), (b * radius).as_vec3()))
+    }
+
+    /// What it shares with other flat shapes.
+    #[inline(always)]
+    pub(crate) const fn patch(&self) -> &Patch {
+        &self.patch
     }
 
     /// See [`super::Geometry::bounds`].
@@ -99,6 +106,11 @@ impl Form for Disc {
     #[inline]
     fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
         Some(Disc::sample_area(self, u))
+    }
+
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        DirSamples::by_area(p, self.patch.end_at(warp::concentric_disc(u)), F::splat(self.pdf_area))
     }
 
     #[inline]

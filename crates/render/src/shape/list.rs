@@ -83,6 +83,15 @@ macro_rules! shapes {
                 }
             }
 
+            /// [`Geometry::sample_from`] for many side by side.
+            #[inline(always)]
+            pub(crate) fn sample_from_many<F: Float>(&self, shape: u32, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+                match &self.shapes[shape as usize] {
+                    $( Shape::$Kind(s) => <$Kind as Form>::sample_from_many(s, p, u), )+
+                    Shape::Custom(_) => DirSamples::one_by_one(F::Mask::splat(false), |_| None),
+                }
+            }
+
             /// The density with which [`Geometry::sample_from`] at `p` gives the direction to `hit`, a point of the shape
             /// that is seen from `p`.
             pub fn pdf_from(&self, shape: u32, p: Vec3, hit: &SurfacePoint) -> f32 {

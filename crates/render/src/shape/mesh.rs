@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use straal_math::simd::{BLOCK, Double, Float, Mask, Uint};
 use straal_math::{Affine, DVec3, Vec3, warp};
 
-use super::exact::{HALF_ULP, SUBNORMAL, bound};
+use super::exact::{HALF_ULP, SUBNORMAL, bound, unit_or};
+use super::offset::End;
 use super::tangents::unit_change;
 use super::{AreaSample, SurfacePoint, Tangents};
 
@@ -113,27 +115,20 @@ impl TriangleMesh {
     /// their distance.
     #[inline]
     pub fn surface(&self, primitive: u32, u: f32, v: f32) -> SurfacePoint {
-        let index = self.indices[primitive as usize].map(|i| i as usize);
-        let [p0, p1, p2] = index.map(|i| self.positions[i].as_dvec3());
-        let (b1, b2) = (f64::from(u), f64::from(v));
-        let b0 = 1.0 - b1 - b2;
-        let (e1, e2) = (p1 - p0, p2 - p0);
-        let q = p0 + e1 * b1 + e2 * b2;
-        // The corners' mean distance, by the weights: as the triangle inequality bounds it for each coordinate.
-        let spread = e1.abs() * (2.0 * b1 * (1.0 - b1)).abs() + e2.abs() * (2.0 * b2 * (1.0 - b2)).abs();
-        let pad = spread.max_element() * (8.0 * HALF_ULP) + SUBNORMAL;
-        let p_err = Vec3::new(bound(q.x, pad), bound(q.y, pad), bound(q.z, pad));
-
-        let out = e1.cross(e2).try_normalize().unwrap_or(DVec3::Y).as_vec3();
-        let ng = if self.flip { -out } else { out };
-        let n = match self.normals.get(index[0]..) {
-            None | Some([]) => ng,
-            Some(_) => {
-                let [n0, n1, n2] = index.map(|i| self.normals[i]);
-                (n0 * b0 as f32 + n1 * u + n2 * v).try_normalize().unwrap_or(ng)
-            }
+        let End { p, p_err, ng } = end(self.corners(primitive), [u, v], self.flip);
+        let n = match self.corner_normals(primitive) {
+            None => ng,
+            Some(normals) => shading_normal(normals, [u, v], ng),
         };
-        SurfacePoint { p: q.as_vec3(), p_err, ng, n, uv: self.uv(index, [u, v]) }
+        let index = self.indices[primitive as usize].map(|i| i as usize);
+        SurfacePoint { p, p_err, ng, n, uv: self.uv(index, [u, v]) }
+    }
+
+    /// The shading normals of a triangle's corners; `None` in a mesh that has none.
+    #[inline(always)]
+    pub(crate) fn corner_normals(&self, primitive: u32) -> Option<[Vec3; 3]> {
+        let index = self.indices[primitive as usize];
+        (!self.normals.is_empty()).then(|| index.map(|i| self.normals[i as usize]))
     }
 
     #[inline]
@@ -182,6 +177,61 @@ impl TriangleMesh {
         let area = self.triangle_area(primitive);
         AreaSample { point: self.surface(primitive, b1, b2), pdf_area: (1.0 / area) as f32 }
     }
+
+    /// [`Self::sample_triangle`] for many side by side, without what only shading wants.
+    #[inline(always)]
+    pub(crate) fn sample_triangles<F: Float>(&self, primitive: F::Uint, u: [F; 2]) -> (End<F>, F) {
+        let mut rows = [[Vec3::ZERO; 3]; BLOCK];
+        for (i, corners) in rows.iter_mut().enumerate().take(F::WIDTH) {
+            *corners = self.corners(primitive.lane(i));
+        }
+        let corners = [corner(&rows, 0), corner(&rows, 1), corner(&rows, 2)];
+        let [p0, p1, p2] = corners;
+        let (e1, e2) = (p1.to_double() - p0.to_double(), p2.to_double() - p0.to_double());
+        let area: F::Double = e1.cross(e2).length() * 0.5;
+        let area = F::Double::select(area.lt(F::Double::splat(f64::INFINITY)), area, F::Double::ZERO);
+        let end = end(corners, warp::uniform_triangle(u), F::Mask::splat(self.flip));
+        (end, F::from_double(F::Double::ONE / area))
+    }
+}
+
+/// A corner of the triangle of each row.
+#[inline(always)]
+fn corner<F: Float>(rows: &[[Vec3; 3]; BLOCK], k: usize) -> Vec3<F> {
+    let [x, y, z, _] = F::from_rows(
+        #[inline(always)]
+        |i| {
+            let p = rows[i][k];
+            [p.x, p.y, p.z, 0.0]
+        },
+    );
+    Vec3::new(x, y, z)
+}
+
+/// The point of a triangle at barycentric weights of its corners 1 and 2, with its geometric normal, which is turned round
+/// where `flip` says so; see [`TriangleMesh::surface`].
+#[inline(always)]
+pub(crate) fn end<F: Float>(corners: [Vec3<F>; 3], [u, v]: [F; 2], flip: F::Mask) -> End<F> {
+    let [p0, p1, p2] = corners;
+    let (p0, p1, p2) = (p0.to_double(), p1.to_double(), p2.to_double());
+    let (b1, b2) = (u.to_double(), v.to_double());
+    let (e1, e2) = (p1 - p0, p2 - p0);
+    let q = p0 + e1 * b1 + e2 * b2;
+    // The corners' mean distance, by the weights: as the triangle inequality bounds it for each coordinate.
+    let one = F::Double::ONE;
+    let spread = e1.abs() * (b1 * 2.0 * (one - b1)).abs() + e2.abs() * (b2 * 2.0 * (one - b2)).abs();
+    let pad = spread.max_element() * (8.0 * HALF_ULP) + SUBNORMAL;
+    let out = Vec3::from_double(unit_or(e1.cross(e2), DVec3::Y));
+    End { p: Vec3::from_double(q), p_err: bound(q, pad), ng: Vec3::select(flip, -out, out) }
+}
+
+/// The shading normal between those of a triangle's corners; the geometric one where they leave no direction.
+#[inline(always)]
+pub(crate) fn shading_normal<F: Float>([n0, n1, n2]: [Vec3<F>; 3], [u, v]: [F; 2], ng: Vec3<F>) -> Vec3<F> {
+    let (b1, b2) = (u.to_double(), v.to_double());
+    let b0 = F::from_double(F::Double::ONE - b1 - b2);
+    let (n, there) = (n0 * b0 + n1 * u + n2 * v).normalize_checked();
+    Vec3::select(there, n, ng)
 }
 
 #[cfg(test)]

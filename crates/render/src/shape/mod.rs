@@ -31,7 +31,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use straal_accel::Shapes;
+use straal_math::simd::{self, Float, Mask};
 use straal_math::{Bounds, DVec3, Ray, Transform, Vec3};
+
+use offset::End;
 
 pub mod bezier;
 pub mod cylinder;
@@ -41,7 +44,7 @@ mod list;
 pub mod mesh;
 pub mod offset;
 pub mod parallelogram;
-mod patch;
+pub(crate) mod patch;
 pub mod plane;
 mod sampling;
 pub(crate) mod smooth;
@@ -119,6 +122,16 @@ trait Form {
     #[inline]
     fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
         by_solid_angle(p, self.sample_area(u)?)
+    }
+
+    /// [`Self::sample_from`] for many side by side: one by one, unless it says otherwise.
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        DirSamples::one_by_one(
+            F::Mask::splat(true),
+            #[inline(always)]
+            |i| self.sample_from(p.lane(i), [u[0].lane(i), u[1].lane(i)]),
+        )
     }
 
     /// See [`Geometry::pdf_from`].
@@ -200,6 +213,69 @@ pub struct DirSample {
     pub pdf: f32,
 }
 
+/// Directions towards a surface, side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DirSamples<F> {
+    /// The point of the surface.
+    pub end: End<F>,
+    /// Unit vector from the reference point to it.
+    pub wi: Vec3<F>,
+    /// Density by solid angle at the reference point; 0 where there is no sample of value.
+    pub pdf: F,
+}
+
+impl<F: Float> DirSamples<F> {
+    /// Points that were sampled by area as directions, as [`by_solid_angle`].
+    #[inline(always)]
+    pub fn by_area(p: Vec3<F>, end: End<F>, pdf_area: F) -> Self {
+        let (wi, there) = (end.p - p).normalize_checked();
+        let pdf = solid_angle_pdfs(p, (end.p, end.ng), pdf_area);
+        Self { end, wi, pdf: F::select(there & pdf.gt(F::ZERO), pdf, F::ZERO) }
+    }
+
+    /// Those of some lanes one after the other; nothing in the others.
+    #[inline(always)]
+    pub fn one_by_one(mask: F::Mask, sample: impl Fn(usize) -> Option<DirSample>) -> Self {
+        let mut rows = [[[0.0; 4]; 4]; simd::BLOCK];
+        let mut left = mask.to_bits();
+        while left != 0 {
+            let i = left.trailing_zeros() as usize;
+            left &= left - 1;
+            if let Some(DirSample { point: s, wi, pdf }) = sample(i) {
+                rows[i] = [
+                    [s.p.x, s.p.y, s.p.z, pdf],
+                    [s.p_err.x, s.p_err.y, s.p_err.z, 0.0],
+                    [s.ng.x, s.ng.y, s.ng.z, 0.0],
+                    [wi.x, wi.y, wi.z, 0.0],
+                ];
+            }
+        }
+        let (p, pdf) = column(&rows, 0);
+        let (p_err, ng, wi) = (column(&rows, 1).0, column(&rows, 2).0, column(&rows, 3).0);
+        Self { end: End { p, p_err, ng }, wi, pdf }
+    }
+
+    /// `yes` where the mask says so, `no` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            end: End::select(mask, yes.end, no.end),
+            wi: Vec3::select(mask, yes.wi, no.wi),
+            pdf: F::select(mask, yes.pdf, no.pdf),
+        }
+    }
+}
+
+/// A vector and a number of each row.
+#[inline(always)]
+fn column<F: Float, const K: usize>(rows: &[[[f32; 4]; K]; simd::BLOCK], k: usize) -> (Vec3<F>, F) {
+    let [x, y, z, w] = F::from_rows(
+        #[inline(always)]
+        |i| rows[i][k],
+    );
+    (Vec3::new(x, y, z), w)
+}
+
 /// Every surface of a world.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
@@ -209,6 +285,18 @@ pub struct Geometry {
     pub custom: Vec<Arc<dyn CustomShape>>,
     /// Triangle meshes, by their id.
     pub meshes: Vec<TriangleMesh>,
+}
+
+impl Shape {
+    /// What flat shapes have in common, if it is one.
+    #[inline(always)]
+    pub(crate) fn patch(&self) -> Option<&patch::Patch> {
+        match self {
+            Self::Disc(disc) => Some(disc.patch()),
+            Self::Parallelogram(parallelogram) => Some(parallelogram.patch()),
+            _ => None,
+        }
+    }
 }
 
 /// What the search calls.
@@ -239,16 +327,23 @@ pub(crate) fn by_solid_angle(p: Vec3, s: AreaSample) -> Option<DirSample> {
 /// seen edge-on.
 #[inline]
 pub(crate) fn solid_angle_pdf(p: Vec3, q: &SurfacePoint, pdf_area: f32) -> f32 {
-    let d = q.p - p;
+    solid_angle_pdfs(p, (q.p, q.ng), pdf_area)
+}
+
+/// [`solid_angle_pdf`] at points with these normals, one or many side by side.
+#[inline(always)]
+pub(crate) fn solid_angle_pdfs<F: Float>(p: Vec3<F>, (q, ng): (Vec3<F>, Vec3<F>), pdf_area: F) -> F {
+    let d = q - p;
     let d2 = d.length_squared();
-    let cos_d = d.dot(q.ng).abs(); // cosine times distance
+    let cos_d = d.dot(ng).abs(); // cosine times distance
     let pdf = pdf_area * d2 * d2.sqrt() / cos_d;
-    if pdf.is_finite() { pdf } else { 0.0 }
+    F::select(pdf.is_finite(), pdf, F::ZERO)
 }
 
 /// Double-precision constants and helpers that the shapes share.
 pub(crate) mod exact {
     use super::*;
+    use straal_math::simd::{Double, Float, Mask};
 
     /// Half a unit in the last place of single precision, relative.
     pub const HALF_ULP: f64 = 1.0 / (1u64 << 24) as f64;
@@ -260,24 +355,31 @@ pub(crate) mod exact {
     pub const SUBNORMAL: f64 = f32::MIN_POSITIVE as f64;
 
     /// A point computed in double precision from quantities no larger than `size`, rounded, with its error bound.
-    #[inline]
-    pub fn rounded(p: DVec3, size: f64) -> (Vec3, Vec3) {
-        let pad = padding(size);
-        (p.as_vec3(), Vec3::new(bound(p.x, pad), bound(p.y, pad), bound(p.z, pad)))
+    #[inline(always)]
+    pub fn rounded<F: Float>(p: DVec3<F::Double>, size: F::Double) -> (Vec3<F>, Vec3<F>) {
+        (Vec3::from_double(p), bound(p, padding(size)))
     }
 
     /// What [`bound`] needs for a point computed in double precision from quantities no larger than `size`.
-    #[inline]
-    pub fn padding(size: f64) -> f64 {
+    #[inline(always)]
+    pub fn padding<D: Double>(size: D) -> D {
         size * DOUBLE + SUBNORMAL
     }
 
-    /// Half a unit in the last place of `x` plus `pad`; no rounding makes it less.
-    #[inline]
-    pub fn bound(x: f64, pad: f64) -> f32 {
+    /// Half a unit in the last place of each coordinate plus `pad`; no rounding makes it less.
+    #[inline(always)]
+    pub fn bound<F: Float>(p: DVec3<F::Double>, pad: F::Double) -> Vec3<F> {
         // The bound's own rounding, relative.
         const SLACK: f64 = 1.0 + 4.0 * HALF_ULP;
-        (x.abs() * (HALF_ULP * SLACK) + pad * SLACK) as f32
+        let (size, pad) = (p.abs() * F::Double::splat(HALF_ULP * SLACK), pad * SLACK);
+        Vec3::from_double(size + DVec3::splat(pad))
+    }
+
+    /// The vector divided by its length, or another where that is 0 or not finite.
+    #[inline(always)]
+    pub fn unit_or<D: Double>(v: DVec3<D>, other: DVec3) -> DVec3<D> {
+        let (unit, there) = v.normalize_checked();
+        if there.all() { unit } else { DVec3::select(there, unit, DVec3::uniform(other)) }
     }
 
     /// The box around points that are off by at most `size` times [`DOUBLE`], rounded outwards.
@@ -291,15 +393,21 @@ pub(crate) mod exact {
         }
     }
 
-    /// The point o + t d, in double precision.
-    #[inline]
+    /// The point o + t d of a ray, in double precision.
+    #[inline(always)]
     pub fn at(ray: &Ray, t: f32) -> DVec3 {
-        ray.o.as_dvec3() + ray.d.as_dvec3() * f64::from(t)
+        along([ray.o, ray.d], t)
+    }
+
+    /// The points o + t d, in double precision.
+    #[inline(always)]
+    pub fn along<F: Float>([o, d]: [Vec3<F>; 2], t: F) -> DVec3<F::Double> {
+        o.to_double() + d.to_double() * t.to_double()
     }
 
     /// Absolute values summed.
-    #[inline]
-    pub fn size(v: DVec3) -> f64 {
+    #[inline(always)]
+    pub fn size<D: Double>(v: DVec3<D>) -> D {
         v.x.abs() + v.y.abs() + v.z.abs()
     }
 }

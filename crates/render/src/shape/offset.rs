@@ -49,6 +49,37 @@ impl<F: Float> End<F> {
     pub fn leave(&self, w: Vec3<F>) -> Vec3<F> {
         offset_origin(self.p, self.p_err, self.ng, w)
     }
+
+    /// Origin and direction of [`ray_between`] this end and another.
+    #[inline(always)]
+    pub fn way_to(&self, to: &Self) -> [Vec3<F>; 2] {
+        let way = to.p - self.p;
+        let o = self.leave(way);
+        let q = offset_origin(to.p, to.p_err + way.abs() * F::splat(gamma(8)), to.ng, -way);
+        [o, q - o]
+    }
+
+    /// `yes` where the mask says so, `no` elsewhere.
+    #[inline(always)]
+    pub fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            p: Vec3::select(mask, yes.p, no.p),
+            p_err: Vec3::select(mask, yes.p_err, no.p_err),
+            ng: Vec3::select(mask, yes.ng, no.ng),
+        }
+    }
+
+    /// The same end many times side by side.
+    #[inline(always)]
+    pub fn uniform(end: &End) -> Self {
+        Self { p: Vec3::uniform(end.p), p_err: Vec3::uniform(end.p_err), ng: Vec3::uniform(end.ng) }
+    }
+
+    /// A point in space.
+    #[inline(always)]
+    pub fn in_space(p: Vec3<F>) -> Self {
+        Self { p, p_err: Vec3::splat(F::ZERO), ng: Vec3::splat(F::ZERO) }
+    }
 }
 
 impl From<&SurfacePoint> for End {
@@ -67,11 +98,12 @@ impl From<&SurfacePoint> for End {
 /// units in the last place below 1.
 #[inline]
 pub fn ray_between(from: &End, to: &End) -> Ray {
-    let way = to.p - from.p;
-    let o = from.leave(way);
-    let q = offset_origin(to.p, to.p_err + way.abs() * gamma(8), to.ng, -way);
-    Ray { t_max: 1.0 - gamma(4), ..Ray::new(o, q - o) }
+    let [o, d] = from.way_to(to);
+    Ray { t_max: FAR_END, ..Ray::new(o, d) }
 }
+
+/// Where [`ray_between`] ends.
+pub(crate) const FAR_END: f32 = 1.0 - gamma(4);
 
 /// The error bound of `m.point(p)` for a `p` known to `p_err` that also covers the way back: transforming the
 /// result by the rounded inverse gives a point within the bound, seen from the world, of where it started.

@@ -1,10 +1,11 @@
 //! The rectangle, and any parallelogram.
 
+use straal_math::simd::Float;
 use straal_math::{Bounds, DVec3, Ray, Vec3};
 
 use super::exact::{outward, size};
 use super::patch::Patch;
-use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents};
+use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents};
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
 ///
@@ -20,6 +21,12 @@ impl Parallelogram {
     pub fn new(corner: Vec3, a: Vec3, b: Vec3) -> Self {
         let patch = Patch::new(corner, a, b);
         Self { patch, pdf_area: (1.0 / patch.area()) as f32 }
+    }
+
+    /// What it shares with other flat shapes.
+    #[inline(always)]
+    pub(crate) const fn patch(&self) -> &Patch {
+        &self.patch
     }
 
     /// See [`super::Geometry::bounds`].
@@ -92,6 +99,11 @@ impl Form for Parallelogram {
     #[inline]
     fn sample_area(&self, u: [f32; 2]) -> Option<AreaSample> {
         Some(Parallelogram::sample_area(self, u))
+    }
+
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        DirSamples::by_area(p, self.patch.end_at(u), F::splat(self.pdf_area))
     }
 
     #[inline]

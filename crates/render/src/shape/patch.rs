@@ -1,15 +1,17 @@
 //! What flat shapes with two axes share.
 
 use straal_accel as accel;
+use straal_math::simd::{Double, Float};
 use straal_math::{DVec3, Ray, Vec3};
 
 use super::exact::{at, bound, padding, size};
+use super::offset::End;
 use super::plane::project;
 use super::{ShapeHit, SurfacePoint, Tangents};
 
 /// A plane with coordinates: origin + x a + y b; in double precision, with what follows from it kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Patch {
+pub(crate) struct Patch {
     /// Where x and y are 0.
     pub origin: DVec3,
     /// First axis.
@@ -46,25 +48,85 @@ impl Patch {
     /// The point of a hit of this ray, with the coordinates of the hit as texture's.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
-        self.point(project(at(ray, hit.t), self.origin, self.n), [hit.u, hit.v])
+        textured(self.level().nearest(at(ray, hit.t)), [hit.u, hit.v])
     }
 
     /// The point at x and y, with these as texture's.
     #[inline(always)]
-    pub fn point_at(&self, [x, y]: [f32; 2]) -> SurfacePoint {
-        self.point(self.origin + self.a * f64::from(x) + self.b * f64::from(y), [x, y])
+    pub fn point_at(&self, xy: [f32; 2]) -> SurfacePoint {
+        textured(self.end_at(xy), xy)
     }
 
+    /// The points at these coordinates, with their errors and normals.
     #[inline(always)]
-    fn point(&self, q: DVec3, uv: [f32; 2]) -> SurfacePoint {
-        let bound = |x: f64| bound(x, self.pad);
-        let p_err = Vec3::new(bound(q.x), bound(q.y), bound(q.z));
-        let ng = self.n.as_vec3();
-        SurfacePoint { p: q.as_vec3(), p_err, ng, n: ng, uv }
+    pub fn end_at<F: Float>(&self, [x, y]: [F; 2]) -> End<F> {
+        let (a, b) = (DVec3::uniform(self.a), DVec3::uniform(self.b));
+        let q = DVec3::uniform(self.origin) + a * x.to_double() + b * y.to_double();
+        Level::uniform(self).end(q)
+    }
+
+    /// The plane that it lies in.
+    #[inline(always)]
+    pub const fn level(&self) -> Level<f64> {
+        Level { origin: self.origin, n: self.n, pad: self.pad }
     }
 
     /// The axes.
     pub fn tangents(&self) -> Tangents {
         Tangents::flat(self.a.as_vec3(), self.b.as_vec3())
+    }
+}
+
+/// The point of a flat surface with its texture coordinates.
+#[inline(always)]
+fn textured(End { p, p_err, ng }: End, uv: [f32; 2]) -> SurfacePoint {
+    SurfacePoint { p, p_err, ng, n: ng, uv }
+}
+
+/// The plane of a patch, or one in each lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Level<D> {
+    origin: DVec3<D>,
+    n: DVec3<D>,
+    pad: D,
+}
+
+impl Level<f64> {
+    /// How many numbers it has.
+    pub const NUMBERS: usize = 7;
+    /// Some plane.
+    pub const EXAMPLE: Self = Self { origin: DVec3::ZERO, n: DVec3::Z, pad: 0.0 };
+}
+
+impl<D: Double> Level<D> {
+    /// That of one patch in all lanes.
+    #[inline(always)]
+    pub fn uniform(patch: &Patch) -> Self {
+        Self { origin: DVec3::uniform(patch.origin), n: DVec3::uniform(patch.n), pad: D::splat(patch.pad) }
+    }
+
+    /// Its numbers.
+    #[inline(always)]
+    pub const fn to_array(self) -> [D; Level::NUMBERS] {
+        let Self { origin: o, n, pad } = self;
+        [o.x, o.y, o.z, n.x, n.y, n.z, pad]
+    }
+
+    /// By its numbers.
+    #[inline(always)]
+    pub const fn from_array([ox, oy, oz, nx, ny, nz, pad]: [D; Level::NUMBERS]) -> Self {
+        Self { origin: DVec3::new(ox, oy, oz), n: DVec3::new(nx, ny, nz), pad }
+    }
+
+    /// Its point next to `q`.
+    #[inline(always)]
+    pub fn nearest<F: Float<Double = D>>(&self, q: DVec3<D>) -> End<F> {
+        self.end(project(q, self.origin, self.n))
+    }
+
+    /// `q`, which lies in it.
+    #[inline(always)]
+    fn end<F: Float<Double = D>>(&self, q: DVec3<D>) -> End<F> {
+        End { p: Vec3::from_double(q), p_err: bound(q, self.pad), ng: Vec3::from_double(self.n) }
     }
 }

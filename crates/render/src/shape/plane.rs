@@ -1,5 +1,6 @@
 //! The unbounded plane.
 
+use straal_math::simd::Double;
 use straal_math::{Bounds, DVec3, Frame, Ray, Vec3};
 
 use super::exact::{at, rounded, size};
@@ -70,7 +71,7 @@ impl Form for Plane {
 }
 
 /// The point of the plane through `c` with unit normal `n` that is nearest to `p`.
-#[inline]
-pub(super) fn project(p: DVec3, c: DVec3, n: DVec3) -> DVec3 {
+#[inline(always)]
+pub(super) fn project<D: Double>(p: DVec3<D>, c: DVec3<D>, n: DVec3<D>) -> DVec3<D> {
     p - n * (p - c).dot(n)
 }

@@ -1,5 +1,6 @@
 //! The few warps of shapes, in double precision where a point must be exact.
 
+use straal_math::simd::Double;
 use straal_math::{DVec3, ops, warp};
 
 /// Sine and cosine of a whole turn times `u`.
@@ -14,9 +15,11 @@ pub(super) fn sphere(u: [f32; 2]) -> DVec3 {
 
 /// Two unit vectors that make a right-handed frame x, y, n with a unit vector (Duff et al. 2017, "Building an
 /// Orthonormal Basis, Revisited").
-pub(super) fn tangents(n: DVec3) -> (DVec3, DVec3) {
-    let sign = 1.0_f64.copysign(n.z);
-    let a = -1.0 / (sign + n.z);
+#[inline(always)]
+pub(super) fn tangents<D: Double>(n: DVec3<D>) -> (DVec3<D>, DVec3<D>) {
+    let sign = D::ONE.copysign(n.z);
+    let a = D::splat(-1.0) / (sign + n.z);
     let b = n.x * n.y * a;
-    (DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), DVec3::new(b, sign + n.y * n.y * a, -n.y))
+    let first = DVec3::new(D::ONE + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    (first, DVec3::new(b, sign + n.y * n.y * a, -n.y))
 }

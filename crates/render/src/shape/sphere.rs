@@ -1,11 +1,13 @@
 //! The sphere.
 
+use straal_math::simd::{Double, Float, Mask};
 use straal_math::{Bounds, DVec3, Ray, Vec3, ops, warp};
 
-use super::exact::{at, outward, rounded, size};
+use super::exact::{at, outward, rounded, size, unit_or};
+use super::offset::End;
 use super::{
-    Analytic, AreaSample, DirSample, Form, ShapeHit, SurfacePoint, Tangents, by_solid_angle, sampling,
-    solid_angle_pdf,
+    Analytic, AreaSample, DirSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents, by_solid_angle,
+    sampling, solid_angle_pdf,
 };
 
 /// A sphere; its normal points outwards.
@@ -41,10 +43,7 @@ impl Sphere {
 
     /// The point of the sphere in the direction `q` from its center.
     fn towards(&self, q: DVec3) -> SurfacePoint {
-        let n = q.try_normalize().unwrap_or(DVec3::Y);
-        let (c, r) = (self.center.as_dvec3(), f64::from(self.radius));
-        let (p, p_err) = rounded(c + n * r, size(c) + r);
-        let ng = n.as_vec3();
+        let End { p, p_err, ng } = end::<f32>((self.center, self.radius), q);
         SurfacePoint { p, p_err, ng, n: ng, uv: sphere_uv(ng) }
     }
 
@@ -66,13 +65,30 @@ impl Sphere {
 
     /// From outside, directions in the cone that the sphere fills, uniformly; from inside, points by area.
     pub fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
-        let Some(cone) = self.cone(p) else {
-            return by_solid_angle(p, self.sample_area(u));
-        };
+        let DirSamples { end: End { p, p_err, ng }, wi, pdf } = self.sample_from_many(p, u);
+        let point = SurfacePoint { p, p_err, ng, n: ng, uv: sphere_uv(ng) };
+        (pdf > 0.0).then_some(DirSample { point, wi, pdf })
+    }
+
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        let (cone, outside) = self.cones(p);
         let s = cone.sample(u);
-        let point = self.towards(s.w * s.t - cone.axis * cone.distance);
-        let (wi, pdf) = (s.w.try_normalize()?.as_vec3(), cone.pdf() as f32);
-        pdf.is_finite().then_some(DirSample { point, wi, pdf })
+        let end =
+            end((Vec3::uniform(self.center), F::splat(self.radius)), s.w * s.t - cone.axis * cone.distance);
+        let (wi, there) = s.w.normalize_checked();
+        let pdf = F::from_double(cone.pdf());
+        let pdf = F::select(there & pdf.is_finite(), pdf, F::ZERO);
+        let seen = DirSamples { end, wi: Vec3::from_double(wi), pdf };
+        if outside.all() {
+            return seen;
+        }
+        let within = DirSamples::one_by_one(
+            !outside,
+            #[inline(always)]
+            |i| by_solid_angle(p.lane(i), self.sample_area([u[0].lane(i), u[1].lane(i)])),
+        );
+        DirSamples::select(outside, seen, within)
     }
 
     /// The density of [`Self::sample_from`].
@@ -84,10 +100,27 @@ impl Sphere {
     }
 
     fn cone(&self, p: Vec3) -> Option<Cone> {
-        let (center, p, radius) = (self.center.as_dvec3(), p.as_dvec3(), f64::from(self.radius));
-        let reach = center.to_array().into_iter().fold(radius, |sum, c| sum + c.abs());
-        Cone::new(center - p, radius, reach)
+        let (cone, outside) = self.cones(p);
+        outside.then_some(cone)
     }
+
+    /// The cones that it fills, seen from these points, and which of them are outside.
+    #[inline(always)]
+    fn cones<F: Float>(&self, p: Vec3<F>) -> (Cone<F::Double>, F::Mask) {
+        let (center, radius) = (self.center.as_dvec3(), f64::from(self.radius));
+        let reach = radius + center.x.abs() + center.y.abs() + center.z.abs();
+        let to = DVec3::uniform(center) - p.to_double();
+        Cone::seen(to, F::Double::splat(radius), F::Double::splat(reach))
+    }
+}
+
+/// The point of a sphere, given by center and radius, in the direction `q` from its center.
+#[inline(always)]
+pub(crate) fn end<F: Float>((center, radius): (Vec3<F>, F), q: DVec3<F::Double>) -> End<F> {
+    let (c, r) = (center.to_double(), radius.to_double());
+    let n = unit_or(q, DVec3::Y);
+    let (p, p_err) = rounded(c + n * r, size(c) + r);
+    End { p, p_err, ng: Vec3::from_double(n) }
 }
 
 impl Form for Sphere {
@@ -123,6 +156,11 @@ impl Form for Sphere {
         Sphere::sample_from(self, p, u)
     }
 
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        Sphere::sample_from_many(self, p, u)
+    }
+
     fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
         Sphere::pdf_from(self, p, hit)
     }
@@ -138,59 +176,72 @@ impl Form for Sphere {
     }
 }
 
-/// The directions from a point outside a sphere that meet it.
-pub(super) struct Cone {
-    axis: DVec3,
-    distance: f64,
-    radius: f64,
-    one_minus_cos_max: f64,
+/// The directions from a point outside a sphere that meet it; or from many points, side by side.
+pub(super) struct Cone<D = f64> {
+    axis: DVec3<D>,
+    distance: D,
+    radius: D,
+    one_minus_cos_max: D,
 }
 
 /// A direction in a [`Cone`], and how far the sphere is there.
-pub(super) struct ConeSample {
-    pub w: DVec3,
-    pub t: f64,
+pub(super) struct ConeSample<D = f64> {
+    pub w: DVec3<D>,
+    pub t: D,
 }
 
 impl Cone {
-    /// The cone to a sphere whose center is at `to`, seen from the origin; `None` inside, or too near to tell: a point
-    /// of the sphere itself, which sees its inside, is rounded to either side of it. `reach` bounds the coordinates
-    /// that are rounded.
+    /// [`Cone::seen`], for who is outside.
     pub fn new(to: DVec3, radius: f64, reach: f64) -> Option<Self> {
+        let (cone, outside) = Self::seen(to, radius, reach);
+        outside.then_some(cone)
+    }
+}
+
+impl<D: Double> Cone<D> {
+    /// The cone to a sphere whose center is at `to`, seen from the origin, and whether that is outside: not inside, nor too near to
+    /// tell: a point of the sphere itself, which sees its inside, is rounded to either side of it. `reach` bounds the coordinates
+    /// that are rounded.
+    #[inline(always)]
+    pub fn seen(to: DVec3<D>, radius: D, reach: D) -> (Self, D::Mask) {
         /// A few units in the last place of single precision.
         const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
         let distance = to.length();
-        if distance <= radius + ROUNDING * reach || distance.is_nan() {
-            return None;
-        }
+        let outside = distance.gt(radius + reach * ROUNDING);
         let sin = radius / distance;
         let sin2 = sin * sin;
         // 1 - cos = sin² / (1 + cos): no cancellation, however far the sphere is.
-        let one_minus_cos_max = sin2 / (1.0 + (1.0 - sin2).sqrt());
-        Some(Self { axis: to / distance, distance, radius, one_minus_cos_max })
+        let one_minus_cos_max = sin2 / (D::ONE + (D::ONE - sin2).sqrt());
+        (Self { axis: to / distance, distance, radius, one_minus_cos_max }, outside)
     }
 
     /// Uniform by solid angle: over a disc in whose radius squared 1 - cos is even, so that the smallest cones keep all their
     /// digits.
-    pub fn sample(&self, u: [f32; 2]) -> ConeSample {
-        let [a, b] = warp::concentric_disc(u).map(f64::from);
+    #[inline(always)]
+    pub fn sample<F: Float<Double = D>>(&self, u: [F; 2]) -> ConeSample<D> {
+        let [a, b] = warp::concentric_disc(u);
+        let (a, b) = (a.to_double(), b.to_double());
         let rr = a * a + b * b;
         // Rounding may leave a point of the rim just outside.
-        let (rr, inwards) = if rr > 1.0 { (1.0, 1.0 / rr.sqrt()) } else { (rr, 1.0) };
+        let beyond = rr.gt(D::ONE);
+        let inwards = D::select(beyond, D::ONE / rr.sqrt(), D::ONE);
+        let rr = D::select(beyond, D::ONE, rr);
         let one_minus_cos = rr * self.one_minus_cos_max;
-        let cos = 1.0 - one_minus_cos;
+        let cos = D::ONE - one_minus_cos;
         // The sine over the radius.
-        let stretch = inwards * (self.one_minus_cos_max * (2.0 - one_minus_cos)).sqrt();
-        let sin2 = one_minus_cos * (2.0 - one_minus_cos);
+        let rest = D::splat(2.0) - one_minus_cos;
+        let stretch = inwards * (self.one_minus_cos_max * rest).sqrt();
+        let sin2 = one_minus_cos * rest;
         let (x, y) = sampling::tangents(self.axis);
         let w = self.axis * cos + (x * a + y * b) * stretch;
         let reach = self.radius * self.radius - self.distance * self.distance * sin2;
-        ConeSample { w, t: self.distance * cos - if reach > 0.0 { reach.sqrt() } else { 0.0 } }
+        ConeSample { w, t: self.distance * cos - D::select(reach.gt(D::ZERO), reach.sqrt(), D::ZERO) }
     }
 
     /// The density of [`Self::sample`].
-    pub fn pdf(&self) -> f64 {
-        1.0 / (2.0 * std::f64::consts::PI * self.one_minus_cos_max)
+    #[inline(always)]
+    pub fn pdf(&self) -> D {
+        D::ONE / (self.one_minus_cos_max * (2.0 * std::f64::consts::PI))
     }
 }
 

@@ -8,7 +8,7 @@ use straal_color::Light;
 use straal_math::ops;
 use straal_scene::desc;
 
-use super::{Make, Pattern, Reading, ShadingPoint, Use};
+use super::{Maker, Pattern, Reading, ShadingPoint, Use};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 
@@ -23,8 +23,11 @@ pub struct Checker {
 
 impl Checker {
     /// Of what a scene says.
-    pub(super) fn of(d: &desc::Checker, make: &mut Make<'_>) -> Result<Self, CompileError> {
-        Ok(Self { colours: [make(&d.first)?, make(&d.second)?], squares: d.squares.map(|n| n as f32) })
+    pub(super) fn of(d: &desc::Checker, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
+        Ok(Self {
+            colours: [make.colour(&d.first)?, make.colour(&d.second)?],
+            squares: d.squares.map(|n| n as f32),
+        })
     }
 
     /// The share of the second colour in what a pixel sees: 0 or 1 where that is a point.
@@ -61,7 +64,7 @@ impl Pattern for Checker {
         first * (1.0 - share) + second * share
     }
 
-    fn number(&self, at: &ShadingPoint) -> f32 {
+    fn number<L: Lanes>(&self, at: &ShadingPoint, _: &Reading<'_, L>) -> f32 {
         let [first, second] = [0, 1].map(|i| self.colours[i].rgb[0]);
         let share = self.share(at);
         first * (1.0 - share) + second * share

@@ -14,8 +14,8 @@ macro_rules! textures {
         }
 
         impl TextureKind {
-            /// Of what a scene says, whose colours `make` makes.
-            pub(crate) fn of(said: &desc::Texture, make: &mut Make<'_>) -> Result<Self, CompileError> {
+            /// Of what a scene says, whose parts `make` makes.
+            pub(crate) fn of(said: &desc::Texture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
                 Ok(match said { $( desc::Texture::$Kind(d) => Self::$Kind(<$Type>::of(d, make)?), )+ })
             }
 
@@ -28,9 +28,9 @@ macro_rules! textures {
             }
 
             /// A number at a point.
-            pub fn number(&self, at: &ShadingPoint) -> f32 {
+            pub fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
                 match self {
-                    $( Self::$Kind(t) => t.number(at), )+
+                    $( Self::$Kind(t) => t.number(at, reading), )+
                     Self::Custom(t) => t.number(at),
                 }
             }

@@ -15,19 +15,24 @@
 
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
+use crate::paint::Maker;
 use std::fmt;
 use std::sync::Arc;
 use straal_color::Light;
-use straal_math::{Frame, Vec3};
+use straal_math::{Frame, Vec3, ops};
 use straal_scene::desc;
 
 mod checker;
+mod image;
 mod list;
 mod reading;
 #[cfg(test)]
 mod tests;
 
 pub use checker::Checker;
+pub(crate) use image::Meaning;
+pub use image::{Channel, ImageTexture, Pyramid, Sampling, Spot};
+pub(crate) use reading::Readings;
 pub use reading::{ReadRgb, Reading};
 
 /// A place, and how it moves on the surface from one pixel to the next.
@@ -126,8 +131,9 @@ impl Readable for f32 {
         self
     }
 
-    fn of_texture<L: Lanes>(texture: &Texture, at: &ShadingPoint, _: &Reading<'_, L>) -> f32 {
-        texture.kind.number(at)
+    fn of_texture<L: Lanes>(texture: &Texture, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
+        let [least, most] = texture.range;
+        ops::clamp(texture.kind.number(at, reading), least, most)
     }
 }
 
@@ -145,7 +151,8 @@ impl Readable for Colour {
     }
 
     fn of_texture<L: Lanes>(texture: &Texture, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
-        texture.kind.light(at, reading, texture.of)
+        let [least, most] = texture.range;
+        Light(texture.kind.light(at, reading, texture.of).0.map(|v| ops::clamp(v, least, most)))
     }
 }
 
@@ -223,15 +230,24 @@ pub struct Texture {
     pub kind: TextureKind,
     /// What its colours are; unused where it is read as a number.
     pub of: Use,
+    /// Between which its numbers and lanes are kept: a picture may have more than a surface can send back.
+    pub range: [f32; 2],
+}
+
+impl Texture {
+    /// Shares of light are kept from 0 to 1, light and numbers above 0.
+    pub fn new(kind: TextureKind, of: Use) -> Self {
+        let most = if of == Use::Reflectance { 1.0 } else { f32::MAX };
+        Self { kind, of, range: [0.0, most] }
+    }
 }
 
 list::textures! {
     /// Squares of two colours in turn.
     Checker(Checker),
+    /// A picture.
+    Image(ImageTexture),
 }
-
-/// Makes what a scene says of a colour into one that is read by lanes.
-pub(crate) type Make<'a> = dyn FnMut(&desc::Spectrum) -> Result<Colour, CompileError> + 'a;
 
 /// What a kind of texture has where, by [the contract](self).
 trait Pattern: Sized {
@@ -239,7 +255,7 @@ trait Pattern: Sized {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, of: Use) -> Light;
 
     /// A number at a point; over the point's footprint the mean.
-    fn number(&self, at: &ShadingPoint) -> f32;
+    fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32;
 
     /// The largest number or lane that it has anywhere.
     fn most(&self) -> f32;

@@ -1,8 +1,9 @@
 //! Lanes with the tables they read by.
 
 use straal_color::Light;
+use straal_math::simd::Float;
 
-use super::Texture;
+use super::{ShadingPoint, Texture, Value};
 use crate::lanes::{Colour, Lanes, SpectralTables};
 
 /// Lanes and the tables they read by.
@@ -37,6 +38,65 @@ impl<L: Lanes> Reading<'_, L> {
     /// Light of linear sRGB. What the work space doesn't hold is cut off.
     pub fn emission_of_srgb(&self, rgb: [f32; 3]) -> Light {
         self.lanes.radiance_of_rgb(self.tables, self.tables.held(rgb))
+    }
+}
+
+/// How many paths side by side read colours, each by its own lanes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Readings<'a, L> {
+    /// The tables, and what else is the same for all.
+    pub tables: &'a SpectralTables,
+    /// What values that differ from point to point are read off.
+    pub textures: &'a [Texture],
+    /// By path.
+    pub lanes: &'a [L],
+}
+
+impl<'a, L: Lanes> Readings<'a, L> {
+    /// Of a single path.
+    #[inline(always)]
+    pub fn one(reading: &'a Reading<'_, L>) -> Self {
+        Self {
+            tables: reading.tables,
+            textures: reading.textures,
+            lanes: std::slice::from_ref(&reading.lanes),
+        }
+    }
+
+    /// How one of them reads.
+    #[inline(always)]
+    pub fn of(&self, i: usize) -> Reading<'a, L> {
+        Reading { tables: self.tables, lanes: self.lanes[i], textures: self.textures }
+    }
+
+    /// From path `first` on.
+    #[inline(always)]
+    pub fn from(&self, first: usize) -> Self {
+        Self { lanes: &self.lanes[first..], ..*self }
+    }
+
+    /// Light at a place that is the same for all.
+    #[inline(always)]
+    pub fn eval<F: Float>(&self, value: &Value<Colour>, at: &ShadingPoint) -> Light<F> {
+        match value {
+            Value::Constant(colour) => self.light(colour),
+            Value::Texture(_) => Light::from_fn(
+                #[inline(always)]
+                |i| self.of(i).eval(value, at),
+            ),
+        }
+    }
+
+    /// A colour of the scene.
+    #[inline(always)]
+    pub fn light<F: Float>(&self, colour: &Colour) -> Light<F> {
+        L::lights(self.lanes, self.tables, colour)
+    }
+
+    /// Pixels of a picture of radiance.
+    #[inline(always)]
+    pub fn radiance_of_rgb<F: Float>(&self, rgb: Light<F>) -> Light<F> {
+        L::radiances_of_rgb(self.lanes, self.tables, rgb)
     }
 }
 

@@ -36,7 +36,7 @@ fn values_are_within_what_is_said() {
                 "{texture:?} {light:?}"
             );
             assert!(light.0.iter().all(|v| *v >= 0.0), "{texture:?} {light:?}");
-            assert!(texture.number(&point).is_finite());
+            assert!(texture.number(&point, &in_rgb()).is_finite());
             assert_eq!(texture.light(&point, &in_rgb(), Use::Reflectance), light);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Here::{self, NotYet, Write};
 
-pub(super) const TEXTURES: Here = NotYet("textures from pictures");
+pub(super) const TEXTURES: Here = Write("`reflectance: { texture: { image: { file: wood.jpg } } }`");
 pub(super) const CHECKER: Here = Write("`reflectance: { texture: { checker: {} } }`");
 pub(super) const MEDIA: Here = NotYet("fog, smoke and other media");
 pub(super) const ROUGH_GLASS: Here = NotYet("rough glass");

@@ -2,7 +2,7 @@
 
 use super::Here::{Called, NotYet, Write};
 use super::Table;
-use super::answers::{AREA, TEXTURES, TYPE};
+use super::answers::{AREA, TYPE};
 
 /// What words are in mappings of these marks.
 pub(super) const KEYS: &[Table] = &[
@@ -27,7 +27,7 @@ pub(super) const KEYS: &[Table] = &[
                 "color colour i power energy strength radiance brightness watts emission l",
                 Called("intensity"),
             ),
-            ("texture map ies", TEXTURES),
+            ("texture map ies", NotYet("lamps that shine by a picture or a table")),
         ],
     ),
     (

@@ -8,6 +8,9 @@
 mod search;
 mod world;
 
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
 use crate::resolve::{Error, Overrides, Plan};
 use straal_accel::Structure;
 use straal_color::spectrum::uplift::UpliftTable;
@@ -15,6 +18,7 @@ use straal_formats::load::Loaded;
 use straal_render::driver::thread_bytes;
 use straal_render::film::Film;
 use straal_render::light::ImageEnvironment;
+use straal_render::texture::Pyramid;
 use straal_scene::count::{self, Contents};
 use straal_scene::memory::{PROGRAM, Shortage};
 
@@ -41,6 +45,8 @@ pub struct Forecast {
     pub lights: u64,
     /// Pictures that are all around.
     pub images: u64,
+    /// Pictures that textures are read off, with their smaller copies.
+    pub textures: u64,
     /// The film's sums.
     pub film: u64,
     /// The layers that they become.
@@ -67,6 +73,7 @@ impl Forecast {
         let pixels: u64 = contents.surroundings.iter().sum();
         let large = contents.surroundings.iter().filter(|pixels| **pixels > 500).count() as u64;
         let largest = contents.surroundings.iter().copied().max().unwrap_or(0);
+        let textures = textures_of(loaded);
         let extent = plan.settings.extent(plan.recording, plan.filter_radius);
         let region = plan.settings.rendered(plan.filter_radius);
         let crop = plan.settings.crop.area() as u64;
@@ -93,6 +100,7 @@ impl Forecast {
             images: pixels
                 .saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64)
                 .saturating_add(large.saturating_mul(ImageEnvironment::BYTES as u64)),
+            textures: textures.kept,
             film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
             layers: crop.saturating_mul(each),
             threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&plan.settings)),
@@ -100,11 +108,15 @@ impl Forecast {
         };
         let sum = |parts: &[u64]| parts.iter().fold(0, |sum: u64, part| sum.saturating_add(*part));
         let made = sum(&[f.program, f.scene, loaded.assets.heap_bytes(), f.geometry]);
+        // The pictures themselves are among the assets, and kept.
+        let smaller = textures.kept - textures.read;
         let phases = [
             loaded.peak_bytes,
-            sum(&[made, f.search, f.building]),
+            sum(&[made, smaller, textures.making]),
+            sum(&[made, smaller, f.search, f.building]),
             sum(&[
                 made,
+                smaller,
                 f.search,
                 f.lights,
                 f.images,
@@ -117,6 +129,7 @@ impl Forecast {
                 f.search,
                 f.lights,
                 f.images,
+                f.textures,
                 f.film,
                 f.layers,
                 f.threads,
@@ -157,6 +170,7 @@ impl Forecast {
                 "each instance of an object that glows is a light of its own: fewer take less",
             ),
             ("surroundings", self.images, "a smaller picture takes less"),
+            ("textures", self.textures, "smaller pictures take less"),
             (
                 "the film",
                 self.film + self.layers,
@@ -168,6 +182,29 @@ impl Forecast {
         let what = "rendering this".to_owned();
         Some(Shortage { what, needs: self.peak, most: Some((part, bytes)), limit, help })
     }
+}
+
+/// What the pictures of textures take.
+#[derive(Clone, Copy, Debug, Default)]
+struct Textures {
+    /// As they were read.
+    read: u64,
+    /// With their smaller copies.
+    kept: u64,
+    /// Besides, while the largest is made.
+    making: u64,
+}
+
+fn textures_of(loaded: &Loaded) -> Textures {
+    let mut all = Textures::default();
+    let mut seen = BTreeSet::new();
+    for bitmap in loaded.assets.bitmaps.iter().filter(|b| seen.insert(Arc::as_ptr(b))) {
+        let [smaller, making] = Pyramid::bytes_of(&bitmap.texels);
+        all.read = all.read.saturating_add(bitmap.heap_bytes());
+        all.kept = all.kept.saturating_add(bitmap.heap_bytes()).saturating_add(smaller);
+        all.making = all.making.max(making);
+    }
+    all
 }
 
 /// What the search structures of all spaces take, and building the costliest.

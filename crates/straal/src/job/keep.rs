@@ -74,7 +74,7 @@ impl Job {
         let text = |n: u32| n.to_string();
         let of_set =
             kind.needs_count().then(|| ("samples_in_all".to_owned(), text(self.whole.unwrap_or(end))));
-        let noise = self.settings.error.then(|| self.settings.evidence().name().to_owned());
+        let noise = self.settings.error.then(|| self.settings.error_estimate().name().to_owned());
         let error = ("error".to_owned(), noise.unwrap_or_else(|| "none".into()));
         let from = ("first_sample".to_owned(), text(self.first));
         Stamp {
@@ -84,7 +84,7 @@ impl Job {
             size: film.size,
             span: Span { crop: film.crop, region: film.region(), first: self.first, end },
             whole: self.whole,
-            error: self.settings.error.then(|| self.settings.evidence()),
+            error: self.settings.error.then(|| self.settings.error_estimate()),
             held: film.held(),
             is_midway: false,
             dropped: film.dropped().first,

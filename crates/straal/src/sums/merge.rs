@@ -7,8 +7,8 @@ use crate::resolve::passes;
 use std::path::Path;
 use straal_color::Space;
 use straal_color::spectrum::Bands;
+use straal_render::film::Region;
 use straal_render::film::{Held, Joined, Span, hash_of};
-use straal_render::settings::Region;
 use straal_scene::memory::{PROGRAM, Shortage};
 
 /// Pictures put together from files of sums.

@@ -3,8 +3,8 @@
 use crate::development::Development;
 use crate::resolve::MAX_PIXELS;
 use straal_color::spectrum::Bands;
-use straal_render::film::{Evidence, Held, MAX_SAMPLES, Span};
-use straal_render::settings::Region;
+use straal_render::film::Region;
+use straal_render::film::{ErrorEstimate, Held, MAX_SAMPLES, Span};
 
 /// What a file of sums tells of the render that it comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Stamp {
     /// Samples of each pixel in all, where that was said.
     pub whole: Option<u32>,
     /// By what noise is told, if it is.
-    pub error: Option<Evidence>,
+    pub error: Option<ErrorEstimate>,
     /// What there is of each pixel.
     pub held: Held,
     /// Whether some tiles have more samples than the span says: it was written in the middle of a pass.
@@ -157,7 +157,9 @@ impl Stamp {
         };
         let error = match fact("error") {
             None => None,
-            Some(name) => Some([Evidence::Spread, Evidence::Batches].into_iter().find(|e| e.name() == name)?),
+            Some(name) => {
+                Some([ErrorEstimate::Spread, ErrorEstimate::Batches].into_iter().find(|e| e.name() == name)?)
+            }
         };
         let whole = match numbers("whole")?.as_deref() {
             None => None,

@@ -43,7 +43,7 @@ fn threads_tiles_batches_and_passes_change_nothing() {
     assert!(least <= 64 && most >= 128, "{least} to {most} Sobol points");
     let other = Overrides { threads: Some(7), batch: Some(7), shuffle_tiles: Some(5), ..sobol() };
     assert_eq!(common::render(SCENE, other).picture.layers, one.layers);
-    // Ended between two looks, it is the picture of as many samples.
+    // Ended between two checks, it is the picture of as many samples.
     let mut until_80 = |p: &straal::Progress| if p.samples >= 80 { Verdict::Stop } else { Verdict::GoOn };
     for wish in [wish(), sobol()] {
         let job = common::job(SCENE, wish.clone());
@@ -157,10 +157,10 @@ fn mean_of_runs(wish: &Overrides, seeds: std::ops::Range<u64>) -> [(f64, f64); 3
 fn stopping_early_does_not_darken() {
     for kind in [PatternKind::Random, PatternKind::Sobol] {
         let small = Overrides { size: Some([24, 24]), spp: Some(128), pattern: Some(kind), ..wish() };
-        // Sobol points end nearly all blocks at the first look by a larger target.
+        // Sobol points end nearly all blocks at the first check by a larger target.
         let noise = Some(if kind == PatternKind::Random { 0.12 } else { 0.08 });
-        let adaptive = mean_of_runs(&Overrides { noise, ..small.clone() }, 0..64);
-        let fixed = mean_of_runs(&Overrides { noise: None, spp: Some(64), ..small }, 1000..1064);
+        let adaptive = mean_of_runs(&Overrides { noise, ..small.clone() }, 0..40);
+        let fixed = mean_of_runs(&Overrides { noise: None, spp: Some(64), ..small }, 1000..1040);
         for (c, (a, f)) in adaptive.iter().zip(fixed).enumerate() {
             let error = (a.1 * a.1 + f.1 * f.1).sqrt();
             assert!((a.0 - f.0).abs() < 3.0 * error, "{kind}, channel {c}: {a:?}, fixed {f:?}");

@@ -3,7 +3,7 @@
 use crate::common;
 
 use straal::{Control, Overrides, PatternKind, Picture, Verdict};
-use straal_render::film::{ErrorLayer, Evidence};
+use straal_render::film::{ErrorEstimate, ErrorLayer};
 
 /// What pictures of as many seeds have to tell of a scene: root mean squares, over pixels and channels, of their errors.
 struct Told {
@@ -80,7 +80,7 @@ fn it_is_the_same_however_it_is_rendered() {
     let wish = || Overrides { size: Some([50, 37]), spp: Some(11), ..Overrides::default() };
     let whole = common::render(SCENE, Overrides { threads: Some(1), ..wish() }).picture;
     let error = error_of(&whole);
-    assert_eq!(error.evidence, Evidence::Batches);
+    assert_eq!(error.estimate, ErrorEstimate::Batches);
     let other = Overrides { threads: Some(7), batch: Some(7), shuffle_tiles: Some(5), ..wish() };
     assert!(error_of(&common::render(SCENE, other).picture) == error);
     let [x0, y0, x1, y1] = [11, 5, 34, 30];
@@ -107,5 +107,5 @@ fn of_replicates_it_is_measured() {
     );
     let picture = job.render_replicates(3, &mut Control::to_the_end()).expect("a picture").picture;
     let roots: Vec<[f32; 3]> = picture.layers.variance.iter().map(|v| v.map(f32::sqrt)).collect();
-    assert!(error_of(&picture).rgb == roots && error_of(&picture).evidence == Evidence::Replicates);
+    assert!(error_of(&picture).rgb == roots && error_of(&picture).estimate == ErrorEstimate::Replicates);
 }

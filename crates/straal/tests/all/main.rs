@@ -20,5 +20,6 @@ mod power;
 mod resume;
 mod same_bits;
 mod spectral;
+mod surfaces;
 mod textures;
 mod wide_gamut;

@@ -41,7 +41,7 @@ fn textured(job: &mut Job, rgb: [f32; 3]) -> Arc<Plain> {
     let texture = Arc::new(Plain { rgb, read: Mutex::default() });
     let world = &mut job.world;
     let id = world.textures.len() as u32;
-    world.textures.push(Texture { kind: TextureKind::Custom(texture.clone()), of: Use::Reflectance });
+    world.textures.push(Texture::new(TextureKind::Custom(texture.clone()), Use::Reflectance));
     let most = rgb.into_iter().fold(0.0, |a: f32, b| if b > a { b } else { a });
     let reflectance = Value::Texture(TextureRef { id, most });
     world.materials.replace(1, Material::Diffuse(DiffuseMaterial { reflectance, two_sided: true }));

@@ -12,6 +12,7 @@ use exr::meta::attribute::{
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use straal_color::{Chromaticity, RgbSpace};
+use straal_scene::bitmap::Number;
 
 use super::choose::{Choice, Kind, Names};
 use super::{Beauty, Channel, Layer, Picture, Window, choice, nothing_to_show};
@@ -62,6 +63,7 @@ pub fn header(bytes: &[u8], limits: &Limits) -> Result<image::Header, ReadError>
         height: plan.display.height,
         channels: meta.headers.iter().map(|h| h.channels.list.len()).sum(),
         decoded_bytes: plan.bytes,
+        texel: image::Header::texel(Number::Single, 3),
     })
 }
 

@@ -118,3 +118,51 @@ fn every_ray_keeps_the_contract() {
         assert!(count > 10_000, "{name} sees only {count}");
     }
 }
+
+/// Every kind sends the same rays side by side as one by one.
+#[test]
+fn many_rays_are_what_each_is() {
+    use straal_math::lowdisc::{Pattern, Purpose, SampleName};
+    use straal_math::simd::{Isa, Kernel, Simd};
+
+    struct Rays<'a>(&'a Camera, &'a [FilmPoint]);
+
+    impl Kernel for Rays<'_> {
+        type Output = Vec<Option<Ray>>;
+
+        #[inline(always)]
+        fn run<F: Float>(self) -> Self::Output {
+            let mut rays = Vec::new();
+            for points in self.1.chunks(F::WIDTH) {
+                let point = |i: usize| points[i.min(points.len() - 1)];
+                let at = FilmPoints::<F> {
+                    pixel: [0, 1].map(|k| F::Uint::from_fn(|i| point(i).pixel[k])),
+                    position: [0, 1].map(|k| F::from_fn(|i| point(i).position[k])),
+                    lens: [0, 1].map(|k| F::from_fn(|i| point(i).lens[k])),
+                    time: F::from_fn(|i| point(i).time),
+                };
+                let CameraRays { o, d, seen } = self.0.rays(&at);
+                rays.extend((0..points.len()).map(|i| {
+                    let ray = Ray { time: at.time.lane(i), ..Ray::new(o.lane(i), d.lane(i)) };
+                    seen.lane(i).then_some(ray)
+                }));
+            }
+            rays
+        }
+    }
+
+    let points: Vec<FilmPoint> = (0..150)
+        .map(|i| {
+            let name = SampleName::new(3, [i, 0], i);
+            let [x, y, u, v] = Pattern::Random.d4(&name, Purpose::Film);
+            let position = [x * SIZE[0] as f32, y * SIZE[1] as f32];
+            FilmPoint { lens: [u, v], time: u, ..FilmPoint::at(position) }
+        })
+        .collect();
+    for (name, camera) in every_kind(&slanted()) {
+        let each: Vec<_> = points.iter().map(|at| camera.ray(at)).collect();
+        for simd in Isa::ALL.into_iter().filter_map(Simd::new) {
+            assert_eq!(simd.run(Rays(&camera, &points)), each, "{name} {simd:?}");
+        }
+    }
+}

@@ -11,7 +11,7 @@ use straal_math::lowdisc::PatternKind;
 
 /// By what a pixel's noise is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Evidence {
+pub enum ErrorEstimate {
     /// By how samples scatter: they are independent.
     Spread,
     /// By how the means of batches do.
@@ -20,7 +20,7 @@ pub enum Evidence {
     Replicates,
 }
 
-impl Evidence {
+impl ErrorEstimate {
     /// What suits a pattern. Sets of a known number are shuffled, but for Sobol's: part of one is as good as independent
     /// samples, so that batches of it would tell no more than the spread does, and that by fewer numbers.
     pub const fn of(pattern: PatternKind) -> Self {
@@ -49,9 +49,9 @@ impl Evidence {
 /// the number that it has. In double precision: integers so large are rounded, always alike. Exact, as [`Value`], where
 /// the sums of earlier samples are added later.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Marks<T = f64>(pub(super) [[T; 3]; 2]);
+pub(super) struct BatchSums<T = f64>(pub(super) [[T; 3]; 2]);
 
-impl<T: Copy + From<Value>> Marks<T> {
+impl<T: Copy + From<Value>> BatchSums<T> {
     /// Takes note of a pixel's sums before the sample `index` is added; its samples come in order.
     #[inline]
     pub(super) fn note(&mut self, index: u32, sums: &[Value; 3]) {
@@ -61,14 +61,14 @@ impl<T: Copy + From<Value>> Marks<T> {
     }
 }
 
-impl Marks {
+impl BatchSums {
     /// Takes note of sums that a batch ends with.
     pub(super) fn end(&mut self, sums: [f64; 3]) {
         self.0 = [self.0[1], sums];
     }
 
     /// Goes on with what was noted of later samples, without the sums `before` them; how often there was something to note.
-    pub(super) fn follow(&mut self, before: &[Value; 3], later: &Marks<Value>, notes: usize) {
+    pub(super) fn follow(&mut self, before: &[Value; 3], later: &BatchSums<Value>, notes: usize) {
         let all = |part: &[Value; 3]| -> [f64; 3] {
             std::array::from_fn(|c| Value(before[c].0.wrapping_add(part[c].0)).to_f64())
         };
@@ -117,7 +117,7 @@ fn variance_of_batches<const K: usize>(ends: [(u32, f64); K]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::{FilmTile, Keep, Sample};
-    use crate::settings::Region;
+    use crate::film::Region;
 
     /// The variances that the samples of one pixel tell in batches, by number of samples.
     fn told(samples: impl Iterator<Item = f32>) -> Vec<f64> {

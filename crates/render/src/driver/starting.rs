@@ -1,0 +1,137 @@
+//! Samples that set out: where they lie on the film and on the lens, and the rays that the camera sends there, a block of them
+//! side by side.
+
+use super::stream::Name;
+use crate::camera::{Camera, CameraRays, FilmPoint, FilmPoints};
+use crate::filter::{Filter, FilterSample};
+use crate::surface::{BLOCK, Column, Vectors};
+use straal_math::Ray;
+use straal_math::lowdisc::{Pattern, Purpose, SampleName};
+use straal_math::simd::{Float, Kernel, Mask, Uint};
+
+/// What a block of samples starts from.
+#[derive(Default)]
+pub(super) struct Starting {
+    /// What names their random numbers.
+    pub names: [Option<SampleName>; BLOCK],
+    /// Displacements from their pixels' centres.
+    offset: [Column; 2],
+    /// What the filter multiplies their light by.
+    weight: Column,
+    position: [Column; 2],
+    lens: [Column; 2],
+    time: Column,
+    /// Numbers that draw their wavelengths.
+    wavelength: Column,
+    o: Vectors,
+    d: Vectors,
+    /// A bit for each whose camera ray is there.
+    seen: u32,
+}
+
+impl Starting {
+    /// Where sample `i` lies from its pixel's centre.
+    pub fn offset(&self, i: usize) -> [f32; 2] {
+        [self.offset[0].at(i), self.offset[1].at(i)]
+    }
+
+    /// What the filter multiplies the light of sample `i` by.
+    pub fn weight(&self, i: usize) -> f32 {
+        self.weight.at(i)
+    }
+
+    /// The number that draws the wavelengths of sample `i`, where that was asked for.
+    pub fn wavelength(&self, i: usize) -> f32 {
+        self.wavelength.at(i)
+    }
+
+    /// What the camera ray of sample `i` of a pixel is made from.
+    pub fn film_point(&self, i: usize, pixel: [u32; 2]) -> FilmPoint {
+        let two = |columns: &[Column; 2]| [columns[0].at(i), columns[1].at(i)];
+        FilmPoint { pixel, position: two(&self.position), lens: two(&self.lens), time: self.time.at(i) }
+    }
+
+    /// The camera ray of sample `i`; `None` where nothing is seen, and where none was asked for.
+    pub fn ray(&self, i: usize) -> Option<Ray> {
+        let ray = || Ray { time: self.time.at(i), ..Ray::new(self.o.at(i), self.d.at(i)) };
+        (self.seen >> i & 1 == 1).then(ray)
+    }
+}
+
+/// Draws numbers and makes rays.
+pub(super) struct Start<'a> {
+    /// At most [`BLOCK`] of them.
+    pub names: &'a [Name],
+    pub pattern: Pattern,
+    pub seed: u64,
+    pub filter: &'a Filter,
+    pub wanted: Wanted,
+    pub camera: &'a Camera,
+    pub out: &'a mut Starting,
+}
+
+/// What samples need; as numbers are pure functions of their names, those that aren't drawn change none.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    pub lens: bool,
+    pub time: bool,
+    pub wavelength: bool,
+    pub rays: bool,
+}
+
+impl Kernel for Start<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let Self { names, pattern, seed, filter, wanted, camera, out } = self;
+        out.seen = 0;
+        let last = names.len().saturating_sub(1);
+        for first in (0..names.len().min(BLOCK)).step_by(F::WIDTH) {
+            // Lanes without a sample do what the last one does.
+            let [mut x, mut y, mut index] = [F::Uint::splat(0).to_array(); 3];
+            for i in 0..F::WIDTH {
+                let ([column, row], sample) = names[if first + i < last { first + i } else { last }];
+                (x.as_mut()[i], y.as_mut()[i], index.as_mut()[i]) = (column, row, sample);
+            }
+            let pixel = [F::Uint::from_array(x), F::Uint::from_array(y)];
+            let name = pattern.names::<F>(seed, pixel, F::Uint::from_array(index));
+            name.for_each(
+                #[inline(always)]
+                |i, name| {
+                    if let Some(slot) = out.names.get_mut(first + i) {
+                        *slot = Some(name);
+                    }
+                },
+            );
+
+            // The first two of four numbers are the same as two by themselves, which are cheaper.
+            let (film, lens) = if wanted.lens {
+                let [x, y, u, v] = pattern.d4(&name, Purpose::Film);
+                ([x, y], [u, v])
+            } else {
+                (pattern.d2(&name, Purpose::Film), [F::splat(0.5); 2])
+            };
+            let time = if wanted.time { pattern.d1(&name, Purpose::Time) } else { F::ZERO };
+            if wanted.wavelength {
+                out.wavelength.store(first, pattern.d1(&name, Purpose::Wavelength));
+            }
+            let FilterSample { offset, weight } = filter.sample(film);
+            let position =
+                [F::from_uint(pixel[0]) + 0.5 + offset[0], F::from_uint(pixel[1]) + 0.5 + offset[1]];
+            out.weight.store(first, weight);
+            out.time.store(first, time);
+            for k in 0..2 {
+                out.offset[k].store(first, offset[k]);
+                out.position[k].store(first, position[k]);
+                out.lens[k].store(first, lens[k]);
+            }
+            if wanted.rays {
+                let CameraRays { o, d, seen } = camera.rays(&FilmPoints { pixel, position, lens, time });
+                out.o.store(first, o);
+                out.d.store(first, d);
+                out.seen |= seen.to_bits() << first;
+            }
+        }
+    }
+}

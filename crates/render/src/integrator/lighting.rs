@@ -1,0 +1,182 @@
+//! Next-event estimation for a block of vertices: points on lights, and what they bring.
+
+use super::numbers::Numbers;
+use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Vertices, ends, frames, vector};
+use crate::lanes::Lanes;
+use crate::light::LightSample;
+use crate::material::many::{OfKind, WithKind};
+use crate::material::{Transport, shaded};
+use crate::shape::offset::End;
+use crate::surface::{Column, Surfaces, Vectors};
+use crate::world::World;
+use straal_color::Light;
+use straal_math::Ray;
+use straal_math::simd::{Float, Kernel, Mask, Simd};
+
+/// A light sample for each vertex, in columns.
+#[derive(Default)]
+pub(super) struct Lit {
+    /// Those for which there is one.
+    there: Bits,
+    delta: Bits,
+    far: Bits,
+    wi: Vectors,
+    radiance: Lights,
+    /// Density, the choice of the light included.
+    pdf: Column,
+    to: Vectors,
+    to_err: Vectors,
+    to_ng: Vectors,
+}
+
+impl Lit {
+    #[inline(always)]
+    fn store<F: Float>(&mut self, first: usize, light: &LightSample<F>, pdf: F) {
+        self.there.store(first, pdf.gt(F::ZERO));
+        self.delta.store(first, light.delta);
+        self.far.store(first, light.far);
+        self.wi.store(first, light.wi);
+        self.radiance.store(first, light.radiance);
+        self.pdf.store(first, pdf);
+        self.to.store(first, light.to.p);
+        self.to_err.store(first, light.to.p_err);
+        self.to_ng.store(first, light.to.ng);
+    }
+
+    #[inline(always)]
+    fn load<F: Float>(&self, first: usize) -> LightSample<F> {
+        LightSample {
+            wi: self.wi.load(first),
+            radiance: self.radiance.load(first),
+            pdf: self.pdf.load(first),
+            delta: self.delta.load::<F>(first),
+            far: self.far.load::<F>(first),
+            to: End { p: self.to.load(first), p_err: self.to_err.load(first), ng: self.to_ng.load(first) },
+        }
+    }
+}
+
+/// Chooses a light for each vertex, and a point on it by what is left of the number that chose: pairs of numbers are spread
+/// better than what is drawn beside them.
+pub(super) struct Illuminate<'a, 'w, L> {
+    pub world: &'a World,
+    pub surfaces: &'a Surfaces,
+    pub vertices: &'a Vertices<'w>,
+    /// By what each path reads colours.
+    pub lanes: &'a [L; ROOM],
+    pub numbers: &'a Numbers,
+    pub out: &'a mut Lit,
+}
+
+impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let Self { world, surfaces, vertices, lanes, numbers, out } = self;
+        (out.there, out.delta, out.far) = Default::default();
+        let readings = world.readings(lanes);
+        for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
+            let asks = vertices.asks_lights.load::<F>(first);
+            if !asks.any() {
+                continue;
+            }
+            let at = vertices.receivers(surfaces, first);
+            let [u, v] = numbers.light(first);
+            let mut picked = world.lights.picks(u, &at);
+            picked.pmf = F::select(asks, picked.pmf, F::ZERO);
+            let light = world.sample_lights(&picked, &at, v, &readings.from(first));
+            out.store(first, &light, picked.pmf * light.pdf);
+        }
+    }
+}
+
+/// What lights bring if nothing is in the way.
+#[derive(Default)]
+pub(super) struct Brought {
+    /// The vertices to which they bring anything.
+    pub bright: Bits,
+    /// Origins and largest t; directions.
+    rays: [[Row; 2]; BLOCK],
+    light: [Light; BLOCK],
+}
+
+impl Brought {
+    /// What comes to vertex `i`, and the ray that must be free for it; its time and mask are those of `like`.
+    #[inline(always)]
+    pub fn get(&self, i: usize, like: &Ray) -> (Ray, Light) {
+        let [o, d] = &self.rays[i];
+        (Ray { o: vector(o), t_min: 0.0, d: vector(d), t_max: o[3], ..*like }, self.light[i])
+    }
+}
+
+/// Weighs light samples by BSDFs, and against the chance that these find the same light.
+pub(super) struct Weigh<'a, 'w> {
+    pub simd: Simd,
+    pub surfaces: &'a Surfaces,
+    pub vertices: &'a Vertices<'w>,
+    pub lit: &'a Lit,
+    pub out: &'a mut Brought,
+}
+
+impl<'w> WithKind<'w> for Weigh<'_, 'w> {
+    fn with<K: OfKind<'w>>(self) {
+        self.simd.run(WeighBy::<K> { of: self, kind: std::marker::PhantomData });
+    }
+}
+
+/// [`Weigh`] by BSDFs of the kind `K`.
+struct WeighBy<'a, 'w, K> {
+    of: Weigh<'a, 'w>,
+    kind: std::marker::PhantomData<K>,
+}
+
+impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let Weigh { surfaces, vertices, lit, out, .. } = self.of;
+        out.bright = Bits::default();
+        for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
+            let there = lit.there.load::<F>(first);
+            let Some(bsdfs) = vertices.bsdfs::<K>(first) else { break };
+            if !there.any() {
+                continue;
+            }
+            let light = lit.load::<F>(first);
+            let wi = frames::<F>(surfaces, first).to_local(light.wi);
+            let (leaning, wo) = (surfaces.leaning.load(first), surfaces.wo.load(first));
+            let (value, pdf) = shaded::eval_pdf_many(bsdfs, leaning, [wo, wi], Transport::Radiance);
+            let weight = F::select(light.delta, F::ONE, power_heuristic(light.pdf, pdf));
+            let beta = vertices.beta.load(first);
+            let brought = beta * value * light.radiance * (weight / light.pdf);
+
+            let ([o, d], t_max) = light.way_from(&ends(surfaces, first));
+            out.bright.store(first, there & !value.is_black() & !brought.is_black());
+            F::to_rows(
+                [o.x, o.y, o.z, t_max],
+                #[inline(always)]
+                |i, row| out.rays[first + i][0] = row,
+            );
+            F::to_rows(
+                [d.x, d.y, d.z, F::ZERO],
+                #[inline(always)]
+                |i, row| out.rays[first + i][1] = row,
+            );
+            brought.for_each(
+                #[inline(always)]
+                |i, light| out.light[first + i] = light,
+            );
+        }
+    }
+}
+
+/// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn
+/// with density `b` (Veach 1997, section 9.2.4).
+#[inline(always)]
+pub(super) fn power_heuristic<F: Float>(a: F, b: F) -> F {
+    // By the ratio: squares of densities leave the range of single precision.
+    let r = b / a;
+    F::ONE / (F::ONE + r * r)
+}

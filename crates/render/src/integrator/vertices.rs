@@ -1,0 +1,215 @@
+//! The vertices of a block of paths, number by number, as they are worked on side by side ([`straal_math::simd`]).
+
+use crate::light::Receiver;
+use crate::material::many::{Among, OfKind, WithKind};
+use crate::material::{Black, Bsdf, BsdfKind};
+use crate::shape::offset::End;
+use crate::surface::{Column, Surfaces};
+use straal_color::Light;
+use straal_math::simd::{self, Float, Mask};
+use straal_math::{Frame, Vec3};
+
+pub(super) use crate::surface::BLOCK;
+
+/// A block, and what vectors that begin in it reach of beyond.
+pub(super) const ROOM: usize = BLOCK + simd::BLOCK;
+
+/// Yes or no for each vertex of a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bits(u64);
+
+impl Bits {
+    /// Says yes for vertex `i`.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize) {
+        self.0 |= 1 << i;
+    }
+
+    /// Whether any is a yes.
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.0 != 0
+    }
+
+    /// That of vertex `i`.
+    #[inline(always)]
+    pub fn at(self, i: usize) -> bool {
+        self.0 >> i & 1 == 1
+    }
+
+    /// Those from vertex `first` on.
+    #[inline(always)]
+    pub fn load<F: Float>(self, first: usize) -> F::Mask {
+        F::Mask::from_bits((self.0 >> first) as u32)
+    }
+
+    /// Says what those from vertex `first` on are, of which none was a yes.
+    #[inline(always)]
+    pub fn store<M: Mask>(&mut self, first: usize, mask: M) {
+        self.0 |= u64::from(mask.to_bits()) << first;
+    }
+
+    /// The numbers of those that are a yes.
+    #[inline(always)]
+    pub fn each(self) -> impl Iterator<Item = usize> {
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let i = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            (i < 64).then_some(i)
+        })
+    }
+}
+
+/// Light for each vertex.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Lights([Column; 4]);
+
+impl Lights {
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, light: Light) {
+        for (column, v) in self.0.iter_mut().zip(light.0) {
+            column.set(i, v);
+        }
+    }
+
+    #[inline(always)]
+    pub fn load<F: Float>(&self, first: usize) -> Light<F> {
+        let [a, b, c, d] = &self.0;
+        Light([a.load(first), b.load(first), c.load(first), d.load(first)])
+    }
+
+    #[inline(always)]
+    pub fn store<F: Float>(&mut self, first: usize, light: Light<F>) {
+        for (column, v) in self.0.iter_mut().zip(light.0) {
+            column.store(first, v);
+        }
+    }
+}
+
+/// The vertices of a block that scatter light. What isn't computed of them yet stands in their [`Surfaces`].
+pub(super) struct Vertices<'w> {
+    /// How many surfaces there are in the block.
+    pub count: usize,
+    /// Those from which paths may go on; of the others nothing is known.
+    pub alive: Bits,
+    /// Those at which lights are sampled: that have more than delta lobes.
+    pub asks_lights: Bits,
+    /// Those whose path may be ended by chance.
+    pub plays_roulette: Bits,
+    /// Those to which light may come from all around, and not from the side that is seen alone.
+    pub is_open: Bits,
+    /// Whether any chooses between lobes.
+    pub chooses_lobe: bool,
+    /// Share of the light at each that reaches the film.
+    pub beta: Lights,
+    /// Product of squared relative indices passed.
+    pub eta_squared: Column,
+    bsdfs: [Bsdf<'w>; ROOM],
+    kind: Option<BsdfKind>,
+    is_mixed: bool,
+}
+
+/// What a path brings to its vertex.
+pub(super) struct Arriving {
+    pub beta: Light,
+    pub eta_squared: f32,
+    pub plays_roulette: bool,
+}
+
+impl<'w> Vertices<'w> {
+    /// None yet.
+    pub fn new() -> Self {
+        Self {
+            count: 0,
+            alive: Bits::default(),
+            asks_lights: Bits::default(),
+            plays_roulette: Bits::default(),
+            is_open: Bits::default(),
+            chooses_lobe: false,
+            beta: Lights::default(),
+            eta_squared: Column::default(),
+            bsdfs: [Bsdf::Black(Black); ROOM],
+            kind: None,
+            is_mixed: false,
+        }
+    }
+
+    /// Begins a block of so many surfaces.
+    #[inline]
+    pub fn begin(&mut self, count: usize) {
+        self.count = count;
+        for bits in [&mut self.alive, &mut self.asks_lights, &mut self.plays_roulette, &mut self.is_open] {
+            *bits = Bits::default();
+        }
+        (self.chooses_lobe, self.kind, self.is_mixed) = (false, None, false);
+    }
+
+    /// At surface `i` light is scattered.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, arriving: &Arriving, bsdf: &Bsdf<'w>) {
+        let kind = bsdf.kind();
+        self.is_mixed |= *self.kind.get_or_insert(kind) != kind;
+        self.alive.set(i);
+        if !bsdf.is_delta() {
+            self.asks_lights.set(i);
+        }
+        if arriving.plays_roulette {
+            self.plays_roulette.set(i);
+        }
+        if kind == BsdfKind::Custom {
+            self.is_open.set(i);
+        }
+        self.chooses_lobe |= bsdf.chooses_lobe();
+        self.beta.set(i, arriving.beta);
+        self.eta_squared.set(i, arriving.eta_squared);
+        self.bsdfs[i] = *bsdf;
+    }
+
+    /// Hands the kind of their BSDFs to who works with any.
+    #[inline]
+    pub fn by_kind(&self, worker: impl WithKind<'w>) {
+        match self.kind {
+            Some(kind) if !self.is_mixed => kind.hand_to(worker),
+            _ => worker.with::<Bsdf<'w>>(),
+        }
+    }
+
+    /// Their BSDFs, as they stand in the lanes of vectors from vertex `first` on; of the others, some of the same kind.
+    #[inline(always)]
+    pub fn bsdfs<K: OfKind<'w>>(&self, first: usize) -> Option<Among<'_, 'w, K>> {
+        let alive = self.alive.each().next()?;
+        Among::new(&self.bsdfs[first..], &self.bsdfs[alive])
+    }
+
+    /// Where light arrives from vertex `first` on: on the side that is seen, where it can't come through.
+    #[inline(always)]
+    pub fn receivers<F: Float>(&self, surfaces: &Surfaces, first: usize) -> Receiver<F> {
+        let (n, wo) = (surfaces.frame[2].load(first), surfaces.wo.load::<F>(first));
+        let n = Vec3::select(wo.z.lt(F::ZERO), -n, n);
+        let n = Vec3::select(self.is_open.load::<F>(first), Vec3::splat(F::ZERO), n);
+        Receiver { p: surfaces.p.load(first), n }
+    }
+}
+
+/// The points from surface `first` on, with their errors and geometric normals.
+#[inline(always)]
+pub(super) fn ends<F: Float>(surfaces: &Surfaces, first: usize) -> End<F> {
+    End { p: surfaces.p.load(first), p_err: surfaces.p_err.load(first), ng: surfaces.ng.load(first) }
+}
+
+/// Their frames.
+#[inline(always)]
+pub(super) fn frames<F: Float>(surfaces: &Surfaces, first: usize) -> Frame<F> {
+    let [s, t, n] = &surfaces.frame;
+    Frame { s: s.load(first), t: t.load(first), n: n.load(first) }
+}
+
+/// A vector and a number of each vertex.
+pub(super) type Row = [f32; 4];
+
+/// The vector of a row.
+#[inline(always)]
+pub(super) fn vector(row: &Row) -> Vec3 {
+    Vec3::new(row[0], row[1], row[2])
+}

@@ -1,0 +1,407 @@
+//! Surfaces where many rays arrived, side by side.
+//!
+//! Hits of one form (triangles, flat shapes, spheres) that follow one another are computed 8 or 16 at a time. All else is done
+//! one by one, by [`World::surface`], and stands in the same columns: rarer shapes, what is seen through instances, and what is
+//! read off textures.
+
+use super::Surface;
+use super::columns::{BLOCK, ROOM, Vectors};
+use crate::footprint::PackedFootprint;
+use crate::material::shaded::shading_normals;
+use crate::shape::offset::End;
+use crate::shape::patch::{Level, Patch};
+use crate::shape::{Shape, SurfacePoint, TriangleMesh, exact, mesh, sphere};
+use crate::texture::ShadingPoint;
+use crate::world::{GeometryRecord, Kind, World};
+use std::ops::Range;
+use straal_accel::Hit;
+use straal_math::simd::{Double, Float, Kernel, Mask, Simd};
+use straal_math::{DVec3, Frame, Ray, Vec3};
+
+/// Rays and what they hit, out of many.
+#[derive(Clone, Copy, Debug)]
+pub struct Met<'a> {
+    /// Which of them.
+    pub order: &'a [u32],
+    /// All rays.
+    pub rays: &'a [Ray],
+    /// What each hit.
+    pub hits: &'a [Hit],
+}
+
+impl<'a> Met<'a> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> (&'a Ray, &'a Hit) {
+        let k = self.order[i] as usize;
+        (&self.rays[k], &self.hits[k])
+    }
+}
+
+/// What hits that are computed together have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Form {
+    /// A triangle of a mesh.
+    Triangle,
+    /// A part of a plane.
+    Flat,
+    /// A part of a sphere.
+    Round,
+    /// Anything, by itself.
+    Other,
+}
+
+/// The surfaces of a block of hits, at most [`BLOCK`]: a [`Surface`] of each in columns.
+#[derive(Debug)]
+pub struct Surfaces {
+    /// Where.
+    pub p: Vectors,
+    /// Bound of the error of its coordinates.
+    pub p_err: Vectors,
+    /// Geometric normals.
+    pub ng: Vectors,
+    /// Frames about the shading normals: their tangents and normals.
+    pub frame: [Vectors; 3],
+    /// The geometric normals in those frames, on the shading normals' side; zero where they are the shading normals.
+    pub leaning: Vectors,
+    /// In those frames, where the rays came from.
+    pub wo: Vectors,
+    gathered: Gathered,
+    /// Indices of materials in the world.
+    pub material: [u32; BLOCK],
+    /// Indices of emitters in the world, where the surface glows.
+    pub emitter: [Option<u32>; BLOCK],
+    /// What was done one by one, and for whom: texture coordinates, and what materials read.
+    apart: Vec<(u32, [f32; 2], Option<ShadingPoint>)>,
+}
+
+impl Default for Surfaces {
+    fn default() -> Self {
+        Self {
+            p: Vectors::default(),
+            p_err: Vectors::default(),
+            ng: Vectors::default(),
+            frame: [Vectors::default(); 3],
+            leaning: Vectors::default(),
+            wo: Vectors::default(),
+            gathered: Gathered::default(),
+            material: [0; BLOCK],
+            emitter: [None; BLOCK],
+            apart: Vec::new(),
+        }
+    }
+}
+
+impl Surfaces {
+    /// Computes those where the given rays arrived; `footprint` is that of a ray, by its number.
+    pub fn meet(
+        &mut self,
+        world: &World,
+        simd: Simd,
+        met: &Met<'_>,
+        footprint: impl Fn(u32) -> PackedFootprint,
+    ) {
+        self.apart.clear();
+        let mut forms = [Form::Other; BLOCK];
+        let count = met.order.len().min(BLOCK);
+        for (i, form) in forms[..count].iter_mut().enumerate() {
+            let (ray, hit) = met.at(i);
+            let geometry = world.geometry(hit);
+            self.material[i] = world.material_of(hit);
+            self.emitter[i] = geometry.emitter;
+            let whole = hit.chain.is_empty() && !world.materials.wants(self.material[i]).point;
+            *form = if whole { world.form(geometry) } else { Form::Other };
+            if *form != Form::Other {
+                self.gathered.take(i, world, (ray, hit), geometry);
+            }
+        }
+        // What the last vector of a run writes beyond its end is overwritten by the next run.
+        let mut start = 0;
+        for run in forms[..count].chunk_by(|a, b| a == b) {
+            let end = start + run.len();
+            if run[0] == Form::Other {
+                for i in start..end {
+                    let (ray, hit) = met.at(i);
+                    self.set(i, ray, world.surface(ray, hit, &footprint(met.order[i])));
+                }
+            } else {
+                simd.run(Run { form: run[0], range: start..end, out: self });
+            }
+            start = end;
+        }
+    }
+
+    fn set(&mut self, i: usize, ray: &Ray, Surface { point, frame, ng, at, .. }: Surface) {
+        let seen = Seen {
+            end: End::from(&point),
+            frame,
+            leaning: ng.unwrap_or(Vec3::ZERO),
+            wo: frame.to_local(-ray.d),
+        };
+        self.store::<f32>(i, &seen);
+        self.apart.push((i as u32, point.uv, at));
+    }
+
+    #[inline(always)]
+    fn store<F: Float>(&mut self, first: usize, seen: &Seen<F>) {
+        self.p.store(first, seen.end.p);
+        self.p_err.store(first, seen.end.p_err);
+        self.ng.store(first, seen.end.ng);
+        let Frame { s, t, n } = seen.frame;
+        for (column, axis) in self.frame.iter_mut().zip([s, t, n]) {
+            column.store(first, axis);
+        }
+        self.leaning.store(first, seen.leaning);
+        self.wo.store(first, seen.wo);
+    }
+
+    /// The point of surface `i`, its error and geometric normal.
+    #[inline(always)]
+    pub fn end(&self, i: usize) -> End {
+        End { p: self.p.at(i), p_err: self.p_err.at(i), ng: self.ng.at(i) }
+    }
+
+    /// The frame of surface `i`.
+    #[inline(always)]
+    pub fn frame(&self, i: usize) -> Frame {
+        let [s, t, n] = &self.frame;
+        Frame { s: s.at(i), t: t.at(i), n: n.at(i) }
+    }
+
+    /// The geometric normal of surface `i` in its frame; `None` where it is the shading normal.
+    #[inline(always)]
+    pub fn ng(&self, i: usize) -> Option<Vec3> {
+        let ng = self.leaning.at(i);
+        (ng != Vec3::ZERO).then_some(ng)
+    }
+
+    /// What of surface `i` its material reads, if that differs from point to point.
+    #[inline]
+    pub fn at(&self, i: usize) -> Option<&ShadingPoint> {
+        self.apart(i).and_then(|(_, _, at)| at.as_ref())
+    }
+
+    /// The point of surface `i`. Its texture coordinates are 0 where neither its material nor its emitter wants them.
+    pub fn point(&self, i: usize) -> SurfacePoint {
+        let End { p, p_err, ng } = self.end(i);
+        let uv = self.apart(i).map_or([0.0; 2], |(_, uv, _)| *uv);
+        SurfacePoint { p, p_err, ng, n: self.frame[2].at(i), uv }
+    }
+
+    #[inline]
+    fn apart(&self, i: usize) -> Option<&(u32, [f32; 2], Option<ShadingPoint>)> {
+        if self.apart.is_empty() {
+            return None;
+        }
+        self.apart.iter().find(|(k, ..)| *k as usize == i)
+    }
+}
+
+/// What a block holds of one surface, or of many.
+struct Seen<F> {
+    end: End<F>,
+    frame: Frame<F>,
+    leaning: Vec3<F>,
+    wo: Vec3<F>,
+}
+
+impl World {
+    /// How the surface of a geometry may be computed, where its material asks for no more.
+    #[inline]
+    pub(crate) fn form(&self, geometry: &GeometryRecord) -> Form {
+        match geometry.kind {
+            _ if geometry.emission_varies => Form::Other,
+            Kind::Mesh(_) => Form::Triangle,
+            Kind::Shapes(first) => match &self.geometry.shapes[first as usize] {
+                Shape::Sphere(_) => Form::Round,
+                shape if shape.patch().is_some() => Form::Flat,
+                _ => Form::Other,
+            },
+        }
+    }
+}
+
+/// Four numbers of each hit, as they lie in memory.
+type Rows = [[f32; 4]; ROOM];
+
+/// What surfaces are made from, gathered hit by hit. Lanes that no hit of the form has are left over from another block.
+#[derive(Debug)]
+struct Gathered {
+    /// The rays' directions.
+    d: Rows,
+    /// Their origins, and how far off the hits are.
+    o: Rows,
+    /// Corners of triangles; beside the first two, the weights of corners 1 and 2.
+    corners: [Rows; 3],
+    /// The corners' shading normals.
+    normals: [Rows; 3],
+    /// Planes of flat shapes, number by number.
+    levels: [[f64; ROOM]; Level::NUMBERS],
+    /// Centers and radii.
+    sphere: Rows,
+    /// A bit for each triangle that has shading normals.
+    smooth: u64,
+    /// A bit for each triangle whose geometric normal is turned round.
+    turned: u64,
+    /// A bit for each surface whose shading normal is.
+    flipped: u64,
+}
+
+impl Default for Gathered {
+    /// Something that is there, since a vector with nothing in a lane takes the long way.
+    fn default() -> Self {
+        let all = |v: Vec3, w: f32| [[v.x, v.y, v.z, w]; ROOM];
+        Self {
+            d: all(Vec3::Z, 0.0),
+            o: all(Vec3::ZERO, 1.0),
+            corners: [Vec3::ZERO, Vec3::X, Vec3::Y].map(|v| all(v, 0.0)),
+            normals: [all(Vec3::Z, 0.0); 3],
+            levels: Level::EXAMPLE.to_array().map(|x| [x; ROOM]),
+            sphere: all(Vec3::ZERO, 1.0),
+            smooth: 0,
+            turned: 0,
+            flipped: 0,
+        }
+    }
+}
+
+impl Gathered {
+    /// Takes what a hit's surface is made from; its form is one of those that are computed side by side.
+    #[inline]
+    fn take(&mut self, i: usize, world: &World, (ray, hit): (&Ray, &Hit), geometry: &GeometryRecord) {
+        self.d[i] = beside(ray.d, 0.0);
+        set(&mut self.flipped, i, geometry.flip);
+        match geometry.kind {
+            Kind::Mesh(mesh) => self.take_triangle(i, &world.geometry.meshes[mesh as usize], hit),
+            Kind::Shapes(first) => {
+                self.o[i] = beside(ray.o, hit.t);
+                match &world.geometry.shapes[first as usize] {
+                    Shape::Sphere(s) => self.sphere[i] = beside(s.center, s.radius),
+                    shape => {
+                        let level = shape.patch().map_or(Level::EXAMPLE, Patch::level);
+                        for (column, x) in self.levels.iter_mut().zip(level.to_array()) {
+                            column[i] = x;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn take_triangle(&mut self, i: usize, mesh: &TriangleMesh, hit: &Hit) {
+        let ([a, b, c], [a_rows, b_rows, c_rows]) = (mesh.corners(hit.primitive), &mut self.corners);
+        (a_rows[i], b_rows[i], c_rows[i]) = (beside(a, hit.u), beside(b, hit.v), beside(c, 0.0));
+        let normals = mesh.corner_normals(hit.primitive);
+        set(&mut self.turned, i, mesh.flip);
+        set(&mut self.smooth, i, normals.is_some());
+        for (rows, n) in self.normals.iter_mut().zip(normals.into_iter().flatten()) {
+            rows[i] = beside(n, 0.0);
+        }
+    }
+
+    #[inline(always)]
+    fn triangles<F: Float>(&self, first: usize) -> (End<F>, Vec3<F>) {
+        let [(a, u), (b, v), (c, _)] = vectors(&self.corners, first);
+        let end = mesh::end([a, b, c], [u, v], mask::<F>(self.turned, first));
+        let smooth = mask::<F>(self.smooth, first);
+        if !smooth.any() {
+            return (end, end.ng);
+        }
+        let [(a, _), (b, _), (c, _)] = vectors(&self.normals, first);
+        let n = mesh::shading_normal([a, b, c], [u, v], end.ng);
+        (end, Vec3::select(smooth, n, end.ng))
+    }
+
+    #[inline(always)]
+    fn flat<F: Float>(&self, first: usize) -> End<F> {
+        let mut numbers = [F::Double::ZERO; Level::NUMBERS];
+        let mut k = 0;
+        while k < numbers.len() {
+            numbers[k] = F::Double::load(&self.levels[k][first..]);
+            k += 1;
+        }
+        Level::from_array(numbers).nearest(self.arrived::<F>(first))
+    }
+
+    #[inline(always)]
+    fn round<F: Float>(&self, first: usize) -> End<F> {
+        let (center, radius) = vector(&self.sphere, first);
+        sphere::end((center, radius), self.arrived::<F>(first) - center.to_double())
+    }
+
+    /// The points of the rays where they hit something.
+    #[inline(always)]
+    fn arrived<F: Float>(&self, first: usize) -> DVec3<F::Double> {
+        let ((o, t), (d, _)) = (vector::<F>(&self.o, first), vector::<F>(&self.d, first));
+        exact::along([o, d], t)
+    }
+}
+
+#[inline(always)]
+fn beside(v: Vec3, w: f32) -> [f32; 4] {
+    [v.x, v.y, v.z, w]
+}
+
+#[inline(always)]
+fn set(bits: &mut u64, i: usize, is: bool) {
+    *bits = *bits & !(1 << i) | u64::from(is) << i;
+}
+
+/// Bits from `first` on.
+#[inline(always)]
+fn mask<F: Float>(bits: u64, first: usize) -> F::Mask {
+    F::Mask::from_bits((bits >> first) as u32)
+}
+
+/// Vectors from `first` on, and what stands beside them.
+#[inline(always)]
+fn vector<F: Float>(rows: &Rows, first: usize) -> (Vec3<F>, F) {
+    let rows = &rows[first..first + F::WIDTH];
+    let [x, y, z, w] = F::from_rows(
+        #[inline(always)]
+        |i| rows[i],
+    );
+    (Vec3::new(x, y, z), w)
+}
+
+#[inline(always)]
+fn vectors<F: Float>([a, b, c]: &[Rows; 3], first: usize) -> [(Vec3<F>, F); 3] {
+    [vector(a, first), vector(b, first), vector(c, first)]
+}
+
+/// Hits of one form, not [`Form::Other`], that follow one another.
+struct Run<'a> {
+    form: Form,
+    range: Range<usize>,
+    out: &'a mut Surfaces,
+}
+
+impl Kernel for Run<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let Self { form, range, out } = self;
+        for first in range.step_by(F::WIDTH) {
+            let from = &out.gathered;
+            let (end, n) = match form {
+                Form::Triangle => from.triangles::<F>(first),
+                Form::Flat => flat(from.flat::<F>(first)),
+                Form::Round | Form::Other => flat(from.round::<F>(first)),
+            };
+            let (d, _) = vector(&from.d, first);
+            // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.
+            let n = Vec3::select(mask::<F>(from.flipped, first), -n, n);
+            let (n, leaning) = shading_normals(n, end.ng, -d);
+            let frame = Frame::from_normal(n);
+            let (leaning, wo) = (frame.to_local(leaning), frame.to_local(-d));
+            out.store(first, &Seen { end, frame, leaning, wo });
+        }
+    }
+}
+
+/// A surface whose shading normal is the geometric one.
+#[inline(always)]
+fn flat<F: Float>(end: End<F>) -> (End<F>, Vec3<F>) {
+    (end, end.ng)
+}
