@@ -18,9 +18,9 @@ use straal_math::simd::{Float, Mask};
 use straal_math::{Vec3, ops, warp};
 use straal_scene::desc;
 
+use super::many::{self, These};
 use super::microfacet::Facets;
 use super::open_pbr::interface;
-use super::open_pbr::tint::Tint;
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
@@ -188,17 +188,17 @@ struct Lobes<F: Float> {
     seen: F::Mask,
     /// Whether that is from outside.
     front: F::Mask,
-    live: Tint<F>,
-    base: Tint<F>,
+    live: Light<F>,
+    base: Light<F>,
     /// The base's colour, of luminance 1.
-    hue: Tint<F>,
+    hue: Light<F>,
     roughness: F,
     metallic: F,
     eta_inside: F,
     /// Index of refraction beyond over before.
     eta: F,
     spec_tint: F,
-    sheen: Tint<F>,
+    sheen: Light<F>,
     flatness: F,
     clearcoat: F,
     coat_alpha: F,
@@ -227,29 +227,31 @@ fn lerp<F: Float>(a: F, b: F, by: F) -> F {
 
 impl<F: Float> Lobes<F> {
     #[inline(always)]
-    fn new<'a>(of: impl Fn(usize) -> &'a Principled, wo: Vec3<F>) -> Self {
+    fn new(these: impl These<Principled>, wo: Vec3<F>) -> Self {
         let (zero, one) = (F::ZERO, F::ONE);
         macro_rules! column {
             ($field:ident) => {
-                F::from_fn(
+                many::each::<Principled, F>(
+                    these,
                     #[inline(always)]
-                    |i| of(i).$field,
+                    |p: &Principled| p.$field,
                 )
             };
         }
         macro_rules! mask {
             ($field:ident) => {
-                F::from_fn(
+                many::which::<Principled, F>(
+                    these,
                     #[inline(always)]
-                    |i| if of(i).$field { 1.0 } else { 0.0 },
+                    |p: &Principled| p.$field,
                 )
-                .gt(zero)
             };
         }
-        let base = Tint(F::from_rows(
+        let base = many::light::<Principled, F>(
+            these,
             #[inline(always)]
-            |i| of(i).base.0,
-        ));
+            |p: &Principled| p.base,
+        );
         let (metallic, spec_trans) = (column!(metallic), column!(spec_trans));
         let glass = (one - metallic) * spec_trans;
         let diffuse = (one - metallic) * (one - spec_trans);
@@ -263,7 +265,7 @@ impl<F: Float> Lobes<F> {
         let eta_inside = column!(eta);
         let luminance = column!(luminance);
         let by = one / F::select(luminance.gt(zero), luminance, one);
-        let hue = Tint::select(luminance.gt(zero), base * by, Tint::ONE);
+        let hue = Light::select(luminance.gt(zero), base * by, Light::splat(F::ONE));
         let roughness = column!(roughness);
         let alpha = roughness * roughness;
         let aspect = (one - column!(anisotropic) * 0.9).sqrt();
@@ -277,7 +279,7 @@ impl<F: Float> Lobes<F> {
             side,
             seen,
             front,
-            live: Tint([one, one, one, dead]),
+            live: Light([one, one, one, dead]),
             base,
             hue,
             roughness,
@@ -285,7 +287,7 @@ impl<F: Float> Lobes<F> {
             eta_inside,
             eta: F::select(front, eta_inside, one / eta_inside),
             spec_tint: column!(spec_tint),
-            sheen: Tint::ONE.mix(hue, column!(sheen_tint)) * sheen_weight,
+            sheen: Light::splat(F::ONE).mix(hue, column!(sheen_tint)) * sheen_weight,
             flatness: column!(flatness),
             clearcoat: F::select(front, column!(clearcoat), zero),
             coat_alpha: lerp(F::splat(0.1), F::splat(0.001), column!(clearcoat_gloss)),
@@ -299,9 +301,9 @@ impl<F: Float> Lobes<F> {
         // Estimates of what each lobe scatters.
         let (back, through) = lobes.share(wo.z);
         let even =
-            (lobes.base * lobes.diffuse + lobes.sheen * F::select(front, F::splat(0.1), zero)).greatest();
+            (lobes.base * lobes.diffuse + lobes.sheen * F::select(front, F::splat(0.1), zero)).max_lane();
         let coat = lobes.clearcoat * lerp(F::splat(0.04), one, fifth(wo.z)) * 0.25;
-        let sum = even + coat + (back + through).greatest();
+        let sum = even + coat + (back + through).max_lane();
         let by = F::select(sum.gt(zero), one / sum, zero);
         lobes.chance_diffuse = even * by;
         lobes.chance_coat = coat * by;
@@ -310,7 +312,7 @@ impl<F: Float> Lobes<F> {
 
     /// What a facet reflects and lets pass.
     #[inline(always)]
-    fn share(&self, cos: F) -> (Tint<F>, Tint<F>) {
+    fn share(&self, cos: F) -> (Light<F>, Light<F>) {
         let one = F::ONE;
         let f = interface::dielectric(cos, self.eta);
         // Towards what is thinner, Schlick's curve goes by the refracted direction.
@@ -320,10 +322,11 @@ impl<F: Float> Lobes<F> {
             fifth(interface::refracted_cos(cos, self.eta_inside)),
         );
         let facing = interface::facing(self.eta_inside);
-        let metal = self.base.mix(Tint::ONE, slope) * self.metallic;
-        let tinted = (self.hue * facing).mix(Tint::ONE, slope) * ((one - self.metallic) * self.spec_tint);
-        let clear = Tint::splat((one - self.metallic) * (one - self.spec_tint) * f);
-        let back = Tint::select(self.front, metal + tinted + clear, Tint::splat(self.glass * f));
+        let metal = self.base.mix(Light::splat(F::ONE), slope) * self.metallic;
+        let tinted =
+            (self.hue * facing).mix(Light::splat(F::ONE), slope) * ((one - self.metallic) * self.spec_tint);
+        let clear = Light::splat((one - self.metallic) * (one - self.spec_tint) * f);
+        let back = Light::select(self.front, metal + tinted + clear, Light::splat(self.glass * f));
         let root = self.base.map(
             #[inline(always)]
             |v| v.max(F::ZERO).sqrt(),
@@ -333,8 +336,8 @@ impl<F: Float> Lobes<F> {
     }
 
     #[inline(always)]
-    fn part(back: Tint<F>, through: Tint<F>) -> F {
-        let (back, through) = (back.greatest(), through.greatest());
+    fn part(back: Light<F>, through: Light<F>) -> F {
+        let (back, through) = (back.max_lane(), through.max_lane());
         F::select((back + through).gt(F::ZERO), back / (back + through), F::ONE)
     }
 
@@ -347,7 +350,7 @@ impl<F: Float> Lobes<F> {
 
     /// f |cos| of radiance and the density.
     #[inline(always)]
-    fn eval(&self, wi: Vec3<F>) -> (Tint<F>, F) {
+    fn eval(&self, wi: Vec3<F>) -> (Light<F>, F) {
         let (zero, one) = (F::ZERO, F::ONE);
         let wi = Vec3::new(wi.x, wi.y, wi.z * self.side);
         let (up, down) = (wi.z.gt(zero) & self.seen, wi.z.lt(zero) & self.seen);
@@ -378,7 +381,7 @@ impl<F: Float> Lobes<F> {
                     / (square * square);
             let (back, through) = self.share(cos);
             let seen = self.facets.seen(Vec3::new(wi.x, wi.y, -wi.z));
-            value = value + (through * (shape * seen)).only(on);
+            value += (through * (shape * seen)).only(on);
             let drawn = shape * self.eta * self.eta * (one - Self::part(back, through));
             pdf += F::select(on, chance_facets * drawn, zero);
         }
@@ -400,7 +403,7 @@ impl<F: Float> Lobes<F> {
             let quarter = Facets::new(F::splat(0.25), F::splat(0.25));
             let shadow = quarter.seen(self.wo) * quarter.seen(wi);
             let f = self.clearcoat * 0.25 * share * density * shadow * wi.z;
-            value = value + (self.live * f).only(outside);
+            value += (self.live * f).only(outside);
             pdf += F::select(outside, self.chance_coat * density * along / (cos * 4.0), zero);
         }
         let even = outside & self.diffuse.gt(zero);
@@ -413,7 +416,7 @@ impl<F: Float> Lobes<F> {
             let flat = (flat * (one / (wi.z + self.wo.z) - F::splat(0.5)) + F::splat(0.5)) * 1.25;
             let f = lerp(plain, flat, self.flatness) * FRAC_1_PI;
             let all = self.base * (self.diffuse * f) + self.sheen * fifth(cos);
-            value = value + (all * wi.z).only(even) * self.live;
+            value += (all * wi.z).only(even) * self.live;
         }
         pdf += F::select(outside, self.chance_diffuse * wi.z * FRAC_1_PI, zero);
         (value, pdf)
@@ -461,20 +464,32 @@ impl<F: Float> Lobes<F> {
     }
 }
 
-impl Principled {
-    fn lobes(&self, wo: Vec3) -> Lobes<f32> {
-        Lobes::new(|_| self, wo)
+impl<F: Float> Lobes<F> {
+    /// Of a transport, and nothing where there are no numbers.
+    #[inline(always)]
+    fn value(&self, wi: Vec3<F>, transport: Transport) -> (Light<F>, F) {
+        let (mut value, pdf) = self.eval(wi);
+        if transport == Transport::Importance {
+            // Importance isn't compressed where it passes.
+            let passes = (wi.z * self.side).lt(F::ZERO);
+            value *= F::select(passes, self.eta * self.eta, F::ONE);
+        }
+        let is_fine = value.is_finite() & pdf.ge(F::ZERO) & pdf.is_finite();
+        (value.only(is_fine), F::select(is_fine, pdf, F::ZERO))
     }
 
-    fn finish(value: Tint<f32>, pdf: f32, [eta, transport_passes]: [f32; 2]) -> (Light, f32) {
-        // Importance isn't compressed where it passes.
-        let by = if transport_passes > 0.0 { eta * eta } else { 1.0 };
-        let value = Light::from(value) * by;
-        if value.is_finite() && (0.0..f32::INFINITY).contains(&pdf) {
-            (value, pdf)
-        } else {
-            (Light::ZERO, 0.0)
-        }
+    #[inline(always)]
+    fn sample(&self, [u_lobe, u, v]: [F; 3], transport: Transport) -> (BsdfSample<F>, F::Mask) {
+        let (wi, any) = self.draw(u_lobe, [u, v]);
+        let (value, pdf) = self.value(wi, transport);
+        let weight = value * (F::ONE / pdf);
+        let transmitted = (wi.z * self.side).lt(F::ZERO);
+        let sample = BsdfSample {
+            transmitted,
+            eta: F::select(transmitted, self.eta, F::ONE),
+            ..BsdfSample::reflected(wi, weight, pdf)
+        };
+        (sample, any & pdf.gt(F::ZERO) & weight.is_finite())
     }
 }
 
@@ -486,32 +501,31 @@ impl Scatter for Principled {
     }
 
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
-        let lobes = self.lobes(wo);
-        let (value, pdf) = lobes.eval(wi);
-        let passes = transport == Transport::Importance && (wi.z > 0.0) != (wo.z > 0.0);
-        Self::finish(value, pdf, [lobes.eta, f32::from(u8::from(passes))])
+        Lobes::new(self, wo).value(wi, transport)
     }
 
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        let lobes = self.lobes(wo);
-        let (wi, any) = lobes.draw(u_lobe, u);
-        if !any {
-            return None;
-        }
-        let transmitted = (wi.z > 0.0) != (wo.z > 0.0);
-        let (value, pdf) = lobes.eval(wi);
-        let passes = transport == Transport::Importance && transmitted;
-        let (value, pdf) = Self::finish(value, pdf, [lobes.eta, f32::from(u8::from(passes))]);
-        let weight = value * (1.0 / pdf);
-        let eta = if transmitted { lobes.eta } else { 1.0 };
-        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample {
-            wi,
-            weight,
-            pdf,
-            transmitted,
-            eta,
-            ..BsdfSample::REFLECTED
-        })
+    fn sample(&self, wo: Vec3, u_lobe: f32, [u, v]: [f32; 2], transport: Transport) -> Option<BsdfSample> {
+        let (sample, there) = Lobes::new(self, wo).sample([u_lobe, u, v], transport);
+        there.then_some(sample)
+    }
+
+    #[inline(always)]
+    fn eval_pdf_many<F: Float>(
+        these: impl These<Self>,
+        [wo, wi]: [Vec3<F>; 2],
+        transport: Transport,
+    ) -> (Light<F>, F) {
+        Lobes::new(these, wo).value(wi, transport)
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float>(
+        these: impl These<Self>,
+        wo: Vec3<F>,
+        u: [F; 3],
+        transport: Transport,
+    ) -> (BsdfSample<F>, F::Mask) {
+        Lobes::new(these, wo).sample(u, transport)
     }
 
     fn albedo(&self) -> Light {

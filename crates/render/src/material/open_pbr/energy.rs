@@ -16,7 +16,7 @@ use straal_math::simd::{Float, Uint};
 use straal_math::{Vec3, ops};
 
 use super::interface;
-use super::layers::LEAST_INDEX;
+use super::params::LEAST_INDEX;
 use crate::material::microfacet::Facets;
 
 /// Nodes by each of index, roughness and cosine.

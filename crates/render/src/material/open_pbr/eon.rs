@@ -3,10 +3,9 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use straal_color::Light;
 use straal_math::Vec3;
 use straal_math::simd::Float;
-
-use super::tint::Tint;
 
 /// 1/2 - 2 / (3 pi).
 const A: f32 = 0.5 - 2.0 / (3.0 * PI);
@@ -27,7 +26,7 @@ fn once<F: Float>(mu: F, roughness: F) -> F {
 /// f of a surface of a roughness from 0 (Lambert) to 1 that sends back `rho` of single scattering, for directions above it. Reciprocal;
 /// white sends back all to the error of the polynomial.
 #[inline(always)]
-pub(super) fn value<F: Float>(rho: Tint<F>, roughness: F, wo: Vec3<F>, wi: Vec3<F>) -> Tint<F> {
+pub(super) fn value<F: Float>(rho: Light<F>, roughness: F, wo: Vec3<F>, wi: Vec3<F>) -> Light<F> {
     let s = wo.x * wi.x + wo.y * wi.y;
     let s_over_t = F::select(s.gt(F::ZERO), s / wo.z.max(wi.z), s);
     let a = F::ONE / (F::ONE + roughness * A);

@@ -3,10 +3,9 @@
 
 use std::f32::consts::TAU;
 
+use straal_color::Light;
 use straal_math::ops;
 use straal_math::simd::{Float, Mask};
-
-use super::tint::Tint;
 
 /// A film between two media.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +72,15 @@ impl<F: Float> Film<F> {
     /// Share of light that comes back from the film on a medium of index `n` + i `k`, where `cos` is that of the direction before the
     /// film, for waves of `nm`.
     #[inline(always)]
-    pub fn reflects(&self, cos: F, n: Tint<F>, k: Tint<F>, nm: Tint<F>) -> Tint<F> {
+    pub fn reflects(&self, cos: F, n: Light<F>, k: Light<F>, nm: Light<F>) -> Light<F> {
+        F::vectorize(
+            #[inline(always)]
+            || self.reflects_here(cos, [n, k, nm]),
+        )
+    }
+
+    #[inline(always)]
+    fn reflects_here(&self, cos: F, [n, k, nm]: [Light<F>; 3]) -> Light<F> {
         let sin2 = ((F::ONE - cos) * (F::ONE + cos)).max(F::ZERO);
         let ratio = self.above / self.ior;
         let sin2_film = sin2 * ratio * ratio;
@@ -84,14 +91,14 @@ impl<F: Float> Film<F> {
         let (a, b) = (self.ior * cos, self.above * cos_film);
         let p = (a - b) / (a + b).max(F::splat(1e-9));
         let path = self.thickness * self.ior * cos_film * (2.0 * TAU);
-        let mut out = Tint::ONE;
+        let mut out = Light::splat(F::ONE);
         for lane in 0..4 {
             let (sin, cos) = ops::sin_cos(path / nm.0[lane]);
             let [below_s, below_p] = self.below([cos_film, sin2_film], Complex(n.0[lane], k.0[lane]));
             let wave = Complex(cos, sin);
             out.0[lane] = (sum(s, below_s.times(wave)) + sum(p, below_p.times(wave))) * 0.5;
         }
-        Tint::select(sin2_film.lt(F::ONE), out, Tint::ONE)
+        Light::select(sin2_film.lt(F::ONE), out, Light::splat(F::ONE))
     }
 
     /// Amplitudes at the lower face, across and along the plane of incidence, against an index.
@@ -121,7 +128,7 @@ fn sum<F: Float>(r: F, z: Complex<F>) -> F {
 /// Index n and k of a metal of reflectance `f0` straight back, with a tint at its edge (Gulbrandsen 2014, "Artist Friendly Metallic
 /// Fresnel").
 #[inline(always)]
-pub(super) fn metal<F: Float>(f0: Tint<F>, edge: Tint<F>) -> [Tint<F>; 2] {
+pub(super) fn metal<F: Float>(f0: Light<F>, edge: Light<F>) -> [Light<F>; 2] {
     let r = f0.map(
         #[inline(always)]
         |r| r.max(F::ZERO).min(F::splat(0.99)),

@@ -1,26 +1,21 @@
 //! What smooth boundaries reflect: Fresnel's equations, their mean over all directions, and metals by two colours.
 
+use straal_color::Light;
 use straal_math::simd::Float;
 
-use super::tint::Tint;
+use crate::material::fresnel;
 
 /// Share of unpolarised light that is reflected between transparent media: `cos` >= 0 of the direction, `eta` the index beyond the
 /// boundary over that before it.
 #[inline(always)]
 pub(in super::super) fn dielectric<F: Float>(cos: F, eta: F) -> F {
-    let sin2 = ((F::ONE - cos) * (F::ONE + cos)).max(F::ZERO);
-    let cos2 = F::ONE - sin2 / (eta * eta);
-    let refracted = cos2.max(F::ZERO).sqrt();
-    let s = (cos - eta * refracted) / (cos + eta * refracted);
-    let p = (eta * cos - refracted) / (eta * cos + refracted);
-    F::select(cos2.gt(F::ZERO), (s * s + p * p) * 0.5, F::ONE)
+    fresnel::dielectric(cos, eta).reflected
 }
 
 /// The cosine of the refracted direction, 0 for total reflection.
 #[inline(always)]
 pub(in super::super) fn refracted_cos<F: Float>(cos: F, eta: F) -> F {
-    let sin2 = ((F::ONE - cos) * (F::ONE + cos)).max(F::ZERO);
-    (F::ONE - sin2 / (eta * eta)).max(F::ZERO).sqrt()
+    fresnel::dielectric(cos, eta).cos_refracted
 }
 
 /// The mean of [`dielectric`] over directions weighted by their cosine, within half a percent (Kulla and Conty 2017, "Revisiting Physically
@@ -57,23 +52,26 @@ const REST_5: f32 = {
 
 /// What is taken from Schlick's curve for a metal to have a tint at its edge.
 #[inline(always)]
-fn dip<F: Float>(f0: Tint<F>, edge: Tint<F>) -> Tint<F> {
-    let rest = Tint::ONE - f0;
-    (f0 + rest * F::splat(REST_5)) * (Tint::ONE - edge) * F::splat(1.0 / (EDGE * REST_5 * (1.0 - EDGE)))
+fn dip<F: Float>(f0: Light<F>, edge: Light<F>) -> Light<F> {
+    let rest = Light::splat(F::ONE) - f0;
+    (f0 + rest * F::splat(REST_5))
+        * (Light::splat(F::ONE) - edge)
+        * F::splat(1.0 / (EDGE * REST_5 * (1.0 - EDGE)))
 }
 
 /// Reflectance of a metal: `f0` straight back, and `edge` times Schlick's curve at 82 degrees (the F82-tint model of Kutz, Hašan and
 /// Edmondson 2021, "Novel aspects of the Adobe Standard Material", after Hoffman 2019).
 #[inline(always)]
-pub(in super::super) fn metal<F: Float>(cos: F, f0: Tint<F>, edge: Tint<F>) -> Tint<F> {
+pub(in super::super) fn metal<F: Float>(cos: F, f0: Light<F>, edge: Light<F>) -> Light<F> {
     let c = F::ONE - cos;
     let c2 = c * c;
     let c5 = c2 * c2 * c;
-    (f0 + (Tint::ONE - f0 - dip(f0, edge) * (cos * c)) * c5).held()
+    (f0 + (Light::splat(F::ONE) - f0 - dip(f0, edge) * (cos * c)) * c5).as_shares()
 }
 
 /// The mean of [`metal`] over directions weighted by their cosine.
 #[inline(always)]
-pub(in super::super) fn metal_mean<F: Float>(f0: Tint<F>, edge: Tint<F>) -> Tint<F> {
-    (f0 + (Tint::ONE - f0) * F::splat(1.0 / 21.0) - dip(f0, edge) * F::splat(1.0 / 126.0)).held()
+pub(in super::super) fn metal_mean<F: Float>(f0: Light<F>, edge: Light<F>) -> Light<F> {
+    (f0 + (Light::splat(F::ONE) - f0) * F::splat(1.0 / 21.0) - dip(f0, edge) * F::splat(1.0 / 126.0))
+        .as_shares()
 }

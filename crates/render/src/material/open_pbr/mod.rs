@@ -26,8 +26,10 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
+use super::many::{self, These};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Carried, Colour, Lanes};
@@ -41,15 +43,23 @@ mod fuzz;
 pub(super) mod interface;
 mod interior;
 mod layers;
+mod params;
 mod record;
+mod scatter;
 #[cfg(test)]
 mod tests;
-pub(super) mod tint;
 
 pub use interior::Interior;
-use layers::{Drawn, LINES, Layers, Params};
+use layers::Layers;
+use params::{LINES, Params};
 use record::Record;
-use tint::Tint;
+use scatter::Drawn;
+
+/// Whether any number of any lane is above 0.
+#[inline(always)]
+fn is_any<F: Float>(light: Light<F>) -> bool {
+    light.max_lane().gt(F::ZERO).any()
+}
 
 /// The parameters of OpenPBR, by the specification's names.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,7 +150,7 @@ impl OpenPbrMaterial {
     /// The numbers at a point.
     fn params<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> Params<f32> {
         let number = |v: &Value<f32>| reading.eval(v, at);
-        let tint = |v: &Value<Colour>| Tint::from(reading.eval(v, at));
+        let tint = |v: &Value<Colour>| reading.eval(v, at);
         let thin = self.geometry_thin_walled;
         // Beyond a depth light is coloured on its way, not where it enters.
         let is_tinted = thin || number(&self.transmission_depth) <= 0.0;
@@ -153,13 +163,13 @@ impl OpenPbrMaterial {
             Carried::Four(nm) => (nm, false),
         };
         Params {
-            base: Tint::from(reading.eval(&self.base_color, at) * number(&self.base_weight)),
+            base: reading.eval(&self.base_color, at) * number(&self.base_weight),
             specular: tint(&self.specular_color),
-            transmission: if is_tinted { tint(&self.transmission_color) } else { Tint::ONE },
+            transmission: if is_tinted { tint(&self.transmission_color) } else { Light::ONE },
             subsurface: tint(&self.subsurface_color),
             coat: tint(&self.coat_color),
             fuzz: tint(&self.fuzz_color),
-            nm: Tint(nm),
+            nm: Light(nm),
             metalness: number(&self.base_metalness),
             specular_weight: number(&self.specular_weight),
             transmission_weight: number(&self.transmission_weight),
@@ -265,45 +275,48 @@ impl OpenPbr {
         Layers::new(self.0.one(), wo)
     }
 
-    /// What is drawn in the direction of a delta lobe.
-    fn delta(&self, layers: &Layers<f32>, drawn: &Drawn<f32>, transport: Transport) -> BsdfSample {
-        let transmitted = drawn.transmitted;
-        let eta = if transmitted { layers.bends() } else { 1.0 };
-        let mut weight = Light::from(drawn.weight);
-        if transmitted && transport == Transport::Importance {
-            // Importance goes the way back of the radiance that comes from there; lanes that have ended stay so.
-            let back = Light::from(self.layers(drawn.wi).passes());
-            let here = Light::from(layers.passes());
-            weight = weight.zip(back.zip(here, |b, h| if h > 0.0 { b / h } else { 0.0 }), |w, by| w * by)
-                * (eta * eta);
-        }
-        BsdfSample {
-            wi: drawn.wi,
-            weight,
-            pdf: drawn.chance,
-            delta: true,
-            transmitted,
-            eta,
-            wavelength: drawn.nm,
-        }
+    /// The adjoint: f with the directions exchanged, which is what light paths see.
+    fn adjoint(&self, wo: Vec3, wi: Vec3) -> Light {
+        let (back, _) = self.layers(wi).eval(wo);
+        back * (wi.z / wo.z).abs()
     }
+}
 
-    fn value(&self, layers: &Layers<f32>, [wo, wi]: [Vec3; 2], transport: Transport) -> (Light, f32) {
-        let (value, pdf) = layers.eval(wi);
-        let value = match transport {
-            Transport::Radiance => Light::from(value),
-            // The adjoint: f with the directions exchanged.
-            Transport::Importance => {
-                let (back, _) = self.layers(wi).eval(wo);
-                Light::from(back) * (wi.z / wo.z).abs()
-            }
-        };
-        if value.is_finite() && (0.0..f32::INFINITY).contains(&pdf) {
-            (value, pdf)
-        } else {
-            (Light::ZERO, 0.0)
-        }
-    }
+/// Those of many side by side, by their numbers.
+#[inline(always)]
+fn gathered<F: Float>(these: impl These<OpenPbr>) -> Params<F> {
+    Record::unpack(
+        #[inline(always)]
+        |i| &these.of(i).0,
+    )
+}
+
+/// The value of radiance and the density, nothing where there are no numbers.
+#[inline(always)]
+fn value<F: Float>(layers: &Layers<F>, wi: Vec3<F>) -> (Light<F>, F) {
+    let (value, pdf) = layers.eval(wi);
+    let is_fine = value.is_finite() & pdf.ge(F::ZERO) & pdf.is_finite();
+    (value.only(is_fine), F::select(is_fine, pdf, F::ZERO))
+}
+
+/// A draw as a sample, and whether it is one of value.
+#[inline(always)]
+fn sample<F: Float>(layers: &Layers<F>, u: [F; 3]) -> (BsdfSample<F>, F::Mask) {
+    let drawn: Drawn<F> = layers.draw(u[0], [u[1], u[2]]);
+    let (value, pdf) = value(layers, drawn.wi);
+    let pdf = F::select(drawn.delta, drawn.chance, pdf);
+    let weight = Light::select(drawn.delta, drawn.weight, value * (F::ONE / pdf));
+    let there = drawn.any & drawn.wi.z.ne(F::ZERO) & pdf.gt(F::ZERO) & weight.is_finite();
+    let sample = BsdfSample {
+        wi: drawn.wi,
+        weight,
+        pdf,
+        delta: drawn.delta,
+        transmitted: drawn.transmitted,
+        eta: F::select(drawn.transmitted, layers.bends(), F::ONE),
+        wavelength: drawn.nm,
+    };
+    (sample, there)
 }
 
 impl Scatter for OpenPbr {
@@ -314,38 +327,59 @@ impl Scatter for OpenPbr {
     }
 
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {
-        if wo.z == 0.0 || wi.z == 0.0 {
-            return (Light::ZERO, 0.0);
+        let (radiance, pdf) = value(&self.layers(wo), wi);
+        match transport {
+            Transport::Radiance => (radiance, pdf),
+            Transport::Importance if pdf > 0.0 => (self.adjoint(wo, wi), pdf),
+            Transport::Importance => (Light::ZERO, 0.0),
         }
-        self.value(&self.layers(wo), [wo, wi], transport)
     }
 
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
+    fn sample(&self, wo: Vec3, u_lobe: f32, [u, v]: [f32; 2], transport: Transport) -> Option<BsdfSample> {
         let layers = self.layers(wo);
-        let drawn = layers.draw(u_lobe, u);
-        if !drawn.any || drawn.wi.z == 0.0 {
-            return None;
+        let (mut sample, there) = sample(&layers, [u_lobe, u, v]);
+        if transport == Transport::Importance && there {
+            if !sample.delta {
+                sample.weight = self.adjoint(wo, sample.wi) * (1.0 / sample.pdf);
+            } else if sample.transmitted {
+                // The way back of the radiance that comes from there; lanes that have ended stay so.
+                let back = self
+                    .layers(sample.wi)
+                    .passes()
+                    .zip(layers.passes(), |back, here| if here > 0.0 { back / here } else { 0.0 });
+                sample.weight = sample.weight * back * (sample.eta * sample.eta);
+            }
         }
-        if drawn.delta {
-            let sample = self.delta(&layers, &drawn, transport);
-            return (sample.pdf > 0.0 && sample.weight.is_finite()).then_some(sample);
+        (there && sample.weight.is_finite()).then_some(sample)
+    }
+
+    #[inline(always)]
+    fn eval_pdf_many<F: Float>(
+        these: impl These<Self>,
+        pair: [Vec3<F>; 2],
+        transport: Transport,
+    ) -> (Light<F>, F) {
+        if transport == Transport::Importance {
+            return many::eval_pdf_one_by_one(these, pair, transport);
         }
-        let (value, pdf) = self.value(&layers, [wo, drawn.wi], transport);
-        let weight = value * (1.0 / pdf);
-        let transmitted = (drawn.wi.z > 0.0) != (wo.z > 0.0);
-        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample {
-            wi: drawn.wi,
-            weight,
-            pdf,
-            delta: false,
-            transmitted,
-            eta: if transmitted { layers.bends() } else { 1.0 },
-            wavelength: 0.0,
-        })
+        value(&Layers::new(gathered(these), pair[0]), pair[1])
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float>(
+        these: impl These<Self>,
+        wo: Vec3<F>,
+        u: [F; 3],
+        transport: Transport,
+    ) -> (BsdfSample<F>, F::Mask) {
+        if transport == Transport::Importance {
+            return many::sample_one_by_one(these, wo, u, transport);
+        }
+        sample(&Layers::new(gathered(these), wo), u)
     }
 
     fn albedo(&self) -> Light {
-        Light::from(self.0.one().colour())
+        self.0.one().colour()
     }
 
     #[cfg(test)]

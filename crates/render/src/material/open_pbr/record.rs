@@ -1,9 +1,9 @@
 //! What a material of OpenPBR has at a point, packed: some forty numbers, of which every vertex of a path carries a copy.
 
+use straal_color::Light;
 use straal_math::simd::{Float, Uint};
 
-use super::layers::Params;
-use super::tint::Tint;
+use super::params::Params;
 
 /// How many numbers of 16 bits there are.
 const COUNT: usize = 47;
@@ -132,7 +132,7 @@ impl Record {
             subsurface: n.tint(3),
             coat: n.tint(4),
             fuzz: n.tint(5),
-            nm: Tint([n.nm(0), n.nm(1), n.nm(2), n.nm(3)]),
+            nm: Light([n.nm(0), n.nm(1), n.nm(2), n.nm(3)]),
             metalness: n.unit(28),
             specular_weight: n.unit(29),
             transmission_weight: n.unit(30),
@@ -196,8 +196,8 @@ impl<F: Float> Numbers<F> {
     }
 
     #[inline(always)]
-    fn tint(&self, i: usize) -> Tint<F> {
-        Tint([self.root(4 * i), self.root(4 * i + 1), self.root(4 * i + 2), self.root(4 * i + 3)])
+    fn tint(&self, i: usize) -> Light<F> {
+        Light([self.root(4 * i), self.root(4 * i + 1), self.root(4 * i + 2), self.root(4 * i + 3)])
     }
 
     #[inline(always)]
@@ -229,8 +229,8 @@ mod tests {
             anisotropy: 0.85,
             coat_darkening: 0.7,
             subsurface_anisotropy: -0.35,
-            base: Tint([1.0, 0.25, 0.0, 0.0]),
-            nm: Tint([620.0, 540.5, 450.0, 540.0]),
+            base: Light([1.0, 0.25, 0.0, 0.0]),
+            nm: Light([620.0, 540.5, 450.0, 540.0]),
             thin: true,
             rgb: true,
             ..Params::BLANK

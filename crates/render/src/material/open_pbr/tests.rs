@@ -50,7 +50,7 @@ pub(super) fn material() -> OpenPbrMaterial {
 }
 
 fn white() -> Params<f32> {
-    Params { base: Tint([1.0, 1.0, 1.0, 0.0]), ..Params::BLANK }
+    Params { base: Light([1.0, 1.0, 1.0, 0.0]), ..Params::BLANK }
 }
 
 fn layered(p: Params<f32>) -> Bsdf<'static> {
@@ -59,7 +59,7 @@ fn layered(p: Params<f32>) -> Bsdf<'static> {
 
 /// Of every lobe some, alone and together.
 pub(super) fn examples() -> Vec<Example> {
-    let red = Tint([0.8, 0.4, 0.2, 0.0]);
+    let red = Light([0.8, 0.4, 0.2, 0.0]);
     // Fits and tables are off by so much, in rough glass along the surface by more.
     let one = |name, p| Example::new(name, layered(p)).focus(2).gain(4e-3);
     let way = |name, p| one(name, p).one_way().gain(0.02);
@@ -171,7 +171,7 @@ fn smooth_surfaces_are_the_textbooks() {
 #[test]
 fn films_cancel_waves() {
     let p = Params {
-        base: Tint([0.0; 4]),
+        base: Light([0.0; 4]),
         roughness: 0.0,
         ior: 1.96,
         film_presence: 1.0,
@@ -192,13 +192,13 @@ fn films_cancel_waves() {
 #[test]
 fn four_wavelengths_scatter_as_three_colours_do() {
     let rgb = Params { coat_weight: 0.5, metalness: 0.4, fuzz_weight: 0.3, ..white() };
-    let all = |t: Tint<f32>| Tint([t.0[0]; 4]);
+    let all = |t: Light| Light([t.0[0]; 4]);
     let four = Params {
         base: all(rgb.base),
         specular: all(rgb.specular),
         coat: all(rgb.coat),
         fuzz: all(rgb.fuzz),
-        nm: Tint([430.0, 500.0, 570.0, 640.0]),
+        nm: Light([430.0, 500.0, 570.0, 640.0]),
         rgb: false,
         ..rgb
     };
