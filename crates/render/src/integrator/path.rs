@@ -5,17 +5,18 @@ use super::lighting::{Brought, Illuminate, Lit, Weigh, power_heuristic};
 use super::numbers::{Numbers, Wanted};
 use super::scattering::{Onward, SendOn};
 use super::vertices::{Arriving, BLOCK, ROOM, Vertices};
-use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
+use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
 use crate::material::Bsdf;
+use crate::material::interior::{Boundary, Inside};
 use crate::shape::SurfacePoint;
 use crate::stopwatch::Phase;
 use crate::surface::{Met, Surfaces};
 use crate::world::World;
 use straal_color::Light;
-use straal_math::lowdisc::SampleName;
+use straal_math::lowdisc::{Purpose, SampleName};
 use straal_math::{Ray, Vec3};
 use straal_scene::desc;
 use straal_scene::value::Depth;
@@ -71,6 +72,8 @@ pub struct State<L> {
     depth: u32,
     /// Product of squared relative indices passed: roulette looks at the light's energy, not its radiance.
     eta_squared: f32,
+    /// What clear materials it is inside of, in a world where that matters.
+    inside: Inside,
 }
 
 impl Integrator for PathTracer {
@@ -95,11 +98,14 @@ impl Integrator for PathTracer {
             delta: true,
             depth: 1,
             eta_squared: 1.0,
+            inside: Inside::default(),
         };
         start.camera_ray.map(|ray| (ray, state))
     }
 
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+        let dimmed = world.materials.interiors().matter().then(|| dimmed(world, queue));
+        let queue = &Queue { paths: dimmed.as_deref().unwrap_or(queue.paths), ..*queue };
         match queue.kind {
             Kind::Missed => miss(world, queue, out),
             Kind::Dark => {
@@ -122,7 +128,7 @@ impl PathTracer {
         let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
             meet(world, queue, paths, &mut scratch.surfaces, out);
-            self.arrive(world, queue, (paths, &scratch.surfaces), &mut vertices);
+            self.arrive(world, queue, (paths, &mut scratch), &mut vertices, out);
             for (lanes, &path) in lanes.iter_mut().zip(paths) {
                 *lanes = queue.paths[path as usize].state.lanes;
             }
@@ -148,8 +154,9 @@ impl PathTracer {
         &self,
         world: &'w World,
         queue: &Queue<'_, State<L>>,
-        (paths, surfaces): (&[u32], &Surfaces),
+        (paths, Scratch { surfaces, interior, .. }): (&[u32], &mut Scratch),
         vertices: &mut Vertices<'w>,
+        out: &mut Out<'_, State<L>>,
     ) {
         vertices.begin(paths.len());
         let mut last: Option<((u32, L), Bsdf<'w>)> = None;
@@ -159,7 +166,12 @@ impl PathTracer {
                 continue;
             }
             // Read once where it doesn't differ from vertex to vertex.
-            let (material, at) = (surfaces.material[i], surfaces.at(i));
+            let (mut material, at) = (surfaces.material[i], surfaces.at(i));
+            let in_front = surfaces.wo.at(i).z > 0.0;
+            if world.materials.choose() {
+                let u = queue.pattern.d1(&queue.paths[path as usize].name, Purpose::Material);
+                material = world.chosen(material, (at, in_front), lanes, u);
+            }
             if at.is_some() || last.as_ref().is_none_or(|(like, _)| *like != (material, lanes)) {
                 last = Some(((material, lanes), world.bsdf_at(material, at, lanes)));
             }
@@ -167,8 +179,61 @@ impl PathTracer {
             if matches!(bsdf, Bsdf::Black(_)) {
                 continue;
             }
+            let mut bsdf = bsdf;
+            let with_eta;
+            if world.materials.interiors().matter() {
+                interior[i] = world.materials.interiors().number(material);
+                let Some(eta) = boundary(world, &queue.arrival(path), (interior[i], in_front), out) else {
+                    continue;
+                };
+                if let Some(eta) = eta {
+                    with_eta = bsdf.with_eta(eta);
+                    bsdf = &with_eta;
+                }
+            }
+            if world.has_ambient_light() {
+                let ambient = world.ambient_from(bsdf, lanes);
+                out.add(Contribution::own(&queue.paths[path as usize], beta * ambient));
+            }
             let plays_roulette = self.plays_roulette(depth);
             vertices.set(i, &Arriving { beta, eta_squared, plays_roulette }, bsdf);
+        }
+    }
+}
+
+/// All paths of the turn, those of the queue with what the media that their rays went through have left of their light.
+#[cold]
+fn dimmed<L: Lanes>(world: &World, queue: &Queue<'_, State<L>>) -> Vec<Path<State<L>>> {
+    let (mut paths, interiors) = (queue.paths.to_vec(), world.materials.interiors());
+    for &path in queue.order {
+        let Arrival { ray, hit, .. } = queue.arrival(path);
+        let state = &mut paths[path as usize].state;
+        if hit.is_hit() && world.is_met_from_inside(ray, hit) {
+            // It may have started inside.
+            state.inside = state.inside.or(interiors.number(world.material_of(hit)));
+        }
+        let start = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
+        state.beta *= interiors.left_after(state.inside, hit.t - start, &world.reading(state.lanes));
+    }
+    paths
+}
+
+/// What the boundary of a clear material is: with which index of refraction, if not its own. Nothing where something of a higher priority is
+/// on both sides: the ray goes on.
+#[cold]
+fn boundary<L: Lanes>(
+    world: &World,
+    arrival: &Arrival<'_, State<L>>,
+    (interior, entering): (u16, bool),
+    out: &mut Out<'_, State<L>>,
+) -> Option<Option<f32>> {
+    match world.materials.interiors().boundary(arrival.path.state.inside, interior, entering) {
+        Boundary::Real(eta) => Some(eta),
+        Boundary::Ignored(inside) => {
+            // The least number beyond the hit: what lies at the very same place is behind it as well.
+            let beyond = Ray { t_min: arrival.hit.t.next_up(), ..*arrival.ray };
+            out.go_on_as(arrival.path, 0, beyond).inside = inside;
+            None
         }
     }
 }
@@ -246,6 +311,8 @@ struct Block<'a, 'w, L> {
 #[derive(Default)]
 struct Scratch {
     surfaces: Surfaces,
+    /// What each surface is filled with, by its number, in a world where that matters.
+    interior: [u16; BLOCK],
     numbers: Numbers,
     lit: Lit,
     brought: Brought,
@@ -271,7 +338,7 @@ fn light<L: Lanes>(
     world: &World,
     queue: &Queue<'_, State<L>>,
     block: Block<'_, '_, L>,
-    Scratch { surfaces, numbers, lit, brought, .. }: &mut Scratch,
+    Scratch { surfaces, interior, numbers, lit, brought, .. }: &mut Scratch,
     out: &mut Out<'_, State<L>>,
 ) {
     let Block { vertices, lanes, .. } = block;
@@ -283,7 +350,17 @@ fn light<L: Lanes>(
     vertices.by_kind(Weigh { simd, surfaces, vertices, lit, out: brought });
     for i in brought.bright.each() {
         let path = block.paths[i] as usize;
-        let (ray, light) = brought.get(i, &queue.rays[path]);
+        let (ray, mut light) = brought.get(i, &queue.rays[path]);
+        if world.materials.interiors().matter() {
+            // What is free for the light to arrive lies within one medium, on the side that it comes from.
+            let wo = surfaces.wo.at(i).z;
+            let crosses = surfaces.frame[2].at(i).dot(ray.d) * wo < 0.0;
+            let mut inside = queue.paths[path].state.inside;
+            if crosses {
+                inside = inside.crossed(interior[i], wo > 0.0);
+            }
+            light *= world.materials.interiors().left_after(inside, ray.t_max, &world.reading(lanes[i]));
+        }
         out.shadow(ray, Contribution::own(&queue.paths[path], light));
     }
 }
@@ -293,7 +370,7 @@ fn scatter<L: Lanes>(
     world: &World,
     queue: &Queue<'_, State<L>>,
     block: Block<'_, '_, L>,
-    Scratch { surfaces, numbers, onward, .. }: &mut Scratch,
+    Scratch { surfaces, interior, numbers, onward, .. }: &mut Scratch,
     out: &mut Out<'_, State<L>>,
 ) {
     let (vertices, simd) = (block.vertices, queue.simd);
@@ -316,5 +393,8 @@ fn scatter<L: Lanes>(
         (state.pdf, state.delta) = (next.sample.pdf, next.sample.delta);
         state.depth += 1;
         state.eta_squared = next.eta_squared;
+        if next.sample.transmitted && world.materials.interiors().matter() {
+            state.inside = state.inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
+        }
     }
 }

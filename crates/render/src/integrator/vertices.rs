@@ -157,7 +157,7 @@ impl<'w> Vertices<'w> {
         if arriving.plays_roulette {
             self.plays_roulette.set(i);
         }
-        if kind == BsdfKind::Custom {
+        if kind == BsdfKind::Custom || bsdf.transmits() {
             self.is_open.set(i);
         }
         self.chooses_lobe |= bsdf.chooses_lobe();

@@ -20,7 +20,7 @@ use straal_scene::desc;
 
 use super::many::{self, These};
 use super::microfacet::Facets;
-use super::open_pbr::interface;
+use super::open_pbr::{ggx, interface};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
@@ -270,7 +270,7 @@ impl<F: Float> Lobes<F> {
         let alpha = roughness * roughness;
         let aspect = (one - column!(anisotropic) * 0.9).sqrt();
         let least = F::splat(0.001);
-        let facets = Facets::new((alpha / aspect).max(least), (alpha * aspect).max(least));
+        let facets = ggx([(alpha / aspect).max(least), (alpha * aspect).max(least)]);
         let has_sheen = diffuse.gt(zero);
         let sheen_weight = F::select(has_sheen, column!(sheen) * (one - metallic), zero);
         let dead = F::select(mask!(rgb), zero, one);
@@ -362,10 +362,10 @@ impl<F: Float> Lobes<F> {
         let cos = (self.wo.dot(h) * by).max(zero).min(one);
 
         let density = self.facets.density(h);
-        let shape = density * self.facets.reflects(self.wo, one) * self.facets.seen(wi);
+        let shape = density * self.facets.reflects_within(self.wo, one) * self.facets.seen(wi);
         let (back, through) = self.share(cos);
         let mut value = (back * shape).only(up);
-        let drawn = density * self.facets.reflects(self.wo, self.bound) * Self::part(back, through);
+        let drawn = density * self.facets.reflects_within(self.wo, self.bound) * Self::part(back, through);
         let mut pdf = F::select(up, chance_facets * drawn, zero);
 
         let bent = down & self.glass.gt(zero);
@@ -376,9 +376,11 @@ impl<F: Float> Lobes<F> {
             let (before, beyond) = (self.wo.dot(m), wi.dot(m));
             let on = bent & is_right & (before * beyond).lt(zero) & square.gt(F::splat(1e-10));
             let cos = (before.abs() / square.sqrt()).min(one);
-            let shape =
-                self.facets.density(m) * self.facets.reflects(self.wo, one) * 4.0 * (before * beyond).abs()
-                    / (square * square);
+            let shape = self.facets.density(m)
+                * self.facets.reflects_within(self.wo, one)
+                * 4.0
+                * (before * beyond).abs()
+                / (square * square);
             let (back, through) = self.share(cos);
             let seen = self.facets.seen(Vec3::new(wi.x, wi.y, -wi.z));
             value += (through * (shape * seen)).only(on);
@@ -400,7 +402,7 @@ impl<F: Float> Lobes<F> {
                 )),
             );
             // The shadowing is always that of a roughness of 1/4.
-            let quarter = Facets::new(F::splat(0.25), F::splat(0.25));
+            let quarter = ggx([F::splat(0.25); 2]);
             let shadow = quarter.seen(self.wo) * quarter.seen(wi);
             let f = self.clearcoat * 0.25 * share * density * shadow * wi.z;
             value += (self.live * f).only(outside);
@@ -430,7 +432,7 @@ impl<F: Float> Lobes<F> {
         let both = self.chance_diffuse + self.chance_coat;
         let coat = !even & u_lobe.lt(both);
         let rest = ((u_lobe - both) / (one - both).max(F::splat(1e-9))).min(one);
-        let m = self.facets.draw(self.wo, self.bound, u);
+        let m = self.facets.sample_within(self.wo, u, self.bound);
         let cos = self.wo.dot(m);
         let (back, through) = self.share(cos.max(zero).min(one));
         let bends = !even & !coat & rest.ge(Self::part(back, through));
@@ -553,7 +555,7 @@ impl Scatter for Principled {
             rgb: true,
         };
         // Sheen and retro-reflection come on top.
-        let one = |name, p| Example::new(name, Bsdf::Principled(p)).focus(2).gain(0.6);
+        let one = |name, p| Example::new(name, Bsdf::Principled(p)).focus(2).gives_energy();
         vec![
             one("principled, plastic", Self { spec_tint: 0.5, flatness: 0.4, ..plain }),
             one("principled, brushed", Self { metallic: 0.9, anisotropic: 0.8, ..plain }),

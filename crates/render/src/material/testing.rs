@@ -14,11 +14,17 @@ pub(crate) struct Example {
     pub focus: i32,
     /// The share of light that comes back in the first lane, where the model promises one for all angles.
     pub albedo: Option<f64>,
+    /// Whether f stays the same when its directions are exchanged.
+    pub is_reciprocal: bool,
+    /// Whether no more comes out than goes in.
+    pub keeps_energy: bool,
+    /// How far from all the light that comes back may be, for one that promises all of it but for its tables.
+    pub whole_within: Option<f64>,
     /// Whether light passes through it.
     pub passes: bool,
-    /// Whether no more comes out than goes in for each direction to the viewer alone, not for each direction of a light as well: it isn't
-    /// reciprocal, and what light paths see is the adjoint.
-    pub one_way: bool,
+    /// Whether energy is kept for each direction to the viewer alone, not for each direction of a light as well: what light paths see is the
+    /// adjoint.
+    pub of_radiance: bool,
     /// By how much more may come out than goes in: the error of fits and tables.
     pub gain: f64,
 }
@@ -26,19 +32,46 @@ pub(crate) struct Example {
 impl Example {
     /// One without sharp lobes that promises no albedo.
     pub const fn new(name: &'static str, bsdf: Bsdf<'static>) -> Self {
-        Self { name, bsdf, focus: 1, albedo: None, passes: false, one_way: false, gain: 1e-6 }
+        Self {
+            name,
+            bsdf,
+            focus: 1,
+            albedo: None,
+            is_reciprocal: true,
+            keeps_energy: true,
+            whole_within: None,
+            passes: false,
+            of_radiance: false,
+            gain: 1e-3,
+        }
     }
 
     pub const fn albedo(self, share: f64) -> Self {
         Self { albedo: Some(share), ..self }
     }
 
+    /// One whose directions mean different things, as its page says.
+    pub const fn one_way(self) -> Self {
+        Self { is_reciprocal: false, ..self }
+    }
+
+    /// One that may send back more light than arrives, as its page says.
+    pub const fn gives_energy(self) -> Self {
+        Self { keeps_energy: false, ..self }
+    }
+
+    /// One that sends back all light, within a part of it.
+    pub const fn nearly_energy(self, within: f64) -> Self {
+        Self { whole_within: Some(within), ..self }
+    }
+
     pub const fn passes(self) -> Self {
         Self { passes: true, ..self }
     }
 
-    pub const fn one_way(self) -> Self {
-        Self { one_way: true, ..self }
+    /// One that keeps energy for each direction to the viewer alone.
+    pub const fn of_radiance(self) -> Self {
+        Self { of_radiance: true, ..self }
     }
 
     pub const fn gain(self, gain: f64) -> Self {

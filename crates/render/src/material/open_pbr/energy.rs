@@ -15,9 +15,8 @@ use std::sync::LazyLock;
 use straal_math::simd::{Float, Uint};
 use straal_math::{Vec3, ops};
 
-use super::interface;
 use super::params::LEAST_INDEX;
-use crate::material::microfacet::Facets;
+use super::{ggx, interface};
 
 /// Nodes by each of index, roughness and cosine.
 const SIDE: usize = 32;
@@ -248,14 +247,14 @@ struct Losses {
 /// Integrals over the facets that are seen: what they send above the surface and isn't hidden there, and what below.
 fn losses(alpha: f32, cos: f32, count: usize) -> Losses {
     let (mut reflected, mut passed, mut mirrored) = ([0.0_f64; SIDE], [0.0_f64; SIDE], 0.0_f64);
-    let facets = Facets::new(alpha, alpha);
+    let facets = ggx([alpha, alpha]);
     let wo = Vec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
     // A rank-1 lattice, whose points are even on any line (Cranley and Patterson 1976); the azimuth's half is the other's mirror image.
     let step = 0.618_034_f64;
     for i in 0..count {
         let u = (i as f64 + 0.5) / count as f64;
         let v = (i as f64 * step).fract();
-        let m = facets.draw(wo, 1.0, [u as f32, v as f32]);
+        let m = facets.sample_within(wo, [u as f32, v as f32], 1.0);
         let along = wo.dot(m);
         let wi = m * (2.0 * along) - wo;
         let shown = if wi.z > 0.0 { f64::from(facets.seen(wi)) } else { 0.0 };

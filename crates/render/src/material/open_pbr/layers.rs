@@ -11,9 +11,9 @@ use straal_math::{Vec3, ops};
 use super::energy::Rough;
 use super::film::{self, Film};
 use super::fuzz::Fibres;
-use super::params::{LEAST_INDEX, Params, lerp};
-use super::{interface, is_any};
-use crate::material::microfacet::{Facets, SMOOTH};
+use super::params::{LEAST_INDEX, Params, SMOOTH, lerp};
+use super::{ggx, interface, is_any};
+use crate::material::microfacet::Facets;
 
 /// Facets as smooth as this lose no light to speak of between them.
 const LOSSLESS: f32 = 0.04 * 0.04;
@@ -250,7 +250,7 @@ impl<F: Float> Layers<F> {
         }
 
         let [along, across] = alphas(alpha, p.anisotropy);
-        let facets = Facets::new(along, across);
+        let facets = ggx([along, across]);
         let smooth = alpha.lt(F::splat(SMOOTH));
         // Where the index hardly changes light is hardly bent, however rough the surface.
         let straight = smooth | (alpha * (eta_refract - one).abs()).lt(F::splat(SMOOTH)) & !disperses;
@@ -307,7 +307,7 @@ impl<F: Float> Layers<F> {
 
         // The coat: what it reflects, what it absorbs of light that passes, and what it makes darker by reflecting back what comes from below.
         let [along, across] = alphas(coat_alpha, p.coat_anisotropy);
-        let coat_facets = Facets::new(along, across);
+        let coat_facets = ggx([along, across]);
         let coat_weight = F::select(coated, p.coat_weight, zero);
         let mut coat = Coat {
             facets: coat_facets,

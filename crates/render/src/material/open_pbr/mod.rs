@@ -20,16 +20,18 @@
 //! Coat and fuzz can't have both: with `reciprocal: true` both sides are taken into account, which is reciprocal (but for the fuzz itself), and
 //! makes a white base up to 15 % darker. A light path sees the adjoint, f with the directions exchanged, so that a picture is the same from either end.
 //!
-//! Approximated, until there are media: what is beneath the surface (`subsurface_*`) is diffuse in `subsurface_color`, and `transmission_depth` and
-//! `transmission_scatter` are what [`Interior`] hands to a medium; light on its way through the body isn't absorbed yet. Facets smoother than alpha
-//! 10^-4 are mirrors (delta lobes), not narrow lobes.
+//! Approximated, until there are media: what is beneath the surface (`subsurface_*`) is diffuse in `subsurface_color`; in a body with a `transmission_depth` what
+//! would be scattered is absorbed as well, so that light has `transmission_color` after that way; [`Interior`] is what a medium will be told. Facets smoother
+//! than alpha 10^-4 are mirrors (delta lobes), not narrow lobes.
 
 use straal_color::Light;
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
+use super::interior::Absorption;
 use super::many::{self, These};
+use super::microfacet::Facets;
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Carried, Colour, Lanes};
@@ -37,7 +39,6 @@ use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
 
 pub mod energy;
-mod eon;
 mod film;
 mod fuzz;
 pub(super) mod interface;
@@ -54,6 +55,13 @@ use layers::Layers;
 use params::{LINES, Params};
 use record::Record;
 use scatter::Drawn;
+
+/// GGX facets of alpha along the tangent and across it.
+#[inline(always)]
+pub(super) fn ggx<F: Float>([along, across]: [F; 2]) -> Facets<F> {
+    let least = F::splat(params::SMOOTH);
+    Facets::of_lanes([along.max(least), across.max(least)], F::Mask::splat(false))
+}
 
 /// Whether any number of any lane is above 0.
 #[inline(always)]
@@ -99,7 +107,10 @@ pub struct OpenPbrMaterial {
     /// In micrometres.
     pub thin_film_thickness: Value<f32>,
     pub thin_film_ior: Value<f32>,
+    pub geometry_opacity: Value<f32>,
     pub geometry_thin_walled: bool,
+    /// What dims light on its way through a body of it.
+    pub filling: Option<super::Interior>,
     /// Coat and fuzz take away what they reflect on both sides: reciprocal, and darker.
     pub reciprocal: bool,
     /// Whether the back of what is opaque looks like the front; else it is black.
@@ -198,6 +209,20 @@ impl OpenPbrMaterial {
         }
     }
 
+    /// What dims light in a body of it, whose colour and depth are the same everywhere. What would be scattered is absorbed as well.
+    fn filled(&self) -> Option<super::Interior> {
+        let (Value::Constant(colour), &Value::Constant(depth), &Value::Constant(eta)) =
+            (&self.transmission_color, &self.transmission_depth, &self.specular_ior)
+        else {
+            return None;
+        };
+        if self.geometry_thin_walled || self.transmission_weight.most() <= 0.0 {
+            return None;
+        }
+        let absorption = if depth > 0.0 { Absorption::Colour(*colour, depth) } else { Absorption::None };
+        Some(super::Interior { absorption, priority: 0, eta, outside: 1.0 })
+    }
+
     /// What fills a body of it, for a medium.
     pub fn interior<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> Interior {
         Interior::of(self, at, reading)
@@ -208,7 +233,7 @@ impl Recipe for OpenPbrMaterial {
     type Described = desc::OpenPbr;
 
     fn of(d: &desc::OpenPbr, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self {
+        let mut made = Self {
             base_weight: paint.number(&d.base_weight)?,
             base_color: paint.reflectance(&d.base_color)?,
             base_diffuse_roughness: paint.number(&d.base_diffuse_roughness)?,
@@ -242,14 +267,28 @@ impl Recipe for OpenPbrMaterial {
             thin_film_weight: paint.number(&d.thin_film_weight)?,
             thin_film_thickness: paint.number(&d.thin_film_thickness)?,
             thin_film_ior: paint.number(&d.thin_film_ior)?,
+            geometry_opacity: paint.number(&d.geometry_opacity)?,
             geometry_thin_walled: d.geometry_thin_walled,
+            filling: None,
             reciprocal: d.reciprocal,
             two_sided: d.two_sided,
-        })
+        };
+        made.filling = made.filled();
+        Ok(made)
+    }
+
+    fn interior(&self) -> Option<&super::Interior> {
+        self.filling.as_ref()
+    }
+
+    fn opacity(&self) -> Option<Value<f32>> {
+        (self.geometry_opacity != Value::Constant(1.0)).then_some(self.geometry_opacity)
     }
 
     fn wants(&self) -> Wants {
-        let varies = self.numbers().iter().any(|v| v.varies()) || self.colours().iter().any(|v| v.varies());
+        let varies = self.numbers().iter().any(|v| v.varies())
+            || self.colours().iter().any(|v| v.varies())
+            || self.geometry_opacity.varies();
         let tangent = self.specular_roughness_anisotropy.most() > 0.0
             || (self.coat_weight.most() > 0.0 && self.coat_roughness_anisotropy.most() > 0.0);
         Wants { point: varies || tangent, tangent }
@@ -322,8 +361,15 @@ fn sample<F: Float>(layers: &Layers<F>, u: [F; 3]) -> (BsdfSample<F>, F::Mask) {
 impl Scatter for OpenPbr {
     const CHOOSES_LOBE: bool = true;
 
+    const TRANSMITS: bool = true;
+
     fn is_delta(&self) -> bool {
         self.0.one().is_delta()
+    }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        self.0.transmits()
     }
 
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: Transport) -> (Light, f32) {

@@ -4,7 +4,6 @@ use straal_color::Light;
 use straal_math::simd::Float;
 
 use super::fuzz;
-use crate::material::microfacet::SMOOTH;
 
 /// The parameters of the material at a point, for each of the vertices side by side.
 #[derive(Clone, Copy, Debug)]
@@ -137,6 +136,9 @@ impl<F: Float> Params<F> {
         [base * base, coat * coat]
     }
 }
+
+/// Facets of alpha below this are a mirror: their lobe is narrower than single precision can tell directions apart.
+pub(super) const SMOOTH: f32 = 1e-4;
 
 /// The wavelengths in nm by which red, green and blue are parted and interfere; of the dead lane any.
 pub(super) const LINES: [f32; 4] = [620.0, 540.0, 450.0, 540.0];

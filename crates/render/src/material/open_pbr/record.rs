@@ -161,6 +161,13 @@ impl Record {
         }
     }
 
+    /// Whether light may come through from the other side.
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        // The weight of what is clear, and a thin wall.
+        self.0[30] > 0 || self.0[46] & THIN != 0
+    }
+
     /// One, as plain numbers.
     pub fn one(&self) -> Params<f32> {
         Self::unpack(|_| self)

@@ -7,7 +7,8 @@ use straal_math::simd::{Float, Mask};
 use straal_math::{Vec3, warp};
 
 use super::layers::Layers;
-use super::{eon, fuzz, interface, is_any};
+use super::{fuzz, interface, is_any};
+use crate::material::RoughDiffuse;
 
 /// Directions that were drawn.
 pub(super) struct Drawn<F: Float> {
@@ -71,8 +72,8 @@ impl<F: Float> Layers<F> {
         if glossy.any() {
             let density = base.facets.density(h);
             // D G1(wo) G1(wi) / (4 wo.z), of which 2 wo.z is in Smith's share.
-            let shape = density * base.facets.reflects(self.wo, F::ONE) * base.facets.seen(mirrored);
-            let drawn = density * base.facets.reflects(self.wo, base.bound);
+            let shape = density * base.facets.reflects_within(self.wo, F::ONE) * base.facets.seen(mirrored);
+            let drawn = density * base.facets.reflects_within(self.wo, base.bound);
             let (back, through) = base.boundary.share(cos_half);
             let part = self.part(back, through);
             value = (back * shape).only(up & glossy);
@@ -98,10 +99,10 @@ impl<F: Float> Layers<F> {
         if (up & coat.weight.gt(F::ZERO) & !coat.smooth).any() {
             let on = up & has_half & coat.weight.gt(F::ZERO) & !coat.smooth;
             let density = coat.facets.density(h);
-            let shape = density * coat.facets.reflects(self.wo, F::ONE) * coat.facets.seen(mirrored);
+            let shape = density * coat.facets.reflects_within(self.wo, F::ONE) * coat.facets.seen(mirrored);
             let share = coat.weight * interface::dielectric(cos_half, coat.eta);
             value += Light::splat(F::select(on, shape * share, F::ZERO));
-            let drawn = density * coat.facets.reflects(self.wo, coat.bound);
+            let drawn = density * coat.facets.reflects_within(self.wo, coat.bound);
             pdf += F::select(on, chances.coat * drawn, F::ZERO);
         }
         if self.p.fuzz_weight.gt(F::ZERO).any() {
@@ -160,7 +161,7 @@ impl<F: Float> Layers<F> {
         let on = is_right & (before * beyond).lt(F::ZERO) & square.gt(F::splat(1e-10));
         let cos = (before.abs() / square.sqrt()).min(F::ONE);
         // D G1(wo) / wo.z |wo.m| |wi.m| eta² / (wo.m + eta wi.m)², for m of unit length (Walter et al. 2007, eq. 21).
-        let facets = base.facets.density(m) * base.facets.reflects(self.wo, F::ONE) * 4.0;
+        let facets = base.facets.density(m) * base.facets.reflects_within(self.wo, F::ONE) * 4.0;
         let shape = F::select(on, facets * (before * beyond).abs() / (square * square), F::ZERO);
         let (back, through) = base.boundary.share(cos);
         let part = F::ONE - self.part(back, through);
@@ -178,7 +179,7 @@ impl<F: Float> Layers<F> {
         let colour = Light::select(up, base.diffuse, base.thin_diffuse);
         if is_any(colour) {
             let left = base.opaque_left * base.opaque.opaque(wi.z);
-            f = eon::value(colour, self.p.diffuse_roughness, self.wo, wi) * left;
+            f = eon(colour, self.p.diffuse_roughness, [self.wo, wi]) * left;
         }
         // Not more than would come at once from everywhere, along rather smooth surfaces.
         let most = F::ONE / wi.z;
@@ -255,7 +256,7 @@ impl<F: Float> Layers<F> {
             nm = F::select(parts, lane.nm, nm);
         }
         if (facets | thin).any() {
-            let m = base.facets.draw(self.wo, base.bound, u);
+            let m = base.facets.sample_within(self.wo, u, base.bound);
             let cos = self.wo.dot(m);
             let reflected = m * (cos * 2.0) - self.wo;
             let (back, through) = base.boundary.share(cos.max(F::ZERO).min(F::ONE));
@@ -281,7 +282,7 @@ impl<F: Float> Layers<F> {
             any = any | (even_up | even_down) & d.z.ne(F::ZERO);
         }
         if coat.any() {
-            let m = self.coat.facets.draw(self.wo, self.coat.bound, u);
+            let m = self.coat.facets.sample_within(self.wo, u, self.coat.bound);
             let reflected = m * (self.wo.dot(m) * 2.0) - self.wo;
             wi = Vec3::select(coat, reflected, wi);
             any = any | coat & reflected.z.gt(F::ZERO);
@@ -343,6 +344,17 @@ impl<F: Float> Choice<F> {
         self.open = self.open & !here;
         here
     }
+}
+
+/// EON's f, of a rough surface of a colour, for directions above it.
+#[inline(always)]
+fn eon<F: Float>(colour: Light<F>, roughness: F, [wo, wi]: [Vec3<F>; 2]) -> Light<F> {
+    let [once, others] = RoughDiffuse::shape(F::Mask::splat(true), roughness, wo, wi);
+    let mean = RoughDiffuse::mean(roughness);
+    colour.map(
+        #[inline(always)]
+        |rho| (once + rho * mean / (F::ONE - rho * (F::ONE - mean)) * others) * rho * FRAC_1_PI,
+    )
 }
 
 /// The first, the second, or the third.

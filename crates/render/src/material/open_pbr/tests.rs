@@ -43,7 +43,9 @@ pub(super) fn material() -> OpenPbrMaterial {
         thin_film_weight: n(0.0),
         thin_film_thickness: n(0.5),
         thin_film_ior: n(1.4),
+        geometry_opacity: n(1.0),
         geometry_thin_walled: false,
+        filling: None,
         reciprocal: false,
         two_sided: true,
     }
@@ -62,7 +64,7 @@ pub(super) fn examples() -> Vec<Example> {
     let red = Light([0.8, 0.4, 0.2, 0.0]);
     // Fits and tables are off by so much, in rough glass along the surface by more.
     let one = |name, p| Example::new(name, layered(p)).focus(2).gain(4e-3);
-    let way = |name, p| one(name, p).one_way().gain(0.02);
+    let way = |name, p| one(name, p).of_radiance().gain(0.02);
     vec![
         one("open_pbr, plastic", Params { base: red, diffuse_roughness: 0.5, ..white() }),
         // What is given back is that of facets of one roughness.
