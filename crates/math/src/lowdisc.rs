@@ -158,11 +158,13 @@ pub enum Purpose {
     Opacity = 9,
     /// Anything of a user's own integrator.
     Custom = 10,
+    /// Which of the materials that another is made of it is.
+    Material = 11,
 }
 
 impl Purpose {
     /// All of them.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Film,
         Self::Time,
         Self::Wavelength,
@@ -174,6 +176,7 @@ impl Purpose {
         Self::Distance,
         Self::Opacity,
         Self::Custom,
+        Self::Material,
     ];
 }
 

@@ -134,8 +134,17 @@ impl Probe for CostMeter {
         answer.light.clear();
         let mut last = self.now();
         for (shadow, ray) in asked.shadows.iter().zip(asked.rays) {
-            let (blocked, cost) = world.accel.occluded_counted(&world.geometry, ray);
-            answer.light.push(if blocked { Light::ZERO } else { Light::ONE });
+            let (blocked, mut cost) = world.accel.occluded_counted(&world.geometry, ray);
+            let mut light = if blocked { Light::ZERO } else { Light::ONE };
+            if blocked && world.materials.any_may_pass() {
+                light = world.past_masks(ray, |ray| {
+                    let (hit, more) = world.accel.closest_counted(&world.geometry, ray);
+                    cost.nodes = cost.nodes.saturating_add(more.nodes);
+                    cost.primitives = cost.primitives.saturating_add(more.primitives);
+                    hit
+                });
+            }
+            answer.light.push(light);
             let now = self.now();
             self.book(shadow.sample, &cost, now.saturating_sub(last));
             last = now;

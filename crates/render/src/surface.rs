@@ -20,6 +20,8 @@ pub struct Surface {
     pub frame: Frame,
     /// The geometric normal in that frame, on the shading normal's side; `None` where it is the shading normal.
     pub ng: Option<Vec3>,
+    /// Whether it is seen from the side that its shading normal points to.
+    pub in_front: bool,
     /// Index of the material in the world.
     pub material: u32,
     /// Index of the emitter in the world, if the surface glows.

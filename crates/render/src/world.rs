@@ -6,7 +6,7 @@ use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::table::Picks;
-use crate::light::{Emitter, LightSample, LightTable, Receiver};
+use crate::light::{AmbientLight, Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
@@ -22,6 +22,9 @@ use straal_scene::Span;
 
 /// No material of its own: the innermost instance that has one gives it.
 pub(crate) const INHERIT: u32 = u32::MAX;
+
+/// Masks that a ray is led through; what lies behind more of them isn't seen.
+const MOST_MASKS: usize = 1 << 16;
 
 /// What a geometry of the search structure is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +95,8 @@ pub struct World {
     pub top_level: Vec<TopLevel>,
     /// Emitters that surround the scene.
     pub(crate) environments: Vec<u32>,
+    /// What surfaces send back their share of wherever they are.
+    pub(crate) ambient: Vec<AmbientLight>,
     /// What of the description's space lies at the world's origin: other than 0 for scenes that lie far from theirs.
     pub centre: DVec3,
     /// What its author should know of how the description was understood.
@@ -123,13 +128,84 @@ impl World {
     }
 
     /// The share of light that passes along each ray, in four lanes: all or nothing, since every material stops a
-    /// shadow ray, glass as well (its light is found by paths that go through it). `blocked` is scratch.
+    /// shadow ray, glass as well (its light is found by paths that go through it); but masks let a part of it through. `blocked` is scratch.
     pub fn transmittance(&self, rays: &[Ray], blocked: &mut Vec<bool>, out: &mut Vec<Light>) {
         blocked.clear();
         blocked.resize(rays.len(), false);
         self.accel.occluded(&self.geometry, rays, blocked);
         out.clear();
         out.extend(blocked.iter().map(|&b| if b { Light::ZERO } else { Light::ONE }));
+        if self.materials.any_may_pass() {
+            for (light, ray) in out.iter_mut().zip(rays).filter(|(light, _)| light.is_black()) {
+                *light = self.past_masks(ray, |ray| self.closest_of(ray));
+            }
+        }
+    }
+
+    /// What a single ray hits first.
+    pub(crate) fn closest_of(&self, ray: &Ray) -> Hit {
+        let mut hit = [Hit::MISS];
+        self.closest(std::slice::from_ref(ray), &mut hit);
+        hit[0]
+    }
+
+    /// The share of light that passes along a ray that meets something, if all that it meets are masks.
+    #[cold]
+    pub(crate) fn past_masks(&self, ray: &Ray, mut closest: impl FnMut(&Ray) -> Hit) -> Light {
+        let (mut ray, mut left) = (*ray, 1.0);
+        for _ in 0..MOST_MASKS {
+            let hit = closest(&ray);
+            if !hit.is_hit() {
+                return Light::splat(left);
+            }
+            left *= 1.0 - self.opacity(&ray, &hit);
+            if left <= 0.0 {
+                break;
+            }
+            ray.t_min = hit.t.next_up();
+        }
+        Light::ZERO
+    }
+
+    /// Leads a ray past masks, with what it hit first, as far as a number in [0, 1) says: to where less than that share of light is left.
+    #[cold]
+    pub(crate) fn go_past_masks(
+        &self,
+        ray: &Ray,
+        hit: &mut Hit,
+        u: f32,
+        mut closest: impl FnMut(&Ray) -> Hit,
+    ) {
+        let (mut ray, mut left) = (*ray, 1.0);
+        for _ in 0..MOST_MASKS {
+            if !hit.is_hit() {
+                return;
+            }
+            left *= 1.0 - self.opacity(&ray, hit);
+            if u >= left {
+                return;
+            }
+            // The same ray from just beyond, so that distances are those from where it started.
+            ray.t_min = hit.t.next_up();
+            *hit = closest(&ray);
+        }
+    }
+
+    /// Whether what a ray hit may let it pass.
+    #[inline]
+    pub(crate) fn meets_mask(&self, hit: &Hit) -> bool {
+        hit.is_hit() && self.materials.may_pass(self.material_of(hit))
+    }
+
+    /// The share of light that meets what a ray hit, the rest passes through.
+    fn opacity(&self, ray: &Ray, hit: &Hit) -> f32 {
+        let material = self.material_of(hit);
+        if !self.materials.may_pass(material) {
+            return 1.0;
+        }
+        let surface = self.surface(ray, hit, &PackedFootprint::NONE);
+        let at = surface.at.as_ref().unwrap_or(&ShadingPoint::NOWHERE);
+        self.materials.opacity(material, at, &self.reading(Rgb::default()), surface.in_front)
     }
 
     /// The surface at a hit of this very ray, and what a pixel sees of it by the ray's footprint.
@@ -140,14 +216,9 @@ impl World {
         let (n, ng) = shading_normal(point.n, point.ng, -ray.d);
         let frame = Frame::from_normal(n);
         let ng = ng.map(|ng| frame.to_local(ng));
-        let mut surface = Surface {
-            point,
-            frame,
-            ng,
-            material: self.material_of(hit),
-            emitter: geometry.emitter,
-            at: None,
-        };
+        let in_front = ray.d.dot(frame.n) < 0.0;
+        let (material, emitter) = (self.material_of(hit), geometry.emitter);
+        let mut surface = Surface { point, frame, ng, in_front, material, emitter, at: None };
         if self.materials.vary() {
             self.look_closely(&mut surface, (ray, hit), footprint);
         }
@@ -283,9 +354,25 @@ impl World {
         self.materials.bsdf(material, at, &self.reading(lanes))
     }
 
+    /// Which of the materials that a material is made of it is at a point, seen from the side that the normal points to or from the
+    /// other, by a number in [0, 1).
+    #[cold]
+    pub fn chosen<L: Lanes>(
+        &self,
+        material: u32,
+        (at, in_front): (Option<&ShadingPoint>, bool),
+        lanes: L,
+        u: f32,
+    ) -> u32 {
+        let at = at.unwrap_or(&ShadingPoint::NOWHERE);
+        self.materials.chosen(material, (at, in_front), &self.reading(lanes), u)
+    }
+
     /// The colour of a surface, in the work space whatever the lanes, as [`Bsdf::albedo`] of red, green and blue.
     pub(crate) fn albedo(&self, surface: &Surface) -> [f32; 3] {
-        self.bsdf(surface, Rgb::default()).albedo().to_rgb()
+        let at = surface.at.as_ref().unwrap_or(&ShadingPoint::NOWHERE);
+        let reading = self.reading(Rgb::default());
+        self.materials.albedo(surface.material, (at, surface.in_front), &reading).to_rgb()
     }
 
     /// How a path reads colours.
@@ -300,10 +387,32 @@ impl World {
         Readings { tables: &self.tables, lanes, textures: &self.textures }
     }
 
+    /// Whether a ray meets a surface from the side that its normal points away from.
+    #[cold]
+    pub(crate) fn is_met_from_inside(&self, ray: &Ray, hit: &Hit) -> bool {
+        let point = self.surface_point(ray, hit);
+        let outwards = if point.n.dot(point.ng) < 0.0 { -point.ng } else { point.ng };
+        ray.d.dot(outwards) > 0.0
+    }
+
     /// Emitters that surround the scene, with their indices.
     #[inline]
     pub fn environments(&self) -> impl Iterator<Item = (u32, &Emitter)> {
         self.environments.iter().map(|&i| (i, &self.emitters[i as usize]))
+    }
+
+    /// Whether there is light from nowhere.
+    #[inline(always)]
+    pub fn has_ambient_light(&self) -> bool {
+        !self.ambient.is_empty()
+    }
+
+    /// What a point sends out of ambient light, in all directions.
+    #[cold]
+    pub fn ambient_from<L: Lanes>(&self, bsdf: &Bsdf<'_>, lanes: L) -> Light {
+        let (share, reading) = (bsdf.ambient(), self.reading(lanes));
+        let radiance = |l: &AmbientLight| reading.eval(&l.radiance, &ShadingPoint::NOWHERE);
+        self.ambient.iter().map(radiance).fold(Light::ZERO, |sum, l| sum + share * l)
     }
 
     /// A point on a light or a direction towards it.

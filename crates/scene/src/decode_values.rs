@@ -174,6 +174,24 @@ impl<T: Describe> Describe for Option<T> {
     }
 }
 
+impl<T: Describe> Describe for Box<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        Self::new(T::read(tree, limit, d))
+    }
+    fn blank() -> Self {
+        Self::new(T::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        (**self).write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        T::schema(limit, defs)
+    }
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        (**self).show(limit, visitor);
+    }
+}
+
 impl<T: Describe> Describe for Vec<T> {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         // A key with nothing after it is an empty list: `lights:` with every entry commented out.

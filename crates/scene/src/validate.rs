@@ -27,6 +27,10 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
         walk.names(node);
         walk.placement(node, &Affine::IDENTITY);
     }
+    for part in scene.materials.iter().flat_map(|(_, material)| material.parts()) {
+        part.names(&mut |link| walk.material(link));
+    }
+    walk.circles();
     walk.nesting();
     walk.focus();
 }
@@ -113,8 +117,8 @@ impl Node {
             }
             _ => self.surface_mut().and_then(|s| s.material.as_mut()),
         };
-        if let Some(MaterialRef::Named(link)) = material {
-            link.find(materials);
+        if let Some(material) = material {
+            material.names_mut(&mut |link| link.find(materials));
         }
     }
 
@@ -147,6 +151,10 @@ impl Scene {
     /// Finds out where all names of objects and materials lead. Whoever reads a scene has done so; a program that makes or changes one
     /// does it when that is done.
     pub fn link(&mut self) {
+        let (materials, all) = self.materials.parts_mut();
+        for part in all.flat_map(Material::parts_mut) {
+            part.names_mut(&mut |link| link.find(materials));
+        }
         let (materials, _) = self.materials.parts_mut();
         let (objects, nodes) = self.objects.parts_mut();
         for node in nodes.chain(&mut self.world) {
@@ -222,8 +230,8 @@ impl Walk<'_> {
     /// Every material and object that is named must exist.
     fn names(&mut self, node: &Node) {
         node.visit(&mut |n| {
-            if let Some(MaterialRef::Named(link)) = n.material() {
-                self.material(link);
+            if let Some(material) = n.material() {
+                material.names(&mut |link| self.material(link));
             }
             if let Node::Instance(Instance { of, .. }) = n {
                 self.instance(of);
@@ -315,6 +323,47 @@ impl Walk<'_> {
             })
         };
         self.d.push(Diagnostic::error(name.span, message).help(help));
+    }
+
+    /// Materials must not be made of themselves. Kept on a stack of its own: a scene may chain as many as it likes.
+    fn circles(&mut self) {
+        let parts = |material: &Material| {
+            let mut links = Vec::new();
+            for part in material.parts() {
+                part.names(&mut |link| links.extend(link.to().map(|to| (to, link.name.span))));
+            }
+            links
+        };
+        let links: Vec<_> = self.scene.materials.iter().map(|(_, m)| parts(m)).collect();
+        // 0 for what wasn't seen, 1 for what is open, 2 for what is known.
+        let mut seen = vec![0_u8; links.len()];
+        for root in 0..links.len() {
+            if seen[root] != 0 {
+                continue;
+            }
+            seen[root] = 1;
+            let mut open = vec![(root, 0)];
+            while let Some((material, done)) = open.last_mut() {
+                let Some(&(to, span)) = links[*material].get(*done) else {
+                    seen[*material] = 2;
+                    open.pop();
+                    continue;
+                };
+                *done += 1;
+                match seen.get(to.index()) {
+                    Some(0) => {
+                        seen[to.index()] = 1;
+                        open.push((to.index(), 0));
+                    }
+                    Some(1) => {
+                        let name = self.scene.materials.iter().nth(to.index()).map_or("", |(n, _)| &n.value);
+                        let message = format!("the material `{}` is made of itself", suggest::brief(name));
+                        self.d.push(Diagnostic::error(span, message));
+                    }
+                    _ => {}
+                }
+            }
+        }
     }
 
     fn edges(&self, node: &Node) -> Vec<Edge> {

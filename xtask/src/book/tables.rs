@@ -8,8 +8,10 @@ use straal_accel::{
     BspParams, Bvh2Params, Cost, Geometry, GeometryKind, GridParams, Group, Input, KdParams, OctreeParams,
     Options, Scene, Split, Structure,
 };
+use straal_color::Light;
 use straal_math::lowdisc::PatternKind;
 use straal_math::{Ray, Vec3, ops};
+use straal_render::material::{Bsdf, Form, Glossy, Phong, Scale, Transport};
 use straal_study::lab::{self, Contender};
 use straal_study::points::{Course, Request, figures};
 
@@ -21,6 +23,7 @@ pub fn table(name: &str) -> Result<Option<String>, Failure> {
         "bvh2-splits" => bvh2_splits()?,
         "structures" => structures()?,
         "lab-counts" => lab_counts()?,
+        "highlights" => highlights(),
         _ => return Err("there is no such table".into()),
     };
     let mut out = String::from("\n");
@@ -63,6 +66,52 @@ fn patterns() -> Rows {
         ]));
     }
     out
+}
+
+/// Of light from a direction, how much a highlight sends back.
+fn highlights() -> Rows {
+    const ANGLES: [f64; 3] = [0.0, 60.0, 85.0];
+    let white = Light::rgb([1.0; 3]);
+    let phong = |exponent, blinn, scale| {
+        let form = Form { blinn, scale };
+        let dark = Light::ZERO;
+        Bsdf::Phong(Phong { diffuse: dark, ambient: dark, specular: white, exponent, form, two_sided: true })
+    };
+    let glossy = |exponent| Bsdf::Glossy(Glossy { reflectance: white, exponent, two_sided: true });
+    let mut out = vec![row(["highlight", "e", "from 0 degrees", "from 60 degrees", "from 85 degrees"])];
+    for e in [1.0, 10.0, 100.0] {
+        for (name, bsdf) in [
+            ("Phong, `normalised`", phong(e, false, Scale::Normalised)),
+            ("Phong, `textbook`", phong(e, false, Scale::Textbook)),
+            ("Phong, `classic`", phong(e, false, Scale::Classic)),
+            ("Blinn, `normalised`", phong(e, true, Scale::Normalised)),
+            ("Blinn, `textbook`", phong(e, true, Scale::Textbook)),
+            ("`glossy`", glossy(e)),
+        ] {
+            let shares = ANGLES.map(|angle| format!("{:.2}", sent_back(&bsdf, angle)));
+            out.push(row([name.to_owned(), format!("{e}")].into_iter().chain(shares)));
+        }
+    }
+    out
+}
+
+/// The integral over where light goes, which is that of f |cos| with the two directions exchanged, for light from an angle in degrees.
+fn sent_back(bsdf: &Bsdf<'_>, angle: f64) -> f64 {
+    const RINGS: u32 = 512;
+    let (sin, cos) = ops::sin_cos_degrees(angle);
+    let from = Vec3::new(sin as f32, 0.0, cos as f32);
+    let mut sum = 0.0;
+    for i in 0..RINGS {
+        let (s, c) = ops::sin_cos_degrees((f64::from(i) + 0.5) * 90.0 / f64::from(RINGS));
+        for j in 0..2 * RINGS {
+            let (sp, cp) = ops::sin_cos_degrees((f64::from(j) + 0.5) * 180.0 / f64::from(RINGS));
+            let to = Vec3::new((s * cp) as f32, (s * sp) as f32, c as f32);
+            // f |cos from| of light that comes from there and goes to `to`.
+            let value = f64::from(bsdf.eval(to, from, Transport::Radiance)[0]);
+            sum += value / cos * c * s;
+        }
+    }
+    sum * (0.5 * std::f64::consts::PI / f64::from(RINGS)) * (std::f64::consts::PI / f64::from(RINGS))
 }
 
 /// Numbers for rays and triangles (Steele et al. 2014, SplitMix64).

@@ -52,7 +52,7 @@ pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Ma
             k: Some(Spectrum::grey(1.0)),
             roughness: Varying::Constant(roughness * roughness),
             reflectance: Varying::Constant(Color(diffuse).into()),
-            two_sided: true,
+            ..Conductor::default()
         });
     }
     let sum = |c: [f64; 3]| c[0] + c[1] + c[2];

@@ -2,7 +2,7 @@
 
 use super::CompileError;
 use super::place::Glowing;
-use crate::light::{AreaLight, Emitter, LightTable, LitSurface, Sides};
+use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Sides};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::world::Kind;
@@ -15,6 +15,7 @@ pub(super) struct Lights {
     pub emitters: Vec<Emitter>,
     pub table: LightTable,
     pub environments: Vec<u32>,
+    pub ambient: Vec<AmbientLight>,
 }
 
 /// What lights shine on.
@@ -46,7 +47,12 @@ pub(super) fn gather(
     let table = LightTable::new(&emitters, geometry, radius);
     let environments =
         (0..emitters.len() as u32).filter(|&i| emitters[i as usize].is_environment()).collect();
-    Ok(Lights { emitters, table, environments })
+    let ambient = emitters.iter().filter_map(|e| match e {
+        Emitter::Ambient(light) => Some(*light),
+        _ => None,
+    });
+    let ambient = ambient.collect();
+    Ok(Lights { emitters, table, environments, ambient })
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
@@ -59,5 +65,5 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
         (false, true) => Sides::Back,
         (false, false) => Sides::Front,
     };
-    Emitter::Area(AreaLight { surface, radiance: g.radiance, sides })
+    Emitter::Area(AreaLight { surface, radiance: g.radiance, opacity: g.opacity, sides })
 }

@@ -30,7 +30,9 @@ impl<'a> Materials<'a> {
             Self { scene, paint, list, known: HashMap::new(), custom: HashMap::new(), scenes: Vec::new() };
         all.push(&desc::Material::Diffuse(desc::Diffuse::default()))?;
         for (_, m) in scene.materials.iter() {
-            let index = all.push(m)?;
+            // They may be made of each other: first each gets its place.
+            let index = all.list.push(Material::default());
+            all.known.entry(key(m)).or_insert(index);
             all.scenes.push(index);
         }
         for (name, m) in &custom.materials {
@@ -40,11 +42,32 @@ impl<'a> Materials<'a> {
                 all.scenes[place.index()] = index;
             }
         }
+        for (place, (_, m)) in scene.materials.iter().enumerate() {
+            let made = all.make(m)?;
+            all.list.replace(place as u32 + 1, made);
+        }
         Ok(all)
     }
 
-    pub fn finish(self) -> (material::Materials, Paint<'a>) {
-        (self.list, self.paint)
+    pub fn finish(mut self) -> Result<(material::Materials, Paint<'a>), CompileError> {
+        if !self.list.settle() {
+            let message = format!("materials are made of one another, more than {} deep", material::DEEPEST);
+            return Err(CompileError::new(message));
+        }
+        Ok((self.list, self.paint))
+    }
+
+    /// The share of light that meets a surface that glows, if that isn't all.
+    pub fn opacity(&mut self, material: u32) -> Result<Option<Value<f32>>, CompileError> {
+        if !self.list.any_may_pass() {
+            return Ok(None);
+        }
+        self.list.settle();
+        self.list.plain_opacity(material).map_err(|()| {
+            CompileError::new(
+                "a surface that glows may have a `mask` for its material, but none with a mask inside of another material",
+            )
+        })
     }
 
     /// Light that a surface sends out.
@@ -79,9 +102,18 @@ impl<'a> Materials<'a> {
         }
     }
 
+    /// A material, and those that it is made of.
+    fn make(&mut self, m: &desc::Material) -> Result<Material, CompileError> {
+        let parts =
+            m.parts().into_iter().map(|part| self.of(Some(part), 0)).collect::<Result<Vec<_>, _>>()?;
+        let mut made = Material::of(m, &mut self.paint)?;
+        made.link(&parts);
+        Ok(made)
+    }
+
     /// A new place in the list; of several that are written alike the first is known.
     fn push(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
-        let made = Material::of(m, &mut self.paint)?;
+        let made = self.make(m)?;
         let index = self.list.push(made);
         self.known.entry(key(m)).or_insert(index);
         Ok(index)

@@ -101,7 +101,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         glowing,
         materials,
         mut paint,
-    } = build.finish();
+    } = build.finish()?;
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
     let camera = camera::camera(scene, size, &seen, centre)?;
@@ -130,6 +130,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         instance_materials,
         top_level,
         environments: lights.environments,
+        ambient: lights.ambient,
         centre,
         notes: paint.notes,
         dropped,

@@ -28,6 +28,8 @@ const MAX_DISSOLVED: usize = 1_000_000;
 pub(super) struct Glowing {
     pub kind: Kind,
     pub radiance: Value<Colour>,
+    /// The share of light that meets its material, if that isn't all.
+    pub opacity: Option<Value<f32>>,
     pub two_sided: bool,
     pub flip: bool,
 }
@@ -187,9 +189,9 @@ impl<'a> Build<'a> {
         Ok(())
     }
 
-    pub fn finish(self) -> Built<'a> {
-        let (materials, paint) = self.materials.finish();
-        Built {
+    pub fn finish(self) -> Result<Built<'a>, CompileError> {
+        let (materials, paint) = self.materials.finish()?;
+        Ok(Built {
             input: self.input,
             geometry: self.geometry,
             geometries: self.geometries,
@@ -202,7 +204,7 @@ impl<'a> Build<'a> {
             glowing: self.glowing,
             materials,
             paint,
-        }
+        })
     }
 
     fn node(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
@@ -403,8 +405,10 @@ impl<'a> Build<'a> {
         let mut look = self.add_shape(shape, place.group, material, flip);
         if let Some(emission) = &surface.emission {
             let radiance = self.materials.emission(emission)?;
+            let opacity = self.materials.opacity(material)?;
+            let two_sided = surface.two_sided_emission;
             look.emission_varies = radiance.varies();
-            look.emitter = Some(self.glow(look.kind, radiance, surface.two_sided_emission, flip));
+            look.emitter = Some(self.glow(Glowing { kind: look.kind, radiance, opacity, two_sided, flip }));
         }
         self.geometries.push(look);
         Ok(())
@@ -424,8 +428,8 @@ impl<'a> Build<'a> {
         self.input.groups[group as usize].geometries.push(id);
     }
 
-    fn glow(&mut self, kind: Kind, radiance: Value<Colour>, two_sided: bool, flip: bool) -> u32 {
-        self.glowing.push(Glowing { kind, radiance, two_sided, flip });
+    fn glow(&mut self, surface: Glowing) -> u32 {
+        self.glowing.push(surface);
         (self.glowing.len() - 1) as u32
     }
 
@@ -497,8 +501,15 @@ impl<'a> Build<'a> {
             self.geometry.meshes.push(part);
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
-            let emitter = radiance.map(|r| self.glow(kind, r, surface.two_sided_emission, false));
+            let two_sided = surface.two_sided_emission;
             let emission_varies = radiance.is_some_and(|r| r.varies());
+            let emitter = match radiance {
+                Some(radiance) => {
+                    let opacity = self.materials.opacity(material)?;
+                    Some(self.glow(Glowing { kind, radiance, opacity, two_sided, flip: false }))
+                }
+                None => None,
+            };
             self.geometries.push(GeometryRecord { kind, material, emitter, emission_varies, flip: false });
         }
         Ok(())

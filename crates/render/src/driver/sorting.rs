@@ -11,7 +11,7 @@ use straal_accel::Hit;
 
 /// What must be computed where a ray meets a material.
 fn kind_of(world: &World, material: u32) -> Kind {
-    if world.materials.wants(material).point {
+    if world.materials.wants(material).point || world.materials.is_made_of_others(material) {
         return Kind::Varying;
     }
     let reading = world.reading(Rgb::default());

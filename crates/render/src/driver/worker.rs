@@ -25,6 +25,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
+use straal_math::lowdisc::Purpose;
 use straal_math::simd::Simd;
 
 /// Samples that may be under way for each path that the pool holds: a long path holds up those that were started after it.
@@ -253,6 +254,22 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             if !range.is_empty() {
                 let asked = Asked { primary, paths: &paths[range.clone()], rays: &rays[range.clone()] };
                 self.probe.closest(world, &asked, &mut self.hits[range]);
+            }
+        }
+        if world.materials.any_may_pass() {
+            let primary = |i: usize| i >= old && I::ORIGIN == Origin::Camera;
+            for i in 0..paths.len() {
+                if !world.meets_mask(&self.hits[i]) {
+                    continue;
+                }
+                let u = self.settings.pattern.d1(&paths[i].name, Purpose::Opacity);
+                let (probe, path) = (&mut self.probe, &paths[i..=i]);
+                world.go_past_masks(&rays[i], &mut self.hits[i], u, |ray| {
+                    let mut hit = [Hit::MISS];
+                    let asked = Asked { primary: primary(i), paths: path, rays: std::slice::from_ref(ray) };
+                    probe.closest(world, &asked, &mut hit);
+                    hit[0]
+                });
             }
         }
         self.stopwatch.times.rays += rays.len() as u64;

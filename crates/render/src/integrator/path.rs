@@ -5,17 +5,18 @@ use super::lighting::{Brought, Illuminate, Lit, Weigh, power_heuristic};
 use super::numbers::{Numbers, Wanted};
 use super::scattering::{Onward, SendOn};
 use super::vertices::{Arriving, BLOCK, ROOM, Vertices};
-use super::{Arrival, Contribution, Integrator, Kind, Out, Queue, Start};
+use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
 use crate::material::Bsdf;
+use crate::material::interior::{Boundary, Inside};
 use crate::shape::SurfacePoint;
 use crate::stopwatch::Phase;
 use crate::surface::{Met, Surfaces};
 use crate::world::World;
 use straal_color::Light;
-use straal_math::lowdisc::SampleName;
+use straal_math::lowdisc::{Purpose, SampleName};
 use straal_math::{Ray, Vec3};
 use straal_scene::desc;
 use straal_scene::value::Depth;
@@ -71,6 +72,8 @@ pub struct State<L> {
     depth: u32,
     /// Product of squared relative indices passed: roulette looks at the light's energy, not its radiance.
     eta_squared: f32,
+    /// What clear materials it is inside of, in a world where that matters.
+    inside: Inside,
 }
 
 impl Integrator for PathTracer {
@@ -95,11 +98,14 @@ impl Integrator for PathTracer {
             delta: true,
             depth: 1,
             eta_squared: 1.0,
+            inside: Inside::default(),
         };
         start.camera_ray.map(|ray| (ray, state))
     }
 
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+        let dimmed = world.materials.interiors().matter().then(|| dimmed(world, queue));
+        let queue = &Queue { paths: dimmed.as_deref().unwrap_or(queue.paths), ..*queue };
         match queue.kind {
             Kind::Missed => miss(world, queue, out),
             Kind::Dark => {
@@ -117,16 +123,20 @@ impl PathTracer {
     /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
     fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let Some(&first) = queue.order.first() else { return };
-        let mut lanes = [queue.paths[first as usize].state.lanes; ROOM];
+        let first = &queue.paths[first as usize];
+        let (mut names, mut lanes) = ([first.name; BLOCK], [first.state.lanes; ROOM]);
         let mut vertices = Vertices::new();
         let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
-            meet(world, queue, paths, &mut scratch.surfaces, out);
-            self.arrive(world, queue, (paths, &scratch.surfaces), &mut vertices);
-            for (lanes, &path) in lanes.iter_mut().zip(paths) {
-                *lanes = queue.paths[path as usize].state.lanes;
+            // Ahead of the rest: paths lie far apart, and the memory has all of them to fetch at once.
+            for (i, &path) in paths.iter().enumerate() {
+                let path = &queue.paths[path as usize];
+                (names[i], lanes[i]) = (path.name, path.state.lanes);
             }
-            let block = Block { paths, vertices: &vertices, lanes: &lanes };
+            meet(world, queue, paths, &mut scratch.surfaces, out);
+            self.arrive(world, queue, (paths, &mut scratch), &mut vertices, out);
+            let names = &names[..paths.len()];
+            let block = Block { paths, names, lanes: &lanes, vertices: &vertices };
             draw_numbers(queue, block, &mut scratch.numbers);
             out.stopwatch.lap(Phase::Shading);
             light(world, queue, block, &mut scratch, out);
@@ -148,29 +158,90 @@ impl PathTracer {
         &self,
         world: &'w World,
         queue: &Queue<'_, State<L>>,
-        (paths, surfaces): (&[u32], &Surfaces),
+        (paths, Scratch { surfaces, interior, .. }): (&[u32], &mut Scratch),
         vertices: &mut Vertices<'w>,
+        out: &mut Out<'_, State<L>>,
     ) {
         vertices.begin(paths.len());
-        let mut last: Option<((u32, L), Bsdf<'w>)> = None;
+        let special = world.materials.interiors().matter() || world.has_ambient_light();
+        let mut last = None;
         for (i, &path) in paths.iter().enumerate() {
             let &State { lanes, beta, eta_squared, depth, .. } = &queue.paths[path as usize].state;
             if depth >= self.max_depth {
                 continue;
             }
-            // Read once where it doesn't differ from vertex to vertex.
-            let (material, at) = (surfaces.material[i], surfaces.at(i));
-            if at.is_some() || last.as_ref().is_none_or(|(like, _)| *like != (material, lanes)) {
-                last = Some(((material, lanes), world.bsdf_at(material, at, lanes)));
+            let (mut material, at) = (surfaces.material[i], surfaces.at(i));
+            let in_front = surfaces.wo.at(i).z > 0.0;
+            if world.materials.choose() {
+                let u = queue.pattern.d1(&queue.paths[path as usize].name, Purpose::Material);
+                material = world.chosen(material, (at, in_front), lanes, u);
             }
-            let Some((_, bsdf)) = &last else { continue };
-            if matches!(bsdf, Bsdf::Black(_)) {
-                continue;
+            // Read once where it doesn't differ from vertex to vertex.
+            if at.is_some() || special || last != Some((material, lanes)) {
+                vertices.read(world.bsdf_at(material, at, lanes));
+                last = Some((material, lanes));
+            }
+            let Some(bsdf) = vertices.bsdf().filter(|bsdf| !matches!(bsdf, Bsdf::Black(_))) else { continue };
+            if special {
+                interior[i] = world.materials.interiors().number(material);
+                let arrival = queue.arrival(path);
+                let Some(bsdf) = scatters_specially(world, &arrival, bsdf, (interior[i], in_front), out)
+                else {
+                    continue;
+                };
+                vertices.replace(bsdf);
             }
             let plays_roulette = self.plays_roulette(depth);
-            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette }, bsdf);
+            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette });
         }
     }
+}
+
+/// All paths of the turn, those of the queue with what the media that their rays went through have left of their light.
+#[cold]
+fn dimmed<L: Lanes>(world: &World, queue: &Queue<'_, State<L>>) -> Vec<Path<State<L>>> {
+    let (mut paths, interiors) = (queue.paths.to_vec(), world.materials.interiors());
+    for &path in queue.order {
+        let Arrival { ray, hit, .. } = queue.arrival(path);
+        let state = &mut paths[path as usize].state;
+        if hit.is_hit() && world.is_met_from_inside(ray, hit) {
+            // It may have started inside.
+            state.inside = state.inside.or(interiors.number(world.material_of(hit)));
+        }
+        let start = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
+        state.beta *= interiors.left_after(state.inside, hit.t - start, &world.reading(state.lanes));
+    }
+    paths
+}
+
+/// Adds ambient light; gives what scatters at the boundary of a clear material, which depends on what is on the other side. Nothing where
+/// something of a higher priority is on both: the ray goes on.
+#[cold]
+fn scatters_specially<'w, L: Lanes>(
+    world: &World,
+    arrival: &Arrival<'_, State<L>>,
+    bsdf: &Bsdf<'w>,
+    (interior, entering): (u16, bool),
+    out: &mut Out<'_, State<L>>,
+) -> Option<Bsdf<'w>> {
+    let &State { lanes, beta, inside, .. } = &arrival.path.state;
+    let mut bsdf = *bsdf;
+    if world.materials.interiors().matter() {
+        match world.materials.interiors().boundary(inside, interior, entering) {
+            Boundary::Real(Some(eta)) => bsdf = bsdf.with_eta(eta),
+            Boundary::Real(None) => {}
+            Boundary::Ignored(inside) => {
+                // The least number beyond the hit: what lies at the very same place is behind it as well.
+                let beyond = Ray { t_min: arrival.hit.t.next_up(), ..*arrival.ray };
+                out.go_on_as(arrival.path, 0, beyond).inside = inside;
+                return None;
+            }
+        }
+    }
+    if world.has_ambient_light() {
+        out.add(Contribution::own(arrival.path, beta * world.ambient_from(&bsdf, lanes)));
+    }
+    Some(bsdf)
 }
 
 /// Where the rays of a block arrived; adds the light that is emitted there.
@@ -237,15 +308,19 @@ fn meet_light<L: Lanes>(
 struct Block<'a, 'w, L> {
     /// Their numbers in the driver's turn.
     paths: &'a [u32],
-    vertices: &'a Vertices<'w>,
+    /// Name their random numbers.
+    names: &'a [SampleName],
     /// By what they read colours.
     lanes: &'a [L; ROOM],
+    vertices: &'a Vertices<'w>,
 }
 
 /// What the paragraphs of a step leave for one another.
 #[derive(Default)]
 struct Scratch {
     surfaces: Surfaces,
+    /// What each surface is filled with, by its number, in a world where that matters.
+    interior: [u16; BLOCK],
     numbers: Numbers,
     lit: Lit,
     brought: Brought,
@@ -254,16 +329,12 @@ struct Scratch {
 
 /// The random numbers of a block, those that any of its vertices needs.
 fn draw_numbers<L: Lanes>(queue: &Queue<'_, State<L>>, block: Block<'_, '_, L>, numbers: &mut Numbers) {
-    let mut names = [SampleName::new(0, [0; 2], 0); BLOCK];
-    for (name, &path) in names.iter_mut().zip(block.paths) {
-        *name = queue.paths[path as usize].name;
-    }
     let wanted = Wanted {
         light: block.vertices.asks_lights.any(),
         lobe: block.vertices.chooses_lobe,
         roulette: block.vertices.plays_roulette.any(),
     };
-    numbers.draw(queue.simd, queue.pattern, &names[..block.paths.len()], wanted);
+    numbers.draw(queue.simd, queue.pattern, block.names, wanted);
 }
 
 /// Next-event estimation: asks for a shadow ray from each vertex to a point on a light.
@@ -271,7 +342,7 @@ fn light<L: Lanes>(
     world: &World,
     queue: &Queue<'_, State<L>>,
     block: Block<'_, '_, L>,
-    Scratch { surfaces, numbers, lit, brought, .. }: &mut Scratch,
+    Scratch { surfaces, interior, numbers, lit, brought, .. }: &mut Scratch,
     out: &mut Out<'_, State<L>>,
 ) {
     let Block { vertices, lanes, .. } = block;
@@ -283,7 +354,17 @@ fn light<L: Lanes>(
     vertices.by_kind(Weigh { simd, surfaces, vertices, lit, out: brought });
     for i in brought.bright.each() {
         let path = block.paths[i] as usize;
-        let (ray, light) = brought.get(i, &queue.rays[path]);
+        let (ray, mut light) = brought.get(i, &queue.rays[path]);
+        if world.materials.interiors().matter() {
+            // What is free for the light to arrive lies within one medium, on the side that it comes from.
+            let wo = surfaces.wo.at(i).z;
+            let crosses = surfaces.frame[2].at(i).dot(ray.d) * wo < 0.0;
+            let mut inside = queue.paths[path].state.inside;
+            if crosses {
+                inside = inside.crossed(interior[i], wo > 0.0);
+            }
+            light *= world.materials.interiors().left_after(inside, ray.t_max, &world.reading(lanes[i]));
+        }
         out.shadow(ray, Contribution::own(&queue.paths[path], light));
     }
 }
@@ -293,7 +374,7 @@ fn scatter<L: Lanes>(
     world: &World,
     queue: &Queue<'_, State<L>>,
     block: Block<'_, '_, L>,
-    Scratch { surfaces, numbers, onward, .. }: &mut Scratch,
+    Scratch { surfaces, interior, numbers, onward, .. }: &mut Scratch,
     out: &mut Out<'_, State<L>>,
 ) {
     let (vertices, simd) = (block.vertices, queue.simd);
@@ -313,6 +394,9 @@ fn scatter<L: Lanes>(
         if world.materials.vary() {
             let arrived = (ray, &queue.hits[index]);
             state.footprint = world.footprint_beyond(&path.state.footprint, arrived, &onward.sample(i));
+        }
+        if world.materials.interiors().matter() && onward.sample(i).transmitted {
+            state.inside = state.inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, Readings, ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::simd::{Float, Mask};
-use straal_math::{Vec3, table::Table1};
+use straal_math::{Vec3, ops, table::Table1};
 
 use super::reach::Lamp;
 use super::{Extent, LightSample, Reach, Receiver, Shine, strength};
@@ -17,6 +17,8 @@ pub struct AreaLight {
     pub surface: LitSurface,
     /// Radiance in W/(m² sr).
     pub radiance: Value<Colour>,
+    /// The share of the surface that is there, where it has a mask: rays that pass through it don't see it shine.
+    pub opacity: Option<Value<f32>>,
     /// From which sides.
     pub sides: Sides,
 }
@@ -98,7 +100,10 @@ impl AreaLight {
         if !self.sides.lit(s.point.ng, -s.wi) {
             return None;
         }
-        let radiance = reading.eval(&self.radiance, &at(&s.point));
+        let mut radiance = reading.eval(&self.radiance, &at(&s.point));
+        if let Some(opacity) = &self.opacity {
+            radiance *= ops::clamp(reading.eval(opacity, &at(&s.point)), 0.0, 1.0);
+        }
         let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
         Some(LightSample { far: false, to: (&s.point).into(), ..sample })
     }
@@ -119,7 +124,7 @@ impl Shine for AreaLight {
         (at, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        if self.radiance.varies() {
+        if self.radiance.varies() || self.opacity.is_some() {
             return self.sample_textured(geometry, (at.p, u), reading);
         }
         self.sample_many(geometry, (at, u), &Readings::one(reading)).of_value()
@@ -132,7 +137,7 @@ impl Shine for AreaLight {
         (at, u): (&Receiver<F>, [F; 2]),
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
-        let Value::Constant(radiance) = &self.radiance else {
+        let (Value::Constant(radiance), None) = (&self.radiance, &self.opacity) else {
             return LightSample::one_by_one(
                 #[inline(always)]
                 |i| {

@@ -101,6 +101,11 @@ macro_rules! emitters {
                 match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Around, )+ }
             }
 
+            /// Whether the light comes from nowhere, see [`super::ambient`].
+            pub fn is_ambient(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Nowhere, )+ }
+            }
+
             /// Whether the light has no extent, so that only sampling finds it.
             pub fn is_delta(&self) -> bool {
                 match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::None, )+ }

@@ -27,6 +27,7 @@ use crate::paint::Paint;
 use crate::shape::offset::{End, FAR_END};
 use crate::shape::{Geometry, SurfacePoint};
 
+pub mod ambient;
 pub mod area;
 pub(crate) mod cube;
 pub mod directional;
@@ -38,6 +39,7 @@ mod reach;
 pub mod spot;
 pub mod table;
 
+pub use ambient::AmbientLight;
 pub use area::{AreaLight, LitSurface, Sides};
 pub use directional::DirectionalLight;
 pub use environment::{ConstantEnvironment, ImageEnvironment};
@@ -60,6 +62,8 @@ list::emitters! {
     Constant(ConstantEnvironment) of Environment,
     /// A picture of all that is around.
     Image(Box<ImageEnvironment>),
+    /// The same light for every surface, from nowhere.
+    Ambient(AmbientLight) of Ambient,
 }
 
 /// How large a kind of light is.
@@ -71,6 +75,8 @@ enum Extent {
     Surface,
     /// It is all around: rays that hit nothing see it.
     Around,
+    /// It comes from nowhere: neither sampling nor rays find it.
+    Nowhere,
 }
 
 /// What a kind of emitter does, by [the contract](self). What is not said here of some is nothing.

@@ -1,8 +1,8 @@
 //! # Conductor
 //!
 //! Metal: what isn't reflected is absorbed. Polished, it is a mirror of Fresnel's reflectance; rough, its facets
-//! are (GGX), and light that would bounce between them more than once is lost, so that very rough metal is a little
-//! too dark.
+//! are (GGX or Beckmann's, alike in all directions or brushed), and light that would bounce between them more than once is lost, so that very rough metal is a
+//! little too dark, or put back ([`super::FacetConductor`]).
 
 use straal_color::Light;
 use straal_math::simd::Float;
@@ -10,22 +10,32 @@ use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
+use super::microfacet::Facets;
 use super::mirror::reflected;
-use super::{Bsdf, BsdfSample, Recipe, RoughConductor, Scatter, Transport, Wants, facing_or_zero, fresnel};
+use super::{
+    Bsdf, BsdfSample, FacetConductor, Recipe, RoughConductor, Scatter, Transport, Wants, facing_or_zero,
+    fresnel,
+};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
 
 /// A metal, polished or rough.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConductorMaterial {
     /// Real part of the index of refraction, relative to the outside.
     pub eta: Colour,
     /// Imaginary part: absorption.
     pub k: Colour,
-    /// GGX alpha; 0 is polished.
+    /// Alpha of the facets, along the tangent if it is another across it; 0 is polished.
     pub roughness: Value<f32>,
+    /// Alpha across the tangent, where it is another.
+    pub roughness_v: Option<Value<f32>>,
+    /// How facets are spread.
+    pub distribution: desc::Distribution,
+    /// Whether light that bounces more than once is put back.
+    pub compensated: bool,
     /// Tint of what is reflected; physical is 1.
     pub reflectance: Value<Colour>,
     /// Whether the back looks like the front; else it is black.
@@ -41,13 +51,21 @@ impl Recipe for ConductorMaterial {
             eta,
             k,
             roughness: paint.number(&d.roughness)?,
+            roughness_v: d.roughness_v.as_ref().map(|v| paint.number(v)).transpose()?,
+            distribution: d.distribution.clone(),
+            compensated: d.multiple_bounces,
             reflectance: paint.reflectance(&d.reflectance)?,
             two_sided: d.two_sided,
         })
     }
 
     fn wants(&self) -> Wants {
-        Wants::point(self.roughness.varies() || self.reflectance.varies())
+        let varies = self.roughness.varies()
+            || self.roughness_v.is_some_and(|v| v.varies())
+            || self.reflectance.varies();
+        // What is brushed must know which way.
+        let tangent = self.roughness_v.is_some();
+        Wants { point: varies || tangent, tangent }
     }
 
     #[inline]
@@ -55,11 +73,17 @@ impl Recipe for ConductorMaterial {
         let (eta, k) = (reading.light(&self.eta), reading.light(&self.k));
         let metal = Metal { eta, k, reflectance: reading.eval(&self.reflectance, at) };
         let (alpha, two_sided) = (reading.eval(&self.roughness, at), self.two_sided);
-        if alpha > 0.0 {
+        let across = self.roughness_v.as_ref().map_or(alpha, |v| reading.eval(v, at));
+        if alpha <= 0.0 && across <= 0.0 {
+            return Bsdf::Conductor(Conductor { metal, two_sided });
+        }
+        if self.roughness_v.is_some() || self.compensated || self.distribution != desc::Distribution::Ggx {
+            let facets = Facets::new([alpha, across], self.distribution.clone());
+            let compensated = self.compensated;
+            Bsdf::FacetConductor(FacetConductor { metal, facets, compensated, two_sided })
+        } else {
             let rough = RoughConductor::new(metal, alpha);
             Bsdf::RoughConductor(if two_sided { rough } else { rough.one_sided() })
-        } else {
-            Bsdf::Conductor(Conductor { metal, two_sided })
         }
     }
 
@@ -70,10 +94,18 @@ impl Recipe for ConductorMaterial {
             eta: eta.into(),
             k: k.into(),
             roughness: alpha.into(),
+            roughness_v: None,
+            distribution: desc::Distribution::Ggx,
+            compensated: false,
             reflectance: reflectance.into(),
             two_sided: true,
         };
-        vec![(of(0.0), super::BsdfKind::Conductor), (of(0.1), super::BsdfKind::RoughConductor)]
+        let whole = Self { compensated: true, ..of(0.1) };
+        vec![
+            (of(0.0), super::BsdfKind::Conductor),
+            (of(0.1), super::BsdfKind::RoughConductor),
+            (whole, super::BsdfKind::FacetConductor),
+        ]
     }
 }
 

@@ -1,17 +1,23 @@
 //! # Dielectric
 //!
 //! A smooth boundary between two transparent media, such as glass and air: light is reflected and refracted in the
-//! shares of Fresnel's equations, and reflected totally where it can't get out.
+//! shares of Fresnel's equations or of Schlick's approximation, and reflected totally where it can't get out. What it is filled
+//! with ([`super::Interior`]) may dim light on its way.
 
 use straal_color::Light;
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
+use super::energy::{self, Shares};
 use super::fresnel::Split;
 use super::many::{self, Lobe, These, is_lobe};
+use super::microfacet::Facets;
 use super::mirror::reflected;
-use super::{Bsdf, BsdfSample, DispersiveDielectric, Recipe, Scatter, Transport, Wants, fresnel};
+use super::{
+    Bsdf, BsdfSample, Clear, DispersiveDielectric, Interior, Recipe, RoughDielectric, Scatter, Share,
+    Transport, Wants, fresnel,
+};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Eta, Lanes};
 use crate::paint::Paint;
@@ -27,6 +33,51 @@ pub struct DielectricMaterial {
     pub reflectance: Value<Colour>,
     /// Tint of what passes; physical is 1.
     pub transmittance: Value<Colour>,
+    /// Whether shares are Schlick's.
+    pub schlick: bool,
+    /// Its facets, where it isn't smooth.
+    pub rough: Option<Rough>,
+    /// What it is filled with.
+    pub interior: Interior,
+}
+
+/// How a boundary is rough.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rough {
+    /// Alpha of the facets, along the tangent if it is another across it.
+    pub roughness: Value<f32>,
+    /// Alpha across the tangent, where it is another.
+    pub across: Option<Value<f32>>,
+    /// How facets are spread.
+    pub distribution: desc::Distribution,
+    /// What is kept of light from outside and from within, where light that bounces more than once is put back.
+    pub kept: Option<Box<[Shares; 2]>>,
+}
+
+impl Rough {
+    /// Of what the scene says, unless it is smooth everywhere.
+    fn of(d: &desc::Dielectric, eta: &Eta, paint: &mut Paint<'_>) -> Result<Option<Self>, CompileError> {
+        let roughness = paint.number(&d.roughness)?;
+        let across = d.roughness_v.as_ref().map(|v| paint.number(v)).transpose()?;
+        let &Eta::Constant(eta) = eta else { return Ok(None) };
+        if roughness.most() == 0.0 && across.is_none_or(|v| v.most() == 0.0) {
+            return Ok(None);
+        }
+        let constant = match (roughness, across) {
+            (Value::Constant(alpha), None) => Some(alpha),
+            _ => None,
+        };
+        let kept = d
+            .multiple_bounces
+            .then(|| Box::new([eta, 1.0 / eta].map(|eta| energy::kept(constant, &d.distribution, eta))));
+        Ok(Some(Self { roughness, across, distribution: d.distribution.clone(), kept }))
+    }
+
+    /// Alpha along the tangent and across it.
+    fn alpha<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> [f32; 2] {
+        let along = reading.eval(&self.roughness, at);
+        [along, self.across.as_ref().map_or(along, |v| reading.eval(v, at))]
+    }
 }
 
 impl Recipe for DielectricMaterial {
@@ -35,22 +86,50 @@ impl Recipe for DielectricMaterial {
     const CLEAR: bool = true;
 
     fn of(d: &desc::Dielectric, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        let eta = paint.index_of_refraction(&d.eta, &d.eta_outside)?;
         Ok(Self {
             reflectance: paint.reflectance(&d.reflectance)?,
             transmittance: paint.reflectance(&d.transmittance)?,
-            eta: paint.index_of_refraction(&d.eta, &d.eta_outside)?,
+            rough: Rough::of(d, &eta, paint)?,
+            eta,
+            schlick: d.fresnel == desc::Fresnel::Schlick,
+            interior: Interior::of(&d.interior, [&d.eta, &d.eta_outside], paint)?,
         })
     }
 
+    fn interior(&self) -> Option<&Interior> {
+        Some(&self.interior)
+    }
+
     fn wants(&self) -> Wants {
-        Wants::point(self.reflectance.varies() || self.transmittance.varies())
+        let tangent = self.rough.as_ref().is_some_and(|r| r.across.is_some());
+        let rough = self.rough.as_ref().is_some_and(|r| r.roughness.varies());
+        let varies = self.reflectance.varies() || self.transmittance.varies() || rough;
+        Wants { point: varies || tangent, tangent }
     }
 
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         let reflectance = reading.eval(&self.reflectance, at);
         let transmittance = reading.eval(&self.transmittance, at);
+        if let (Some(rough), &Eta::Constant(eta)) = (&self.rough, &self.eta) {
+            let alpha = rough.alpha(at, reading);
+            if alpha[0] > 0.0 || alpha[1] > 0.0 {
+                let facets = Facets::new(alpha, rough.distribution.clone());
+                let kept = rough.kept.as_deref();
+                return Bsdf::RoughDielectric(RoughDielectric {
+                    eta,
+                    facets,
+                    reflectance,
+                    transmittance,
+                    kept,
+                });
+            }
+        }
         match &self.eta {
+            &Eta::Constant(eta) if self.schlick => {
+                Bsdf::Clear(Clear { eta, reflectance, transmittance, share: Share::Schlick })
+            }
             &Eta::Constant(eta) => Bsdf::Dielectric(Dielectric { eta, reflectance, transmittance }),
             Eta::Table(eta) => Bsdf::DispersiveDielectric(DispersiveDielectric {
                 eta,
@@ -66,10 +145,21 @@ impl Recipe for DielectricMaterial {
     fn examples() -> Vec<(Self, super::BsdfKind)> {
         use straal_color::spectrum::refraction::{Index, glass};
         let white = || super::testing::WHITE.into();
-        let of = |eta| Self { eta, reflectance: white(), transmittance: white() };
+        let of = |eta| Self {
+            eta,
+            reflectance: white(),
+            transmittance: white(),
+            schlick: false,
+            rough: None,
+            interior: Interior::default(),
+        };
+        let satin =
+            Rough { roughness: 0.2.into(), across: None, distribution: desc::Distribution::Ggx, kept: None };
         let crown = glass("BK7").expect("a glass");
         vec![
             (of(Eta::Constant(1.5)), super::BsdfKind::Dielectric),
+            (Self { rough: Some(satin), ..of(Eta::Constant(1.5)) }, super::BsdfKind::RoughDielectric),
+            (Self { schlick: true, ..of(Eta::Constant(1.5)) }, super::BsdfKind::Clear),
             (
                 of(Eta::Table(crate::lanes::EtaTable::new(&crown, &Index::Constant(1.0)))),
                 super::BsdfKind::DispersiveDielectric,

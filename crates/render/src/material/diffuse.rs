@@ -1,17 +1,17 @@
 //! # Diffuse
 //!
 //! Scatters light evenly, so that it looks equally bright from everywhere (Lambert 1760): f = reflectance / pi.
-//! Chalk, plaster, paper.
+//! Chalk, plaster, paper. Where it is rough its facets do so ([`super::RoughDiffuse`]).
 
 use std::f32::consts::FRAC_1_PI;
 
 use straal_color::Light;
 use straal_math::simd::Float;
-use straal_math::{Vec3, warp};
+use straal_math::{Vec3, ops, warp};
 use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
-use super::{Black, Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
+use super::{Black, Bsdf, BsdfSample, Recipe, RoughDiffuse, Scatter, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -22,19 +22,35 @@ use crate::texture::{Reading, ShadingPoint, Value};
 pub struct DiffuseMaterial {
     /// Share of light that is reflected.
     pub reflectance: Value<Colour>,
+    /// How rough it is.
+    pub roughness: Value<f32>,
+    /// By EON where it is rough, else by Oren and Nayar.
+    pub eon: bool,
     /// Whether the back looks like the front; else it is black.
     pub two_sided: bool,
+}
+
+/// Black, smooth and the same from both sides.
+impl Default for DiffuseMaterial {
+    fn default() -> Self {
+        Self { reflectance: Light::ZERO.into(), roughness: 0.0.into(), eon: true, two_sided: true }
+    }
 }
 
 impl Recipe for DiffuseMaterial {
     type Described = desc::Diffuse;
 
     fn of(d: &desc::Diffuse, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self { reflectance: paint.reflectance(&d.reflectance)?, two_sided: d.two_sided })
+        Ok(Self {
+            reflectance: paint.reflectance(&d.reflectance)?,
+            roughness: paint.number(&d.roughness)?,
+            eon: d.model == desc::RoughDiffuse::Eon,
+            two_sided: d.two_sided,
+        })
     }
 
     fn wants(&self) -> Wants {
-        Wants::point(self.reflectance.varies())
+        Wants::point(self.reflectance.varies() || self.roughness.varies())
     }
 
     #[inline]
@@ -43,13 +59,28 @@ impl Recipe for DiffuseMaterial {
         if reflectance.is_black() {
             return Bsdf::Black(Black);
         }
+        let roughness = reading.eval(&self.roughness, at);
+        if roughness > 0.0 {
+            let (eon, two_sided) = (self.eon, self.two_sided);
+            return Bsdf::RoughDiffuse(RoughDiffuse {
+                reflectance,
+                roughness: ops::min(roughness, 1.0),
+                eon,
+                two_sided,
+            });
+        }
         Bsdf::Diffuse(Diffuse { reflectance, two_sided: self.two_sided })
     }
 
     #[cfg(test)]
     fn examples() -> Vec<(Self, super::BsdfKind)> {
-        let of = |v: f32| Self { reflectance: Light::rgb([v; 3]).into(), two_sided: true };
-        vec![(of(0.5), super::BsdfKind::Diffuse), (of(0.0), super::BsdfKind::Black)]
+        let of = |v: f32| Self { reflectance: Light::rgb([v; 3]).into(), ..Self::default() };
+        let rough = Self { roughness: 0.5.into(), ..of(0.5) };
+        vec![
+            (of(0.5), super::BsdfKind::Diffuse),
+            (of(0.0), super::BsdfKind::Black),
+            (rough, super::BsdfKind::RoughDiffuse),
+        ]
     }
 }
 
@@ -101,6 +132,10 @@ impl Scatter for Diffuse {
     }
 
     fn albedo(&self) -> Light {
+        self.reflectance
+    }
+
+    fn ambient(&self) -> Light {
         self.reflectance
     }
 

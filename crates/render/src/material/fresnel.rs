@@ -32,6 +32,27 @@ pub fn dielectric<F: Float>(cos: F, eta: F) -> Split<F> {
     }
 }
 
+/// The same with the share by Schlick's approximation (1994, eq. 15): R + (1 - R) (1 - cos)^5 with the share R of light that
+/// arrives straight on, and the cosine on the side of the smaller index, so that both sides see the same share.
+#[inline]
+pub fn dielectric_by_schlick(cos: f32, eta: f32) -> Split {
+    let exact = dielectric(cos, eta);
+    if exact.cos_refracted == 0.0 {
+        return exact;
+    }
+    let straight = (eta - 1.0) / (eta + 1.0);
+    let cos = if eta < 1.0 { exact.cos_refracted } else { cos };
+    Split { reflected: schlick(straight * straight, cos), ..exact }
+}
+
+/// Schlick's curve (1994): from `straight` at cosine 1 to 1 at grazing angles.
+#[inline(always)]
+pub fn schlick<F: Float>(straight: F, cos: F) -> F {
+    let lack = F::ONE - cos;
+    let square = lack * lack;
+    straight + (F::ONE - straight) * (square * square * lack)
+}
+
 /// Against a conductor of complex index `eta` + i `k` (relative to the medium before it), lane by lane; `cos` in
 /// [0, 1]. Exact (Born and Wolf, Principles of Optics, 14.2). 1 where both are 0, so that a dead lane stays harmless.
 #[inline(always)]

@@ -21,7 +21,11 @@ macro_rules! bsdfs {
             /// Hands the kind's own type to who works with any.
             #[inline]
             pub(crate) fn hand_to<'w>(self, worker: impl WithKind<'w>) {
-                match self { $( Self::$Kind => worker.with::<$Type>(), )+ }
+                match self {
+                    $( Self::$Kind if <$Type as Scatter>::SIDE_BY_SIDE => worker.with::<$Type>(), )+
+                    // One by one: not compiled for each.
+                    _ => worker.with::<Bsdf<'w>>(),
+                }
             }
 
             /// All kinds, each at the place of its number.
@@ -111,6 +115,17 @@ macro_rules! bsdfs {
                 Scatter::is_delta(self)
             }
 
+            /// Whether light from behind may come through by a lobe that isn't delta.
+            #[inline]
+            pub fn transmits(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Scatter>::TRANSMITS, )+ }
+            }
+
+            /// The share of ambient light that it sends back: a textbook's, see [`crate::light::ambient`].
+            pub fn ambient(&self) -> Light {
+                match self { $( Self::$Kind(b) => b.ambient(), )+ }
+            }
+
             /// The colour of the surface, as denoisers and people want it: the share of light that comes back from the
             /// front, 1 for glass.
             pub fn albedo(&self) -> Light {
@@ -140,6 +155,13 @@ macro_rules! materials {
             Custom(u32),
         }
 
+        /// Black.
+        impl Default for Material {
+            fn default() -> Self {
+                Self::Custom(u32::MAX)
+            }
+        }
+
         impl Material {
             /// Of what the scene says.
             pub(crate) fn of(described: &desc::Material, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
@@ -151,6 +173,47 @@ macro_rules! materials {
                 match self {
                     $( Self::$Kind(m) => m.wants(), )+
                     Self::Custom(_) => Wants::default(),
+                }
+            }
+
+            /// See [`Recipe::link`].
+            pub(crate) fn link(&mut self, parts: &[u32]) {
+                match self {
+                    $( Self::$Kind(m) => m.link(parts), )+
+                    Self::Custom(_) => {}
+                }
+            }
+
+            /// The materials that it is made of.
+            fn parts(&self) -> &[u32] {
+                match self {
+                    $( Self::$Kind(m) => m.parts(), )+
+                    Self::Custom(_) => &[],
+                }
+            }
+
+            /// Which of them it is at a point.
+            #[inline]
+            fn choice<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, in_front: bool) -> Choice {
+                match self {
+                    $( Self::$Kind(m) => m.choice(at, reading, in_front), )+
+                    Self::Custom(_) => Choice::Itself,
+                }
+            }
+
+            /// The share of light that doesn't pass through as if nothing were there, if that isn't all.
+            fn opacity(&self) -> Option<Value<f32>> {
+                match self {
+                    $( Self::$Kind(m) => m.opacity(), )+
+                    Self::Custom(_) => None,
+                }
+            }
+
+            /// What it is filled with, if light goes through it into a medium.
+            fn interior(&self) -> Option<&Interior> {
+                match self {
+                    $( Self::$Kind(m) => m.interior(), )+
+                    Self::Custom(_) => None,
                 }
             }
 

@@ -1,6 +1,7 @@
 //! # Mirror
 //!
-//! Reflects light in one direction, at every angle alike: an ideal, where a real mirror is a conductor.
+//! Reflects light in one direction. The share is the same at every angle: an ideal, where a real mirror is a conductor. Or it grows
+//! to all of the light at grazing angles, as Schlick (1994) has it ([`super::SchlickMirror`]).
 
 use straal_color::Light;
 use straal_math::Vec3;
@@ -8,7 +9,7 @@ use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
+use super::{Bsdf, BsdfSample, Recipe, Scatter, SchlickMirror, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -17,8 +18,10 @@ use crate::texture::{Reading, ShadingPoint, Value};
 /// What is a perfect mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MirrorMaterial {
-    /// Share of light that is reflected.
+    /// Share of light that is reflected; with `schlick`, straight on.
     pub reflectance: Value<Colour>,
+    /// Whether the share grows towards grazing angles, as Schlick has it.
+    pub schlick: bool,
     /// Whether the back looks like the front; else it is black.
     pub two_sided: bool,
 }
@@ -27,7 +30,11 @@ impl Recipe for MirrorMaterial {
     type Described = desc::Mirror;
 
     fn of(d: &desc::Mirror, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self { reflectance: paint.reflectance(&d.reflectance)?, two_sided: d.two_sided })
+        Ok(Self {
+            reflectance: paint.reflectance(&d.reflectance)?,
+            schlick: d.fresnel == desc::MirrorFresnel::Schlick,
+            two_sided: d.two_sided,
+        })
     }
 
     fn wants(&self) -> Wants {
@@ -36,12 +43,17 @@ impl Recipe for MirrorMaterial {
 
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
-        Bsdf::Mirror(Mirror { reflectance: reading.eval(&self.reflectance, at), two_sided: self.two_sided })
+        let (reflectance, two_sided) = (reading.eval(&self.reflectance, at), self.two_sided);
+        if self.schlick {
+            return Bsdf::SchlickMirror(SchlickMirror { reflectance, most: reading.lanes.full(), two_sided });
+        }
+        Bsdf::Mirror(Mirror { reflectance, two_sided })
     }
 
     #[cfg(test)]
     fn examples() -> Vec<(Self, super::BsdfKind)> {
-        vec![(Self { reflectance: super::testing::WHITE.into(), two_sided: true }, super::BsdfKind::Mirror)]
+        let of = |schlick| Self { reflectance: super::testing::WHITE.into(), schlick, two_sided: true };
+        vec![(of(false), super::BsdfKind::Mirror), (of(true), super::BsdfKind::SchlickMirror)]
     }
 }
 

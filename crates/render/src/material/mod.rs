@@ -27,40 +27,71 @@ use std::sync::Arc;
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::ops;
 use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
 use crate::error::CompileError;
 use crate::lanes::Lanes;
 use crate::paint::Paint;
-use crate::texture::{ReadRgb, Reading, ShadingPoint};
+use crate::texture::{ReadRgb, Reading, ShadingPoint, Value};
 use many::{OfKind, These, WithKind};
 
 mod black;
 mod conductor;
 mod dielectric;
 mod diffuse;
+mod diffuse_transmission;
 mod dispersive;
+pub mod energy;
+mod facet_conductor;
 pub mod fresnel;
 mod ggx;
+mod glossy;
+pub mod interior;
 mod list;
 pub(crate) mod many;
+mod mask;
+pub mod microfacet;
 mod mirror;
+mod mix;
+mod phong;
+mod plastic;
 mod rough_conductor;
+mod rough_dielectric;
+mod rough_diffuse;
+mod schlick_mirror;
 pub mod shaded;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;
+mod thin_dielectric;
+mod transparent;
+mod two_faces;
 
 pub use black::Black;
 pub use conductor::{Conductor, ConductorMaterial, Metal};
 pub use dielectric::{Dielectric, DielectricMaterial};
 pub use diffuse::{Diffuse, DiffuseMaterial};
+pub use diffuse_transmission::{DiffuseTransmission, DiffuseTransmissionMaterial};
 pub use dispersive::DispersiveDielectric;
+pub use facet_conductor::FacetConductor;
+pub use glossy::{Glossy, GlossyMaterial};
+pub use interior::{Interior, Interiors};
+pub use mask::MaskMaterial;
 pub use mirror::{Mirror, MirrorMaterial};
+pub use mix::MixMaterial;
+pub use phong::{Form, Phong, PhongMaterial, Scale};
+pub use plastic::{Plastic, PlasticMaterial};
 pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use rough_diffuse::RoughDiffuse;
+pub use schlick_mirror::SchlickMirror;
 pub use shaded::Shaded;
+pub use thin_dielectric::{ThinDielectric, ThinDielectricMaterial};
+pub use transparent::{Clear, Share, TransparentMaterial};
+pub use two_faces::TwoFacesMaterial;
 
 list::materials! {
     /// Scatters evenly.
@@ -71,6 +102,24 @@ list::materials! {
     Dielectric(DielectricMaterial),
     /// A metal, polished or rough.
     Conductor(ConductorMaterial),
+    /// A highlight over an even ground, as textbooks have it.
+    Phong(PhongMaterial),
+    /// A blurred mirror.
+    Glossy(GlossyMaterial),
+    /// A boundary that reflects the same share at every angle.
+    Transparent(TransparentMaterial),
+    /// A pane without an inside.
+    ThinDielectric(ThinDielectricMaterial),
+    /// Scatters evenly on both sides.
+    DiffuseTransmission(DiffuseTransmissionMaterial),
+    /// An even ground below a clear boundary.
+    Plastic(PlasticMaterial),
+    /// Two materials, each with a share.
+    Mix(MixMaterial),
+    /// A material with holes.
+    Mask(MaskMaterial),
+    /// A material for each side.
+    TwoFaces(TwoFacesMaterial),
 }
 
 list::bsdfs! {
@@ -88,6 +137,26 @@ list::bsdfs! {
     Conductor(Conductor),
     /// As rough metal.
     RoughConductor(RoughConductor),
+    /// As a mirror whose share grows towards grazing angles.
+    SchlickMirror(SchlickMirror),
+    /// As smooth glass with shares of another kind.
+    Clear(Clear),
+    /// Evenly, with a highlight.
+    Phong(Phong),
+    /// As a blurred mirror.
+    Glossy(Glossy),
+    /// As rough metal of any kind.
+    FacetConductor(FacetConductor),
+    /// As rough glass.
+    RoughDielectric(RoughDielectric<'w>),
+    /// As a pane without an inside.
+    ThinDielectric(ThinDielectric),
+    /// Evenly on both sides.
+    DiffuseTransmission(DiffuseTransmission),
+    /// As an even ground below a clear boundary.
+    Plastic(Plastic<'w>),
+    /// As a rough diffuse surface.
+    RoughDiffuse(RoughDiffuse),
     /// As a user of the library says.
     Custom(CustomBsdf<'w>),
 }
@@ -103,6 +172,29 @@ pub(crate) trait Recipe: Sized {
     /// Of what a scene says.
     fn of(described: &Self::Described, paint: &mut Paint<'_>) -> Result<Self, CompileError>;
 
+    /// What it is filled with, if light goes through it into a medium.
+    fn interior(&self) -> Option<&Interior> {
+        None
+    }
+
+    /// Takes the indices of the materials that it is made of, in the order of `desc::Material::parts`.
+    fn link(&mut self, _parts: &[u32]) {}
+
+    /// The materials that it is made of.
+    fn parts(&self) -> &[u32] {
+        &[]
+    }
+
+    /// Which of them it is at a point, seen from the side that the normal points to or from the other. Such a material has no BSDF of its own.
+    fn choice<L: Lanes>(&self, _at: &ShadingPoint, _reading: &Reading<'_, L>, _in_front: bool) -> Choice {
+        Choice::Itself
+    }
+
+    /// The share of light that doesn't pass through as if nothing were there, if that isn't all.
+    fn opacity(&self) -> Option<Value<f32>> {
+        None
+    }
+
     /// What it must know of a point: a [`ShadingPoint`], if any of its values [varies](crate::texture::Value::varies).
     fn wants(&self) -> Wants;
 
@@ -114,13 +206,30 @@ pub(crate) trait Recipe: Sized {
     fn examples() -> Vec<(Self, BsdfKind)>;
 }
 
+/// What a material is at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Choice {
+    /// Itself.
+    Itself,
+    /// Another.
+    One(u32),
+    /// One of two, the second with this chance.
+    Two([u32; 2], f32),
+}
+
 /// What a kind of BSDF does, by [the contract](self). It is small, plain data.
 pub(crate) trait Scatter: Copy {
     /// Whether [`Self::sample`] reads the number that chooses a lobe.
     const CHOOSES_LOBE: bool = false;
 
+    /// Whether many are computed side by side, and not one after the other.
+    const SIDE_BY_SIDE: bool = false;
+
     /// Whether what it would send into the surface is lost; else a mirror on the surface sends it out, see [`shaded`].
     const LOSES_BELOW: bool = false;
+
+    /// Whether light from the other side may come through by a lobe that isn't delta, so that lights behind the surface are asked as well.
+    const TRANSMITS: bool = false;
 
     /// Whether that is so of this very one.
     #[inline(always)]
@@ -145,6 +254,11 @@ pub(crate) trait Scatter: Copy {
 
     /// See [`Bsdf::albedo`].
     fn albedo(&self) -> Light;
+
+    /// See [`Bsdf::ambient`].
+    fn ambient(&self) -> Light {
+        Light::ZERO
+    }
 
     /// [`Self::eval_pdf`] of many side by side, for directions `wo` and `wi`. Of a kind that is a [`many::Lobe`] the macro `is_lobe`
     /// has this and the next.
@@ -272,6 +386,9 @@ fn facing_or_zero<F: Float>(wo: Vec3<F>, two_sided: F::Mask) -> F {
     F::select(wo.z.gt(F::ZERO), F::ONE, behind)
 }
 
+/// Most materials inside one another.
+pub const DEEPEST: usize = 16;
+
 /// All materials of a world.
 #[derive(Clone, Debug, Default)]
 pub struct Materials {
@@ -281,6 +398,16 @@ pub struct Materials {
     wants: Vec<Wants>,
     /// Whether any wants anything.
     vary: bool,
+    /// Whether each is made of others.
+    made_of: Vec<bool>,
+    /// Whether light may pass through each as if nothing were there.
+    may_pass: Vec<bool>,
+    /// Whether any is made of others.
+    any_made_of: bool,
+    /// Whether light may pass through any.
+    any_may_pass: bool,
+    /// What they are filled with.
+    interiors: Interiors,
     /// What [`Material::Custom`] refers to.
     custom: Vec<Arc<dyn CustomMaterial>>,
 }
@@ -331,6 +458,176 @@ impl Materials {
         };
         self.wants[index as usize] = wants;
         self.vary = self.wants.iter().any(|w| w.point);
+        let material = &self.list[index as usize];
+        self.interiors.note(index, material.interior().copied());
+        self.made_of.resize(self.list.len(), false);
+        self.may_pass.resize(self.list.len(), false);
+        self.made_of[index as usize] = !material.parts().is_empty();
+        self.may_pass[index as usize] = material.opacity().is_some();
+        self.any_made_of |= self.made_of[index as usize];
+        self.any_may_pass |= self.may_pass[index as usize];
+    }
+
+    /// When all are there, hands on what is known of parts to what is made of them; whether none nests deeper than [`DEEPEST`].
+    pub fn settle(&mut self) -> bool {
+        for round in 0..=DEEPEST {
+            let mut settled = true;
+            for i in 0..self.list.len() {
+                for &part in self.list[i].parts() {
+                    let Some(&theirs) = self.wants.get(part as usize) else { continue };
+                    let mine = self.wants[i];
+                    let both =
+                        Wants { point: mine.point | theirs.point, tangent: mine.tangent | theirs.tangent };
+                    let pass = self.may_pass[i] | self.may_pass[part as usize];
+                    settled &= both == mine && pass == self.may_pass[i];
+                    (self.wants[i], self.may_pass[i]) = (both, pass);
+                }
+            }
+            if settled && round > 0 {
+                break;
+            }
+        }
+        self.vary = self.wants.iter().any(|w| w.point);
+        self.any_may_pass = self.may_pass.contains(&true);
+        (0..self.list.len()).all(|i| !self.made_of[i] || self.nests_within(i as u32, DEEPEST))
+    }
+
+    fn nests_within(&self, index: u32, levels: usize) -> bool {
+        let parts = self.list.get(index as usize).map_or(&[][..], Material::parts);
+        parts.is_empty() || levels > 0 && parts.iter().all(|&part| self.nests_within(part, levels - 1))
+    }
+
+    /// Whether material `index` is made of others, one of which it is by chance or by side.
+    #[inline]
+    pub fn is_made_of_others(&self, index: u32) -> bool {
+        self.made_of.get(index as usize).copied().unwrap_or(false)
+    }
+
+    /// Whether any is.
+    #[inline(always)]
+    pub fn choose(&self) -> bool {
+        self.any_made_of
+    }
+
+    /// Whether light may pass through material `index` as if nothing were there.
+    #[inline]
+    pub fn may_pass(&self, index: u32) -> bool {
+        self.may_pass.get(index as usize).copied().unwrap_or(false)
+    }
+
+    /// Whether it may through any.
+    #[inline(always)]
+    pub fn any_may_pass(&self) -> bool {
+        self.any_may_pass
+    }
+
+    /// The opacity of a material that is a mask over one that isn't; `None` where all light meets it. An error where a mask is a part of
+    /// something else.
+    pub(crate) fn plain_opacity(&self, index: u32) -> Result<Option<Value<f32>>, ()> {
+        match self.list.get(index as usize) {
+            Some(Material::Mask(mask)) if !self.may_pass(mask.material) => Ok(mask.opacity()),
+            _ if self.may_pass(index) => Err(()),
+            _ => Ok(None),
+        }
+    }
+
+    /// The share of light that meets material `index`.
+    pub fn opacity<L: Lanes>(
+        &self,
+        index: u32,
+        at: &ShadingPoint,
+        reading: &Reading<'_, L>,
+        in_front: bool,
+    ) -> f32 {
+        self.opacity_within(index, (at, in_front), reading, DEEPEST)
+    }
+
+    fn opacity_within<L: Lanes>(
+        &self,
+        index: u32,
+        (at, in_front): (&ShadingPoint, bool),
+        reading: &Reading<'_, L>,
+        levels: usize,
+    ) -> f32 {
+        let Some(material) = self.list.get(index as usize).filter(|_| self.may_pass(index) && levels > 0)
+        else {
+            return 1.0;
+        };
+        let own = material.opacity().map_or(1.0, |o| ops::clamp(reading.eval(&o, at), 0.0, 1.0));
+        let of = |part| self.opacity_within(part, (at, in_front), reading, levels - 1);
+        match material.choice(at, reading, in_front) {
+            Choice::Itself => own,
+            Choice::One(part) => own * of(part),
+            Choice::Two([a, b], weight) => {
+                let (a, b) = (of(a), of(b));
+                own * (a + ops::clamp(weight, 0.0, 1.0) * (b - a))
+            }
+        }
+    }
+
+    /// The material that `index` is at a point for what meets it: itself, or one of those that it is made of, by a number in [0, 1).
+    pub fn chosen<L: Lanes>(
+        &self,
+        mut index: u32,
+        (at, in_front): (&ShadingPoint, bool),
+        reading: &Reading<'_, L>,
+        mut u: f32,
+    ) -> u32 {
+        for _ in 0..=DEEPEST {
+            let Some(material) = self.list.get(index as usize) else { return index };
+            index = match material.choice(at, reading, in_front) {
+                Choice::Itself => return index,
+                Choice::One(part) => part,
+                Choice::Two([a, b], weight) => {
+                    let mut second = ops::clamp(weight, 0.0, 1.0);
+                    if self.may_pass(index) {
+                        // Given that it is met at all.
+                        let [of_a, of_b] = [a, b].map(|part| self.opacity(part, at, reading, in_front));
+                        let met = second * of_b;
+                        let all = met + (1.0 - second) * of_a;
+                        second = if all > 0.0 { met / all } else { second };
+                    }
+                    // What is left of the number is even again.
+                    let (part, rest) =
+                        if u < second { (b, u / second) } else { (a, (u - second) / (1.0 - second)) };
+                    u = ops::clamp(rest, 0.0, 1.0 - f32::EPSILON / 2.0);
+                    part
+                }
+            };
+        }
+        index
+    }
+
+    /// The colour of material `index` at a point, as [`Bsdf::albedo`], of what meets it.
+    pub fn albedo<L: Lanes>(
+        &self,
+        index: u32,
+        (at, in_front): (&ShadingPoint, bool),
+        reading: &Reading<'_, L>,
+    ) -> Light {
+        self.albedo_within(index, (at, in_front), reading, DEEPEST)
+    }
+
+    fn albedo_within<L: Lanes>(
+        &self,
+        index: u32,
+        (at, in_front): (&ShadingPoint, bool),
+        reading: &Reading<'_, L>,
+        levels: usize,
+    ) -> Light {
+        let choice = self.list.get(index as usize).map(|m| m.choice(at, reading, in_front));
+        let of = |part| self.albedo_within(part, (at, in_front), reading, levels - 1);
+        match choice.filter(|_| levels > 0) {
+            Some(Choice::One(part)) => of(part),
+            Some(Choice::Two([a, b], weight)) => of(a) * (1.0 - weight) + of(b) * weight,
+            Some(Choice::Itself) | None => self.bsdf(index, at, reading).albedo(),
+        }
+    }
+
+    /// What they are filled with.
+    #[inline(always)]
+    pub fn interiors(&self) -> &Interiors {
+        &self.interiors
     }
 
     /// How many.

@@ -14,16 +14,45 @@ pub(crate) struct Example {
     pub focus: i32,
     /// The share of light that comes back in the first lane, where the model promises one for all angles.
     pub albedo: Option<f64>,
+    /// Whether f stays the same when its directions are exchanged.
+    pub is_reciprocal: bool,
+    /// Whether no more comes out than goes in.
+    pub keeps_energy: bool,
+    /// How far from all the light that comes back may be, for one that promises all of it but for its tables.
+    pub whole_within: Option<f64>,
 }
 
 impl Example {
     /// One without sharp lobes that promises no albedo.
     pub const fn new(name: &'static str, bsdf: Bsdf<'static>) -> Self {
-        Self { name, bsdf, focus: 1, albedo: None }
+        Self {
+            name,
+            bsdf,
+            focus: 1,
+            albedo: None,
+            is_reciprocal: true,
+            keeps_energy: true,
+            whole_within: None,
+        }
     }
 
     pub const fn albedo(self, share: f64) -> Self {
         Self { albedo: Some(share), ..self }
+    }
+
+    /// One whose directions mean different things, as its page says.
+    pub const fn one_way(self) -> Self {
+        Self { is_reciprocal: false, ..self }
+    }
+
+    /// One that may send back more light than arrives, as its page says.
+    pub const fn gives_energy(self) -> Self {
+        Self { keeps_energy: false, ..self }
+    }
+
+    /// One that sends back all light, within a part of it.
+    pub const fn nearly_energy(self, within: f64) -> Self {
+        Self { whole_within: Some(within), ..self }
     }
 
     pub const fn focus(self, focus: i32) -> Self {

@@ -247,7 +247,7 @@ fn samples_are_what_they_say() {
 #[test]
 fn scattering_is_reciprocal() {
     for_all(|entry, wo| {
-        if wo.z < 0.0 {
+        if wo.z < 0.0 || !entry.is_reciprocal {
             return;
         }
         for i in 0..2000 {
@@ -256,11 +256,13 @@ fn scattering_is_reciprocal() {
             let even = warp::uniform_hemisphere([u[2], u[3]]);
             for wi in drawn.into_iter().filter(|s| !s.delta).map(|s| s.wi).chain([even]) {
                 // A radiance's f is the importance's with the directions exchanged.
-                let there = entry.bsdf.eval(wo, wi, Transport::Radiance) / wi.z;
+                let there = entry.bsdf.eval(wo, wi, Transport::Radiance) / wi.z.abs();
                 let back = entry.bsdf.eval(wi, wo, Transport::Importance) / wo.z;
                 let largest = ops::max(there.max_lane(), 1e-20);
                 let apart = (there - back).map(f32::abs).max_lane() / largest;
-                assert!(apart < 1e-4, "{}: {wo:?} {wi:?} {there:?} {back:?}", entry.name);
+                // What two directions on both sides have half-way is known the less, the nearer they are to opposite.
+                let tolerance = if wi.z > 0.0 { 1e-4 } else { 1e-3 + 1e-4 / wo.z };
+                assert!(apart < tolerance, "{}: {wo:?} {wi:?} {there:?} {back:?}", entry.name);
             }
             if let Some(s) = drawn.filter(|s| s.delta) {
                 delta_lobe_leads_back(entry, wo, &s);
@@ -295,7 +297,8 @@ fn no_more_comes_out_than_goes_in() {
         let mut spread = 0.0_f64;
         for i in 0..SIDE * SIDE {
             let u = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
-            let lobe = (i as f32 + 0.5) / (SIDE * SIDE) as f32;
+            // In another order than the rows of the grid, by the golden ratio, for those that choose among lobes and draw within.
+            let lobe = ((i * 2531 % (SIDE * SIDE)) as f32 + 0.5) / (SIDE * SIDE) as f32;
             if let Some(s) = entry.bsdf.sample(wo, lobe, u, Transport::Importance) {
                 for (m, w) in mean.iter_mut().zip(s.weight.0) {
                     *m += f64::from(w) / f64::from(SIDE * SIDE);
@@ -306,10 +309,18 @@ fn no_more_comes_out_than_goes_in() {
             }
         }
         let seen = facing(wo, !entry.name.contains("one-sided")).is_some();
-        assert!(mean.iter().all(|m| *m <= 1.0 + 1e-6), "{} from {wo:?}: {mean:?}", entry.name);
+        let bound = if entry.keeps_energy {
+            1.0 + entry.whole_within.unwrap_or(if spread > 0.0 { 1e-3 } else { 1e-6 })
+        } else {
+            f64::INFINITY
+        };
+        assert!(mean.iter().all(|m| *m <= bound), "{} from {wo:?}: {mean:?}", entry.name);
         if let Some(albedo) = entry.albedo {
             let want = if seen { albedo } else { 0.0 };
             assert!((mean[0] - want).abs() < 1e-5, "{} from {wo:?}: {mean:?}", entry.name);
+        }
+        if let Some(within) = entry.whole_within {
+            assert!((mean[0] - 1.0).abs() <= within, "{} from {wo:?}: {mean:?}", entry.name);
         }
         // What is evaluated integrates to the same.
         if spread > 0.0 && entry.bsdf.kind() != BsdfKind::Custom {
@@ -320,7 +331,13 @@ fn no_more_comes_out_than_goes_in() {
             };
             let f = |wi| f64::from(entry.bsdf.eval(wo, wi, Transport::Importance)[0]);
             let integral = grid.total(f, 1e-4);
-            assert!((integral - mean[0]).abs() < 5e-3, "{} from {wo:?}: {integral} {mean:?}", entry.name);
+            // Of several lobes the grid of numbers is coarser.
+            let tolerance = if entry.bsdf.chooses_lobe() { 1e-2 } else { 5e-3 };
+            assert!(
+                (integral - mean[0]).abs() < tolerance,
+                "{} from {wo:?}: {integral} {mean:?}",
+                entry.name
+            );
         }
     });
 }
@@ -396,10 +413,15 @@ fn glass_compresses_radiance_and_gives_it_back() {
 
 #[test]
 fn backs_look_like_fronts_or_are_black() {
-    for entry in registry()
-        .iter()
-        .filter(|e| !matches!(e.bsdf.kind(), BsdfKind::Dielectric | BsdfKind::DispersiveDielectric))
-    {
+    let is_clear = |e: &&Example| {
+        use BsdfKind::{
+            Clear, Dielectric, DiffuseTransmission, DispersiveDielectric, RoughDielectric, ThinDielectric,
+        };
+        let clear =
+            [Clear, Dielectric, DiffuseTransmission, DispersiveDielectric, RoughDielectric, ThinDielectric];
+        clear.contains(&e.bsdf.kind())
+    };
+    for entry in registry().iter().filter(|e| !is_clear(e)) {
         let turned = |d: Vec3| Vec3::new(d.x, d.y, -d.z);
         let one_sided = entry.name.contains("one-sided");
         for i in 0..200 {
@@ -480,7 +502,7 @@ impl CustomMaterial for Halves {
 
 #[test]
 fn materials_are_known_by_their_place() {
-    let grey = DiffuseMaterial { reflectance: Light::rgb([0.5; 3]).into(), two_sided: true };
+    let grey = DiffuseMaterial { reflectance: Light::rgb([0.5; 3]).into(), ..DiffuseMaterial::default() };
     let mut materials = Materials::default();
     materials.push(Material::Diffuse(grey));
     assert!(!materials.vary());

@@ -155,6 +155,16 @@ impl<'a> Paint<'a> {
         Ok(self.colour(s, Quantity::Emission)?.into())
     }
 
+    /// Share of light that is the same everywhere.
+    pub fn share(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+        self.colour(s, Quantity::Reflectance)
+    }
+
+    /// A number for each wavelength that is no colour, such as absorption per m.
+    pub fn coefficient(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+        self.colour(s, Quantity::Index)
+    }
+
     fn value(
         &mut self,
         v: &desc::Varying<desc::Spectrum>,

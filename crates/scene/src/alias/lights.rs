@@ -104,7 +104,7 @@ pub(super) const KINDS: &[Table] = &[(
         ),
         ("spotlight cone conelight", Called("spot")),
         (
-            "infinite env envmap hdri dome sky skylight background constant ambient environmentlight domelight imageinfinite hdr world infinitelight constantinfinite ambientlight surroundings",
+            "infinite env envmap hdri dome sky skylight background constant environmentlight domelight imageinfinite hdr world infinitelight constantinfinite surroundings",
             Called("environment"),
         ),
         (

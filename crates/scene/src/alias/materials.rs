@@ -8,16 +8,33 @@ use super::answers::{
 
 /// What words are in mappings of these marks.
 pub(super) const KEYS: &[Table] = &[
+    ("diffuse:", &[("sigma alpha roughnessfactor", Called("roughness"))]),
     (
-        "dielectric:",
-        &[("roughness alpha distribution uroughness vroughness alphau alphav roughnessfactor", ROUGH_GLASS)],
+        "phong:",
+        &[
+            ("kd diffuse diffusereflectance rd basecolor color colour", Called("reflectance")),
+            ("ka", Called("ambient")),
+            ("ks specularreflectance speccolor", Called("specular")),
+            ("shininess n ns phongexponent phongsize e glossiness", Called("exponent")),
+        ],
     ),
+    ("glossy:", &[("kr", Called("reflectance")), ("shininess n ns e", Called("exponent"))]),
     (
-        "diffuse:",
-        &[(
-            "roughness alpha distribution uroughness vroughness roughnessfactor",
-            NotYet("rough diffuse surfaces"),
-        )],
+        "plastic:",
+        &[
+            ("specularreflectance ks", Called("specular")),
+            ("kd diffusereflectance diffuse color colour", Called("reflectance")),
+            ("alpha", Called("roughness")),
+        ],
+    ),
+    ("mask:", &[("alpha amount cutout", Called("opacity")), ("bsdf nested base", Called("material"))]),
+    (
+        "mix:",
+        &[
+            ("amount factor fac", Called("weight")),
+            ("a material1 bsdf0", Called("first")),
+            ("b material2 bsdf1", Called("second")),
+        ],
     ),
     (
         "mirror:",
@@ -45,8 +62,13 @@ pub(super) const KEYS: &[Table] = &[
                 Called("transmittance"),
             ),
             ("absorption extinction kappa kcoefficient", Called("k")),
+            ("sigmaa absorptioncoefficient", Called("sigma_a")),
+            ("attenuationcolour absorptioncolor transmissioncolor", Called("attenuation_color")),
+            ("transmissiondepth atdistance absorptiondistance", Called("attenuation_distance")),
             ("material metalname type name preset", Called("metal")),
-            ("alpha alphau alphav uroughness vroughness roughnessfactor alphax alphay", Called("roughness")),
+            ("vroughness alphav alphay", Called("roughness_v")),
+            ("alpha alphau uroughness roughnessfactor alphax", Called("roughness")),
+            ("type microfacet", Called("distribution")),
             (
                 "shininess exponent phongexponent phongsize ns",
                 Write("`conductor: { roughness: 0.1 }`: the exponent n is about 2 / roughness^2 - 2"),
@@ -58,8 +80,11 @@ pub(super) const KEYS: &[Table] = &[
                 GLASS,
             ),
             ("metallic metalness metallicfactor metal metalnes k", METAL),
-            ("specular ks specularweight specularfactor", NotYet("glossy surfaces over a diffuse base")),
-            ("sigma", NotYet("rough diffuse surfaces")),
+            (
+                "specular ks specularweight specularfactor",
+                Write("`plastic: { reflectance: 0.5 }`, or `phong: { specular: 0.2 }` as in textbooks"),
+            ),
+            ("sigma", Write("`diffuse: { roughness: 0.5 }`")),
             (
                 "emission emissive emissivefactor emissionstrength emissioncolor ke emissionweight ambient le radiance",
                 GLOW,
@@ -69,7 +94,10 @@ pub(super) const KEYS: &[Table] = &[
                 LAYERED,
             ),
             ("subsurface subsurfaceweight subsurfaceradius sss scatter scattering mfp", SUBSURFACE),
-            ("anisotropy anisotropic spectrans", NotYet("anisotropic materials")),
+            (
+                "anisotropy anisotropic",
+                Write("`conductor: { roughness: 0.3, roughness_v: 0.05 }`, along the texture's u and v"),
+            ),
             ("opacity alphamode alphacutoff opacitymask cutout dissolve d tr", MASKS),
             ("bump bumpmap normalmap normal normaltexture displacement bumpscale", BUMPS),
             ("map texture mapkd basecolortexture image bitmap filename colormap pigment file", TEXTURES),
@@ -83,7 +111,7 @@ pub(super) const KEYS: &[Table] = &[
                 Write("`eta: SF11`, the name of a glass, or `eta: { cauchy: [1.5, 0.004] }`"),
             ),
             ("type kind bsdf", TYPE),
-            ("thin thinwalled", NotYet("thin glass without an inside")),
+            ("thin thinwalled", Write("`thin_dielectric: { eta: 1.5 }`")),
         ],
     ),
 ];
@@ -94,7 +122,7 @@ pub(super) const KINDS: &[Table] = &[(
     &[
         ("matte lambert lambertian diffusebsdf bsdfdiffuse lambertmaterial", Called("diffuse")),
         (
-            "glass refractive transparent glassbsdf water smoothdielectric bsdfglass refractionbsdf refraction",
+            "glass refractive glassbsdf water smoothdielectric bsdfglass refractionbsdf refraction",
             Called("dielectric"),
         ),
         (
@@ -107,12 +135,14 @@ pub(super) const KINDS: &[Table] = &[(
             Write("`conductor: { metal: gold }`, with the name of the metal"),
         ),
         ("roughdielectric roughglass frostedglass", ROUGH_GLASS),
-        ("thindielectric thinglass archglass", NotYet("thin glass without an inside")),
-        ("roughdiffuse orennayar rough velvet cloth", NotYet("rough diffuse surfaces and cloth")),
-        (
-            "glossy glossybsdf anisotropic ward phong blinnphong modifiedphong roughplastic plastic substrate uber glossycoating glossytranslucent shiny",
-            NotYet("glossy surfaces over a diffuse base"),
-        ),
+        ("thinglass archglass", Called("thin_dielectric")),
+        ("roughdiffuse orennayar rough", Write("`diffuse: { roughness: 0.5 }`")),
+        ("velvet cloth", NotYet("cloth")),
+        ("blinn blinnphong", Write("`phong: { highlight: blinn }`")),
+        ("modifiedphong", Called("phong")),
+        ("difftrans diffusetransmit paper", Called("diffuse_transmission")),
+        ("roughplastic substrate uber glossycoating glossytranslucent shiny glossybsdf", Called("plastic")),
+        ("anisotropic ward", Write("`conductor: { roughness: 0.3, roughness_v: 0.05 }`")),
         (
             "principled principledbsdf disney openpbr standardsurface openpbrsurface pbr coateddiffuse coatedconductor layered clearcoat carpaint pbrmetallicroughness uberv2 toon",
             LAYERED,
@@ -122,13 +152,16 @@ pub(super) const KINDS: &[Table] = &[(
             SUBSURFACE,
         ),
         ("hair hairbsdf principledhair", HAIR),
-        (
-            "mix mixbsdf blend blendbsdf blendmaterial mixmaterial add addshader",
-            NotYet("mixtures of materials"),
-        ),
-        ("mask null interface transparentbsdf none alpha opacity", MASKS),
+        ("mixbsdf blend blendbsdf blendmaterial mixmaterial", Called("mix")),
+        ("alpha opacity cutout transparentbsdf", Called("mask")),
+        ("null interface none", MEDIA),
         ("bumpmap normalmap bump", BUMPS),
-        ("twosided", Write("`two_sided: true` in the material; it is so without being said")),
+        (
+            "twosided",
+            Write(
+                "`two_sided: true` in the material; it is so without being said. `two_faces: { front: a, back: b }` has one for each side",
+            ),
+        ),
         ("emission emissive emitter light area arealight emissionbsdf diffuselight", GLOW),
         (
             "color colour rgb texture pigment bitmap image checker checkerboard",

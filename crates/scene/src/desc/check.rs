@@ -7,10 +7,11 @@ use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refract
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, CameraAt, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, DirectionalLight, Disc, Environment,
-    EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Gaussian, Index, Lens, LensProfile,
-    Measured, Observer, Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, SpotLight,
-    Triangle, TriangleMesh, Viewpoint,
+    Bezier, CameraAt, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, Dielectric, DiffuseTransmission,
+    DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula,
+    Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer, Orthographic, Panorama,
+    Perspective, Plane, Rectangle, SpectralChannels, Spectrum, SpotLight, Transparent, Triangle,
+    TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -330,6 +331,58 @@ pub(super) fn conductor(c: &Conductor, keys: &Keys<'_>, d: &mut Decoder) {
             return;
         }
     }
+}
+
+/// What fills a clear material is said in one way.
+fn interior(i: &Interior, keys: &Keys<'_>, d: &mut Decoder) {
+    if i.sigma_a.is_some() && i.attenuation_color.is_some() {
+        let message = "absorption is said twice: by `attenuation_color` and by `sigma_a`";
+        let other = (keys.key_span("attenuation_color"), "`attenuation_color` is here");
+        d.push(Diagnostic::error(keys.key_span("sigma_a"), message).related(other.0, other.1));
+    }
+}
+
+pub(super) fn dielectric(m: &Dielectric, keys: &Keys<'_>, d: &mut Decoder) {
+    interior(&m.interior, keys, d);
+    if m.fresnel == Fresnel::Schlick {
+        let is_rough = m.roughness_v.is_some() || m.roughness != Varying::Constant(0.0);
+        if is_rough {
+            let message = "rough glass has Fresnel's shares: `fresnel: schlick` is for smooth glass";
+            d.push(Diagnostic::error(keys.key_span("fresnel"), message));
+        }
+    }
+    let plain = |index: &Index| matches!(index, Index::Constant(_));
+    if plain(&m.eta) && plain(&m.eta_outside) {
+        return;
+    }
+    let is_rough = m.roughness_v.is_some() || m.roughness != Varying::Constant(0.0);
+    for (key, needs) in [
+        ("priority", m.interior.priority > 0),
+        ("roughness", is_rough),
+        ("fresnel", m.fresnel == Fresnel::Schlick),
+    ] {
+        if needs {
+            let message = format!("`{key}` needs an `eta` and `eta_outside` that are numbers");
+            let help = "an index of refraction by wavelength is for smooth glass with Fresnel's shares";
+            d.push(Diagnostic::error(keys.key_span(key), message).help(help));
+        }
+    }
+}
+
+/// Light is either sent back or goes through.
+pub(super) fn diffuse_transmission(m: &DiffuseTransmission, keys: &Keys<'_>, d: &mut Decoder) {
+    let most = |v: &Varying<Spectrum>| v.constant().and_then(Spectrum::rgb).map(|c| c.0);
+    let (Some(r), Some(t)) = (most(&m.reflectance), most(&m.transmittance)) else { return };
+    if let Some(i) = (0..3).find(|&i| r[i] + t[i] > 1.0 + 1e-9) {
+        let sum = shown(r[i] + t[i]);
+        let message =
+            format!("`reflectance` and `transmittance` together are {sum}: more light leaves than arrives");
+        d.push(Diagnostic::error(keys.owner(), message).help("together they may be 1"));
+    }
+}
+
+pub(super) fn transparent(m: &Transparent, keys: &Keys<'_>, d: &mut Decoder) {
+    interior(&m.interior, keys, d);
 }
 
 fn direction(v: DVec3, key: &str, keys: &Keys<'_>, d: &mut Decoder) {

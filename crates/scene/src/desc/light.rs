@@ -21,6 +21,17 @@ describe! {
         "spot" => Spot(SpotLight),
         /// Light from all around, infinitely far away.
         "environment" => Environment(Environment),
+        /// The textbook's ambient light: the same for every surface, from nowhere and in no one's shadow.
+        "ambient" => Ambient(AmbientLight),
+    }
+}
+
+describe! {
+    /// Light that every surface sends back its share of (`ambient` of a `phong`, the `reflectance` of a `diffuse` material),
+    /// whatever is around it: a stand-in for the light that walls send to one another, for pictures without it.
+    pub struct AmbientLight {
+        /// Radiance of a surface that sends back all of it, in W/(m^2 sr).
+        radiance: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
     }
 }
 

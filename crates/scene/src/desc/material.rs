@@ -10,22 +10,28 @@ use crate::value::{Link, Name};
 describe! {
     /// What a surface does with light.
     pub enum Material {
-        /// Scatters light evenly (Lambert).
+        /// Scatters light evenly (Lambert), or as a rough surface of such facets does.
         "diffuse" => Diffuse(struct Diffuse {
             /// Share of light that is reflected.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
+            /// How rough it is: 0 is Lambert's, the roughest, like the moon or plaster, is as bright at its rim as in its middle.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// What a rough surface does.
+            model: RoughDiffuse = RoughDiffuse::Eon,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
         }),
         /// A perfect mirror.
         "mirror" => Mirror(struct Mirror {
-            /// Share of light that is reflected.
+            /// Share of light that is reflected; with `fresnel: schlick`, straight on.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// How the share grows towards grazing angles.
+            fresnel: MirrorFresnel = MirrorFresnel::Constant,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
         }),
         /// Smooth glass, water and the like: a boundary between two transparent media; normals point to the outside.
-        "dielectric" => Dielectric(struct Dielectric {
+        "dielectric" => Dielectric(struct Dielectric [check::dielectric] {
             /// Index of refraction inside: a number, the name of a glass such as `BK7`, or a formula.
             eta: Index [Limit::within(0.1, 10.0)] = Index::Constant(1.5),
             /// Index of refraction outside.
@@ -34,7 +40,17 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Tint of what passes; physical is 1.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
-        }),
+            /// How the share that is reflected is found.
+            fresnel: Fresnel = Fresnel::Exact,
+            /// Alpha of the microfacets: 0 is smooth. With `roughness_v`, along the texture's u.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Alpha of the microfacets along the texture's v, if it is another than along u.
+            roughness_v: Option<Varying<f64>> [Limit::UNIT] = None,
+            /// How the facets are spread.
+            distribution: Distribution = Distribution::Ggx,
+            /// Whether light that bounces between facets more than once is put back instead of being lost (Turquin 2019).
+            multiple_bounces: bool = false,
+        } with interior: Interior),
         /// Metal, polished or rough, by name or by its complex index of refraction `eta` + i `k`, relative to air.
         "conductor" => Conductor(struct Conductor [check::conductor] {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
@@ -43,21 +59,248 @@ describe! {
             eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
             /// Imaginary part of the index of refraction: absorption.
             k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
-            /// GGX alpha of the microfacets: 0 is a polished mirror.
+            /// Alpha of the microfacets: 0 is a polished mirror. With `roughness_v`, along the texture's u.
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Alpha of the microfacets along the texture's v, if it is another than along u: brushed metal.
+            roughness_v: Option<Varying<f64>> [Limit::UNIT] = None,
+            /// How the facets are spread.
+            distribution: Distribution = Distribution::Ggx,
+            /// Whether light that bounces between facets more than once is put back instead of being lost (Turquin 2019).
+            multiple_bounces: bool = false,
             /// Tint of what is reflected; physical is 1.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
         }),
+        /// A pane of clear material without an inside: light goes straight on, and what bounces between its faces is counted.
+        "thin_dielectric" => ThinDielectric(struct ThinDielectric {
+            /// Index of refraction of the pane.
+            eta: f64 [Limit::within(0.1, 10.0)] = 1.5,
+            /// Index of refraction outside.
+            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            /// Tint of what is reflected; physical is 1.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// Tint of what passes; physical is 1.
+            transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+        }),
+        /// Scatters light evenly on both sides, as paper, leaves and lampshades do.
+        "diffuse_transmission" => DiffuseTransmission(struct DiffuseTransmission [check::diffuse_transmission] {
+            /// Share of light that is sent back.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
+            /// Share of light that goes through.
+            transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
+        }),
+        /// Plastic, glazed pottery, varnished wood: an evenly scattering ground below a clear boundary, smooth or rough (as Mitsuba's
+        /// `plastic` and `roughplastic`).
+        "plastic" => Plastic(struct Plastic {
+            /// Share of light that the ground reflects.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
+            /// Index of refraction of what covers it.
+            eta: f64 [Limit::within(1.0001, 10.0)] = 1.5,
+            /// Index of refraction outside.
+            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            /// Alpha of the boundary's microfacets: 0 is smooth.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// How the facets are spread.
+            distribution: Distribution = Distribution::Ggx,
+            /// Tint of what the boundary reflects; physical is 1.
+            specular: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// Whether light that is sent back to the ground from within is coloured by it each time, as it is in truth; else as if the ground were
+            /// white for it.
+            nonlinear: bool = false,
+            /// Whether the back looks like the front; else it is black.
+            two_sided: bool = true,
+        }),
+        /// Two materials at the same place, each with a share.
+        "mix" => Mix(struct Mix {
+            /// What has the rest.
+            first: Box<MaterialRef>,
+            /// What has the share `weight`.
+            second: Box<MaterialRef>,
+            /// Share of `second`.
+            weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
+        }),
+        /// A material with holes: light passes where it isn't opaque, shadow rays as well.
+        "mask" => Mask(struct Mask {
+            /// What there is.
+            material: Box<MaterialRef>,
+            /// The share of light that meets it; the rest passes straight through.
+            opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
+        }),
+        /// One material on the side that the normal points to, another on the other.
+        "two_faces" => TwoFaces(struct TwoFaces {
+            /// On the side that the normal points to.
+            front: Box<MaterialRef>,
+            /// On the other side.
+            back: Box<MaterialRef>,
+        }),
+        /// The textbook's shading: evenly scattered light, a highlight after Phong or Blinn, and a share of the ambient light.
+        "phong" => Phong(struct Phong {
+            /// Share of light that is scattered evenly: the textbook's k_d times the colour.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
+            /// Share of `ambient` light that is sent back, the textbook's k_a times the colour; as `reflectance` if not told.
+            ambient: Option<Varying<Spectrum>> [Limit::UNIT] = None,
+            /// Strength of the highlight: the textbook's k_s.
+            specular: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.2)),
+            /// How sharp the highlight is: the textbook's e.
+            exponent: Varying<f64> [Limit::within(0.0, 1e5)] = Varying::Constant(50.0),
+            /// Which cosine is raised to that power.
+            highlight: Highlight = Highlight::Phong,
+            /// What the power is multiplied by.
+            form: HighlightForm = HighlightForm::Normalised,
+            /// Whether the back looks like the front; else it is black.
+            two_sided: bool = true,
+        }),
+        /// A blurred mirror: light from around the mirrored direction, by a power of the cosine to it.
+        "glossy" => Glossy(struct Glossy {
+            /// Share of light that is reflected: the textbook's k_r times the colour.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.8)),
+            /// How sharp the image is: the textbook's e.
+            exponent: Varying<f64> [Limit::within(0.0, 1e5)] = Varying::Constant(100.0),
+            /// Whether the back looks like the front; else it is black.
+            two_sided: bool = true,
+        }),
+        /// The textbook's simple transparency: bends light as `dielectric` does, but reflects the same share at every angle.
+        "transparent" => Transparent(struct Transparent [check::transparent] {
+            /// Index of refraction inside.
+            eta: f64 [Limit::within(0.1, 10.0)] = 1.5,
+            /// Index of refraction outside.
+            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            /// Share of light that is reflected: the textbook's k_r.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.1)),
+            /// Share of light that passes: the textbook's k_t.
+            transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.9)),
+        } with interior: Interior),
+    }
+}
+
+describe! {
+    /// What a clear material is filled with, which dims light on its way through.
+    pub struct Interior {
+        /// What is left of light after `attenuation_distance` (Beer's law); give this or `sigma_a`.
+        attenuation_color: Option<Spectrum> [Limit::UNIT] = None,
+        /// The way after which `attenuation_color` is left, in m.
+        attenuation_distance: f64 [Limit::POSITIVE] = 1.0,
+        /// Absorption per m; give this or `attenuation_color`.
+        sigma_a: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+        /// Where closed surfaces overlap, the material of the highest priority is there alone; where the numbers are alike,
+        /// the one inside the other.
+        priority: u32 [Limit::within(0.0, 1000.0)] = 0,
+    }
+}
+
+describe! {
+    /// What a rough diffuse surface does.
+    pub enum RoughDiffuse {
+        /// Facets that scatter evenly and light one another (Portsmouth, Kutz and Hill 2024): energy is conserved.
+        "eon" => Eon,
+        /// Facets that scatter evenly (Oren and Nayar 1994, the qualitative model), by a `roughness` in radians; what bounces between them
+        /// is lost.
+        "oren_nayar" => OrenNayar,
+    }
+}
+
+describe! {
+    /// How microfacets are spread.
+    pub enum Distribution {
+        /// After Trowbridge and Reitz (1975), with long tails.
+        "ggx" => Ggx,
+        /// After Beckmann (1963): slopes spread by a bell curve.
+        "beckmann" => Beckmann,
+    }
+}
+
+describe! {
+    /// How the share is found that a boundary between clear materials reflects.
+    pub enum Fresnel {
+        /// By Fresnel's equations.
+        "exact" => Exact,
+        /// By Schlick's approximation of 1994: R + (1 - R) (1 - cos)^5 with the R of light that arrives straight on.
+        "schlick" => Schlick,
+    }
+}
+
+describe! {
+    /// How the share that a mirror reflects depends on the angle.
+    pub enum MirrorFresnel {
+        /// Not at all.
+        "constant" => Constant,
+        /// By Schlick's approximation of 1994: R + (1 - R) (1 - cos)^5.
+        "schlick" => Schlick,
+    }
+}
+
+describe! {
+    /// Whose highlight it is.
+    pub enum Highlight {
+        /// Phong's (1975): of the angle between the mirrored direction and where light goes.
+        "phong" => Phong,
+        /// Blinn's (1977): of the angle between the normal and the direction half-way between the two of light.
+        "blinn" => Blinn,
+    }
+}
+
+describe! {
+    /// How a highlight is scaled.
+    pub enum HighlightForm {
+        /// So that it sends back `specular` of the light at most, and the same when its directions are exchanged.
+        "normalised" => Normalised,
+        /// f = k_s cos^e as in textbooks that multiply it by the cosine at the surface, such as Suffern's (2007). It may send back more
+        /// light than arrives.
+        "textbook" => Textbook,
+        /// As Phong wrote it in 1975, k_s cos^e of the light, whatever the cosine at the surface: neither bounded nor the same
+        /// when its directions are exchanged.
+        "classic" => Classic,
     }
 }
 
 /// A material given by name or on the spot.
 #[derive(Clone, Debug, PartialEq)]
+// A scene that has many surfaces gives their materials names.
+#[allow(clippy::large_enum_variant)]
 pub enum MaterialRef {
     /// One of the scene's `materials`.
     Named(Link<Material>),
     /// Written where it is used.
     Inline(Material),
+}
+
+impl Material {
+    /// The materials that it is made of, of those that are.
+    pub fn parts(&self) -> Vec<&MaterialRef> {
+        match self {
+            Self::Mix(m) => vec![&m.first, &m.second],
+            Self::Mask(m) => vec![&m.material],
+            Self::TwoFaces(m) => vec![&m.front, &m.back],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn parts_mut(&mut self) -> Vec<&mut MaterialRef> {
+        match self {
+            Self::Mix(m) => vec![&mut m.first, &mut m.second],
+            Self::Mask(m) => vec![&mut m.material],
+            Self::TwoFaces(m) => vec![&mut m.front, &mut m.back],
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl MaterialRef {
+    /// Calls `f` with every name in it.
+    pub fn names<'a>(&'a self, f: &mut impl FnMut(&'a Link<Material>)) {
+        match self {
+            Self::Named(link) => f(link),
+            Self::Inline(material) => material.parts().into_iter().for_each(|part| part.names(f)),
+        }
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn names_mut(&mut self, f: &mut impl FnMut(&mut Link<Material>)) {
+        match self {
+            Self::Named(link) => f(link),
+            Self::Inline(material) => material.parts_mut().into_iter().for_each(|part| part.names_mut(f)),
+        }
+    }
 }

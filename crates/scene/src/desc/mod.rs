@@ -27,7 +27,9 @@ pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
-pub use light::{DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight};
+pub use light::{
+    AmbientLight, DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight,
+};
 pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{

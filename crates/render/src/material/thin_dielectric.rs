@@ -1,0 +1,113 @@
+//! # Thin dielectric
+//!
+//! A pane of glass as a single surface, without an inside: light goes straight on, and the shift to the side that a thick pane has is left out. With
+//! F the share that one boundary reflects, all that bounces between the two faces adds up to R = 2 F / (1 + F) reflected and T = 1 - R passed. Energy
+//! is conserved; reciprocity holds.
+
+use straal_color::Light;
+use straal_math::Vec3;
+use straal_scene::desc;
+
+use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected};
+use crate::error::CompileError;
+use crate::lanes::{Colour, Lanes};
+use crate::paint::Paint;
+use crate::texture::{Reading, ShadingPoint, Value};
+
+/// A pane without an inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinDielectricMaterial {
+    /// Index of refraction of the pane over that outside.
+    pub eta: f32,
+    /// Tint of what is reflected; physical is 1.
+    pub reflectance: Value<Colour>,
+    /// Tint of what passes; physical is 1.
+    pub transmittance: Value<Colour>,
+}
+
+impl Recipe for ThinDielectricMaterial {
+    type Described = desc::ThinDielectric;
+
+    const CLEAR: bool = true;
+
+    fn of(d: &desc::ThinDielectric, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        Ok(Self {
+            eta: d.eta as f32 / d.eta_outside as f32,
+            reflectance: paint.reflectance(&d.reflectance)?,
+            transmittance: paint.reflectance(&d.transmittance)?,
+        })
+    }
+
+    fn wants(&self) -> Wants {
+        Wants::point(self.reflectance.varies() || self.transmittance.varies())
+    }
+
+    #[inline]
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        Bsdf::ThinDielectric(ThinDielectric {
+            eta: self.eta,
+            reflectance: reading.eval(&self.reflectance, at),
+            transmittance: reading.eval(&self.transmittance, at),
+        })
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, super::BsdfKind)> {
+        let white = || super::testing::WHITE.into();
+        let pane = Self { eta: 1.5, reflectance: white(), transmittance: white() };
+        vec![(pane, super::BsdfKind::ThinDielectric)]
+    }
+}
+
+/// A pane without an inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinDielectric {
+    /// Index of refraction of the pane over that outside.
+    pub eta: f32,
+    /// Tint of what is reflected; physical is 1.
+    pub reflectance: Light,
+    /// Tint of what passes; physical is 1.
+    pub transmittance: Light,
+}
+
+impl ThinDielectric {
+    fn share(&self, cos: f32) -> f32 {
+        let one = fresnel::dielectric(cos, self.eta).reflected;
+        2.0 * one / (1.0 + one)
+    }
+}
+
+impl Scatter for ThinDielectric {
+    const CHOOSES_LOBE: bool = true;
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u_lobe: f32, _: [f32; 2], _: Transport) -> Option<BsdfSample> {
+        if wo.z == 0.0 {
+            return None;
+        }
+        let share = self.share(wo.z.abs());
+        if u_lobe < share {
+            return Some(reflected(wo, self.reflectance, share));
+        }
+        Some(BsdfSample {
+            wi: -wo,
+            weight: self.transmittance,
+            pdf: 1.0 - share,
+            delta: true,
+            transmitted: true,
+            ..BsdfSample::REFLECTED
+        })
+    }
+
+    fn albedo(&self) -> Light {
+        let share = self.share(1.0);
+        self.reflectance * share + self.transmittance * (1.0 - share)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<super::testing::Example> {
+        use super::testing::{Example, WHITE};
+        let pane = |eta| Bsdf::ThinDielectric(Self { eta, reflectance: WHITE, transmittance: WHITE });
+        vec![Example::new("pane", pane(1.5)).albedo(1.0), Example::new("film of air", pane(0.7)).albedo(1.0)]
+    }
+}
