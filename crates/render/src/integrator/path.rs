@@ -128,6 +128,7 @@ impl PathTracer {
         let mut vertices = Vertices::new();
         let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
+            out.stopwatch.begin_block();
             // Ahead of the rest: paths lie far apart, and the memory has all of them to fetch at once.
             for (i, &path) in paths.iter().enumerate() {
                 let path = &queue.paths[path as usize];
@@ -138,12 +139,13 @@ impl PathTracer {
             let names = &names[..paths.len()];
             let block = Block { paths, names, lanes: &lanes, vertices: &vertices };
             draw_numbers(queue, block, &mut scratch.numbers);
-            out.stopwatch.lap(Phase::Shading);
+            out.stopwatch.part(Phase::Shading);
             light(world, queue, block, &mut scratch, out);
-            out.stopwatch.lap(Phase::Lights);
+            out.stopwatch.part(Phase::Lights);
             scatter(world, queue, block, &mut scratch, out);
-            out.stopwatch.lap(Phase::Shading);
+            out.stopwatch.part(Phase::Shading);
         }
+        out.stopwatch.lap_of_blocks();
     }
 
     /// Whether a path of so many edges may be ended by chance.
@@ -212,6 +214,21 @@ fn dimmed<L: Lanes>(world: &World, queue: &Queue<'_, State<L>>) -> Vec<Path<Stat
         state.beta *= interiors.left_after(state.inside, hit.t - start, &world.reading(state.lanes));
     }
     paths
+}
+
+/// What is left of the light along a shadow ray from surface `i`, which is filled with `interior`: whatever is free for it to arrive lies
+/// within one medium, on the side that it comes from.
+#[cold]
+fn left_of_light<L: Lanes>(
+    world: &World,
+    state: &State<L>,
+    (i, surfaces, interior): (usize, &Surfaces, u16),
+    ray: &Ray,
+) -> Light {
+    let wo = surfaces.wo.at(i).z;
+    let crosses = surfaces.frame[2].at(i).dot(ray.d) * wo < 0.0;
+    let inside = if crosses { state.inside.crossed(interior, wo > 0.0) } else { state.inside };
+    world.materials.interiors().left_after(inside, ray.t_max, &world.reading(state.lanes))
 }
 
 /// Adds ambient light; gives what scatters at the boundary of a clear material, which depends on what is on the other side. Nothing where
@@ -356,14 +373,7 @@ fn light<L: Lanes>(
         let path = block.paths[i] as usize;
         let (ray, mut light) = brought.get(i, &queue.rays[path]);
         if world.materials.interiors().matter() {
-            // What is free for the light to arrive lies within one medium, on the side that it comes from.
-            let wo = surfaces.wo.at(i).z;
-            let crosses = surfaces.frame[2].at(i).dot(ray.d) * wo < 0.0;
-            let mut inside = queue.paths[path].state.inside;
-            if crosses {
-                inside = inside.crossed(interior[i], wo > 0.0);
-            }
-            light *= world.materials.interiors().left_after(inside, ray.t_max, &world.reading(lanes[i]));
+            light *= left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
         }
         out.shadow(ray, Contribution::own(&queue.paths[path], light));
     }

@@ -31,7 +31,6 @@ pub struct DispersiveDielectric<'w> {
 
 impl Scatter for DispersiveDielectric<'_> {
     const CHOOSES_LOBE: bool = true;
-    const SIDE_BY_SIDE: bool = true;
 
     fn albedo(&self) -> Light {
         let yellow = Dielectric {

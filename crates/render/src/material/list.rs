@@ -21,11 +21,7 @@ macro_rules! bsdfs {
             /// Hands the kind's own type to who works with any.
             #[inline]
             pub(crate) fn hand_to<'w>(self, worker: impl WithKind<'w>) {
-                match self {
-                    $( Self::$Kind if <$Type as Scatter>::SIDE_BY_SIDE => worker.with::<$Type>(), )+
-                    // One by one: not compiled for each.
-                    _ => worker.with::<Bsdf<'w>>(),
-                }
+                match self { $( Self::$Kind => worker.with::<$Type>(), )+ }
             }
 
             /// All kinds, each at the place of its number.
@@ -118,7 +114,7 @@ macro_rules! bsdfs {
             /// Whether light from behind may come through by a lobe that isn't delta.
             #[inline]
             pub fn transmits(&self) -> bool {
-                match self { $( Self::$Kind(_) => <$Type as Scatter>::TRANSMITS, )+ }
+                match self { $( Self::$Kind(b) => Scatter::transmits(b), )+ }
             }
 
             /// The share of ambient light that it sends back: a textbook's, see [`crate::light::ambient`].

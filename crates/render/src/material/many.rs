@@ -109,8 +109,6 @@ pub(crate) trait Lobe<F: Float>: Copy {
 /// In an `impl Scatter`: that the kind is a [`Lobe`], whose functions serve one and many.
 macro_rules! is_lobe {
     ($Lobe:ident) => {
-        const SIDE_BY_SIDE: bool = true;
-
         #[inline]
         fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: $crate::material::Transport) -> (Light, f32) {
             $crate::material::many::Lobe::eval_pdf(self, wo, wi, transport)
