@@ -361,12 +361,6 @@ impl World {
         transforms().rev().fold(point, |p, m| p.to_world(m))
     }
 
-    /// What shading must know of the geometry of a hit.
-    #[inline(always)]
-    pub(crate) fn geometry(&self, hit: &Hit) -> &GeometryRecord {
-        &self.geometries[hit.geometry as usize]
-    }
-
     /// The material at a hit.
     #[inline]
     pub(crate) fn material_of(&self, hit: &Hit) -> u32 {

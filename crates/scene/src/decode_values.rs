@@ -828,7 +828,7 @@ impl Describe for MaterialRef {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
             Datum::String(_) => Self::Named(Link::read(tree, limit, d)),
-            Datum::Mapping(_) => Self::Inline(Material::read(tree, limit, d)),
+            Datum::Mapping(_) => Self::Inline(Box::new(Material::read(tree, limit, d))),
             _ => {
                 let kinds = suggest::list(Material::KINDS.iter().copied());
                 let help = remedy::choice(tree, Material::KINDS);

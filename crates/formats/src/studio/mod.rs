@@ -332,7 +332,7 @@ fn softbox(place: Viewpoint, [width, height]: [f64; 2], radiance: f64) -> Node {
     let steps = vec![Step::Scale(Factors(DVec3::new(width, height, 1.0))), Step::LookAt(place)];
     Node::Rectangle(Rectangle {
         surface: Surface {
-            material: Some(MaterialRef::Inline(diffuse(Color::grey(0.0)))),
+            material: Some(MaterialRef::Inline(Box::new(diffuse(Color::grey(0.0))))),
             emission: Some(Varying::Constant(Spectrum::grey(radiance))),
             // A rectangle faces +z, and what looks at something does so along -z.
             flip: true,

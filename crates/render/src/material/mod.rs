@@ -56,8 +56,10 @@ mod mask;
 pub mod microfacet;
 mod mirror;
 mod mix;
+pub mod open_pbr;
 mod phong;
 mod plastic;
+mod principled;
 mod rough_conductor;
 mod rough_dielectric;
 mod rough_diffuse;
@@ -83,8 +85,10 @@ pub use interior::{Interior, Interiors};
 pub use mask::MaskMaterial;
 pub use mirror::{Mirror, MirrorMaterial};
 pub use mix::MixMaterial;
+pub use open_pbr::{OpenPbr, OpenPbrMaterial};
 pub use phong::{Form, Phong, PhongMaterial, Scale};
 pub use plastic::{Plastic, PlasticMaterial};
+pub use principled::{Principled, PrincipledMaterial};
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_diffuse::RoughDiffuse;
@@ -121,6 +125,10 @@ list::materials! {
     Mask(MaskMaterial),
     /// A material for each side.
     TwoFaces(TwoFacesMaterial),
+    /// The layers of OpenPBR.
+    OpenPbr(Box<OpenPbrMaterial>),
+    /// Disney's, as Mitsuba has it.
+    Principled(PrincipledMaterial),
 }
 
 list::bsdfs! {
@@ -158,6 +166,10 @@ list::bsdfs! {
     Plastic(Plastic<'w>),
     /// As a rough diffuse surface.
     RoughDiffuse(RoughDiffuse),
+    /// By the layers of OpenPBR.
+    OpenPbr(OpenPbr),
+    /// As Disney's.
+    Principled(Principled),
     /// As a user of the library says.
     Custom(CustomBsdf<'w>),
 }
@@ -218,6 +230,51 @@ pub enum Choice {
     Two([u32; 2], f32),
 }
 
+/// A large one.
+impl<R: Recipe> Recipe for Box<R> {
+    type Described = R::Described;
+
+    const CLEAR: bool = R::CLEAR;
+
+    fn of(described: &R::Described, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        R::of(described, paint).map(Self::new)
+    }
+
+    fn interior(&self) -> Option<&Interior> {
+        (**self).interior()
+    }
+
+    fn link(&mut self, parts: &[u32]) {
+        (**self).link(parts);
+    }
+
+    fn parts(&self) -> &[u32] {
+        (**self).parts()
+    }
+
+    fn choice<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, in_front: bool) -> Choice {
+        (**self).choice(at, reading, in_front)
+    }
+
+    fn opacity(&self) -> Option<Value<f32>> {
+        (**self).opacity()
+    }
+
+    fn wants(&self) -> Wants {
+        (**self).wants()
+    }
+
+    #[inline]
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        (**self).bsdf(at, reading)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, BsdfKind)> {
+        R::examples().into_iter().map(|(recipe, kind)| (Self::new(recipe), kind)).collect()
+    }
+}
+
 /// What a kind of BSDF does, by [the contract](self). It is small, plain data.
 pub(crate) trait Scatter: Copy {
     /// Whether [`Self::sample`] reads the number that chooses a lobe.
@@ -230,6 +287,12 @@ pub(crate) trait Scatter: Copy {
     const TRANSMITS: bool = false;
 
     /// Whether that is so of this very one.
+    #[inline(always)]
+    fn transmits(&self) -> bool {
+        Self::TRANSMITS
+    }
+
+    /// See [`Self::LOSES_BELOW`], of this very one.
     #[inline(always)]
     fn loses_below(&self) -> bool {
         Self::LOSES_BELOW

@@ -20,6 +20,13 @@ pub(crate) struct Example {
     pub keeps_energy: bool,
     /// How far from all the light that comes back may be, for one that promises all of it but for its tables.
     pub whole_within: Option<f64>,
+    /// Whether light passes through it.
+    pub passes: bool,
+    /// Whether energy is kept for each direction to the viewer alone, not for each direction of a light as well: what light paths see is the
+    /// adjoint.
+    pub of_radiance: bool,
+    /// By how much more may come out than goes in: the error of fits and tables.
+    pub gain: f64,
 }
 
 impl Example {
@@ -33,6 +40,9 @@ impl Example {
             is_reciprocal: true,
             keeps_energy: true,
             whole_within: None,
+            passes: false,
+            of_radiance: false,
+            gain: 1e-3,
         }
     }
 
@@ -53,6 +63,19 @@ impl Example {
     /// One that sends back all light, within a part of it.
     pub const fn nearly_energy(self, within: f64) -> Self {
         Self { whole_within: Some(within), ..self }
+    }
+
+    pub const fn passes(self) -> Self {
+        Self { passes: true, ..self }
+    }
+
+    /// One that keeps energy for each direction to the viewer alone.
+    pub const fn of_radiance(self) -> Self {
+        Self { of_radiance: true, ..self }
+    }
+
+    pub const fn gain(self, gain: f64) -> Self {
+        Self { gain, ..self }
     }
 
     pub const fn focus(self, focus: i32) -> Self {

@@ -10,8 +10,8 @@ use crate::desc::{
     Bezier, CameraAt, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, Dielectric, DiffuseTransmission,
     DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula,
     Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer, Orthographic, Panorama,
-    Perspective, Plane, RampTexture, Rectangle, RemapTexture, SpectralChannels, Spectrum, SpotLight, Texture,
-    Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture, SpectralChannels, Spectrum,
+    SpotLight, Texture, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -371,6 +371,15 @@ pub(super) fn conductor(c: &Conductor, keys: &Keys<'_>, d: &mut Decoder) {
             d.push(Diagnostic::error(keys.owner(), message));
             return;
         }
+    }
+}
+
+/// The index of refraction is told in one way.
+pub(super) fn principled(p: &Principled, keys: &Keys<'_>, d: &mut Decoder) {
+    if p.eta.is_some() && p.specular.is_some() {
+        let message = "`principled` takes `eta` or `specular`, not both";
+        let other = (keys.key_span("eta"), "`eta` is here");
+        d.push(Diagnostic::error(keys.key_span("specular"), message).related(other.0, other.1));
     }
 }
 
