@@ -48,6 +48,7 @@ mod facet_conductor;
 pub mod fresnel;
 mod ggx;
 mod glossy;
+mod gltf;
 pub mod interior;
 mod list;
 pub(crate) mod many;
@@ -80,6 +81,7 @@ pub use diffuse_transmission::{DiffuseTransmission, DiffuseTransmissionMaterial}
 pub use dispersive::DispersiveDielectric;
 pub use facet_conductor::FacetConductor;
 pub use glossy::{Glossy, GlossyMaterial};
+pub use gltf::GltfMaterial;
 pub use interior::{Interior, Interiors};
 pub use mask::MaskMaterial;
 pub use mirror::{Mirror, MirrorMaterial};
@@ -128,6 +130,8 @@ list::materials! {
     OpenPbr(Box<OpenPbrMaterial>),
     /// Disney's, as Mitsuba has it.
     Principled(PrincipledMaterial),
+    /// glTF's, by the layers of OpenPBR.
+    Gltf(Box<GltfMaterial>),
 }
 
 list::bsdfs! {

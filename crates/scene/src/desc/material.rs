@@ -150,6 +150,52 @@ describe! {
             /// Whether the back of what is opaque looks like the front; else it is black.
             two_sided: bool = true,
         }),
+        /// The material of glTF, metallic and rough, with its ratified extensions, as layers of `open_pbr`. Its names are glTF's, without the word
+        /// `factor`.
+        "gltf" => Gltf(struct Gltf {
+            /// Colour of what is diffuse, and of metal.
+            base_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// Which part is metal.
+            metallic: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// The root of GGX's alpha.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// The share of light that meets the surface; the rest passes straight through.
+            alpha: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Index of refraction (`KHR_materials_ior`).
+            ior: f64 [Limit::within(1.0, 5.0)] = 1.5,
+            /// Strength of what the surface of what isn't metal reflects (`KHR_materials_specular`).
+            specular: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Colour of that, straight on.
+            specular_color: Varying<Spectrum> [Limit::within(0.0, 3.9)] = Varying::Constant(Spectrum::grey(1.0)),
+            /// How much of a clear coat (`KHR_materials_clearcoat`).
+            clearcoat: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Roughness of the coat.
+            clearcoat_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Colour and strength of sheen (`KHR_materials_sheen`).
+            sheen_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.0)),
+            /// Roughness of the sheen.
+            sheen_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Which part of what isn't metal lets light through (`KHR_materials_transmission`).
+            transmission: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Whether there is an inside, in which light is bent and absorbed (`KHR_materials_volume` with a thickness above 0); else it is a thin wall.
+            volume: bool = false,
+            /// What is left of light after `attenuation_distance`.
+            attenuation_color: Spectrum [Limit::UNIT] = Spectrum::grey(1.0),
+            /// The way in metres after which it is left; endless if not told.
+            attenuation_distance: Option<f64> [Limit::POSITIVE] = None,
+            /// How strongly colours part: 20 over Abbe's number (`KHR_materials_dispersion`).
+            dispersion: f64 [Limit::within(0.0, 3.2)] = 0.0,
+            /// How much of a thin film (`KHR_materials_iridescence`).
+            iridescence: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Index of refraction of the film.
+            iridescence_ior: f64 [Limit::within(1.0, 5.0)] = 1.3,
+            /// Thickness of the film in nanometres.
+            iridescence_thickness: Varying<f64> [Limit::within(0.0, 6500.0)] = Varying::Constant(400.0),
+            /// How much rougher it is along the texture's u (`KHR_materials_anisotropy`).
+            anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Whether the back looks like the front; else it is black.
+            double_sided: bool = true,
+        }),
         /// Disney's BSDF as Mitsuba 3 has it, exactly.
         "principled" => Principled(struct Principled [check::principled] {
             /// Colour of what is diffuse and of metal; its root is the tint of glass.

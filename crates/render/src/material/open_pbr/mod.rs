@@ -52,7 +52,8 @@ mod tests;
 
 pub use interior::Interior;
 use layers::Layers;
-use params::{LINES, Params};
+use params::LINES;
+pub(super) use params::Params;
 use record::Record;
 use scatter::Drawn;
 
@@ -61,6 +62,20 @@ use scatter::Drawn;
 pub(super) fn ggx<F: Float>([along, across]: [F; 2]) -> Facets<F> {
     let least = F::splat(params::SMOOTH);
     Facets::of_lanes([along.max(least), across.max(least)], F::Mask::splat(false))
+}
+
+/// The wavelengths of a path's lanes in nm, and whether a refraction has parted them.
+pub(super) fn nanometres<L: Lanes>(lanes: L) -> (Light, bool) {
+    match lanes.carried() {
+        Carried::All => (Light(LINES), false),
+        Carried::One(nm) => (Light([nm; 4]), true),
+        Carried::Four(nm) => (Light(nm), false),
+    }
+}
+
+/// How much of a film of some nm there is.
+pub(super) fn film_presence(weight: f32, thickness: f32) -> f32 {
+    weight * film::fades(thickness)
 }
 
 /// Whether any number of any lane is above 0.
@@ -168,11 +183,7 @@ impl OpenPbrMaterial {
         let abbe = number(&self.transmission_dispersion_abbe_number);
         let scale = number(&self.transmission_dispersion_scale);
         let thickness = number(&self.thin_film_thickness) * 1000.0;
-        let (nm, parted) = match reading.lanes.carried() {
-            Carried::All => (LINES, false),
-            Carried::One(nm) => ([nm; 4], true),
-            Carried::Four(nm) => (nm, false),
-        };
+        let (nm, parted) = nanometres(reading.lanes);
         Params {
             base: reading.eval(&self.base_color, at) * number(&self.base_weight),
             specular: tint(&self.specular_color),
@@ -180,14 +191,14 @@ impl OpenPbrMaterial {
             subsurface: tint(&self.subsurface_color),
             coat: tint(&self.coat_color),
             fuzz: tint(&self.fuzz_color),
-            nm: Light(nm),
+            nm,
             metalness: number(&self.base_metalness),
             specular_weight: number(&self.specular_weight),
             transmission_weight: number(&self.transmission_weight),
             subsurface_weight: number(&self.subsurface_weight),
             coat_weight: number(&self.coat_weight),
             fuzz_weight: number(&self.fuzz_weight),
-            film_presence: number(&self.thin_film_weight) * film::fades(thickness),
+            film_presence: film_presence(number(&self.thin_film_weight), thickness),
             diffuse_roughness: number(&self.base_diffuse_roughness),
             roughness: number(&self.specular_roughness),
             coat_roughness: number(&self.coat_roughness),
@@ -296,7 +307,7 @@ impl Recipe for OpenPbrMaterial {
 
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
-        Bsdf::OpenPbr(OpenPbr(Record::pack(&self.params(at, reading))))
+        Bsdf::OpenPbr(OpenPbr::new(&self.params(at, reading)))
     }
 
     #[cfg(test)]
@@ -310,6 +321,10 @@ impl Recipe for OpenPbrMaterial {
 pub struct OpenPbr(Record);
 
 impl OpenPbr {
+    pub(super) fn new(params: &Params<f32>) -> Self {
+        Self(Record::pack(params))
+    }
+
     fn layers(&self, wo: Vec3) -> Layers<f32> {
         Layers::new(self.0.one(), wo)
     }

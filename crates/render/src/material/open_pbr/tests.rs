@@ -160,9 +160,9 @@ fn white_loses_nothing() {
 fn smooth_surfaces_are_the_textbooks() {
     let glass = Params { transmission_weight: 1.0, roughness: 0.0, ..white() };
     let [back, through] = energy(glass, Vec3::Z);
-    assert!((back - 0.04).abs() < 1e-4 && (through - 0.96).abs() < 1e-4, "{back} {through}");
+    assert!((back - 0.04).abs() < 1e-3 && (through - 0.96).abs() < 1e-3, "{back} {through}");
     let [back, through] = energy(Params { thin: true, ..glass }, Vec3::Z);
-    assert!((back - 0.08 / 1.04).abs() < 1e-4 && (through - 0.96 / 1.04).abs() < 1e-4, "{back} {through}");
+    assert!((back - 0.08 / 1.04).abs() < 1e-3 && (through - 0.96 / 1.04).abs() < 1e-3, "{back} {through}");
     // Total reflection.
     let [back, _] = energy(glass, -slanted(60.0));
     assert!((back - 1.0).abs() < 1e-6, "{back}");
