@@ -34,6 +34,7 @@ use straal_scene::desc;
 use crate::error::CompileError;
 use crate::lanes::Lanes;
 use crate::paint::Paint;
+use crate::relief::Relief;
 use crate::texture::{ReadRgb, Reading, ShadingPoint, Value};
 use many::{OfKind, These, WithKind};
 
@@ -460,6 +461,8 @@ pub struct Materials {
     list: Vec<Material>,
     /// What each wants to know of a point.
     wants: Vec<Wants>,
+    /// What each seems to be besides.
+    reliefs: Vec<Option<Relief>>,
     /// Whether any wants anything.
     vary: bool,
     /// Whether each is made of others.
@@ -498,6 +501,7 @@ impl Materials {
     pub fn push(&mut self, material: Material) -> u32 {
         self.list.push(material);
         self.wants.push(Wants::default());
+        self.reliefs.push(None);
         let index = (self.list.len() - 1) as u32;
         self.note(index);
         index
@@ -515,11 +519,23 @@ impl Materials {
         self.note(index);
     }
 
+    /// Gives a material a relief.
+    pub fn pretend(&mut self, index: u32, relief: Relief) {
+        self.reliefs[index as usize] = Some(relief);
+        self.note(index);
+    }
+
+    /// The relief of material `index`.
+    pub fn relief(&self, index: u32) -> Option<&Relief> {
+        self.reliefs.get(index as usize)?.as_ref()
+    }
+
     fn note(&mut self, index: u32) {
-        let wants = match &self.list[index as usize] {
+        let mut wants = match &self.list[index as usize] {
             Material::Custom(i) => self.custom.get(*i as usize).map_or(Wants::default(), |m| m.wants()),
             material => material.wants(),
         };
+        wants.point |= self.reliefs[index as usize].is_some();
         self.wants[index as usize] = wants;
         self.vary = self.wants.iter().any(|w| w.point);
         let material = &self.list[index as usize];
@@ -542,6 +558,10 @@ impl Materials {
                     let mine = self.wants[i];
                     let both =
                         Wants { point: mine.point | theirs.point, tangent: mine.tangent | theirs.tangent };
+                    // One that has none pretends what the first of its parts does that has one.
+                    let relief = self.reliefs[i].or(self.reliefs[part as usize]);
+                    settled &= relief.is_some() == self.reliefs[i].is_some();
+                    self.reliefs[i] = relief;
                     let pass = self.may_pass[i] | self.may_pass[part as usize];
                     settled &= both == mine && pass == self.may_pass[i];
                     (self.wants[i], self.may_pass[i]) = (both, pass);

@@ -2,7 +2,7 @@
 
 use crate::desc::check;
 use crate::desc::spectrum::{Index, Spectrum};
-use crate::desc::texture::Varying;
+use crate::desc::texture::{Relief, Varying};
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::{Color, Link, Name};
@@ -20,7 +20,7 @@ describe! {
             model: RoughDiffuse = RoughDiffuse::Eon,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// A perfect mirror.
         "mirror" => Mirror(struct Mirror {
             /// Share of light that is reflected; with `fresnel: schlick`, straight on.
@@ -29,7 +29,7 @@ describe! {
             fresnel: MirrorFresnel = MirrorFresnel::Constant,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// Smooth glass, water and the like: a boundary between two transparent media; normals point to the outside.
         "dielectric" => Dielectric(struct Dielectric [check::dielectric] {
             /// Index of refraction inside: a number, the name of a glass such as `BK7`, or a formula.
@@ -50,7 +50,7 @@ describe! {
             distribution: Distribution = Distribution::Ggx,
             /// Whether light that bounces between facets more than once is put back instead of being lost (Turquin 2019).
             multiple_bounces: bool = false,
-        } with interior: Interior),
+        } with interior: Interior with relief: Relief),
         /// Metal, polished or rough, by name or by its complex index of refraction `eta` + i `k`, relative to air.
         "conductor" => Conductor(struct Conductor [check::conductor] {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
@@ -71,7 +71,7 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// The uber material of the OpenPBR specification (1.1), with its names: a base of metal, glass and what is diffuse under a
         /// glossy surface; on it a thin film, a coat and fuzz.
         "open_pbr" => OpenPbr(struct OpenPbr {
@@ -149,7 +149,7 @@ describe! {
             reciprocal: bool = false,
             /// Whether the back of what is opaque looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// The material of glTF, metallic and rough, with its ratified extensions, as layers of `open_pbr`. Its names are glTF's, without the word
         /// `factor`.
         "gltf" => Gltf(struct Gltf {
@@ -195,7 +195,7 @@ describe! {
             anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Whether the back looks like the front; else it is black.
             double_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// Disney's BSDF as Mitsuba 3 has it, exactly.
         "principled" => Principled(struct Principled [check::principled] {
             /// Colour of what is diffuse and of metal; its root is the tint of glass.
@@ -226,7 +226,7 @@ describe! {
             clearcoat_gloss: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Whether the back of what is opaque looks like the front; else it is black, as in Mitsuba.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// A pane of clear material without an inside: light goes straight on, and what bounces between its faces is counted.
         "thin_dielectric" => ThinDielectric(struct ThinDielectric {
             /// Index of refraction of the pane.
@@ -237,14 +237,14 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Tint of what passes; physical is 1.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
-        }),
+        } with relief: Relief),
         /// Scatters light evenly on both sides, as paper, leaves and lampshades do.
         "diffuse_transmission" => DiffuseTransmission(struct DiffuseTransmission [check::diffuse_transmission] {
             /// Share of light that is sent back.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
             /// Share of light that goes through.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
-        }),
+        } with relief: Relief),
         /// Plastic, glazed pottery, varnished wood: an evenly scattering ground below a clear boundary, smooth or rough (as Mitsuba's
         /// `plastic` and `roughplastic`).
         "plastic" => Plastic(struct Plastic {
@@ -265,7 +265,7 @@ describe! {
             nonlinear: bool = false,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// Two materials at the same place, each with a share.
         "mix" => Mix(struct Mix {
             /// What has the rest.
@@ -274,21 +274,21 @@ describe! {
             second: Box<MaterialRef>,
             /// Share of `second`.
             weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
-        }),
+        } with relief: Relief),
         /// A material with holes: light passes where it isn't opaque, shadow rays as well.
         "mask" => Mask(struct Mask {
             /// What there is.
             material: Box<MaterialRef>,
             /// The share of light that meets it; the rest passes straight through.
             opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
-        }),
+        } with relief: Relief),
         /// One material on the side that the normal points to, another on the other.
         "two_faces" => TwoFaces(struct TwoFaces {
             /// On the side that the normal points to.
             front: Box<MaterialRef>,
             /// On the other side.
             back: Box<MaterialRef>,
-        }),
+        } with relief: Relief),
         /// The textbook's shading: evenly scattered light, a highlight after Phong or Blinn, and a share of the ambient light.
         "phong" => Phong(struct Phong {
             /// Share of light that is scattered evenly: the textbook's k_d times the colour.
@@ -305,7 +305,7 @@ describe! {
             form: HighlightForm = HighlightForm::Normalised,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// A blurred mirror: light from around the mirrored direction, by a power of the cosine to it.
         "glossy" => Glossy(struct Glossy {
             /// Share of light that is reflected: the textbook's k_r times the colour.
@@ -314,7 +314,7 @@ describe! {
             exponent: Varying<f64> [Limit::within(0.0, 1e5)] = Varying::Constant(100.0),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// The textbook's simple transparency: bends light as `dielectric` does, but reflects the same share at every angle.
         "transparent" => Transparent(struct Transparent [check::transparent] {
             /// Index of refraction inside.
@@ -325,7 +325,7 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.1)),
             /// Share of light that passes: the textbook's k_t.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.9)),
-        } with interior: Interior),
+        } with interior: Interior with relief: Relief),
     }
 }
 
@@ -409,10 +409,32 @@ describe! {
     }
 }
 
+impl Material {
+    /// What makes it be lit as if it were rough.
+    pub const fn relief(&self) -> &Relief {
+        match self {
+            Self::Diffuse(m) => &m.relief,
+            Self::Mirror(m) => &m.relief,
+            Self::Dielectric(m) => &m.relief,
+            Self::Conductor(m) => &m.relief,
+            Self::ThinDielectric(m) => &m.relief,
+            Self::DiffuseTransmission(m) => &m.relief,
+            Self::Plastic(m) => &m.relief,
+            Self::Mix(m) => &m.relief,
+            Self::Mask(m) => &m.relief,
+            Self::TwoFaces(m) => &m.relief,
+            Self::Phong(m) => &m.relief,
+            Self::Glossy(m) => &m.relief,
+            Self::Transparent(m) => &m.relief,
+            Self::OpenPbr(m) => &m.relief,
+            Self::Principled(m) => &m.relief,
+            Self::Gltf(m) => &m.relief,
+        }
+    }
+}
+
 /// A material given by name or on the spot.
 #[derive(Clone, Debug, PartialEq)]
-// A scene that has many surfaces gives their materials names.
-#[allow(clippy::large_enum_variant)]
 pub enum MaterialRef {
     /// One of the scene's `materials`.
     Named(Link<Material>),
