@@ -17,6 +17,7 @@
 //! | transmission with volume: refracted, absorbed by colour and distance | the same |
 //! | iridescence by Belcour and Barla in RGB | Airy's sum at 620, 540 and 450 nm, or at the path's wavelengths |
 //! | anisotropy: alpha towards 1 along the tangent by strength² | exact, in steps of half a percent; the rotation isn't |
+//! | emission, below the clearcoat | the same |
 //! | double-sided or culled | both sides, or black from behind |
 
 use straal_color::Light;
@@ -24,7 +25,7 @@ use straal_scene::desc;
 
 use super::interior::Absorption;
 use super::open_pbr::{OpenPbr, Params, film_presence, nanometres};
-use super::{Bsdf, Interior, Recipe, Wants};
+use super::{Bsdf, Emission, Interior, Recipe, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -37,6 +38,10 @@ pub struct GltfMaterial {
     pub base_color: Value<Colour>,
     pub metallic: Value<f32>,
     pub roughness: Value<f32>,
+    /// Radiance that it sends out.
+    pub emissive: Value<Colour>,
+    /// What that is multiplied by.
+    pub emissive_strength: f32,
     pub alpha: Value<f32>,
     pub ior: f32,
     pub specular: Value<f32>,
@@ -74,6 +79,8 @@ impl Recipe for GltfMaterial {
             base_color: paint.reflectance(&d.base_color)?,
             metallic: paint.number(&d.metallic)?,
             roughness: paint.number(&d.roughness)?,
+            emissive: paint.emission(&d.emissive)?,
+            emissive_strength: d.emissive_strength as f32,
             alpha: paint.number(&d.alpha)?,
             ior: eta,
             specular: paint.number(&d.specular)?,
@@ -121,7 +128,54 @@ impl Recipe for GltfMaterial {
         Wants { point: varies || tangent, tangent }
     }
 
+    fn emission(&self) -> Option<Emission> {
+        let most = self.emissive_strength;
+        let shines = most > 0.0 && self.emissive.most() > 0.0;
+        shines.then_some(Emission { radiance: self.emissive, most, both_sides: false })
+    }
+
+    fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+        self.layers(at, reading).lets_out(cos) * self.emissive_strength
+    }
+
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        Bsdf::OpenPbr(self.layers(at, reading))
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, super::BsdfKind)> {
+        let (zero, one) = (|| Value::from(0.0), || Value::from(1.0));
+        vec![(
+            Self {
+                base_color: Light::rgb([1.0; 3]).into(),
+                metallic: one(),
+                roughness: one(),
+                emissive: Light::ZERO.into(),
+                emissive_strength: 1.0,
+                alpha: one(),
+                ior: 1.5,
+                specular: one(),
+                specular_color: Light::rgb([1.0; 3]).into(),
+                clearcoat: zero(),
+                clearcoat_roughness: zero(),
+                sheen_color: Light::ZERO.into(),
+                sheen_roughness: zero(),
+                transmission: zero(),
+                filling: None,
+                iridescence: zero(),
+                iridescence_ior: 1.3,
+                iridescence_thickness: 400.0.into(),
+                anisotropy: zero(),
+                dispersion: 0.0,
+                double_sided: true,
+            },
+            super::BsdfKind::OpenPbr,
+        )]
+    }
+}
+
+impl GltfMaterial {
+    fn layers<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> OpenPbr {
         let number = |v: &Value<f32>| reading.eval(v, at);
         let base = reading.eval(&self.base_color, at);
         let sheen = reading.eval(&self.sheen_color, at);
@@ -130,7 +184,7 @@ impl Recipe for GltfMaterial {
         let (nm, parted) = nanometres(reading.lanes);
         let [roughness, anisotropy] = stretched(number(&self.roughness), number(&self.anisotropy));
         let full = reading.lanes.full();
-        Bsdf::OpenPbr(OpenPbr::new(&Params {
+        OpenPbr::new(&Params {
             base,
             specular: reading.eval(&self.specular_color, at),
             transmission: base,
@@ -163,36 +217,7 @@ impl Recipe for GltfMaterial {
             rgb: reading.lanes.bins().is_none(),
             parted,
             reciprocal: false,
-        }))
-    }
-
-    #[cfg(test)]
-    fn examples() -> Vec<(Self, super::BsdfKind)> {
-        let (zero, one) = (|| Value::from(0.0), || Value::from(1.0));
-        vec![(
-            Self {
-                base_color: Light::rgb([1.0; 3]).into(),
-                metallic: one(),
-                roughness: one(),
-                alpha: one(),
-                ior: 1.5,
-                specular: one(),
-                specular_color: Light::rgb([1.0; 3]).into(),
-                clearcoat: zero(),
-                clearcoat_roughness: zero(),
-                sheen_color: Light::ZERO.into(),
-                sheen_roughness: zero(),
-                transmission: zero(),
-                filling: None,
-                iridescence: zero(),
-                iridescence_ior: 1.3,
-                iridescence_thickness: 400.0.into(),
-                anisotropy: zero(),
-                dispersion: 0.0,
-                double_sided: true,
-            },
-            super::BsdfKind::OpenPbr,
-        )]
+        })
     }
 }
 

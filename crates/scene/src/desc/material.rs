@@ -141,6 +141,11 @@ describe! {
             thin_film_thickness: Varying<f64> [Limit::within(0.0, 6.5)] = Varying::Constant(0.5),
             /// Index of refraction of the film.
             thin_film_ior: Varying<f64> [Limit::within(0.1, 5.0)] = Varying::Constant(1.4),
+            /// How strongly it shines: what `emission_color` is multiplied by, before coat and fuzz dim it. A surface's own `emission` counts rather
+            /// than this.
+            emission_luminance: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(0.0),
+            /// The colour in which it shines.
+            emission_color: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(1.0)),
             /// The share of light that meets the surface; the rest passes straight through as if nothing were there, shadow rays as well.
             geometry_opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
             /// Whether the surface is a wall without thickness, such as a pane or a leaf: light goes straight on.
@@ -159,6 +164,10 @@ describe! {
             metallic: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
             /// The root of GGX's alpha.
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Radiance that it sends out.
+            emissive: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// What that is multiplied by (`KHR_materials_emissive_strength`).
+            emissive_strength: f64 [Limit::NON_NEGATIVE] = 1.0,
             /// The share of light that meets the surface; the rest passes straight through.
             alpha: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
             /// Index of refraction (`KHR_materials_ior`).
@@ -410,6 +419,16 @@ describe! {
 }
 
 impl Material {
+    /// Whether it shines by itself.
+    pub fn shines(&self) -> bool {
+        let is_some = |v: &Varying<Spectrum>| *v != Varying::Constant(Spectrum::grey(0.0));
+        match self {
+            Self::OpenPbr(m) => m.emission_luminance != Varying::Constant(0.0) && is_some(&m.emission_color),
+            Self::Gltf(m) => m.emissive_strength > 0.0 && is_some(&m.emissive),
+            _ => false,
+        }
+    }
+
     /// What makes it be lit as if it were rough.
     pub const fn relief(&self) -> &Relief {
         match self {

@@ -25,14 +25,14 @@
 //! than alpha 10^-4 are mirrors (delta lobes), not narrow lobes.
 
 use straal_color::Light;
-use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
+use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 use super::interior::Absorption;
 use super::many::{self, These};
 use super::microfacet::Facets;
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
+use super::{Bsdf, BsdfSample, Emission, Recipe, Scatter, Transport, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Carried, Colour, Lanes};
 use crate::paint::Paint;
@@ -122,6 +122,9 @@ pub struct OpenPbrMaterial {
     /// In micrometres.
     pub thin_film_thickness: Value<f32>,
     pub thin_film_ior: Value<f32>,
+    /// What it sends out, and what that is to be multiplied by.
+    pub emission_color: Value<Colour>,
+    pub emission_luminance: Value<f32>,
     pub geometry_opacity: Value<f32>,
     pub geometry_thin_walled: bool,
     /// What dims light on its way through a body of it.
@@ -244,7 +247,16 @@ impl Recipe for OpenPbrMaterial {
     type Described = desc::OpenPbr;
 
     fn of(d: &desc::OpenPbr, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        // What is the same everywhere is multiplied once.
+        let (emission_color, emission_luminance) = match (&d.emission_color, &d.emission_luminance) {
+            (desc::Varying::Constant(colour), desc::Varying::Constant(luminance)) => {
+                (paint.emission_times(colour, *luminance)?.into(), 1.0.into())
+            }
+            (colour, luminance) => (paint.emission(colour)?, paint.number(luminance)?),
+        };
         let mut made = Self {
+            emission_color,
+            emission_luminance,
             base_weight: paint.number(&d.base_weight)?,
             base_color: paint.reflectance(&d.base_color)?,
             base_diffuse_roughness: paint.number(&d.base_diffuse_roughness)?,
@@ -296,6 +308,20 @@ impl Recipe for OpenPbrMaterial {
         (self.geometry_opacity != Value::Constant(1.0)).then_some(self.geometry_opacity)
     }
 
+    fn emission(&self) -> Option<Emission> {
+        let most = self.emission_luminance.most();
+        (most > 0.0 && self.emission_color.most() > 0.0).then_some(Emission {
+            radiance: self.emission_color,
+            most,
+            both_sides: self.geometry_thin_walled,
+        })
+    }
+
+    fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+        let luminance = reading.eval(&self.emission_luminance, at);
+        OpenPbr::new(&self.params(at, reading)).lets_out(cos) * luminance
+    }
+
     fn wants(&self) -> Wants {
         let varies = self.numbers().iter().any(|v| v.varies())
             || self.colours().iter().any(|v| v.varies())
@@ -323,6 +349,12 @@ pub struct OpenPbr(Record);
 impl OpenPbr {
     pub(super) fn new(params: &Params<f32>) -> Self {
         Self(Record::pack(params))
+    }
+
+    /// What coat and fuzz leave of light that is sent out below them, at a cosine.
+    pub(super) fn lets_out(&self, cos: f32) -> Light {
+        let sin = ops::max((1.0 - cos) * (1.0 + cos), 0.0).sqrt();
+        self.layers(Vec3::new(sin, 0.0, cos)).lets_out()
     }
 
     fn layers(&self, wo: Vec3) -> Layers<f32> {

@@ -43,6 +43,8 @@ pub(super) fn material() -> OpenPbrMaterial {
         thin_film_weight: n(0.0),
         thin_film_thickness: n(0.5),
         thin_film_ior: n(1.4),
+        emission_color: grey(0.0),
+        emission_luminance: n(1.0),
         geometry_opacity: n(1.0),
         geometry_thin_walled: false,
         filling: None,
