@@ -200,7 +200,7 @@ fn runs(bmp: &Bmp, data: &[u8], mut put: impl FnMut(usize, usize, u8)) -> Result
     let byte = |at: usize| data.get(at).copied().ok_or_else(missing);
     let number = |bytes: u8, i: usize| match bmp.bits {
         8 => bytes,
-        _ if i % 2 == 0 => bytes >> 4,
+        _ if i.is_multiple_of(2) => bytes >> 4,
         _ => bytes & 15,
     };
     let mut one = |x: usize, row: usize, v: u8| {

@@ -82,7 +82,11 @@ fn opaque(m: &MtlMaterial, illumination: u32) -> Material {
         return Material::Phong(Phong {
             reflectance: colour(diffuse),
             specular: colour(specular),
-            exponent: Varying::Constant(positive(m.shininess.unwrap_or(10.0)).clamp(0.0, 1e4)),
+            exponent: Varying::Constant(positive(straal_math::ops::clamp(
+                m.shininess.unwrap_or(10.0),
+                0.0,
+                1e4,
+            ))),
             highlight: Highlight::Blinn,
             ..Phong::default()
         });

@@ -65,7 +65,7 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
         (false, true) => Sides::Back,
         (false, false) => Sides::Front,
     };
-    let placement = g.placement.clone().map(Box::new);
+    let placement = g.placement.map(Box::new);
     Emitter::Area(AreaLight {
         surface,
         radiance: g.radiance,

@@ -599,7 +599,9 @@ fn runs<'a>(
     materials: &'a BTreeMap<String, PartMaterial>,
     own: bool,
 ) -> Vec<Run<'a>> {
-    let mut runs: Vec<(Option<&str>, Vec<[u32; 3]>, Vec<u32>)> = Vec::new();
+    /// A material's name, its triangles, and which of the mesh they are.
+    type Found<'a> = (Option<&'a str>, Vec<[u32; 3]>, Vec<u32>);
+    let mut runs: Vec<Found<'_>> = Vec::new();
     let mut known = BTreeMap::new();
     if !own && !materials.is_empty() {
         for part in parts {
@@ -616,7 +618,7 @@ fn runs<'a>(
     if runs.is_empty() {
         return vec![Run { material: None, triangles: triangles.clone(), numbers: Vec::new() }];
     }
-    let finish = |(name, triangles, numbers): (Option<&str>, Vec<[u32; 3]>, Vec<u32>)| Run {
+    let finish = |(name, triangles, numbers): Found<'_>| Run {
         material: name.and_then(|n| materials.get(n)),
         triangles: triangles.into(),
         numbers,

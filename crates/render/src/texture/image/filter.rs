@@ -161,7 +161,7 @@ impl Seen {
         let sum = |i: usize, j: usize| a[i] * a[j] + b[i] * b[j];
         let (xx, xy, yy) = (sum(0, 0), sum(0, 1), sum(1, 1));
         let trace = xx + yy;
-        if !(trace < MOST * MOST) {
+        if trace >= MOST * MOST || trace.is_nan() {
             return Self { matrix: [MOST * MOST, 0.0, MOST * MOST], length: MOST * MOST, width: MOST * MOST };
         }
         let area = a[0] * b[1] - a[1] * b[0];
@@ -223,7 +223,7 @@ impl<const NUMBER: u8, const CHANNELS: usize> Reader<'_, NUMBER, CHANNELS> {
     fn trilinear(&self, at: [f32; 2], seen: &Seen) -> [f32; 4] {
         // The square of how wide texels are to be.
         let wanted = seen.length * (1.0 / 3.0);
-        if !(wanted > 1.0) {
+        if wanted <= 1.0 || wanted.is_nan() {
             return self.bilinear(self.pyramid.level(0), at);
         }
         let low = log2_floor(wanted) / 2;

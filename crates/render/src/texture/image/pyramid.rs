@@ -454,7 +454,12 @@ mod tests {
             let (x, y) = (i % width, i / width);
             texels.put_numbers(x, y, std::array::from_fn(|c| code(x, y, c)));
         }
-        Arc::new(Bitmap { texels, response: Response::Linear, space: None, has_alpha: channels % 2 == 0 })
+        Arc::new(Bitmap {
+            texels,
+            response: Response::Linear,
+            space: None,
+            has_alpha: channels.is_multiple_of(2),
+        })
     }
 
     /// A number from 0 to 1 that looks random.
