@@ -2,7 +2,7 @@
 
 use super::{CompileError, Custom};
 use crate::lanes::Colour;
-use crate::material::{self, Material};
+use crate::material::{self, Emission, Material};
 use crate::paint::Paint;
 use crate::relief::Relief;
 use crate::texture::{MeshAttribute, Value};
@@ -70,6 +70,12 @@ impl<'a> Materials<'a> {
                 "a surface that glows may have a `mask` for its material, but none with a mask inside of another material",
             )
         })
+    }
+
+    /// What a material sends out by itself, and the material.
+    pub fn shining(&self, material: u32) -> Option<(Emission, Box<Material>)> {
+        let found = self.list.get(material as usize)?;
+        Some((found.emission()?, Box::new(found.clone())))
     }
 
     /// Light that a surface sends out.
