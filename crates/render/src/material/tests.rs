@@ -247,7 +247,7 @@ fn samples_are_what_they_say() {
 #[test]
 fn scattering_is_reciprocal() {
     for_all(|entry, wo| {
-        if wo.z < 0.0 || !entry.is_reciprocal {
+        if wo.z < 0.0 || !entry.is_reciprocal || entry.is_noisy {
             return;
         }
         for i in 0..2000 {
@@ -295,6 +295,8 @@ fn no_more_comes_out_than_goes_in() {
         // The mean weight over an even grid of numbers is the albedo, delta lobes included.
         let mut mean = [0.0_f64; 4];
         let mut spread = 0.0_f64;
+        // Of what isn't from a delta lobe.
+        let mut evaluated = 0.0_f64;
         for i in 0..SIDE * SIDE {
             let u = [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32);
             // In another order than the rows of the grid, by the golden ratio, for those that choose among lobes and draw within.
@@ -304,13 +306,20 @@ fn no_more_comes_out_than_goes_in() {
                     *m += f64::from(w) / f64::from(SIDE * SIDE);
                 }
                 if !s.delta {
+                    evaluated += f64::from(s.weight[0]) / f64::from(SIDE * SIDE);
                     spread += 1.0 / f64::from(SIDE * SIDE);
                 }
             }
         }
         let seen = facing(wo, !entry.name.contains("one-sided")).is_some();
         let bound = if entry.keeps_energy {
-            1.0 + entry.whole_within.unwrap_or(if spread > 0.0 { 1e-3 } else { 1e-6 })
+            1.0 + entry.whole_within.unwrap_or(if entry.is_noisy {
+                2e-2
+            } else if spread > 0.0 {
+                1e-3
+            } else {
+                1e-6
+            })
         } else {
             f64::INFINITY
         };
@@ -323,7 +332,7 @@ fn no_more_comes_out_than_goes_in() {
             assert!((mean[0] - 1.0).abs() <= within, "{} from {wo:?}: {mean:?}", entry.name);
         }
         // What is evaluated integrates to the same.
-        if spread > 0.0 && entry.bsdf.kind() != BsdfKind::Custom {
+        if spread > 0.0 && entry.bsdf.kind() != BsdfKind::Custom && !entry.is_noisy {
             let grid = SphereGrid {
                 axis: Vec3::new(-wo.x, -wo.y, wo.z),
                 focus: entry.focus,
@@ -334,7 +343,7 @@ fn no_more_comes_out_than_goes_in() {
             // Of several lobes the grid of numbers is coarser.
             let tolerance = if entry.bsdf.chooses_lobe() { 1e-2 } else { 5e-3 };
             assert!(
-                (integral - mean[0]).abs() < tolerance,
+                (integral - evaluated).abs() < tolerance,
                 "{} from {wo:?}: {integral} {mean:?}",
                 entry.name
             );
