@@ -6,6 +6,7 @@
 mod book;
 mod diagrams;
 mod draw;
+mod energy_tables;
 mod gallery;
 mod keys;
 mod looks;
@@ -25,7 +26,8 @@ usage: cargo xtask CHORE [NAME...]
   references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
   book         bring the book's generated text and drawings up to date and make its HTML in target/book
   looks        make the book's pictures of tone curves, of blur by depth and of filters
-  uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept";
+  uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept
+  energy-tables check: hold the tables of what rough surfaces lose between their facets against the integrals";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
         "book" | "keys" => book::run(),
         "looks" => looks::run(),
         "uplift-table" => uplift_table::run(names),
+        "energy-tables" => energy_tables::run(names),
         _ => {
             eprintln!("there is no chore `{chore}`\n\n{USAGE}");
             return ExitCode::from(2);

@@ -74,6 +74,27 @@ impl<F: Float> Light<F> {
         )
     }
 
+    /// Itself where the mask says so, nothing elsewhere.
+    #[inline(always)]
+    pub fn only(self, mask: F::Mask) -> Self {
+        Self::select(mask, self, Self::splat(F::ZERO))
+    }
+
+    /// From itself to another, by a part from 0 to 1.
+    #[inline(always)]
+    pub fn mix(self, to: Self, by: F) -> Self {
+        self * (F::ONE - by) + to * by
+    }
+
+    /// What is beyond 0 and 1 is taken for the nearer.
+    #[inline(always)]
+    pub fn as_shares(self) -> Self {
+        self.map(
+            #[inline(always)]
+            |v| v.max(F::ZERO).min(F::ONE),
+        )
+    }
+
     /// The largest lane: what roulette and the choice of lobes go by.
     #[inline(always)]
     pub fn max_lane(self) -> F {

@@ -1,6 +1,6 @@
 //! From a path to a scene with everything it names.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -126,8 +126,16 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
         return Err(d);
     }
     let files = paths.values().cloned().collect();
-    let mut reader =
-        Reader { limits: &options.files, finder, hashes: BTreeMap::new(), files, ledger, d: &mut d };
+    let attributes = scene.attributes().into_iter().map(|name| name.value.clone()).collect();
+    let mut reader = Reader {
+        limits: &options.files,
+        finder,
+        attributes,
+        hashes: BTreeMap::new(),
+        files,
+        ledger,
+        d: &mut d,
+    };
     let assets = reader.assets(&scene, &paths);
     let ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
@@ -177,7 +185,7 @@ pub fn load_stream(name: &str, bytes: &[u8], options: &Options) -> Result<Loaded
         return load_bytes(name, bytes, Path::new(""), options);
     };
     let path = Path::new(name).with_extension(extension);
-    let read = mesh_file::read(bytes, &path, &options.files, &mut finder(options)?);
+    let read = mesh_file::read(bytes, &path, &options.files, &mut finder(options)?, &is_colour);
     in_studio(&path, read.map_err(|refusal| cannot_read(&path, refusal))?, &options.studio)
 }
 
@@ -283,6 +291,8 @@ fn locate(
 struct Reader<'a> {
     limits: &'a Limits,
     finder: Finder,
+    /// What textures read of meshes.
+    attributes: BTreeSet<String>,
     /// BLAKE3 of each file, by the name that the scene gives it.
     hashes: BTreeMap<String, [u8; 32]>,
     /// What has been read so far.
@@ -370,7 +380,8 @@ impl Reader<'_> {
         if self.is_too_much(file, 2 * length, MESH_HELP) {
             return Default::default();
         }
-        match mesh_file::load(path, self.limits, &mut self.finder) {
+        let wanted = |name: &str| self.attributes.contains(name);
+        match mesh_file::load(path, self.limits, &mut self.finder, &wanted) {
             Ok(MeshFile { asset, warnings, hash, libraries }) => {
                 self.files.extend(libraries);
                 for warning in warnings {
@@ -466,6 +477,11 @@ fn gives_light(scene: &Scene, assets: &Assets) -> bool {
     lit
 }
 
+/// A mesh by itself shows its colours.
+fn is_colour(attribute: &str) -> bool {
+    attribute == "color"
+}
+
 /// A mesh by itself, with a studio around it.
 fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let fail = |refusal: Refusal| cannot_read(path, refusal);
@@ -477,8 +493,8 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     if let Some(shortage) = ledger.refuse(2 * length, what, MESH_HELP) {
         return Err(lacking(&shortage));
     }
-    let read =
-        mesh_file::load(&place, &options.files, &mut finder).map_err(|r| fail(r.or_similar(&place)))?;
+    let read = mesh_file::load(&place, &options.files, &mut finder, &is_colour)
+        .map_err(|r| fail(r.or_similar(&place)))?;
     let libraries = read.libraries.clone();
     ledger.pass(length + read.asset.mesh.heap_bytes());
     let loaded = in_studio(path, read, &options.studio)?;

@@ -25,12 +25,18 @@ pub struct MeshFile {
     pub libraries: Vec<PathBuf>,
 }
 
-/// Reads a mesh file and the material libraries that it names, which `finder` finds.
-pub fn load(path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFile, Refusal> {
+/// Reads a mesh file and the material libraries that it names, which `finder` finds. Of attributes of vertices and faces those are read that
+/// are wanted by their names.
+pub fn load(
+    path: &Path,
+    limits: &Limits,
+    finder: &mut Finder,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<MeshFile, Refusal> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     // What has another name is looked at before all of it is read.
     let bytes = files::read_if(path, limits.max_bytes, |head| check(&extension, head))?;
-    read(&bytes, path, limits, finder)
+    read(&bytes, path, limits, finder, wanted)
 }
 
 /// The extension of a mesh that has lost its name, by how it begins; `None` when it is no mesh.
@@ -47,9 +53,15 @@ pub fn kind_of(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// Reads the bytes of a mesh; the libraries that it names are beside `path`.
-pub fn read(bytes: &[u8], path: &Path, limits: &Limits, finder: &mut Finder) -> Result<MeshFile, Refusal> {
+pub fn read(
+    bytes: &[u8],
+    path: &Path,
+    limits: &Limits,
+    finder: &mut Finder,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<MeshFile, Refusal> {
     if mesh::ply::is_ply(bytes) {
-        return read_ply(bytes, limits).map_err(|e| Refusal::new(e.to_string()));
+        return read_ply(bytes, limits, wanted).map_err(|e| Refusal::new(e.to_string()));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut shelf = Shelf {
@@ -63,7 +75,7 @@ pub fn read(bytes: &[u8], path: &Path, limits: &Limits, finder: &mut Finder) -> 
     };
     let mut hasher = blake3::Hasher::new();
     hasher.update(bytes);
-    let file = mesh::obj::read(bytes, limits, &mut |name| {
+    let file = mesh::obj::read_with(bytes, limits, wanted, &mut |name| {
         let library = shelf.library(name)?;
         hasher.update(&library);
         Some(library)
@@ -87,8 +99,8 @@ pub fn read(bytes: &[u8], path: &Path, limits: &Limits, finder: &mut Finder) -> 
     Ok(MeshFile { asset, warnings, hash: hasher.finalize().into(), libraries })
 }
 
-fn read_ply(bytes: &[u8], limits: &Limits) -> Result<MeshFile, ReadError> {
-    let file = mesh::ply::read(bytes, limits)?;
+fn read_ply(bytes: &[u8], limits: &Limits, wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, ReadError> {
+    let file = mesh::ply::read_with(bytes, limits, wanted)?;
     let asset = MeshAsset { mesh: Arc::new(file.mesh), ..MeshAsset::default() };
     Ok(MeshFile { asset, warnings: file.warnings, hash: blake3::hash(bytes).into(), libraries: Vec::new() })
 }

@@ -1,6 +1,6 @@
 //! Affine maps: set-up composes them in double precision, rays use both directions in single precision.
 
-use crate::simd::Float;
+use crate::simd::{Double, Float};
 use crate::{DVec3, Ray, Vec3, ops};
 
 /// An affine map in double precision: x -> M x + b, as three rows of four.
@@ -87,25 +87,35 @@ impl Affine {
         out.rows.iter().flatten().all(|v| v.is_finite()).then_some(out)
     }
 
-    /// The image of a point.
-    pub fn point(&self, p: DVec3) -> DVec3 {
-        let r = &self.rows;
-        let row = |i: usize| r[i][0] * p.x + r[i][1] * p.y + r[i][2] * p.z + r[i][3];
-        DVec3::new(row(0), row(1), row(2))
+    /// The image of a point, or of many side by side.
+    #[inline(always)]
+    pub fn point<D: Double>(&self, p: DVec3<D>) -> DVec3<D> {
+        let [a, b, c] = &self.rows;
+        let DVec3 { x, y, z } = self.vector(p);
+        DVec3::new(x + a[3], y + b[3], z + c[3])
     }
 
-    /// The image of a displacement.
-    pub fn vector(&self, v: DVec3) -> DVec3 {
-        let r = &self.rows;
-        let row = |i: usize| r[i][0] * v.x + r[i][1] * v.y + r[i][2] * v.z;
-        DVec3::new(row(0), row(1), row(2))
+    /// The image of a displacement, or of many side by side.
+    #[inline(always)]
+    pub fn vector<D: Double>(&self, v: DVec3<D>) -> DVec3<D> {
+        let [a, b, c] = &self.rows;
+        DVec3::new(
+            v.x * a[0] + v.y * a[1] + v.z * a[2],
+            v.x * b[0] + v.y * b[1] + v.z * b[2],
+            v.x * c[0] + v.y * c[1] + v.z * c[2],
+        )
     }
 
-    /// The image of a normal (not renormalised) when `self` is the **inverse** of the map that moves the surface.
-    pub fn normal_by_inverse(&self, n: DVec3) -> DVec3 {
-        let r = &self.rows;
-        let column = |j: usize| r[0][j] * n.x + r[1][j] * n.y + r[2][j] * n.z;
-        DVec3::new(column(0), column(1), column(2))
+    /// The image of a normal (not renormalised) when `self` is the **inverse** of the map that moves the surface; or of many
+    /// side by side.
+    #[inline(always)]
+    pub fn normal_by_inverse<D: Double>(&self, n: DVec3<D>) -> DVec3<D> {
+        let [a, b, c] = &self.rows;
+        DVec3::new(
+            n.x * a[0] + n.y * b[0] + n.z * c[0],
+            n.x * a[1] + n.y * b[1] + n.z * c[1],
+            n.x * a[2] + n.y * b[2] + n.z * c[2],
+        )
     }
 
     /// Whether nothing moves.

@@ -285,7 +285,7 @@ struct Grids<F: Float> {
 
 impl Tables2 {
     /// Bytes that a grid takes beside its cells, which take as many as those of a [`Table1`].
-    pub const BYTES: usize = 8 * size_of::<u32>();
+    pub const BYTES: usize = size_of::<[u32; 8]>();
 
     /// None yet, but room for grids of so many cells in all.
     pub fn with_room(cells: usize) -> Self {

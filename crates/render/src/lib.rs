@@ -18,6 +18,7 @@ pub mod light;
 pub mod material;
 mod paint;
 pub mod probe;
+pub mod relief;
 pub mod settings;
 pub mod shape;
 pub mod stopwatch;

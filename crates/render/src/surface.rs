@@ -4,7 +4,7 @@ mod columns;
 mod side_by_side;
 
 pub use columns::{BLOCK, Column, Vectors};
-pub(crate) use side_by_side::Form;
+pub(crate) use side_by_side::Alike;
 pub use side_by_side::{Met, Surfaces};
 
 use crate::shape::SurfacePoint;

@@ -9,19 +9,23 @@ use crate::light::table::Picks;
 use crate::light::{AmbientLight, Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
+use crate::relief::Ways;
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Surface, frame_along};
-use crate::texture::{Place, Reading, Readings, ShadingPoint, Texture};
+use crate::texture::{OnMesh, Place, Reading, Readings, ShadingPoint, Texture, own_normal};
 use std::ops::Range;
 use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::simd::{Float, Mask, Simd, Uint};
-use straal_math::{DVec3, Frame, Ray, Vec3};
+use straal_math::{DVec3, Frame, Ray, Transform, Vec3};
 use straal_scene::Span;
 
 /// No material of its own: the innermost instance that has one gives it.
 pub(crate) const INHERIT: u32 = u32::MAX;
+
+/// The thing's own coordinates are those of its group, or nobody asks for them.
+pub(crate) const UNPLACED: u32 = u32::MAX;
 
 /// Masks that a ray is led through; what lies behind more of them isn't seen.
 const MOST_MASKS: usize = 1 << 16;
@@ -47,6 +51,8 @@ pub(crate) struct GeometryRecord {
     pub emission_varies: bool,
     /// Front and back are swapped.
     pub flip: bool,
+    /// Index into [`World::placements`], or [`UNPLACED`].
+    pub placement: u32,
 }
 
 /// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.
@@ -89,6 +95,8 @@ pub struct World {
     pub lights: LightTable,
     /// By geometry of the search structure.
     pub(crate) geometries: Vec<GeometryRecord>,
+    /// Where things' own coordinates lie in those of their groups.
+    pub(crate) placements: Vec<Transform>,
     /// By instance of the search structure: a material for what has none inside, or [`INHERIT`].
     pub(crate) instance_materials: Vec<u32>,
     /// What each node at the top of the description's world (`Scene::top_level`) became, in its order; a program's own shapes come after.
@@ -233,30 +241,59 @@ impl World {
             return;
         }
         let point = &surface.point;
-        let (tangents, p) = self.tangents(ray, hit);
+        let (tangents, local) = self.tangents(ray, hit);
         let dp = footprint.unpacked().on_surface(ray, hit.t, point.ng);
         let [duvdx, duvdy] = dp.map(|dp| tangents.coordinates(dp));
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
-        let [dpdx, dpdy] = dp.map(|dp| transforms().fold(dp, |v, m| m.inverse_vector(v)));
+        // From its group's coordinates to its own.
+        let placement = self.placements.get(self.geometries[hit.geometry as usize].placement as usize);
+        let [dpdx, dpdy] = dp.map(|dp| {
+            let in_group = transforms().fold(dp, |v, m| m.inverse_vector(v));
+            placement.map_or(in_group, |m| m.inverse_vector(in_group))
+        });
+        let (p, object_n) =
+            placement.map_or((local.p, local.n), |m| (m.inverse_point(local.p), own_normal(m, local.n)));
         let frame = frame_along(surface.frame.n, tangents.dpdu);
         if wants.tangent {
             let ng = surface.ng.map(|ng| frame.to_local(surface.frame.to_world(ng)));
             (surface.frame, surface.ng) = (frame, ng);
         }
-        surface.at = Some(ShadingPoint {
+        let at = ShadingPoint {
             world: Place { p: surface.point.p, dpdx: dp[0], dpdy: dp[1] },
             object: Place { p, dpdx, dpdy },
+            object_n,
             uv: surface.point.uv,
             duvdx,
             duvdy,
             dpdu: tangents.dpdu,
             dpdv: tangents.dpdv,
             frame,
-        });
+            on_mesh: match self.geometries[hit.geometry as usize].kind {
+                Kind::Mesh(mesh) => Some(OnMesh { mesh, triangle: hit.primitive, place: [hit.u, hit.v] }),
+                Kind::Shapes(_) => None,
+            },
+        };
+        if let Some(relief) = self.materials.relief(surface.material) {
+            let ways = Ways {
+                normal_to_world: |n: Vec3| {
+                    let in_group = placement.map_or(n, |m| m.normal(n));
+                    transforms().rev().fold(in_group, |n, m| m.normal(n))
+                },
+                vector_to_object: |v: Vec3| {
+                    let in_group = transforms().fold(v, |v, m| m.inverse_vector(v));
+                    placement.map_or(in_group, |m| m.inverse_vector(in_group))
+                },
+            };
+            let n = relief.normal(point.n, &at, &self.reading(Rgb::default()), &ways);
+            let (n, ng) = shading_normal(n, point.ng, -ray.d);
+            let frame = if wants.tangent { frame_along(n, tangents.dpdu) } else { Frame::from_normal(n) };
+            (surface.frame, surface.ng) = (frame, ng.map(|ng| frame.to_local(ng)));
+        }
+        surface.at = Some(at);
     }
 
-    /// How a hit point moves with its texture coordinates, and where it is on its object.
-    fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, Vec3) {
+    /// How a hit point moves with its texture coordinates, and the point in the coordinates of its group.
+    fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, SurfacePoint) {
         let geometry = &self.geometries[hit.geometry as usize];
         let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
@@ -269,7 +306,7 @@ impl World {
             (tangents.to_world(m, n), m.normal(n).try_normalize().unwrap_or(n))
         });
         let tangents = if geometry.flip { outwards.0.flipped() } else { outwards.0 };
-        (tangents, point.p)
+        (tangents, point)
     }
 
     /// The footprint of the ray that goes on from a hit in the direction of a sample whose `wi` is in the world.
@@ -324,12 +361,6 @@ impl World {
         transforms().rev().fold(point, |p, m| p.to_world(m))
     }
 
-    /// What shading must know of the geometry of a hit.
-    #[inline(always)]
-    pub(crate) fn geometry(&self, hit: &Hit) -> &GeometryRecord {
-        &self.geometries[hit.geometry as usize]
-    }
-
     /// The material at a hit.
     #[inline]
     pub(crate) fn material_of(&self, hit: &Hit) -> u32 {
@@ -378,13 +409,13 @@ impl World {
     /// How a path reads colours.
     #[inline(always)]
     pub fn reading<L: Lanes>(&self, lanes: L) -> Reading<'_, L> {
-        Reading { tables: &self.tables, lanes, textures: &self.textures }
+        Reading { tables: &self.tables, lanes, textures: &self.textures, meshes: &self.geometry.meshes }
     }
 
     /// How many paths side by side read colours.
     #[inline(always)]
     pub(crate) fn readings<'a, L: Lanes>(&'a self, lanes: &'a [L]) -> Readings<'a, L> {
-        Readings { tables: &self.tables, lanes, textures: &self.textures }
+        Readings { tables: &self.tables, lanes, textures: &self.textures, meshes: &self.geometry.meshes }
     }
 
     /// Whether a ray meets a surface from the side that its normal points away from.

@@ -24,6 +24,9 @@ use crate::visit::Visitor;
 /// Reading always gives a value: where the tree is wrong a complaint is noted and [`Describe::blank`] stands in, so
 /// that the rest is checked as well. Whoever starts the reading looks at the complaints first.
 pub trait Describe: Sized {
+    /// Whether it is a number, which a texture of colours can't stand for.
+    const IS_NUMBER: bool = false;
+
     /// Reads a value whose numbers must be within `limit`.
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self;
 

@@ -7,8 +7,8 @@ use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Describe, Written};
 use crate::desc::{
-    AxisAngle, ColorIn, Coordinate, Formula, Index, Material, MaterialRef, Measured, Rotation, Spectrum,
-    Step, Texture, Transform, Varying, Wrap, Wraps, check,
+    AttributeName, AxisAngle, ColorIn, Coordinate, Formula, Index, Material, MaterialRef, Measured, Rotation,
+    Spectrum, Step, Texture, TextureOf, Transform, Varying, Wrap, Wraps, check,
 };
 use crate::diagnostic::Diagnostic;
 use crate::handle::{Handle, Kind};
@@ -22,6 +22,7 @@ use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Link, Matrix, Na
 use crate::visit::Visitor;
 
 impl Describe for f64 {
+    const IS_NUMBER: bool = true;
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         d.number(tree, limit).unwrap_or_else(Self::blank)
     }
@@ -456,20 +457,9 @@ impl<T: Describe> Describe for Varying<T> {
         if key.value != "texture" {
             return Self::Constant(T::read(tree, limit, d));
         }
-        let texture = d.under(&key.value, key.span, |d| Texture::read(value, limit, d));
-        // What it is read for says what its colours must be.
-        let mut colours = Vec::new();
-        texture.show(limit, &mut colours);
-        for (colour, _) in colours {
-            match colour {
-                Spectrum::Rgb(Color(rgb)) => {
-                    if let Some(v) = rgb.iter().find(|v| !limit.allows(**v)) {
-                        let message = limit.complaint(d.key(), *v);
-                        d.push(Diagnostic::error(value.span, message));
-                    }
-                }
-                Spectrum::Measured(m) => check::reflectance(m, value.span, limit, d),
-            }
+        let texture = d.under(&key.value, key.span, |d| TextureOf::read(value, limit, d));
+        if let TextureOf::Inline(texture) = &texture {
+            check::texture(texture, value.span, (limit, T::IS_NUMBER), d);
         }
         Self::Texture(Box::new(texture))
     }
@@ -485,7 +475,8 @@ impl<T: Describe> Describe for Varying<T> {
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         let textured = defs.refer("Textured", |defs| {
             let mut keys = schema::Properties::default();
-            keys.add("texture", &[" What it is read off."], Texture::schema(Limit::FINITE, defs), None);
+            let texture = TextureOf::schema(Limit::FINITE, defs);
+            keys.add("texture", &[" What it is read off: a texture, or the name of one."], texture, None);
             keys.into_schema(&[" A value that differs from point to point of a surface."])
         });
         json!({ "anyOf": [T::schema(limit, defs), textured] })
@@ -493,7 +484,59 @@ impl<T: Describe> Describe for Varying<T> {
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
         match self {
             Self::Constant(v) => v.show(limit, visitor),
-            Self::Texture(t) => t.show(limit, visitor),
+            Self::Texture(t) => {
+                visitor.texture(t, limit, T::IS_NUMBER);
+                t.show(limit, visitor);
+            }
+        }
+    }
+}
+
+impl Describe for AttributeName {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        Self(Name::read(tree, limit, d))
+    }
+    fn blank() -> Self {
+        Self(Name::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.0.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        Name::schema(limit, defs)
+    }
+    fn show<'a>(&'a self, _: Limit, visitor: &mut dyn Visitor<'a>) {
+        visitor.attribute(&self.0);
+    }
+}
+
+/// A texture, or a word that is none of their kinds: the name of one.
+impl Describe for TextureOf {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::String(name) if !Texture::KINDS.iter().any(|kind| suggest::is_same(kind, name)) => {
+                Self::Named(Name::read(tree, limit, d))
+            }
+            _ => Self::Inline(Texture::read(tree, limit, d)),
+        }
+    }
+    fn blank() -> Self {
+        Self::Named(Name::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Named(name) => name.write_to(out),
+            Self::Inline(texture) => texture.write_to(out),
+        }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "anyOf": [Texture::schema(limit, defs), Name::schema(limit, defs)] })
+    }
+    /// Whoever has one says what it is for.
+    fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
+        match self {
+            Self::Named(name) => visitor.texture_name(name),
+            Self::Inline(texture) => texture.show(limit, visitor),
         }
     }
 }
@@ -785,7 +828,7 @@ impl Describe for MaterialRef {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
             Datum::String(_) => Self::Named(Link::read(tree, limit, d)),
-            Datum::Mapping(_) => Self::Inline(Material::read(tree, limit, d)),
+            Datum::Mapping(_) => Self::Inline(Box::new(Material::read(tree, limit, d))),
             _ => {
                 let kinds = suggest::list(Material::KINDS.iter().copied());
                 let help = remedy::choice(tree, Material::KINDS);

@@ -16,22 +16,22 @@ macro_rules! describe {
         pub struct $T:ident $([$check:path])? {
             $( $(#[doc = $fdoc:literal])+ $f:ident : $ty:ty $([$limit:expr])? $(= $default:expr)?, )*
         }
-        $(with $flat:ident : $Flat:ty)?
+        $(with $flat:ident : $Flat:ty)*
     ) => {
         $(#[doc = $doc])+
         #[derive(Clone, Debug, PartialEq)]
         pub struct $T {
             $( $(#[doc = $fdoc])+ pub $f: $ty, )*
             $( /// What several kinds share; its keys are written beside the others.
-            pub $flat: $Flat, )?
+            pub $flat: $Flat, )*
         }
 
-        describe!(@default $T { $( $f $(= $default)?, )* } { $( $flat: $Flat )? });
+        describe!(@default $T { $( $f $(= $default)?, )* } { $( $flat: $Flat )* });
 
         impl $crate::decode::Fields for $T {
             fn names(out: &mut Vec<&'static str>) {
                 out.extend([$( stringify!($f) ),*]);
-                $( <$Flat as $crate::decode::Fields>::names(out); )?
+                $( <$Flat as $crate::decode::Fields>::names(out); )*
             }
 
             fn read_fields(keys: &mut $crate::decode::Keys<'_>, d: &mut $crate::decode::Decoder) -> Self {
@@ -42,14 +42,14 @@ macro_rules! describe {
                         describe!(@absent $ty $(, $default)?),
                         d,
                     ), )*
-                    $( $flat: <$Flat as $crate::decode::Fields>::read_fields(keys, d), )?
+                    $( $flat: <$Flat as $crate::decode::Fields>::read_fields(keys, d), )*
                 }
             }
 
             fn blank_fields() -> Self {
                 Self {
                     $( $f: describe!(@blank $ty $(, $default)?), )*
-                    $( $flat: <$Flat as $crate::decode::Fields>::blank_fields(), )?
+                    $( $flat: <$Flat as $crate::decode::Fields>::blank_fields(), )*
                 }
             }
 
@@ -60,7 +60,7 @@ macro_rules! describe {
                         out.serialize_entry(stringify!($f), &$crate::decode::Written(&self.$f))?;
                     }
                 )*
-                $( <$Flat as $crate::decode::Fields>::write_fields(&self.$flat, out)?; )?
+                $( <$Flat as $crate::decode::Fields>::write_fields(&self.$flat, out)?; )*
                 Ok(())
             }
 
@@ -74,17 +74,17 @@ macro_rules! describe {
                         absent.map(|default| $crate::decode::Describe::write(&default())),
                     );
                 )*
-                $( <$Flat as $crate::decode::Fields>::schema_fields(out, defs); )?
+                $( <$Flat as $crate::decode::Fields>::schema_fields(out, defs); )*
             }
 
             fn all_optional() -> bool {
                 $( describe!(@optional $($default)?) && )*
-                $( <$Flat as $crate::decode::Fields>::all_optional() && )? true
+                $( <$Flat as $crate::decode::Fields>::all_optional() && )* true
             }
 
             fn show_fields<'a>(&'a self, visitor: &mut dyn $crate::visit::Visitor<'a>) {
                 $( $crate::decode::Describe::show(&self.$f, describe!(@limit $($limit)?), visitor); )*
-                $( <$Flat as $crate::decode::Fields>::show_fields(&self.$flat, visitor); )?
+                $( <$Flat as $crate::decode::Fields>::show_fields(&self.$flat, visitor); )*
                 let _ = visitor;
             }
         }
@@ -140,7 +140,7 @@ macro_rules! describe {
             $(
                 $(#[doc = $vdoc:literal])+
                 $key:literal => $V:ident(
-                    struct $S:ident $([$check:path])? { $($body:tt)* } $(with $flat:ident : $Flat:ty)?
+                    struct $S:ident $([$check:path])? { $($body:tt)* } $(with $flat:ident : $Flat:ty)*
                 ),
             )+
         }
@@ -154,7 +154,7 @@ macro_rules! describe {
         $(
             describe! {
                 $(#[doc = $vdoc])+
-                pub struct $S $([$check])? { $($body)* } $(with $flat: $Flat)?
+                pub struct $S $([$check])? { $($body)* } $(with $flat: $Flat)*
             }
         )+
     };
@@ -234,10 +234,10 @@ macro_rules! describe {
     };
 
     // A struct whose every key has a default has one itself.
-    (@default $T:ident { $( $f:ident = $default:expr, )* } { $( $flat:ident : $Flat:ty )? }) => {
+    (@default $T:ident { $( $f:ident = $default:expr, )* } { $( $flat:ident : $Flat:ty )* }) => {
         impl Default for $T {
             fn default() -> Self {
-                Self { $( $f: $default, )* $( $flat: <$Flat>::default(), )? }
+                Self { $( $f: $default, )* $( $flat: <$Flat>::default(), )* }
             }
         }
     };

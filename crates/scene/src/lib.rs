@@ -24,6 +24,7 @@ mod remedy;
 pub mod schema;
 pub mod span;
 pub mod suggest;
+mod textures;
 pub mod tree;
 pub mod validate;
 pub mod value;

@@ -15,6 +15,8 @@ pub struct Mesh {
     pub uvs: Vec<[f32; 2]>,
     /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// What vertices or faces have besides.
+    pub attributes: Vec<Attribute>,
     /// Runs of triangles that name a material of the file, in order and without gaps; empty when it names none.
     pub parts: Vec<Part>,
 }
@@ -22,13 +24,39 @@ pub struct Mesh {
 impl Mesh {
     /// Bytes of its lists.
     pub fn heap_bytes(&self) -> u64 {
-        let Self { positions, normals, uvs, triangles, parts } = self;
-        (size_of_val(positions.as_slice())
+        let Self { positions, normals, uvs, triangles, attributes, parts } = self;
+        let values: usize = attributes.iter().map(|a| size_of_val(a.values.as_slice())).sum();
+        (values
+            + size_of_val(positions.as_slice())
             + size_of_val(normals.as_slice())
             + size_of_val(uvs.as_slice())
             + size_of_val(triangles.as_slice())
             + size_of_val(parts.as_slice())) as u64
     }
+}
+
+/// What each vertex or triangle has besides its place: a colour, or a number of any meaning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// How textures call it: `color`, or as the file does.
+    pub name: String,
+    /// Whether vertices or triangles have it.
+    pub per: Per,
+    /// Numbers of each: 1 to 4.
+    pub channels: usize,
+    /// Whether its numbers were whole ones: codes, of which the largest is 1.
+    pub is_code: bool,
+    /// `channels` numbers of each vertex or triangle.
+    pub values: Vec<f32>,
+}
+
+/// What has an attribute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Per {
+    /// Each vertex: it is mixed between them.
+    Vertex,
+    /// Each triangle.
+    Face,
 }
 
 /// A run of a mesh's triangles with one material.

@@ -14,7 +14,7 @@ use crate::limit::Limit;
 use crate::span::Span;
 use crate::suggest;
 use crate::value::{Asset, Color, FileRef, Link, Name, Places};
-use crate::{Image, Mesh};
+use crate::{Image, Mesh, textures};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -33,6 +33,7 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
     walk.circles();
     walk.nesting();
     walk.focus();
+    textures::validate(scene, d);
 }
 
 impl Node {

@@ -5,14 +5,23 @@
 
 use crate::Bitmap;
 use crate::decode::Describe;
-use crate::desc::{Scene, Spectrum};
+use crate::desc::{Scene, Spectrum, TextureOf};
 use crate::limit::Limit;
-use crate::value::Asset;
+use crate::value::{Asset, Name};
 
 /// Is shown the values of a description, in the order of its keys.
 pub trait Visitor<'a> {
     /// A colour, and what its numbers must be within.
     fn spectrum(&mut self, _spectrum: &'a Spectrum, _limit: Limit) {}
+
+    /// What a value is read off, which is shown next; what its numbers must be within, and whether one number is wanted and no colour.
+    fn texture(&mut self, _texture: &'a TextureOf, _limit: Limit, _is_number: bool) {}
+
+    /// The name of a texture that is used.
+    fn texture_name(&mut self, _name: &'a Name) {}
+
+    /// The name of what meshes have at their vertices or on their faces, and a texture reads.
+    fn attribute(&mut self, _name: &'a Name) {}
 
     /// A picture that a texture is read off.
     fn bitmap(&mut self, _bitmap: &'a Asset<Bitmap>) {}
@@ -32,7 +41,23 @@ impl<'a> Visitor<'a> for Vec<&'a Asset<Bitmap>> {
     }
 }
 
+/// A list of attributes.
+struct Attributes<'a>(Vec<&'a Name>);
+
+impl<'a> Visitor<'a> for Attributes<'a> {
+    fn attribute(&mut self, name: &'a Name) {
+        self.0.push(name);
+    }
+}
+
 impl Scene {
+    /// What textures read of meshes, by name, with repetitions.
+    pub fn attributes(&self) -> Vec<&Name> {
+        let mut found = Attributes(Vec::new());
+        self.show(Limit::FINITE, &mut found);
+        found.0
+    }
+
     /// The pictures that textures are read off, with repetitions.
     pub fn bitmap_files(&self) -> Vec<&Asset<Bitmap>> {
         let mut found = Vec::new();

@@ -1,5 +1,6 @@
 //! Readers of triangle meshes.
 
+mod attributes;
 mod lines;
 pub mod mtl;
 pub mod obj;
@@ -11,7 +12,7 @@ pub(crate) use lines::count;
 /// What is said where vertices or faces have colours.
 fn colours_left_out(of: &str) -> String {
     format!(
-        "the colours of its {of} are left out: there are no textures yet, so that a surface has the one colour of its material"
+        "the colours of its {of} are left out, as nothing in the scene reads them: `reflectance: {{ texture: attribute }}` would"
     )
 }
 

@@ -1,6 +1,6 @@
 //! OBJ, Wavefront's object files: polygons, normals, texture coordinates, groups and materials.
 //!
-//! Colours and weights of vertices, smoothing groups (where a file has normals they say the same, and better) and
+//! Colours of vertices are read where somebody asks for them. Weights of vertices, smoothing groups (where a file has normals they say the same, and better) and
 //! what describes curves and surfaces are not read. A reader of our own rather than the `tobj` crate, because that
 //! tells neither the line of a mistake nor what it passed over.
 
@@ -8,9 +8,11 @@ mod libraries;
 
 use std::collections::HashMap;
 
+use straal_scene::mesh::{Attribute, Per};
 use straal_scene::{Mesh, Part};
 
 use self::libraries::{Libraries, Request};
+use super::attributes::COLOUR;
 use super::lines::{Lines, Statement, Warnings, count};
 use super::mtl::MtlMaterial;
 use super::{colours_left_out, flat_normal, polygon};
@@ -30,15 +32,25 @@ pub struct ObjFile {
     pub warnings: Vec<String>,
 }
 
-/// Reads a mesh and its materials. `library` is asked for the bytes of a material library by the name in the file
-/// and answers `None` when there is no such file, which is a warning. A mesh without a triangle is an error.
+/// Reads a mesh and its materials, without attributes; see [`read_with`].
 pub fn read(
     bytes: &[u8],
     limits: &Limits,
     library: &mut dyn FnMut(&str) -> Option<Vec<u8>>,
 ) -> Result<ObjFile, ReadError> {
+    read_with(bytes, limits, &|_| false, library)
+}
+
+/// Reads a mesh and its materials. Colours of vertices are read where the attribute `color` is wanted. `library` is asked for the bytes of a material library by the name in the file
+/// and answers `None` when there is no such file, which is a warning. A mesh without a triangle is an error.
+pub fn read_with(
+    bytes: &[u8],
+    limits: &Limits,
+    wanted: &dyn Fn(&str) -> bool,
+    library: &mut dyn FnMut(&str) -> Option<Vec<u8>>,
+) -> Result<ObjFile, ReadError> {
     limits.check_bytes(bytes)?;
-    let mut soup = Soup::default();
+    let mut soup = Soup { wants_colours: wanted(COLOUR), ..Soup::default() };
     let mut libraries = Libraries::default();
     let mut warnings = Warnings::default();
     let mut lines = Lines::new(bytes);
@@ -50,6 +62,9 @@ pub fn read(
                 soup.positions.push(position);
                 // Three numbers more are a colour; a single one is a weight.
                 soup.has_colours |= more == 3;
+                if soup.wants_colours {
+                    soup.add_colour(if more == 3 { Some(statement.numbers::<6>()?) } else { None });
+                }
                 lines.is_trusted = true;
                 check("vertices", soup.positions.len() as u64, limits.max_vertices.min(u64::from(NONE)))?;
             }
@@ -117,6 +132,9 @@ struct Soup {
     material: Option<String>,
     /// Whether vertices have colours.
     has_colours: bool,
+    /// Whether anybody asks for them, and these; none of vertices before the first that has one.
+    wants_colours: bool,
+    colours: Vec<[f32; 3]>,
 }
 
 /// A face: where its corners end, and its line.
@@ -133,6 +151,20 @@ struct Run {
 }
 
 impl Soup {
+    /// The colour of the vertex that was added, behind its place.
+    fn add_colour(&mut self, numbers: Option<[f32; 6]>) {
+        const WHITE: [f32; 3] = [1.0; 3];
+        match numbers {
+            Some([_, _, _, r, g, b]) => {
+                self.colours.resize(self.positions.len() - 1, WHITE);
+                let sound = |v: f32| if v.is_finite() { v } else { 0.0 };
+                self.colours.push([r, g, b].map(sound));
+            }
+            None if !self.colours.is_empty() => self.colours.push(WHITE),
+            None => {}
+        }
+    }
+
     fn add_face(&mut self, statement: &Statement, warnings: &mut Warnings) -> Result<(), ReadError> {
         let line = statement.line;
         let start = self.corners.len();
@@ -216,12 +248,13 @@ impl Soup {
         let finite = |list: &[[f32; 3]]| list.iter().flatten().all(|v| v.is_finite());
         let (sound_positions, sound_normals) = (finite(&self.positions), finite(&self.normals));
         let (mut odd_positions, mut odd_normals) = (Odd::default(), Odd::default());
-        if self.has_colours {
+        if self.has_colours && self.colours.is_empty() {
             warnings.surely_once("colours", || colours_left_out("vertices"));
         }
         let has_uvs = self.corners.iter().any(|corner| corner[1] != NONE);
         let has_normals = self.corners.iter().any(|corner| corner[2] != NONE);
         let mut mesh = Mesh::default();
+        let mut colours = Vec::new();
         let mut vertices = Vertices::new(has_uvs || has_normals, self.positions.len());
         let mut starts = Vec::with_capacity(self.runs.len());
         let mut runs = self.runs.iter().peekable();
@@ -260,6 +293,7 @@ impl Soup {
                 indices.push(index);
                 if is_first {
                     mesh.positions.push(self.positions[corner[0] as usize]);
+                    colours.extend(self.colours.get(corner[0] as usize).copied().unwrap_or_default());
                     if has_uvs {
                         mesh.uvs.push(self.uvs.get(corner[1] as usize).copied().unwrap_or_default());
                     }
@@ -295,6 +329,11 @@ impl Soup {
         }
         if mesh.triangles.is_empty() {
             return Err(ReadError::file(super::empty(odd_positions.count)));
+        }
+        if !self.colours.is_empty() {
+            // What programs write there are codes of sRGB over 255.
+            let (name, per) = (COLOUR.to_owned(), Per::Vertex);
+            mesh.attributes.push(Attribute { name, per, channels: 3, is_code: true, values: colours });
         }
         if self.runs.iter().any(|run| run.material.is_some()) {
             let ends = starts.iter().skip(1).copied().chain([mesh.triangles.len()]);

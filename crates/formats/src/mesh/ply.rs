@@ -1,16 +1,19 @@
 //! PLY, the Stanford polygon format: ASCII and both binary orders.
 //!
 //! Read are the elements `vertex` (properties x y z; nx ny nz; and one of u v, s t, texture_u texture_v), `face` and
-//! `tristrips` (a list named vertex_indices or vertex_index; -1 ends a strip). Everything else that the header
+//! `tristrips` (a list named vertex_indices or vertex_index; -1 ends a strip), and of vertices and faces what somebody asks for by
+//! name: `color`, which is red green blue or r g b, perhaps with alpha, or any other property that is a number. Everything else that the header
 //! declares is skipped. Faces of one or two corners have no area and are left out. Numbers of the ASCII form are
 //! separated by any white space, so that a record may run over several lines. Lines of the header end in a line feed, a
 //! carriage return or both.
 
-mod header;
+pub(super) mod header;
 
 use straal_scene::Mesh;
+use straal_scene::mesh::Per;
 
 use self::header::{Element, Encoding, Header, Kind, Property, Scalar};
+use super::attributes::{COLOUR, Columns};
 use super::{colours_left_out, count, polygon};
 use crate::limits::check;
 use crate::number;
@@ -32,32 +35,44 @@ pub fn is_ply(bytes: &[u8]) -> bool {
     rest.is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
 }
 
-/// Reads a mesh. One without a triangle is an error.
+/// Reads a mesh without attributes. One without a triangle is an error.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<PlyFile, ReadError> {
+    read_with(bytes, limits, &|_| false)
+}
+
+/// Reads a mesh with the attributes that are wanted by their names.
+pub fn read_with(bytes: &[u8], limits: &Limits, wanted: &dyn Fn(&str) -> bool) -> Result<PlyFile, ReadError> {
     limits.check_bytes(bytes)?;
     let header = Header::parse(bytes)?;
     match header.encoding {
         Encoding::Ascii => {
-            read_body(&header, Ascii { bytes, at: header.length, line: header.lines + 1 }, limits)
+            read_body(&header, Ascii { bytes, at: header.length, line: header.lines + 1 }, limits, wanted)
         }
-        Encoding::Little => read_body(&header, Binary { bytes, at: header.length, big: false }, limits),
-        Encoding::Big => read_body(&header, Binary { bytes, at: header.length, big: true }, limits),
+        Encoding::Little => {
+            read_body(&header, Binary { bytes, at: header.length, big: false }, limits, wanted)
+        }
+        Encoding::Big => read_body(&header, Binary { bytes, at: header.length, big: true }, limits, wanted),
     }
 }
 
 /// Reads the elements in the order of the header. Faces need the vertices, so that faces that come first are passed
 /// over and read at the end.
-fn read_body<B: Body>(header: &Header, mut body: B, limits: &Limits) -> Result<PlyFile, ReadError> {
-    let mut reader = Reader { mesh: Mesh::default(), limits, is_finite: true, odd_faces: 0 };
+fn read_body<B: Body>(
+    header: &Header,
+    mut body: B,
+    limits: &Limits,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<PlyFile, ReadError> {
+    let mut reader = Reader { mesh: Mesh::default(), limits, wanted, is_finite: true, odd_faces: 0 };
     let mut later = Vec::new();
     let mut have_vertices = false;
     let is_wanted = |element: &Element| element.name == "vertex" || element.holds_faces();
-    let wanted = header.elements.iter().rposition(is_wanted).map_or(0, |last| last + 1);
+    let needed = header.elements.iter().rposition(is_wanted).map_or(0, |last| last + 1);
     for (i, element) in header.elements.iter().enumerate() {
         if !B::KNOWS_WIDTHS
             && let Some((line, name)) = &element.unknown
         {
-            if i >= wanted {
+            if i >= needed {
                 // Nothing behind it is needed.
                 break;
             }
@@ -92,8 +107,10 @@ fn read_body<B: Body>(header: &Header, mut body: B, limits: &Limits) -> Result<P
     }
     let mut warnings = Vec::new();
     let coloured = |name: &str| header.elements.iter().any(|e| e.name == name && e.has_colours());
-    warnings.extend(coloured("vertex").then(|| colours_left_out("vertices")));
-    warnings.extend(coloured("face").then(|| colours_left_out("faces")));
+    if !wanted(COLOUR) {
+        warnings.extend(coloured("vertex").then(|| colours_left_out("vertices")));
+        warnings.extend(coloured("face").then(|| colours_left_out("faces")));
+    }
     if reader.odd_faces > 0 {
         let faces = count(reader.odd_faces, "face");
         let what = if reader.odd_faces == 1 {
@@ -153,6 +170,8 @@ const VERTEX_NAMES: [&[&str]; 8] = [
 struct Reader<'a> {
     mesh: Mesh,
     limits: &'a Limits,
+    /// Whether an attribute is asked for.
+    wanted: &'a dyn Fn(&str) -> bool,
     /// Whether all vertices so far are finite.
     is_finite: bool,
     /// Faces that were left out because a vertex isn't.
@@ -171,6 +190,8 @@ impl Reader<'_> {
             }
             plan.push((property.kind, slot));
         }
+        let free = |i: usize| plan[i].1.is_none();
+        let mut columns = Columns::new(&element.properties, Per::Vertex, self.wanted, free);
         if let Some(missing) = (0..3).find(|&k| !found[k]) {
             let name = VERTEX_NAMES[missing][0];
             return Err(ReadError::line(element.line, format!("the vertices have no property '{name}'")));
@@ -184,12 +205,14 @@ impl Reader<'_> {
         mesh.uvs.reserve_exact(if has_uvs { count } else { 0 });
         for _ in 0..count {
             let mut record = [0.0f32; 8];
-            for &(kind, slot) in &plan {
+            for (i, &(kind, slot)) in plan.iter().enumerate() {
                 match (kind, slot) {
                     (Kind::Scalar(scalar), Some(slot)) => record[slot] = body.number(scalar)?,
+                    (Kind::Scalar(scalar), None) if columns.has(i) => columns.put(i, body.number(scalar)?),
                     _ => body.skip(kind)?,
                 }
             }
+            columns.end_record(1);
             let [x, y, z, nx, ny, nz, u, v] = record;
             self.is_finite &= x.is_finite() && y.is_finite() && z.is_finite();
             mesh.positions.push([x, y, z]);
@@ -200,6 +223,7 @@ impl Reader<'_> {
                 mesh.uvs.push([u, v]);
             }
         }
+        self.mesh.attributes.extend(columns.finish());
         Ok(())
     }
 
@@ -210,12 +234,16 @@ impl Reader<'_> {
             return Err(ReadError::line(element.line, problem));
         };
         let is_strips = element.name == "tristrips";
+        let mut columns = Columns::new(&element.properties, Per::Face, self.wanted, |i| i != list);
+        // Triangles of elements before have none of these.
+        columns.end_record(self.mesh.triangles.len());
         if !is_strips {
             self.mesh.triangles.reserve(element.count as usize); // proven by the file's size
         }
         let mut corners: Vec<u32> = Vec::new();
         let mut points: Vec<[f32; 3]> = Vec::new();
         for face in 0..element.count {
+            let before = self.mesh.triangles.len();
             for (i, property) in element.properties.iter().enumerate() {
                 match property.kind {
                     Kind::List { count, item } if i == list => {
@@ -256,10 +284,13 @@ impl Reader<'_> {
                         }
                         check("triangles", self.mesh.triangles.len() as u64, self.limits.max_triangles)?;
                     }
+                    Kind::Scalar(scalar) if columns.has(i) => columns.put(i, body.number(scalar)?),
                     kind => body.skip(kind)?,
                 }
             }
+            columns.end_record(self.mesh.triangles.len() - before);
         }
+        self.mesh.attributes.extend(columns.finish());
         Ok(())
     }
 
@@ -285,7 +316,7 @@ impl Reader<'_> {
 
     /// Gives triangles with a normal that isn't finite vertices of their own, with the normal of the triangle.
     fn flatten_odd_normals(&mut self) -> Result<Option<String>, ReadError> {
-        let Mesh { positions, normals, uvs, triangles, .. } = &mut self.mesh;
+        let Mesh { positions, normals, uvs, triangles, attributes, .. } = &mut self.mesh;
         let is_odd = |n: &[f32; 3]| n.iter().any(|v| !v.is_finite());
         if !normals.iter().any(is_odd) {
             return Ok(None);
@@ -308,6 +339,10 @@ impl Reader<'_> {
                 normals.push(super::flat_normal(&corners));
                 if let Some(&uv) = uvs.get(*i as usize) {
                     uvs.push(uv);
+                }
+                for a in attributes.iter_mut().filter(|a| a.per == Per::Vertex) {
+                    let start = *i as usize * a.channels;
+                    a.values.extend_from_within(start..start + a.channels);
                 }
                 *i = first as u32 + k as u32;
             }

@@ -10,9 +10,9 @@ mod up;
 
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
-    Accel, Bezier, ColorSettings, Conductor, Dielectric, Diffuse, Environment, Film, Group, Integrator,
-    Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum,
-    Step, Surface, Transform, TriangleMesh, Varying, Viewpoint,
+    Accel, AttributeTexture, Bezier, ColorSettings, Conductor, Dielectric, Diffuse, Environment, Film, Group,
+    Integrator, Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing,
+    Spectrum, Step, Surface, Texture, TextureOf, Transform, TriangleMesh, Varying, Viewpoint,
 };
 use straal_scene::value::{Asset, Axis, Color, Factors, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
@@ -154,7 +154,10 @@ pub fn around(
     let size = wish.size.unwrap_or(SIZE);
     let mut materials = Named::default();
     let finish = wish.finish.unwrap_or(Finish::Clay);
-    materials.insert(finish.name().to_owned().into(), finish.material());
+    let is_painted = wish.finish.is_none() && has_colours(asset);
+    let (kind, material) =
+        if is_painted { ("painted", painted()) } else { (finish.name(), finish.material()) };
+    materials.insert(kind.to_owned().into(), material);
     let named = |name: &str| Some(MaterialRef::Named(Link::new(name.to_owned())));
     // A file's own materials are shown when it has any, unless one is asked for; parts without one are clay.
     let has_own = wish.finish.is_none() && !asset.materials.is_empty();
@@ -166,14 +169,14 @@ pub fn around(
         file: Some(shown.clone()),
         shading: Shading::Smooth(shading),
         surface: Surface {
-            material: if has_own { None } else { named(finish.name()) },
+            material: if has_own { None } else { named(kind) },
             transform: Transform { steps, ..Transform::default() },
             ..Surface::default()
         },
         ..TriangleMesh::default()
     });
     let mesh = if has_own {
-        let material = named(finish.name());
+        let material = named(kind);
         Node::Group(Group {
             material,
             children: vec![mesh],
@@ -221,6 +224,7 @@ pub fn around(
         accel: Accel::default(),
         spectral: false,
         objects: Named::default(),
+        textures: Named::default(),
     };
     scene.link();
     Ok((scene, told))
@@ -257,6 +261,18 @@ fn placed(center: DVec3, half: DVec3, radius: f64, up: Up) -> Vec<Step> {
     }
     steps.push(Step::Scale(Factors(DVec3::splat(1.0 / radius))));
     steps
+}
+
+/// Whether its vertices or faces have colours.
+fn has_colours(asset: &MeshAsset) -> bool {
+    asset.mesh.attributes.iter().any(|a| a.name == "color")
+}
+
+/// Of these colours.
+fn painted() -> Material {
+    let colours = Texture::Attribute(AttributeTexture::default());
+    let reflectance = Varying::Texture(Box::new(TextureOf::Inline(colours)));
+    Material::Diffuse(Diffuse { reflectance, ..Diffuse::default() })
 }
 
 fn diffuse(color: Color) -> Material {
@@ -316,7 +332,7 @@ fn softbox(place: Viewpoint, [width, height]: [f64; 2], radiance: f64) -> Node {
     let steps = vec![Step::Scale(Factors(DVec3::new(width, height, 1.0))), Step::LookAt(place)];
     Node::Rectangle(Rectangle {
         surface: Surface {
-            material: Some(MaterialRef::Inline(diffuse(Color::grey(0.0)))),
+            material: Some(MaterialRef::Inline(Box::new(diffuse(Color::grey(0.0))))),
             emission: Some(Varying::Constant(Spectrum::grey(radiance))),
             // A rectangle faces +z, and what looks at something does so along -z.
             flip: true,

@@ -380,3 +380,15 @@ fn shared_meshes_are_read_whole() {
         assert_eq!((file.mesh.positions.len(), file.mesh.triangles.len()), (vertices, triangles), "{name}");
     }
 }
+
+#[test]
+fn colours_are_read_when_somebody_asks_for_them() {
+    let text =
+        b"v 0 0 0\nv 1 0 0 1 0.5 0.25\nv 0 1 0 0 0 1\nv 1 1 0 0 1 0\nvt 0 0\nf 3/1 2/1 1/1\nf 2/1 3/1 4/1\n";
+    let mesh = obj::read_with(text, &Limits::default(), &|name| name == "color", &mut |_| None).unwrap().mesh;
+    let colours = &mesh.attributes[0];
+    assert_eq!((colours.name.as_str(), colours.channels, colours.is_code), ("color", 3, true));
+    // In the order of the faces' corners; the vertex that has none is white.
+    assert_eq!(colours.values, [0.0, 0.0, 1.0, 1.0, 0.5, 0.25, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0]);
+    assert!(obj::read(text, &Limits::default(), &mut |_| None).unwrap().mesh.attributes.is_empty());
+}

@@ -5,6 +5,7 @@ use crate::common;
 use straal_formats::mesh::ply;
 use straal_formats::{Limits, ReadError};
 use straal_scene::Mesh;
+use straal_scene::mesh::Per;
 
 fn read(bytes: impl AsRef<[u8]>) -> Result<Mesh, ReadError> {
     ply::read(bytes.as_ref(), &Limits::default()).map(|file| file.mesh)
@@ -311,4 +312,39 @@ fn the_scanned_meshes_are_read_whole() {
         assert_eq!((mesh.positions.len(), mesh.triangles.len()), (vertices, triangles), "{name}");
         assert!(mesh.positions.iter().flatten().all(|v| v.abs() < 1.0));
     }
+}
+
+#[test]
+fn attributes_are_read_when_somebody_asks_for_them() {
+    let bytes = std::fs::read("../../tests/meshes/painted.ply").unwrap();
+    let file = ply::read_with(&bytes, &Limits::default(), &|name| name != "rough").unwrap();
+    assert!(file.warnings.is_empty(), "{:?}", file.warnings);
+    let [colour] = file.mesh.attributes.as_slice() else { panic!("{:?}", file.mesh.attributes) };
+    assert_eq!(
+        (colour.name.as_str(), colour.per, colour.channels, colour.is_code),
+        ("color", Per::Vertex, 3, true)
+    );
+    assert_eq!(
+        colour.values,
+        [188.0 / 255.0, 99.0 / 255.0, 1.0].repeat(4).iter().map(|v: &f64| *v as f32).collect::<Vec<_>>()
+    );
+    let numbers = std::fs::read("../../tests/meshes/numbers.ply").unwrap();
+    let faces = ply::read_with(&numbers, &Limits::default(), &|_| true).unwrap().mesh.attributes;
+    let [share] = faces.as_slice() else { panic!("{faces:?}") };
+    assert_eq!(
+        (share.name.as_str(), share.per, share.channels, share.is_code),
+        ("share", Per::Face, 1, false)
+    );
+    assert_eq!(share.values, [0.25, 0.75]);
+    let file = ply::read_with(&bytes, &Limits::default(), &|name| name == "rough").unwrap();
+    assert_eq!(file.mesh.attributes[0].values, [0.1, 0.2, 0.3, 0.4]);
+    assert_eq!(file.warnings.len(), 1);
+    // A face of four corners is two triangles, of which each has its number; alpha belongs to the colour.
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float r\nproperty float g\n\
+                property float b\nproperty float a\nelement face 1\nproperty float weight\nproperty list uchar int vertex_indices\nend_header\n\
+                0 0 0 1 2 3 0.5\n1 0 0 1 2 3 0.5\n1 1 0 1 2 nan 0.5\n0 1 0 1 2 3 0.5\n7 4 0 1 2 3\n";
+    let mesh = ply::read_with(text.as_bytes(), &Limits::default(), &|_| true).unwrap().mesh;
+    assert_eq!(mesh.attributes[0].values[..8], [1.0, 2.0, 3.0, 0.5, 1.0, 2.0, 3.0, 0.5]);
+    assert_eq!(mesh.attributes[0].values[10], 0.0);
+    assert_eq!((mesh.triangles.len(), mesh.attributes[1].values.as_slice()), (2, [7.0, 7.0].as_slice()));
 }

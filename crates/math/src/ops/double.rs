@@ -1,4 +1,8 @@
 //! Double precision, for set-up.
+#![allow(
+    clippy::redundant_closure,
+    reason = "a function that is named in place of a closure isn't inlined for sure"
+)]
 
 use super::{exp_log::split, inverse, poly, power_of_two, round, trig};
 use crate::simd::Double;

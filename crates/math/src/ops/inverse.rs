@@ -1,4 +1,8 @@
 //! Inverse trigonometric functions.
+#![allow(
+    clippy::redundant_closure,
+    reason = "a function that is named in place of a closure isn't inlined for sure"
+)]
 
 use super::poly;
 use crate::simd::{Double, Float, Mask};

@@ -65,5 +65,6 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
         (false, true) => Sides::Back,
         (false, false) => Sides::Front,
     };
-    Emitter::Area(AreaLight { surface, radiance: g.radiance, opacity: g.opacity, sides })
+    let placement = g.placement.clone().map(Box::new);
+    Emitter::Area(AreaLight { surface, radiance: g.radiance, opacity: g.opacity, sides, placement })
 }

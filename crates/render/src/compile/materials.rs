@@ -4,11 +4,12 @@ use super::{CompileError, Custom};
 use crate::lanes::Colour;
 use crate::material::{self, Material};
 use crate::paint::Paint;
-use crate::texture::Value;
+use crate::relief::Relief;
+use crate::texture::{MeshAttribute, Value};
 use std::collections::HashMap;
-use straal_scene::Scene;
 use straal_scene::decode::Describe;
 use straal_scene::desc::{self, MaterialRef};
+use straal_scene::{Mesh, Scene};
 
 /// The world's materials while it is built: the first is that of surfaces without one, then the scene's by their place in
 /// it, then a program's own, then those that are written where they are used.
@@ -87,6 +88,21 @@ impl<'a> Materials<'a> {
         }
     }
 
+    /// What textures may read of a mesh.
+    pub fn attributes(&mut self, mesh: &Mesh) -> Vec<MeshAttribute> {
+        self.paint.attributes(mesh)
+    }
+
+    /// Whether a material scatters along a tangent.
+    pub fn wants_tangent(&self, material: u32) -> bool {
+        self.list.wants(material).tangent
+    }
+
+    /// Whether a material asks where it is.
+    pub fn wants_point(&self, material: u32) -> bool {
+        self.list.wants(material).point
+    }
+
     pub fn named(&self, name: &str) -> Result<u32, CompileError> {
         let custom = self.custom.get(name).copied();
         custom
@@ -115,6 +131,9 @@ impl<'a> Materials<'a> {
     fn push(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
         let made = self.make(m)?;
         let index = self.list.push(made);
+        if let Some(relief) = Relief::of(m.relief(), &mut self.paint)? {
+            self.list.pretend(index, relief);
+        }
         self.known.entry(key(m)).or_insert(index);
         Ok(index)
     }

@@ -86,7 +86,7 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
 /// The same with a place of the description at the origin.
 fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileError> {
     let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
-    let mut build = place::Build::new(scene, assets, custom, (spectral, detail))?.about(centre);
+    let mut build = place::Build::new(scene, assets, custom, (spectral, detail), centre)?;
     build.world()?;
     build.custom_shapes(custom)?;
     let place::Built {
@@ -100,6 +100,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         named,
         glowing,
         materials,
+        placements,
         mut paint,
     } = build.finish()?;
 
@@ -127,6 +128,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         emitters: lights.emitters,
         lights: lights.table,
         geometries,
+        placements,
         instance_materials,
         top_level,
         environments: lights.environments,

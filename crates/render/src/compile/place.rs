@@ -9,13 +9,14 @@ use crate::paint::Paint;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
 use crate::texture::Value;
-use crate::world::{GeometryRecord, INHERIT, Kind, TopLevel};
+use crate::world::{GeometryRecord, INHERIT, Kind, TopLevel, UNPLACED};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
 use straal_scene::count::{self, Tally};
 use straal_scene::desc::{self, MeshSource, Node, Shading};
+use straal_scene::mesh::Per;
 use straal_scene::{Assets, Handle, Mesh, Part, PartMaterial, Scene};
 
 /// Quads along a patch's edge in a draft.
@@ -32,6 +33,8 @@ pub(super) struct Glowing {
     pub opacity: Option<Value<f32>>,
     pub two_sided: bool,
     pub flip: bool,
+    /// See [`crate::light::AreaLight::placement`].
+    pub placement: Option<Transform>,
 }
 
 /// Bytes that a surface that glows takes while its world is made: itself, and the weights that it is chosen by.
@@ -75,6 +78,8 @@ pub(super) struct Build<'a> {
     detail: Detail,
     /// Within what the camera is focused on.
     in_focus: bool,
+    /// See [`crate::world::World::placements`].
+    placements: Vec<Transform>,
 }
 
 /// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
@@ -107,15 +112,18 @@ pub(super) struct Built<'a> {
     pub named: Vec<TopLevel>,
     pub glowing: Vec<Glowing>,
     pub materials: material::Materials,
+    pub placements: Vec<Transform>,
     pub paint: Paint<'a>,
 }
 
 impl<'a> Build<'a> {
+    /// With this place of the description at the world's origin.
     pub fn new(
         scene: &'a Scene,
         assets: &'a Assets,
         custom: &Custom,
         (spectral, detail): (bool, Detail),
+        centre: DVec3,
     ) -> Result<Self, CompileError> {
         let (geometry, input, geometries, glowing) = room(&count::count(scene, assets).kept);
         Ok(Self {
@@ -123,7 +131,7 @@ impl<'a> Build<'a> {
             in_focus: false,
             scene,
             assets,
-            materials: Materials::new(scene, custom, Paint::new(scene, assets, spectral))?,
+            materials: Materials::new(scene, custom, Paint::new(scene, assets, (spectral, centre)))?,
             geometry,
             input,
             geometries,
@@ -136,13 +144,9 @@ impl<'a> Build<'a> {
             top_level: Vec::new(),
             focus: scene.camera.focus_on().map(|name| name.value.as_str()),
             named: Vec::new(),
-            to_world: Affine::IDENTITY,
+            to_world: if centre == DVec3::ZERO { Affine::IDENTITY } else { Affine::translate(-centre) },
+            placements: Vec::new(),
         })
-    }
-
-    /// With this place of the description at the world's origin.
-    pub fn about(self, centre: DVec3) -> Self {
-        Self { to_world: Affine::translate(-centre), ..self }
     }
 
     pub fn world(&mut self) -> Result<(), CompileError> {
@@ -183,7 +187,8 @@ impl<'a> Build<'a> {
         for (i, (shape, material)) in custom.shapes.iter().enumerate() {
             let material = self.materials.named(material)?;
             self.geometry.custom.push(shape.clone());
-            let look = self.add_shape(Shape::Custom(i as u32), 0, material, false);
+            let place = Place { transform: Affine::IDENTITY, material, group: 0, dissolved: false };
+            let look = self.add_shape(Shape::Custom(i as u32), place, material, false);
             self.geometries.push(look);
         }
         Ok(())
@@ -203,6 +208,7 @@ impl<'a> Build<'a> {
             named: self.named,
             glowing: self.glowing,
             materials,
+            placements: self.placements,
             paint,
         })
     }
@@ -240,7 +246,13 @@ impl<'a> Build<'a> {
         let m = place.transform;
         match node {
             Node::Group(_) | Node::Instance(_) => Ok(()),
-            Node::Sphere(s) => self.shape(&s.surface, place, sphere(s, &m)?, s.surface.flip),
+            Node::Sphere(s) => {
+                let material = self.materials.of(s.surface.material.as_ref(), place.material)?;
+                // What is brushed must know which way it was turned.
+                let ball =
+                    if self.materials.wants_tangent(material) { ellipsoid(s, &m) } else { sphere(s, &m) };
+                self.shape(&s.surface, place, ball?, s.surface.flip)
+            }
             Node::Plane(s) => {
                 let inverse = m.inverse().ok_or_else(singular)?;
                 let normal = unit(inverse.normal_by_inverse(s.normal))?;
@@ -402,23 +414,41 @@ impl<'a> Build<'a> {
         flip: bool,
     ) -> Result<(), CompileError> {
         let material = self.materials.of(surface.material.as_ref(), place.material)?;
-        let mut look = self.add_shape(shape, place.group, material, flip);
+        let mut look = self.add_shape(shape, place, material, flip);
         if let Some(emission) = &surface.emission {
             let radiance = self.materials.emission(emission)?;
             let opacity = self.materials.opacity(material)?;
             let two_sided = surface.two_sided_emission;
             look.emission_varies = radiance.varies();
-            look.emitter = Some(self.glow(Glowing { kind: look.kind, radiance, opacity, two_sided, flip }));
+            let placement = glowing_place(&place.transform, &radiance);
+            let glowing = Glowing { kind: look.kind, radiance, opacity, two_sided, flip, placement };
+            look.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(look);
         Ok(())
     }
 
-    fn add_shape(&mut self, shape: Shape, group: u32, material: u32, flip: bool) -> GeometryRecord {
+    fn add_shape(&mut self, shape: Shape, place: Place, material: u32, flip: bool) -> GeometryRecord {
         let first = self.geometry.shapes.len() as u32;
         self.geometry.shapes.push(shape);
-        self.add_geometry(group, accel::GeometryKind::Shapes { first, count: 1 });
-        GeometryRecord { kind: Kind::Shapes(first), material, emitter: None, emission_varies: false, flip }
+        self.add_geometry(place.group, accel::GeometryKind::Shapes { first, count: 1 });
+        let placement = self.placement(&place.transform, material);
+        let kind = Kind::Shapes(first);
+        GeometryRecord { kind, material, emitter: None, emission_varies: false, flip, placement }
+    }
+
+    /// Where a thing's own coordinates lie in its group's, if anybody may ask.
+    fn placement(&mut self, transform: &Affine, material: u32) -> u32 {
+        let is_asked = material == INHERIT || self.materials.wants_point(material);
+        let Some(transform) = Transform::new(transform).filter(|_| is_asked && !transform.is_identity())
+        else {
+            return UNPLACED;
+        };
+        // Parts of one thing come one after the other.
+        if self.placements.last() != Some(&transform) {
+            self.placements.push(transform);
+        }
+        (self.placements.len() - 1) as u32
     }
 
     fn add_geometry(&mut self, group: u32, kind: accel::GeometryKind) {
@@ -436,7 +466,8 @@ impl<'a> Build<'a> {
     fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) -> Result<(), CompileError> {
         if let MeshSource::Asset(asset) = m.source() {
             let asset = self.assets.mesh(asset.handle);
-            let mesh = shaded(TriangleMesh::from(&*asset.mesh), &m.shading);
+            let attributes = self.materials.attributes(&asset.mesh);
+            let mesh = shaded(TriangleMesh { attributes, ..TriangleMesh::from(&*asset.mesh) }, &m.shading);
             let has_own = m.surface.material.is_some();
             let runs = runs(&mesh.indices, &asset.mesh.parts, &asset.materials, has_own);
             return self.mesh(mesh, &runs, &m.surface, place);
@@ -446,7 +477,7 @@ impl<'a> Build<'a> {
             normals: m.normals.iter().map(|n| n.as_vec3().to_array()).collect(),
             uvs: m.uvs.iter().map(|uv| uv.map(|v| v as f32)).collect(),
             triangles: m.triangles.clone(),
-            parts: Vec::new(),
+            ..Mesh::default()
         };
         self.whole_mesh(shaded(TriangleMesh::from(&mesh), &m.shading), &m.surface, place)
     }
@@ -457,7 +488,7 @@ impl<'a> Build<'a> {
         surface: &'a desc::Surface,
         place: Place,
     ) -> Result<(), CompileError> {
-        let all = Run { material: None, triangles: mesh.indices.clone() };
+        let all = Run { material: None, triangles: mesh.indices.clone(), numbers: Vec::new() };
         self.mesh(mesh, &[all], surface, place)
     }
 
@@ -495,7 +526,7 @@ impl<'a> Build<'a> {
             let id = self.geometry.meshes.len() as u32;
             let part = match runs {
                 [_] => TriangleMesh { indices: run.triangles.clone(), ..std::mem::take(&mut mesh) },
-                _ => part(&mesh, &run.triangles, &mut known),
+                _ => part(&mesh, run, &mut known),
             };
             let (positions, indices) = (part.positions.clone(), part.indices.clone());
             self.geometry.meshes.push(part);
@@ -506,20 +537,30 @@ impl<'a> Build<'a> {
             let emitter = match radiance {
                 Some(radiance) => {
                     let opacity = self.materials.opacity(material)?;
-                    Some(self.glow(Glowing { kind, radiance, opacity, two_sided, flip: false }))
+                    let placement = glowing_place(&m, &radiance);
+                    Some(self.glow(Glowing { kind, radiance, opacity, two_sided, flip: false, placement }))
                 }
                 None => None,
             };
-            self.geometries.push(GeometryRecord { kind, material, emitter, emission_varies, flip: false });
+            let placement = self.placement(&m, material);
+            let record = GeometryRecord { kind, material, emitter, emission_varies, flip: false, placement };
+            self.geometries.push(record);
         }
         Ok(())
     }
+}
+
+/// Where the coordinates of what glows lie, if its radiance is read off a texture and they are others.
+fn glowing_place(place: &Affine, radiance: &Value<Colour>) -> Option<Transform> {
+    Transform::new(place).filter(|_| radiance.varies() && !place.is_identity())
 }
 
 /// Triangles of a mesh that share a material of its file.
 struct Run<'a> {
     material: Option<&'a PartMaterial>,
     triangles: Arc<[[u32; 3]]>,
+    /// Which triangles of the mesh they are, where it has several runs.
+    numbers: Vec<u32>,
 }
 
 /// One run for each material that the file names, in order of first mention; one in all when the node has its own.
@@ -529,31 +570,34 @@ fn runs<'a>(
     materials: &'a BTreeMap<String, PartMaterial>,
     own: bool,
 ) -> Vec<Run<'a>> {
-    let mut runs: Vec<(Option<&str>, Vec<[u32; 3]>)> = Vec::new();
+    let mut runs: Vec<(Option<&str>, Vec<[u32; 3]>, Vec<u32>)> = Vec::new();
     let mut known = BTreeMap::new();
     if !own && !materials.is_empty() {
         for part in parts {
             let name = part.material.as_deref().filter(|n| materials.contains_key(*n));
             let run = *known.entry(name).or_insert_with(|| {
-                runs.push((name, Vec::new()));
+                runs.push((name, Vec::new(), Vec::new()));
                 runs.len() - 1
             });
-            runs[run].1.extend(triangles.get(part.triangles.clone()).unwrap_or_default());
+            let found = triangles.get(part.triangles.clone()).unwrap_or_default();
+            runs[run].1.extend(found);
+            runs[run].2.extend((part.triangles.start as u32..).take(found.len()));
         }
     }
     if runs.is_empty() {
-        return vec![Run { material: None, triangles: triangles.clone() }];
+        return vec![Run { material: None, triangles: triangles.clone(), numbers: Vec::new() }];
     }
-    let finish = |(name, triangles): (Option<&str>, Vec<[u32; 3]>)| Run {
+    let finish = |(name, triangles, numbers): (Option<&str>, Vec<[u32; 3]>, Vec<u32>)| Run {
         material: name.and_then(|n| materials.get(n)),
         triangles: triangles.into(),
+        numbers,
     };
     runs.into_iter().map(finish).collect()
 }
 
 /// Some triangles of a mesh with the vertices that they need, in order of first use: if each part of a file with many
 /// materials held those of all, a small file would fill the memory. `known` is scratch.
-fn part(mesh: &TriangleMesh, triangles: &[[u32; 3]], known: &mut Vec<u32>) -> TriangleMesh {
+fn part(mesh: &TriangleMesh, run: &Run<'_>, known: &mut Vec<u32>) -> TriangleMesh {
     const NONE: u32 = u32::MAX;
     known.resize(mesh.positions.len(), NONE);
     let mut used: Vec<u32> = Vec::new();
@@ -565,7 +609,7 @@ fn part(mesh: &TriangleMesh, triangles: &[[u32; 3]], known: &mut Vec<u32>) -> Tr
         }
         *known
     };
-    let indices = triangles.iter().map(|t| t.map(&mut index)).collect();
+    let indices = run.triangles.iter().map(|t| t.map(&mut index)).collect();
     used.iter().for_each(|&i| known[i as usize] = NONE);
     let used = || used.iter().map(|&i| i as usize);
     TriangleMesh {
@@ -573,6 +617,14 @@ fn part(mesh: &TriangleMesh, triangles: &[[u32; 3]], known: &mut Vec<u32>) -> Tr
         indices,
         normals: used().filter_map(|i| mesh.normals.get(i).copied()).collect(),
         uvs: used().filter_map(|i| mesh.uvs.get(i).copied()).collect(),
+        attributes: mesh
+            .attributes
+            .iter()
+            .map(|a| match a.per {
+                Per::Vertex => a.of(used()),
+                Per::Face => a.of(run.numbers.iter().map(|i| *i as usize)),
+            })
+            .collect(),
         flip: mesh.flip,
     }
 }
@@ -625,6 +677,11 @@ fn sphere(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
     if similar {
         return Ok(Shape::Sphere(Sphere { center: center.as_vec3(), radius: (scale * s.radius) as f32 }));
     }
+    ellipsoid(s, m)
+}
+
+/// It knows where its pole is.
+fn ellipsoid(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
     let unit_to_local = Affine::scale(DVec3::splat(s.radius)).then(&Affine::translate(s.center));
     Ok(Shape::Ellipsoid(Box::new(Ellipsoid::new(unit_to_local.then(m)).ok_or_else(singular)?)))
 }

@@ -3,7 +3,7 @@
 use crate::integrator::Kind;
 use crate::lanes::Rgb;
 use crate::material::BsdfKind;
-use crate::surface::Form;
+use crate::surface::Alike;
 use crate::texture::ShadingPoint;
 use crate::world::{GeometryRecord, INHERIT, World};
 use std::collections::BTreeSet;
@@ -23,8 +23,8 @@ fn kind_of(world: &World, material: u32) -> Kind {
     }
 }
 
-/// In which order what rays meet is worked on: by what must be computed, then by material and by the form of the surface, so that
-/// like is shaded beside like.
+/// In which order what rays meet is worked on: by what must be computed, then by material and by what
+/// surfaces are alike in, so that like is shaded beside like.
 pub(super) struct Ranks {
     /// By geometry; [`INHERIT`] where instances give the material.
     of_geometry: Vec<u32>,
@@ -39,14 +39,14 @@ impl Ranks {
         let materials = 0..world.materials.len() as u32;
         let kinds: Vec<Kind> = materials.clone().map(|m| kind_of(world, m)).collect();
         // A surface whose material isn't there is black; it may shine.
-        let key = |material: u32, form| {
+        let key = |material: u32, alike| {
             let kind = kinds.get(material as usize).copied().unwrap_or(Kind::Varying);
-            (kind, material, form)
+            (kind, material, alike)
         };
         let own = |geometry: &GeometryRecord| {
-            (geometry.material != INHERIT).then(|| key(geometry.material, world.form(geometry)))
+            (geometry.material != INHERIT).then(|| key(geometry.material, world.alike(geometry)))
         };
-        let inherited = |material| key(material, Form::Other);
+        let inherited = |material| key(material, Alike::Apart);
         let all: BTreeSet<_> =
             world.geometries.iter().filter_map(own).chain(materials.clone().map(inherited)).collect();
         let all: Vec<_> = all.into_iter().collect();

@@ -31,7 +31,9 @@ impl LightSum {
     /// The sum, rounded to single precision; not a number where it is spoiled.
     #[inline]
     pub fn light(&self) -> Light {
-        if self.is_spoiled { Light([f32::NAN; 4]) } else { Light(self.lanes.map(|v| v.to_f64() as f32)) }
+        let [a, b, c, d] = &self.lanes;
+        let sum = [a.to_f64() as f32, b.to_f64() as f32, c.to_f64() as f32, d.to_f64() as f32];
+        Light(if self.is_spoiled { [f32::NAN; 4] } else { sum })
     }
 }
 

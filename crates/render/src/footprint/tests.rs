@@ -161,7 +161,7 @@ fn interpolated_normals_bend_footprints_as_they_bend_rays() {
         indices: [[0, 1, 2], [0, 2, 3]].into(),
         normals,
         uvs: vec![],
-        flip: false,
+        ..TriangleMesh::default()
     };
     assert_agrees("a mesh", &[Stop::Mesh(mesh.clone())]);
     let uvs = vec![[0.3, 0.1], [2.0, 0.4], [1.0, 3.0], [-1.0, 2.0]];

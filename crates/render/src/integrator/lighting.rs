@@ -1,7 +1,7 @@
 //! Next-event estimation for a block of vertices: points on lights, and what they bring.
 
 use super::numbers::Numbers;
-use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Vertices, ends, frames, vector};
+use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Vertices, ends, frames, ray};
 use crate::lanes::Lanes;
 use crate::light::LightSample;
 use crate::material::many::{OfKind, WithKind};
@@ -96,7 +96,7 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
 pub(super) struct Brought {
     /// The vertices to which they bring anything.
     pub bright: Bits,
-    /// Origins and largest t; directions.
+    /// Origin and least t, direction and largest t.
     rays: [[Row; 2]; BLOCK],
     light: [Light; BLOCK],
 }
@@ -105,8 +105,7 @@ impl Brought {
     /// What comes to vertex `i`, and the ray that must be free for it; its time and mask are those of `like`.
     #[inline(always)]
     pub fn get(&self, i: usize, like: &Ray) -> (Ray, Light) {
-        let [o, d] = &self.rays[i];
-        (Ray { o: vector(o), t_min: 0.0, d: vector(d), t_max: o[3], ..*like }, self.light[i])
+        (ray(&self.rays[i], like), self.light[i])
     }
 }
 
@@ -155,12 +154,12 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
             let ([o, d], t_max) = light.way_from(&ends(surfaces, first));
             out.bright.store(first, there & !value.is_black() & !brought.is_black());
             F::to_rows(
-                [o.x, o.y, o.z, t_max],
+                [o.x, o.y, o.z, F::ZERO],
                 #[inline(always)]
                 |i, row| out.rays[first + i][0] = row,
             );
             F::to_rows(
-                [d.x, d.y, d.z, F::ZERO],
+                [d.x, d.y, d.z, t_max],
                 #[inline(always)]
                 |i, row| out.rays[first + i][1] = row,
             );

@@ -127,19 +127,21 @@ impl PathTracer {
         let mut vertices = Vertices::new();
         let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
-            meet(world, queue, paths, &mut scratch.surfaces, out);
-            self.arrive(world, queue, (paths, &mut scratch), &mut vertices, out);
+            out.stopwatch.begin_block();
             for (lanes, &path) in lanes.iter_mut().zip(paths) {
                 *lanes = queue.paths[path as usize].state.lanes;
             }
+            meet(world, queue, paths, &mut scratch.surfaces, out);
+            self.arrive(world, queue, (paths, &mut scratch), &mut vertices, out);
             let block = Block { paths, vertices: &vertices, lanes: &lanes };
             draw_numbers(queue, block, &mut scratch.numbers);
-            out.stopwatch.lap(Phase::Shading);
+            out.stopwatch.part(Phase::Shading);
             light(world, queue, block, &mut scratch, out);
-            out.stopwatch.lap(Phase::Lights);
+            out.stopwatch.part(Phase::Lights);
             scatter(world, queue, block, &mut scratch, out);
-            out.stopwatch.lap(Phase::Shading);
+            out.stopwatch.part(Phase::Shading);
         }
+        out.stopwatch.lap_of_blocks();
     }
 
     /// Whether a path of so many edges may be ended by chance.
@@ -378,22 +380,20 @@ fn scatter<L: Lanes>(
     for i in onward.alive.each() {
         let index = block.paths[i] as usize;
         let (path, ray) = (&queue.paths[index], &queue.rays[index]);
-        let next = onward.get(i, surfaces, ray);
-        let state = out.go_on_as(path, 0, next.ray);
-        if next.sample.wavelength > 0.0 {
+        let state = out.go_on_as(path, 0, onward.ray(i, ray));
+        (state.beta, state.eta_squared) = onward.carried(i);
+        (state.from, state.pdf) = onward.from(i, surfaces);
+        state.delta = onward.delta(i);
+        state.depth += 1;
+        if onward.wavelength(i) > 0.0 {
             // A direction of a single wavelength: the others end here, and their lanes are 0.
-            state.lanes = state.lanes.only(next.sample.wavelength);
+            state.lanes = state.lanes.only(onward.wavelength(i));
         }
         if world.materials.vary() {
             let arrived = (ray, &queue.hits[index]);
-            state.footprint = world.footprint_beyond(&path.state.footprint, arrived, &next.sample);
+            state.footprint = world.footprint_beyond(&path.state.footprint, arrived, &onward.sample(i));
         }
-        state.beta = next.beta;
-        state.from = next.from;
-        (state.pdf, state.delta) = (next.sample.pdf, next.sample.delta);
-        state.depth += 1;
-        state.eta_squared = next.eta_squared;
-        if next.sample.transmitted && world.materials.interiors().matter() {
+        if world.materials.interiors().matter() && onward.sample(i).transmitted {
             state.inside = state.inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
         }
     }

@@ -1,7 +1,7 @@
 //! Where the paths of a block of vertices go on.
 
 use super::numbers::Numbers;
-use super::vertices::{BLOCK, Bits, Row, Vertices, ends, frames, vector};
+use super::vertices::{BLOCK, Bits, Row, Vertices, ends, frames, ray, vector};
 use crate::light::Receiver;
 use crate::material::many::{OfKind, WithKind};
 use crate::material::{BsdfSample, Transport, shaded};
@@ -17,45 +17,58 @@ pub(super) struct Onward {
     pub alive: Bits,
     delta: Bits,
     transmitted: Bits,
-    /// Origins and densities; directions and products of squared relative indices; normals where light arrives.
-    rows: [[Row; 3]; BLOCK],
+    /// Origin and least t, direction and largest t.
+    rays: [[Row; 2]; BLOCK],
     beta: [Light; BLOCK],
+    eta_squared: Column,
+    /// Normals where light arrives, and densities of the directions.
+    rest: [Row; BLOCK],
     eta: Column,
     wavelength: Column,
 }
 
-/// How one path goes on.
-pub(super) struct Next {
-    /// Its ray; time and mask are those of the ray before.
-    pub ray: Ray,
-    pub beta: Light,
-    pub eta_squared: f32,
-    /// The vertex, as light sampling saw it.
-    pub from: Receiver,
-    /// Of its direction, in the world. What it weighs is in `beta`.
-    pub sample: BsdfSample,
-}
-
 impl Onward {
-    /// How the path of vertex `i` goes on.
+    /// The ray that goes on from vertex `i`; its time and mask are those of the ray before.
     #[inline(always)]
-    pub fn get(&self, i: usize, surfaces: &Surfaces, before: &Ray) -> Next {
-        let [o, d, n] = &self.rows[i];
-        let (pdf, wi) = (o[3], vector(d));
-        Next {
-            ray: Ray { o: vector(o), t_min: 0.0, d: wi, t_max: f32::INFINITY, ..*before },
-            beta: self.beta[i],
-            eta_squared: d[3],
-            from: Receiver { p: surfaces.p.at(i), n: vector(n) },
-            sample: BsdfSample {
-                wi,
-                weight: Light::ZERO,
-                pdf,
-                delta: self.delta.at(i),
-                transmitted: self.transmitted.at(i),
-                eta: self.eta.at(i),
-                wavelength: self.wavelength.at(i),
-            },
+    pub fn ray(&self, i: usize, before: &Ray) -> Ray {
+        ray(&self.rays[i], before)
+    }
+
+    /// What it carries, and the product of squared relative indices passed.
+    #[inline(always)]
+    pub fn carried(&self, i: usize) -> (Light, f32) {
+        (self.beta[i], self.eta_squared.at(i))
+    }
+
+    /// The vertex as light sampling saw it, and the density of the direction.
+    #[inline(always)]
+    pub fn from(&self, i: usize, surfaces: &Surfaces) -> (Receiver, f32) {
+        let rest = &self.rest[i];
+        (Receiver { p: surfaces.p.at(i), n: vector(rest) }, rest[3])
+    }
+
+    /// Whether the direction was drawn from a delta lobe.
+    #[inline(always)]
+    pub fn delta(&self, i: usize) -> bool {
+        self.delta.at(i)
+    }
+
+    /// See [`BsdfSample::wavelength`].
+    #[inline(always)]
+    pub fn wavelength(&self, i: usize) -> f32 {
+        self.wavelength.at(i)
+    }
+
+    /// The sample whose direction it was, in the world. Its weight is in what is carried.
+    pub fn sample(&self, i: usize) -> BsdfSample {
+        BsdfSample {
+            wi: vector(&self.rays[i][1]),
+            weight: Light::ZERO,
+            pdf: self.rest[i][3],
+            delta: self.delta.at(i),
+            transmitted: self.transmitted.at(i),
+            eta: self.eta.at(i),
+            wavelength: self.wavelength.at(i),
         }
     }
 }
@@ -109,7 +122,7 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             if plays.any() {
                 let survive = (beta.max_lane() * eta_squared).sqrt().min(F::splat(0.95));
                 alive = alive & !(plays & numbers.roulette::<F>(first).ge(survive));
-                beta = beta * F::select(plays, F::ONE / survive, F::ONE);
+                beta *= F::select(plays, F::ONE / survive, F::ONE);
             }
 
             let wi = frames(surfaces, first).to_world(s.wi);
@@ -118,22 +131,23 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             out.alive.store(first, alive & !beta.is_black());
             out.delta.store(first, s.delta);
             out.transmitted.store(first, s.transmitted);
+            out.eta_squared.store(first, eta_squared);
             out.eta.store(first, s.eta);
             out.wavelength.store(first, s.wavelength);
             F::to_rows(
-                [o.x, o.y, o.z, s.pdf],
+                [o.x, o.y, o.z, F::ZERO],
                 #[inline(always)]
-                |i, row| out.rows[first + i][0] = row,
+                |i, row| out.rays[first + i][0] = row,
             );
             F::to_rows(
-                [wi.x, wi.y, wi.z, eta_squared],
+                [wi.x, wi.y, wi.z, F::splat(f32::INFINITY)],
                 #[inline(always)]
-                |i, row| out.rows[first + i][1] = row,
+                |i, row| out.rays[first + i][1] = row,
             );
             F::to_rows(
-                [n.x, n.y, n.z, F::ZERO],
+                [n.x, n.y, n.z, s.pdf],
                 #[inline(always)]
-                |i, row| out.rows[first + i][2] = row,
+                |i, row| out.rest[first + i] = row,
             );
             beta.for_each(
                 #[inline(always)]

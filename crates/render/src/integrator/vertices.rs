@@ -7,7 +7,7 @@ use crate::shape::offset::End;
 use crate::surface::{Column, Surfaces};
 use straal_color::Light;
 use straal_math::simd::{self, Float, Mask};
-use straal_math::{Frame, Vec3};
+use straal_math::{Frame, Ray, Vec3};
 
 pub(super) use crate::surface::BLOCK;
 
@@ -207,6 +207,12 @@ pub(super) fn frames<F: Float>(surfaces: &Surfaces, first: usize) -> Frame<F> {
 
 /// A vector and a number of each vertex.
 pub(super) type Row = [f32; 4];
+
+/// The ray of rows that hold origin and least t, direction and largest t; time and mask are those of `like`.
+#[inline(always)]
+pub(super) fn ray([o, d]: &[Row; 2], like: &Ray) -> Ray {
+    Ray { o: vector(o), t_min: o[3], d: vector(d), t_max: d[3], ..*like }
+}
 
 /// The vector of a row.
 #[inline(always)]

@@ -1,10 +1,10 @@
 //! Surfaces that shine.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, Readings, ShadingPoint, Value};
+use crate::texture::{Reading, Readings, ShadingPoint, Value, own_normal};
 use straal_color::Light;
 use straal_math::simd::{Float, Mask};
-use straal_math::{Vec3, ops, table::Table1};
+use straal_math::{Transform, Vec3, ops, table::Table1};
 
 use super::reach::Lamp;
 use super::{Extent, LightSample, Reach, Receiver, Shine, strength};
@@ -21,6 +21,8 @@ pub struct AreaLight {
     pub opacity: Option<Value<f32>>,
     /// From which sides.
     pub sides: Sides,
+    /// Where its own coordinates lie in the world, if its radiance is read off a texture and they are others.
+    pub placement: Option<Box<Transform>>,
 }
 
 /// What shines.
@@ -100,19 +102,26 @@ impl AreaLight {
         if !self.sides.lit(s.point.ng, -s.wi) {
             return None;
         }
-        let mut radiance = reading.eval(&self.radiance, &at(&s.point));
+        let at = self.at(&s.point);
+        let mut radiance = reading.eval(&self.radiance, &at);
         if let Some(opacity) = &self.opacity {
-            radiance *= ops::clamp(reading.eval(opacity, &at(&s.point)), 0.0, 1.0);
+            radiance *= ops::clamp(reading.eval(opacity, &at), 0.0, 1.0);
         }
         let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
         Some(LightSample { far: false, to: (&s.point).into(), ..sample })
     }
-}
 
-/// Where the radiance of a point is looked up. Without a footprint, which a point that is sampled has not: both ways to find
-/// light must find the same.
-fn at(point: &SurfacePoint) -> ShadingPoint {
-    ShadingPoint::of(point.uv, point.p)
+    /// Where the radiance of a point is looked up. Without a footprint, which a point that is sampled has not: both ways to find
+    /// light must find the same.
+    fn at(&self, point: &SurfacePoint) -> ShadingPoint {
+        let mut at = ShadingPoint::of(point.uv, point.p);
+        (at.frame.n, at.object_n) = (point.n, point.n);
+        if let Some(m) = &self.placement {
+            at.object.p = m.inverse_point(point.p);
+            at.object_n = own_normal(m, point.n);
+        }
+        at
+    }
 }
 
 impl Shine for AreaLight {
@@ -164,7 +173,7 @@ impl Shine for AreaLight {
 
     #[inline]
     fn radiance_at<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
-        if self.sides.lit(hit.ng, wo) { reading.eval(&self.radiance, &at(hit)) } else { Light::ZERO }
+        if self.sides.lit(hit.ng, wo) { reading.eval(&self.radiance, &self.at(hit)) } else { Light::ZERO }
     }
 
     fn pdf_at(&self, geometry: &Geometry, p: Vec3, (primitive, hit): (u32, &SurfacePoint)) -> f32 {

@@ -29,7 +29,13 @@ pub(super) fn shape(name: &'static str, shape: Shape, sides: Sides) -> Example {
     Example {
         name,
         geometry,
-        emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), opacity: None, sides }),
+        emitter: Emitter::Area(AreaLight {
+            surface,
+            radiance: RADIANCE.into(),
+            opacity: None,
+            sides,
+            placement: None,
+        }),
     }
 }
 
@@ -39,7 +45,13 @@ pub(super) fn mesh(name: &'static str, mesh: TriangleMesh, sides: Sides) -> Exam
     Example {
         name,
         geometry,
-        emitter: Emitter::Area(AreaLight { surface, radiance: RADIANCE.into(), opacity: None, sides }),
+        emitter: Emitter::Area(AreaLight {
+            surface,
+            radiance: RADIANCE.into(),
+            opacity: None,
+            sides,
+            placement: None,
+        }),
     }
 }
 
@@ -243,7 +255,7 @@ fn a_rectangle_gives_its_form_factor() {
         indices: [[0, 1, 2], [0, 2, 3]].into(),
         normals: vec![],
         uvs: vec![],
-        flip: false,
+        ..TriangleMesh::default()
     };
     for entry in [shape("rectangle", down, Sides::Front), mesh("quad", quad, Sides::Front)] {
         let want = PI * f64::from(RADIANCE[0]) * factor;

@@ -224,18 +224,20 @@ impl Coated<'_> {
         self.coat.over_metal && self.alpha[1] <= 0.0
     }
 
-    /// About as wide as the ground's highlight looks through the coat: tilts are widened by refraction.
-    fn wide(&self) -> Facets {
+    /// About as wide as the ground's highlight looks through the coat at a cosine: tilts are widened by refraction, the more the flatter it is
+    /// seen.
+    fn wide(&self, cos: f32) -> Facets {
         let (eta, [top, ground]) = (self.coat.eta, self.alpha);
         let through = (eta - 1.0) * top;
-        let alpha = (eta * eta * ground * ground + 0.5 * through * through).sqrt();
+        let flat = fresnel::dielectric(cos, eta).cos_refracted / ops::max(cos, 0.1);
+        let alpha = (eta * eta * ground * ground * flat + 0.5 * through * through).sqrt();
         Facets::new([ops::max(alpha, 0.02); 2], desc::Distribution::Ggx)
     }
 
     fn chances(&self, cos: f32) -> Chances {
         let share = fresnel::dielectric(cos, self.coat.eta).reflected;
         let metal = match (self.coat.over_metal, self.is_polished() && self.alpha[0] <= 0.0) {
-            (true, false) if self.albedo.is_black() => 0.8,
+            (true, false) if self.albedo.is_black() => 0.7,
             (true, false) => 0.5,
             _ => 0.0,
         };
@@ -448,7 +450,7 @@ impl Coated<'_> {
         let h = wo + wi;
         let mut pdf = (1.0 - top - metal) * even;
         if metal > 0.0 {
-            pdf += metal * self.wide().pdf_reflecting(wo, h);
+            pdf += metal * self.wide(wo.z).pdf_reflecting(wo, h);
         }
         let mut value = self.below(wo, wi);
         if let Some(facets) = self.top() {
@@ -501,7 +503,7 @@ impl Scatter for Coated<'_> {
                 return Some(reflected(wo, self.alive(self.mirrored(up.z)) * (1.0 / top), top));
             }
             Some(facets) if u_lobe < top => Some(facets),
-            _ if u_lobe < top + metal => Some(self.wide()),
+            _ if u_lobe < top + metal => Some(self.wide(up.z)),
             _ => None,
         };
         let wi = match facets {

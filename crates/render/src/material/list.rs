@@ -114,7 +114,7 @@ macro_rules! bsdfs {
             /// Whether light from behind may come through by a lobe that isn't delta.
             #[inline]
             pub fn transmits(&self) -> bool {
-                match self { $( Self::$Kind(_) => <$Type as Scatter>::TRANSMITS, )+ }
+                match self { $( Self::$Kind(b) => Scatter::transmits(b), )+ }
             }
 
             /// The share of ambient light that it sends back: a textbook's, see [`crate::light::ambient`].

@@ -66,7 +66,7 @@ pub(crate) trait WithKind<'w> {
 /// Any kind: blocks in which several kinds meet.
 impl<'w> OfKind<'w> for Bsdf<'w> {
     #[inline(always)]
-    fn of<'a>(bsdf: &'a Self) -> Option<&'a Self> {
+    fn of(bsdf: &Self) -> Option<&Self> {
         Some(bsdf)
     }
 }

@@ -103,8 +103,8 @@ impl<F: Float> Facets<F> {
     /// The cap of GGX's visible facets from which reflection can leave the surface, by its lower end over that of the whole cap (Eto and Tokuyoshi 2023,
     /// "Bounded VNDF Sampling for Smith-GGX Reflections").
     #[inline(always)]
-    fn bound(self, v: Vec3<F>) -> F {
-        let a = self.alpha[0].min(self.alpha[1]);
+    pub(super) fn bound(self, v: Vec3<F>) -> F {
+        let a = self.alpha[0].min(self.alpha[1]).min(F::ONE);
         let s = F::ONE + (v.x * v.x + v.y * v.y).sqrt();
         let (aa, ss) = (a * a, s * s);
         (F::ONE - aa) * ss / (ss + aa * v.z * v.z)
@@ -128,8 +128,17 @@ impl<F: Float> Facets<F> {
         F::select(self.beckmann, bell, ggx)
     }
 
+    /// What GGX's density of a facet is to be multiplied by for that of the direction which it reflects to `v`, for one drawn with
+    /// [`Self::sample_within`]; for a bound of 1 also G1(v) / (4 cos v).
     #[inline(always)]
-    fn sample_within(self, v: Vec3<F>, u: [F; 2], bound: F) -> Vec3<F> {
+    pub(super) fn reflects_within(self, v: Vec3<F>, bound: F) -> F {
+        let spread = self.spread(v);
+        F::ONE / ((bound * v.z + (v.z * v.z + spread * spread).sqrt()) * 2.0)
+    }
+
+    /// As [`Self::sample`], of the part of GGX's cap that `bound` leaves: all of it for 1.
+    #[inline(always)]
+    pub(super) fn sample_within(self, v: Vec3<F>, u: [F; 2], bound: F) -> Vec3<F> {
         let (s, c) = ops::sin_cos(u[1] * TAU);
         let [a, b] = self.alpha;
         let stretched = Vec3::new(a * v.x, b * v.y, v.z);

@@ -34,6 +34,7 @@ use straal_scene::desc;
 use crate::error::CompileError;
 use crate::lanes::Lanes;
 use crate::paint::Paint;
+use crate::relief::Relief;
 use crate::texture::{ReadRgb, Reading, ShadingPoint, Value};
 use many::{OfKind, These, WithKind};
 
@@ -56,8 +57,10 @@ mod mask;
 pub mod microfacet;
 mod mirror;
 mod mix;
+pub mod open_pbr;
 mod phong;
 mod plastic;
+mod principled;
 mod rough_conductor;
 mod rough_dielectric;
 mod rough_diffuse;
@@ -85,8 +88,10 @@ pub use interior::{Interior, Interiors};
 pub use mask::MaskMaterial;
 pub use mirror::{Mirror, MirrorMaterial};
 pub use mix::MixMaterial;
+pub use open_pbr::{OpenPbr, OpenPbrMaterial};
 pub use phong::{Form, Phong, PhongMaterial, Scale};
 pub use plastic::{Plastic, PlasticMaterial};
+pub use principled::{Principled, PrincipledMaterial};
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_diffuse::RoughDiffuse;
@@ -130,6 +135,10 @@ list::materials! {
     Mask(MaskMaterial),
     /// A material for each side.
     TwoFaces(TwoFacesMaterial),
+    /// The layers of OpenPBR.
+    OpenPbr(Box<OpenPbrMaterial>),
+    /// Disney's, as Mitsuba has it.
+    Principled(PrincipledMaterial),
 }
 
 list::bsdfs! {
@@ -171,6 +180,10 @@ list::bsdfs! {
     Coated(Coated<'w>),
     /// As a rough diffuse surface.
     RoughDiffuse(RoughDiffuse),
+    /// By the layers of OpenPBR.
+    OpenPbr(OpenPbr),
+    /// As Disney's.
+    Principled(Principled),
     /// As a user of the library says.
     Custom(CustomBsdf<'w>),
 }
@@ -231,6 +244,51 @@ pub enum Choice {
     Two([u32; 2], f32),
 }
 
+/// A large one.
+impl<R: Recipe> Recipe for Box<R> {
+    type Described = R::Described;
+
+    const CLEAR: bool = R::CLEAR;
+
+    fn of(described: &R::Described, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        R::of(described, paint).map(Self::new)
+    }
+
+    fn interior(&self) -> Option<&Interior> {
+        (**self).interior()
+    }
+
+    fn link(&mut self, parts: &[u32]) {
+        (**self).link(parts);
+    }
+
+    fn parts(&self) -> &[u32] {
+        (**self).parts()
+    }
+
+    fn choice<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, in_front: bool) -> Choice {
+        (**self).choice(at, reading, in_front)
+    }
+
+    fn opacity(&self) -> Option<Value<f32>> {
+        (**self).opacity()
+    }
+
+    fn wants(&self) -> Wants {
+        (**self).wants()
+    }
+
+    #[inline]
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        (**self).bsdf(at, reading)
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, BsdfKind)> {
+        R::examples().into_iter().map(|(recipe, kind)| (Self::new(recipe), kind)).collect()
+    }
+}
+
 /// What a kind of BSDF does, by [the contract](self). It is small, plain data.
 pub(crate) trait Scatter: Copy {
     /// Whether [`Self::sample`] reads the number that chooses a lobe.
@@ -243,6 +301,12 @@ pub(crate) trait Scatter: Copy {
     const TRANSMITS: bool = false;
 
     /// Whether that is so of this very one.
+    #[inline(always)]
+    fn transmits(&self) -> bool {
+        Self::TRANSMITS
+    }
+
+    /// See [`Self::LOSES_BELOW`], of this very one.
     #[inline(always)]
     fn loses_below(&self) -> bool {
         Self::LOSES_BELOW
@@ -407,6 +471,8 @@ pub struct Materials {
     list: Vec<Material>,
     /// What each wants to know of a point.
     wants: Vec<Wants>,
+    /// What each seems to be besides.
+    reliefs: Vec<Option<Relief>>,
     /// Whether any wants anything.
     vary: bool,
     /// Whether each is made of others.
@@ -445,6 +511,7 @@ impl Materials {
     pub fn push(&mut self, material: Material) -> u32 {
         self.list.push(material);
         self.wants.push(Wants::default());
+        self.reliefs.push(None);
         let index = (self.list.len() - 1) as u32;
         self.note(index);
         index
@@ -462,11 +529,23 @@ impl Materials {
         self.note(index);
     }
 
+    /// Gives a material a relief.
+    pub fn pretend(&mut self, index: u32, relief: Relief) {
+        self.reliefs[index as usize] = Some(relief);
+        self.note(index);
+    }
+
+    /// The relief of material `index`.
+    pub fn relief(&self, index: u32) -> Option<&Relief> {
+        self.reliefs.get(index as usize)?.as_ref()
+    }
+
     fn note(&mut self, index: u32) {
-        let wants = match &self.list[index as usize] {
+        let mut wants = match &self.list[index as usize] {
             Material::Custom(i) => self.custom.get(*i as usize).map_or(Wants::default(), |m| m.wants()),
             material => material.wants(),
         };
+        wants.point |= self.reliefs[index as usize].is_some();
         self.wants[index as usize] = wants;
         self.vary = self.wants.iter().any(|w| w.point);
         let material = &self.list[index as usize];
@@ -489,6 +568,10 @@ impl Materials {
                     let mine = self.wants[i];
                     let both =
                         Wants { point: mine.point | theirs.point, tangent: mine.tangent | theirs.tangent };
+                    // One that has none pretends what the first of its parts does that has one.
+                    let relief = self.reliefs[i].or(self.reliefs[part as usize]);
+                    settled &= relief.is_some() == self.reliefs[i].is_some();
+                    self.reliefs[i] = relief;
                     let pass = self.may_pass[i] | self.may_pass[part as usize];
                     settled &= both == mine && pass == self.may_pass[i];
                     (self.wants[i], self.may_pass[i]) = (both, pass);

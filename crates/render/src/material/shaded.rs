@@ -387,7 +387,7 @@ mod tests {
         let ng = (Vec3::Z * 1.2 + warp::uniform_sphere([u[0][0], u[0][1]])).normalize();
         let wo = warp::uniform_sphere([u[0][2], u[0][3]]);
         let wi = warp::uniform_sphere([u[1][0], u[1][1]]);
-        ((i % 3 > 0).then_some(ng), wo, wi, [u[1][2], u[1][3], u[1][0]])
+        ((!i.is_multiple_of(3)).then_some(ng), wo, wi, [u[1][2], u[1][3], u[1][0]])
     }
 
     /// One after the other, and side by side by every instruction set.

@@ -22,6 +22,13 @@ pub(crate) struct Example {
     pub whole_within: Option<f64>,
     /// Whether values are right on average only.
     pub is_noisy: bool,
+    /// Whether light passes through it.
+    pub passes: bool,
+    /// Whether energy is kept for each direction to the viewer alone, not for each direction of a light as well: what light paths see is the
+    /// adjoint.
+    pub of_radiance: bool,
+    /// By how much more may come out than goes in: the error of fits and tables.
+    pub gain: f64,
 }
 
 impl Example {
@@ -36,6 +43,9 @@ impl Example {
             keeps_energy: true,
             whole_within: None,
             is_noisy: false,
+            passes: false,
+            of_radiance: false,
+            gain: 1e-3,
         }
     }
 
@@ -61,6 +71,19 @@ impl Example {
     /// One whose values are right on average only.
     pub const fn noisy(self) -> Self {
         Self { is_noisy: true, ..self }
+    }
+
+    pub const fn passes(self) -> Self {
+        Self { passes: true, ..self }
+    }
+
+    /// One that keeps energy for each direction to the viewer alone.
+    pub const fn of_radiance(self) -> Self {
+        Self { of_radiance: true, ..self }
+    }
+
+    pub const fn gain(self, gain: f64) -> Self {
+        Self { gain, ..self }
     }
 
     pub const fn focus(self, focus: i32) -> Self {

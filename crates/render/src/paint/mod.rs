@@ -8,18 +8,21 @@ use straal_color::spectrum::{
     Bins, COUNT, Observer, Quantity, Spectrum, illuminant, metal, refraction, uplift,
 };
 use straal_color::{Light, Matrix3, Space};
-use straal_math::ops;
+use straal_math::{DVec3, ops};
 use straal_scene::desc;
 use straal_scene::span::Span;
 use straal_scene::value::{self, Color};
-use straal_scene::{Assets, Bitmap, Handle, Image, Scene};
+use straal_scene::{Assets, Bitmap, Handle, Image, Mesh, Scene};
 
 use crate::error::CompileError;
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
-use crate::texture::{Meaning, Pyramid, Texture, TextureKind, TextureRef, Use, Value};
+use crate::texture::{
+    Mapping, Meaning, MeshAttribute, Pyramid, Texture, TextureKind, TextureRef, Use, Value,
+};
 
 /// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
 pub(crate) struct Paint<'a> {
+    scene: &'a Scene,
     assets: &'a Assets,
     space: Space,
     /// `None` where linear sRGB is the work space itself.
@@ -38,6 +41,12 @@ pub(crate) struct Paint<'a> {
     pub spectra: SpectralTables,
     /// Filled as textures are met.
     pub textures: Vec<Texture>,
+    /// Textures of the scene by their names that were made, and what for.
+    named: BTreeMap<(&'a str, Wanted, bool), TextureRef>,
+    /// What of the description's space lies at the world's origin.
+    centre: DVec3,
+    /// Numbers of what meshes have at vertices or on faces, by name.
+    attributes: BTreeMap<String, u32>,
     /// Pyramids that were made: of which picture, as what, and whether with smaller copies.
     pyramids: Vec<(Handle<Bitmap>, Meaning, bool, Arc<Pyramid>)>,
     /// What is worth telling of them.
@@ -45,7 +54,7 @@ pub(crate) struct Paint<'a> {
 }
 
 /// What a texture is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Wanted {
     Colour(Quantity),
     Number,
@@ -58,6 +67,37 @@ pub(crate) struct Maker<'p, 'a> {
 }
 
 impl Maker<'_, '_> {
+    /// A colour or texture that this one is made of, as it is: what comes of all is kept in range at the end.
+    pub fn part(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        match v {
+            desc::Varying::Constant(s) => Ok(self.colour(s)?.into()),
+            desc::Varying::Texture(t) => self.paint.texture(t, self.of, true),
+        }
+    }
+
+    /// A share of light that this one is multiplied by.
+    pub fn share(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+        self.paint.reflectance(v)
+    }
+
+    /// A number that this one is made of.
+    pub fn number(&mut self, v: &desc::Varying<f64>) -> Result<Value<f32>, CompileError> {
+        match v {
+            desc::Varying::Constant(v) => Ok((*v as f32).into()),
+            desc::Varying::Texture(t) => self.paint.texture(t, Wanted::Number, true),
+        }
+    }
+
+    /// The number of what meshes have, by its name.
+    pub fn attribute(&mut self, name: &str) -> u32 {
+        self.paint.attribute(name)
+    }
+
+    /// How it lies on a surface.
+    pub fn mapping(&self, said: &desc::Mapping) -> Result<Mapping, CompileError> {
+        Mapping::of(said, self.paint.centre)
+    }
+
     /// A colour, or of what is read as a number, its numbers.
     pub fn colour(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
         let of = if let Wanted::Colour(quantity) = self.of { quantity } else { Quantity::Reflectance };
@@ -67,6 +107,11 @@ impl Maker<'_, '_> {
     /// Whether the texture is read as a number.
     pub fn wants_number(&self) -> bool {
         self.of == Wanted::Number
+    }
+
+    /// Whether the texture is of light that is sent out.
+    pub fn wants_emission(&self) -> bool {
+        self.of == Wanted::Colour(Quantity::Emission)
     }
 
     /// What a picture is read off; made once, however often it is used.
@@ -114,12 +159,13 @@ const OFF: f32 = 0.01;
 const MOST_NOTES: usize = 20;
 
 impl<'a> Paint<'a> {
-    pub fn new(scene: &Scene, assets: &'a Assets, spectral: bool) -> Self {
+    pub fn new(scene: &'a Scene, assets: &'a Assets, (spectral, centre): (bool, DVec3)) -> Self {
         let space = scene.color.space.space();
         let uplift = spectral.then(uplift::Uplift::new);
         let to_work = (space != Space::Srgb).then(|| Space::Srgb.to(space));
         let spectra = if spectral { SpectralTables::spectral() } else { SpectralTables::in_rgb(to_work) };
         Self {
+            scene,
             assets,
             space,
             to_work,
@@ -130,6 +176,9 @@ impl<'a> Paint<'a> {
             metals: BTreeMap::new(),
             spectra,
             textures: Vec::new(),
+            named: BTreeMap::new(),
+            centre,
+            attributes: BTreeMap::new(),
             pyramids: Vec::new(),
             notes: Vec::new(),
         }
@@ -148,6 +197,35 @@ impl<'a> Paint<'a> {
     /// Light that is sent out.
     pub fn emission(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
         self.value(v, Quantity::Emission)
+    }
+
+    /// The number of what meshes have, by its name.
+    fn attribute(&mut self, name: &str) -> u32 {
+        let next = self.attributes.len() as u32;
+        *self.attributes.entry(name.to_owned()).or_insert(next)
+    }
+
+    /// What a mesh has that a texture may read: all of it, as materials of its parts may be met later.
+    pub fn attributes(&mut self, mesh: &Mesh) -> Vec<MeshAttribute> {
+        let all = mesh.attributes.iter();
+        all.map(|a| MeshAttribute {
+            id: self.attribute(&a.name),
+            per: a.per,
+            channels: a.channels,
+            is_code: a.is_code,
+            values: a.values.clone(),
+        })
+        .collect()
+    }
+
+    /// Three numbers as they stand.
+    pub fn vector(&mut self, t: &desc::TextureOf) -> Result<Value<Colour>, CompileError> {
+        self.texture(t, Wanted::Number, true)
+    }
+
+    /// A number that may be anything.
+    pub fn height(&mut self, t: &desc::TextureOf) -> Result<Value<f32>, CompileError> {
+        self.texture(t, Wanted::Number, true)
     }
 
     /// Light that is sent out by something that has no surface.
@@ -172,11 +250,30 @@ impl<'a> Paint<'a> {
     ) -> Result<Value<Colour>, CompileError> {
         match v {
             desc::Varying::Constant(s) => Ok(self.colour(s, of)?.into()),
-            desc::Varying::Texture(t) => self.texture(t, Wanted::Colour(of)),
+            desc::Varying::Texture(t) => self.texture(t, Wanted::Colour(of), false),
         }
     }
 
-    fn texture<T>(&mut self, said: &desc::Texture, of: Wanted) -> Result<Value<T>, CompileError> {
+    /// A texture; `is_part` is whether it is only a part of another, so that it isn't kept in range.
+    fn texture<T>(
+        &mut self,
+        said: &desc::TextureOf,
+        of: Wanted,
+        is_part: bool,
+    ) -> Result<Value<T>, CompileError> {
+        let (name, said) = match said {
+            desc::TextureOf::Inline(said) => (None, said),
+            desc::TextureOf::Named(name) => {
+                let all = &self.scene.textures;
+                let found = all.handle(name).and_then(|handle| all.at(handle)).ok_or_else(|| {
+                    CompileError::at(format!("there is no texture named `{}`", name.value), name.span)
+                })?;
+                (Some(found.0.value.as_str()), found.1)
+            }
+        };
+        if let Some(known) = name.and_then(|name| self.named.get(&(name, of, is_part))) {
+            return Ok(Value::Texture(*known));
+        }
         let kind = TextureKind::of(said, &mut Maker { paint: self, of })?;
         let most = kind.most();
         let texture = match of {
@@ -184,15 +281,18 @@ impl<'a> Paint<'a> {
             Wanted::Colour(_) => Texture::new(kind, Use::Reflectance),
             Wanted::Number => Texture { range: [0.0, f32::MAX], ..Texture::new(kind, Use::Reflectance) },
         };
-        self.textures.push(texture);
-        Ok(Value::Texture(TextureRef { id: (self.textures.len() - 1) as u32, most }))
+        let range = if is_part { [f32::MIN, f32::MAX] } else { texture.range };
+        self.textures.push(Texture { range, ..texture });
+        let made = TextureRef { id: (self.textures.len() - 1) as u32, most };
+        self.named.extend(name.map(|name| ((name, of, is_part), made)));
+        Ok(Value::Texture(made))
     }
 
     /// A number.
     pub fn number(&mut self, v: &desc::Varying<f64>) -> Result<Value<f32>, CompileError> {
         match v {
             desc::Varying::Constant(v) => Ok((*v as f32).into()),
-            desc::Varying::Texture(t) => self.texture(t, Wanted::Number),
+            desc::Varying::Texture(t) => self.texture(t, Wanted::Number, false),
         }
     }
 

@@ -38,7 +38,13 @@ pub fn tessellate(patches: &[Patch], n: u32) -> TriangleMesh {
             }
         }
     }
-    TriangleMesh { positions: positions.into(), indices: indices.into(), normals, uvs, flip: false }
+    TriangleMesh {
+        positions: positions.into(),
+        indices: indices.into(),
+        normals,
+        uvs,
+        ..TriangleMesh::default()
+    }
 }
 
 /// The control points of Martin Newell's teapot (1975): 32 patches, with its bottom, y up, the spout towards +x, standing

@@ -1,8 +1,10 @@
 //! The cylinder without caps.
 
+use straal_math::simd::{Double, Float};
 use straal_math::{Affine, Bounds, DVec3, Ray, Vec3, ops};
 
-use super::exact::{at, outward, rounded, size};
+use super::exact::{at, outward, rounded, size, unit_or};
+use super::offset::End;
 use super::tangents::unit_change;
 use super::{Analytic, AreaSample, Form, ShapeHit, SurfacePoint, Tangents, sampling};
 
@@ -75,13 +77,20 @@ impl Cylinder {
 
     /// The image of the unit cylinder's point at the height and in the direction of `q`.
     fn towards(&self, q: DVec3) -> SurfacePoint {
-        let out = DVec3::new(q.x, 0.0, q.z).try_normalize().unwrap_or(DVec3::Z);
-        let on = DVec3::new(out.x, q.y, out.z);
-        let (p, p_err) = rounded(self.map.point(on), self.size());
-        let n = self.inverse.normal_by_inverse(out).try_normalize().unwrap_or(DVec3::Y).as_vec3();
+        let (End { p, p_err, ng }, out) = self.end_towards(q);
         let u = ops::atan2(out.x as f32, out.z as f32) * (0.5 * std::f32::consts::FRAC_1_PI);
         let uv = [if u < 0.0 { u + 1.0 } else { u }, q.y as f32];
-        SurfacePoint { p, p_err, ng: n, n, uv }
+        SurfacePoint { p, p_err, ng, n: ng, uv }
+    }
+
+    /// The images of points of the unit cylinder, and the directions from its axis in which they lie there.
+    #[inline(always)]
+    fn end_towards<F: Float>(&self, q: DVec3<F::Double>) -> (End<F>, DVec3<F::Double>) {
+        let out = unit_or(DVec3::new(q.x, F::Double::ZERO, q.z), DVec3::Z);
+        let on = DVec3::new(out.x, q.y, out.z);
+        let (p, p_err) = rounded(self.map.point(on), F::Double::splat(self.size()));
+        let n = unit_or(self.inverse.normal_by_inverse(out), DVec3::Y);
+        (End { p, p_err, ng: Vec3::from_double(n) }, out)
     }
 
     /// See [`super::Geometry::tangents`].
@@ -146,6 +155,11 @@ impl Form for Cylinder {
     #[inline]
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         Cylinder::surface(self, ray, hit)
+    }
+
+    #[inline(always)]
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
+        self.end_towards(self.inverse.point(near)).0
     }
 
     fn tangents(&self, at: &SurfacePoint) -> Tangents {

@@ -1,8 +1,10 @@
 //! The ellipsoid: what a sphere becomes under scaling and shear.
 
+use straal_math::simd::{Double, Float};
 use straal_math::{Affine, Bounds, DVec3, Ray, Vec3};
 
-use super::exact::{at, outward, rounded};
+use super::exact::{at, outward, rounded, unit_or};
+use super::offset::End;
 use super::sphere::{Cone, finite_or_zero, sphere_tangents, sphere_uv};
 use super::tangents::unit_change;
 use super::{
@@ -52,10 +54,17 @@ impl Ellipsoid {
 
     /// The image of the unit sphere's point in direction `q`.
     fn towards(&self, q: DVec3) -> SurfacePoint {
-        let q = q.try_normalize().unwrap_or(DVec3::Y);
-        let (p, p_err) = rounded(self.map.point(q), self.size());
-        let n = self.inverse.normal_by_inverse(q).try_normalize().unwrap_or(DVec3::Y).as_vec3();
-        SurfacePoint { p, p_err, ng: n, n, uv: sphere_uv(q.as_vec3()) }
+        let q = unit_or(q, DVec3::Y);
+        let End { p, p_err, ng } = self.end_at(q);
+        SurfacePoint { p, p_err, ng, n: ng, uv: sphere_uv(q.as_vec3()) }
+    }
+
+    /// The image of points of the unit sphere.
+    #[inline(always)]
+    fn end_at<F: Float>(&self, q: DVec3<F::Double>) -> End<F> {
+        let (p, p_err) = rounded(self.map.point(q), F::Double::splat(self.size()));
+        let n = unit_or(self.inverse.normal_by_inverse(q), DVec3::Y);
+        End { p, p_err, ng: Vec3::from_double(n) }
     }
 
     /// See [`super::Geometry::tangents`].
@@ -145,6 +154,11 @@ impl Form for Ellipsoid {
     #[inline]
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         Ellipsoid::surface(self, ray, hit)
+    }
+
+    #[inline(always)]
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
+        self.end_at(unit_or(self.inverse.point(near), DVec3::Y))
     }
 
     fn tangents(&self, at: &SurfacePoint) -> Tangents {

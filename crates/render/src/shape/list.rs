@@ -48,6 +48,16 @@ macro_rules! shapes {
                 }
             }
 
+            /// Where on the shape rays have arrived, side by side: the points of [`Geometry::surface`] by the points at the hits' distances
+            /// along the rays. `None` where the shape's surface is computed one by one.
+            #[inline(always)]
+            pub(crate) fn end<F: Float>(&self, shape: u32, near: DVec3<F::Double>) -> Option<End<F>> {
+                match &self.shapes[shape as usize] {
+                    $( Shape::$Kind(s) => Some(<$Kind as Form>::end(s, near)), )+
+                    Shape::Custom(_) => None,
+                }
+            }
+
             /// How a point that [`Geometry::surface`] gave moves with its texture coordinates.
             pub fn tangents(&self, shape: u32, at: &SurfacePoint) -> Tangents {
                 match &self.shapes[shape as usize] {

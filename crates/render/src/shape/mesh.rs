@@ -9,6 +9,7 @@ use super::exact::{HALF_ULP, SUBNORMAL, bound, unit_or};
 use super::offset::End;
 use super::tangents::unit_change;
 use super::{AreaSample, SurfacePoint, Tangents};
+use crate::texture::MeshAttribute;
 
 /// An indexed triangle mesh. Every index is in range, and `normals` and `uvs` are empty or as long as `positions`:
 /// readers guarantee it and [`TriangleMesh::is_whole`] tells.
@@ -25,6 +26,8 @@ pub struct TriangleMesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex; empty when there are none, and then (u, v) of the hit stands in.
     pub uvs: Vec<[f32; 2]>,
+    /// What vertices or triangles have besides, as far as textures read it.
+    pub attributes: Vec<MeshAttribute>,
     /// Whether the geometric normal is turned round: set when the mesh was mirrored.
     pub flip: bool,
 }
@@ -37,7 +40,7 @@ impl From<&straal_scene::Mesh> for TriangleMesh {
             indices: m.triangles.as_slice().into(),
             normals: m.normals.iter().map(unit).collect(),
             uvs: m.uvs.clone(),
-            flip: false,
+            ..Self::default()
         }
     }
 }
@@ -68,7 +71,7 @@ impl TriangleMesh {
             }
             indices.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
         }
-        Self { positions: positions.into(), indices: indices.into(), normals: vec![], uvs, flip: false }
+        Self { positions: positions.into(), indices: indices.into(), uvs, ..Self::default() }
     }
 
     /// The mesh moved by `m`, computed in double precision; `None` when `m` is singular. A mirrored mesh keeps its
@@ -83,6 +86,7 @@ impl TriangleMesh {
             indices: self.indices.clone(),
             normals: self.normals.iter().map(normal).collect(),
             uvs: self.uvs.clone(),
+            attributes: self.attributes.clone(),
             flip: self.flip != (m.determinant() < 0.0),
         })
     }
@@ -288,7 +292,7 @@ mod tests {
             indices: [[0, 1, 2]].into(),
             normals: vec![Vec3::Z, Vec3::X, Vec3::Z],
             uvs: vec![[0.0, 0.0], [0.0, 4.0], [2.0, 0.0]],
-            flip: false,
+            ..TriangleMesh::default()
         };
         let s = m.surface(0, 0.25, 0.5);
         assert_eq!(s.p, Vec3::new(0.5, 1.5, 0.0));
@@ -310,7 +314,7 @@ mod tests {
                 indices: [[0, 1, 2]].into(),
                 normals: vec![Vec3::ZERO, Vec3::splat(nan), Vec3::X],
                 uvs: vec![[nan; 2], [0.0; 2], [0.0; 2]],
-                flip: false,
+                ..TriangleMesh::default()
             };
             let s = m.surface(0, 0.25, 0.25);
             let t = m.tangents(0, 0.25, 0.25);
@@ -332,7 +336,7 @@ mod tests {
                     indices: [[0, 1, 2]].into(),
                     normals: vec![],
                     uvs: vec![],
-                    flip: false,
+                    ..TriangleMesh::default()
                 };
                 let [a, b, c] = positions.map(Vec3::as_dvec3);
                 let n = (b - a).cross(c - a).normalize();

@@ -98,6 +98,9 @@ trait Form {
     /// See [`Geometry::surface`].
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
 
+    /// See [`Geometry::end`].
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F>;
+
     /// See [`Geometry::tangents`].
     fn tangents(&self, at: &SurfacePoint) -> Tangents;
 
@@ -343,7 +346,7 @@ pub(crate) fn solid_angle_pdfs<F: Float>(p: Vec3<F>, (q, ng): (Vec3<F>, Vec3<F>)
 /// Double-precision constants and helpers that the shapes share.
 pub(crate) mod exact {
     use super::*;
-    use straal_math::simd::{Double, Float, Mask};
+    use straal_math::simd::{Double, Mask};
 
     /// Half a unit in the last place of single precision, relative.
     pub const HALF_ULP: f64 = 1.0 / (1u64 << 24) as f64;

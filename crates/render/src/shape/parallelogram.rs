@@ -4,7 +4,8 @@ use straal_math::simd::Float;
 use straal_math::{Bounds, DVec3, Ray, Vec3};
 
 use super::exact::{outward, size};
-use super::patch::Patch;
+use super::offset::End;
+use super::patch::{Level, Patch};
 use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents};
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
@@ -86,6 +87,11 @@ impl Form for Parallelogram {
     #[inline]
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         Parallelogram::surface(self, ray, hit)
+    }
+
+    #[inline(always)]
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
+        Level::uniform(&self.patch).nearest(near)
     }
 
     fn tangents(&self, _: &SurfacePoint) -> Tangents {

@@ -1,9 +1,10 @@
 //! The unbounded plane.
 
-use straal_math::simd::Double;
+use straal_math::simd::{Double, Float};
 use straal_math::{Bounds, DVec3, Frame, Ray, Vec3};
 
 use super::exact::{at, rounded, size};
+use super::offset::End;
 use super::{Analytic, Form, ShapeHit, SurfacePoint, Tangents};
 
 /// A plane through a point; its normal is the one given.
@@ -27,14 +28,28 @@ impl Plane {
     /// See [`super::Geometry::surface`].
     #[inline]
     pub fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
-        let c = self.point.as_dvec3();
-        let n = self.normal.as_dvec3().try_normalize().unwrap_or(DVec3::Y);
-        let q = project(at(ray, hit.t), c, n);
-        let (p, p_err) = rounded(q, size(q) + size(c));
-        let ng = n.as_vec3();
+        let q = self.project(at(ray, hit.t));
+        let End { p, p_err, ng } = self.end_at::<f32>(q);
         let frame = Frame::from_normal(ng);
-        let r = (q - c).as_vec3();
+        let r = (q - self.point.as_dvec3()).as_vec3();
         SurfacePoint { p, p_err, ng, n: ng, uv: [r.dot(frame.s), r.dot(frame.t)] }
+    }
+
+    fn unit(&self) -> DVec3 {
+        self.normal.as_dvec3().try_normalize().unwrap_or(DVec3::Y)
+    }
+
+    /// Its points next to others.
+    #[inline(always)]
+    fn project<D: Double>(&self, p: DVec3<D>) -> DVec3<D> {
+        project(p, DVec3::uniform(self.point.as_dvec3()), DVec3::uniform(self.unit()))
+    }
+
+    /// Points that lie in it.
+    #[inline(always)]
+    fn end_at<F: Float>(&self, q: DVec3<F::Double>) -> End<F> {
+        let (p, p_err) = rounded(q, size(q) + size(self.point.as_dvec3()));
+        End { p, p_err, ng: Vec3::uniform(self.unit().as_vec3()) }
     }
 
     /// See [`super::Geometry::tangents`].
@@ -56,6 +71,11 @@ impl Form for Plane {
     #[inline]
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
         Plane::surface(self, ray, hit)
+    }
+
+    #[inline(always)]
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
+        self.end_at(self.project(near))
     }
 
     fn tangents(&self, _: &SurfacePoint) -> Tangents {

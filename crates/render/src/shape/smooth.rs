@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use straal_math::{DVec3, Vec3, ops};
+use straal_scene::mesh::Per;
 
 use super::TriangleMesh;
 
@@ -68,6 +69,10 @@ pub fn smooth(mut mesh: TriangleMesh, crease: f64) -> TriangleMesh {
         if !mesh.uvs.is_empty() {
             let uvs: Vec<_> = copied.iter().map(|v| mesh.uvs[of(v)]).collect();
             mesh.uvs.extend(uvs);
+        }
+        for attribute in mesh.attributes.iter_mut().filter(|a| a.per == Per::Vertex) {
+            let more = attribute.of(copied.iter().map(|v| *v as usize));
+            attribute.values.extend(more.values);
         }
         mesh.indices = indices.into();
     }
@@ -228,7 +233,7 @@ mod tests {
             indices: indices.into(),
             normals: vec![],
             uvs: (0..6).map(|i| [i as f32, 0.0]).collect(),
-            flip: false,
+            ..TriangleMesh::default()
         }
     }
 
@@ -309,7 +314,7 @@ mod tests {
             indices: (0..n).map(|i| [0, 1, i + 2]).collect(),
             normals: vec![],
             uvs: vec![],
-            flip: false,
+            ..TriangleMesh::default()
         };
         assert!(smooth(mesh, 40.0).is_whole());
     }

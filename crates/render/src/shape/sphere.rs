@@ -138,6 +138,12 @@ impl Form for Sphere {
         Sphere::surface(self, ray, hit)
     }
 
+    #[inline(always)]
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
+        let center = Vec3::uniform(self.center);
+        end((center, F::splat(self.radius)), near - center.to_double())
+    }
+
     fn tangents(&self, at: &SurfacePoint) -> Tangents {
         Sphere::tangents(self, at)
     }

@@ -1,8 +1,7 @@
 //! Surfaces where many rays arrived, side by side.
 //!
-//! Hits of one form (triangles, flat shapes, spheres) that follow one another are computed 8 or 16 at a time. All else is done
-//! one by one, by [`World::surface`], and stands in the same columns: rarer shapes, what is seen through instances, and what is
-//! read off textures.
+//! Hits that are [alike](Alike) and follow one another are computed 8 or 16 at a time. All else is done one by one, by
+//! [`World::surface`], and stands in the same columns: what is seen through instances or read off textures, and custom shapes.
 
 use super::Surface;
 use super::columns::{BLOCK, ROOM, Vectors};
@@ -39,16 +38,21 @@ impl<'a> Met<'a> {
 
 /// What hits that are computed together have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Form {
-    /// A triangle of a mesh.
-    Triangle,
-    /// A part of a plane.
+pub(crate) enum Alike {
+    /// Triangles of meshes.
+    Triangles,
+    /// They lie on discs and parallelograms.
     Flat,
-    /// A part of a sphere.
+    /// They lie on spheres.
     Round,
-    /// Anything, by itself.
-    Other,
+    /// They lie on one shape, of any kind.
+    Shape(u32),
+    /// Nothing: each is computed by itself.
+    Apart,
 }
+
+/// Fewer than this are quicker done one lane at a time.
+const FEW: usize = 3;
 
 /// The surfaces of a block of hits, at most [`BLOCK`]: a [`Surface`] of each in columns.
 #[derive(Debug)]
@@ -101,30 +105,39 @@ impl Surfaces {
         footprint: impl Fn(u32) -> PackedFootprint,
     ) {
         self.apart.clear();
-        let mut forms = [Form::Other; BLOCK];
         let count = met.order.len().min(BLOCK);
-        for (i, form) in forms[..count].iter_mut().enumerate() {
+        // Rays and hits lie here and there in memory: a loop that does little else asks for many of them at once.
+        let mut geometries = [0; BLOCK];
+        for (i, geometry) in geometries[..count].iter_mut().enumerate() {
             let (ray, hit) = met.at(i);
-            let geometry = world.geometry(hit);
+            self.gathered.d[i] = beside(ray.d, 0.0);
+            *geometry = hit.geometry;
+        }
+        let mut likes = [Alike::Apart; BLOCK];
+        for (i, alike) in likes[..count].iter_mut().enumerate() {
+            let (ray, hit) = met.at(i);
+            let geometry = &world.geometries[geometries[i] as usize];
             self.material[i] = world.material_of(hit);
             self.emitter[i] = geometry.emitter;
             let whole = hit.chain.is_empty() && !world.materials.wants(self.material[i]).point;
-            *form = if whole { world.form(geometry) } else { Form::Other };
-            if *form != Form::Other {
+            *alike = if whole { world.alike(geometry) } else { Alike::Apart };
+            if *alike != Alike::Apart {
                 self.gathered.take(i, world, (ray, hit), geometry);
             }
         }
         // What the last vector of a run writes beyond its end is overwritten by the next run.
         let mut start = 0;
-        for run in forms[..count].chunk_by(|a, b| a == b) {
+        for run in likes[..count].chunk_by(|a, b| a == b) {
             let end = start + run.len();
-            if run[0] == Form::Other {
+            let alike = run[0];
+            if alike == Alike::Apart {
                 for i in start..end {
                     let (ray, hit) = met.at(i);
                     self.set(i, ray, world.surface(ray, hit, &footprint(met.order[i])));
                 }
             } else {
-                simd.run(Run { form: run[0], range: start..end, out: self });
+                let simd = if run.len() < FEW { Simd::PLAIN } else { simd };
+                simd.run(Run { world, alike, range: start..end, out: self });
             }
             start = end;
         }
@@ -205,16 +218,17 @@ struct Seen<F> {
 }
 
 impl World {
-    /// How the surface of a geometry may be computed, where its material asks for no more.
+    /// With which others the surface of a geometry may be computed, where its material asks for no more.
     #[inline]
-    pub(crate) fn form(&self, geometry: &GeometryRecord) -> Form {
+    pub(crate) fn alike(&self, geometry: &GeometryRecord) -> Alike {
         match geometry.kind {
-            _ if geometry.emission_varies => Form::Other,
-            Kind::Mesh(_) => Form::Triangle,
+            _ if geometry.emission_varies => Alike::Apart,
+            Kind::Mesh(_) => Alike::Triangles,
             Kind::Shapes(first) => match &self.geometry.shapes[first as usize] {
-                Shape::Sphere(_) => Form::Round,
-                shape if shape.patch().is_some() => Form::Flat,
-                _ => Form::Other,
+                Shape::Custom(_) => Alike::Apart,
+                Shape::Sphere(_) => Alike::Round,
+                shape if shape.patch().is_some() => Alike::Flat,
+                _ => Alike::Shape(first),
             },
         }
     }
@@ -223,7 +237,7 @@ impl World {
 /// Four numbers of each hit, as they lie in memory.
 type Rows = [[f32; 4]; ROOM];
 
-/// What surfaces are made from, gathered hit by hit. Lanes that no hit of the form has are left over from another block.
+/// What surfaces are made from, gathered hit by hit. Lanes for which nothing was gathered are left over from another block.
 #[derive(Debug)]
 struct Gathered {
     /// The rays' directions.
@@ -265,10 +279,9 @@ impl Default for Gathered {
 }
 
 impl Gathered {
-    /// Takes what a hit's surface is made from; its form is one of those that are computed side by side.
+    /// Takes what a hit's surface is made from, besides the ray's direction.
     #[inline]
     fn take(&mut self, i: usize, world: &World, (ray, hit): (&Ray, &Hit), geometry: &GeometryRecord) {
-        self.d[i] = beside(ray.d, 0.0);
         set(&mut self.flipped, i, geometry.flip);
         match geometry.kind {
             Kind::Mesh(mesh) => self.take_triangle(i, &world.geometry.meshes[mesh as usize], hit),
@@ -277,7 +290,7 @@ impl Gathered {
                 match &world.geometry.shapes[first as usize] {
                     Shape::Sphere(s) => self.sphere[i] = beside(s.center, s.radius),
                     shape => {
-                        let level = shape.patch().map_or(Level::EXAMPLE, Patch::level);
+                        let Some(level) = shape.patch().map(Patch::level) else { return };
                         for (column, x) in self.levels.iter_mut().zip(level.to_array()) {
                             column[i] = x;
                         }
@@ -369,9 +382,10 @@ fn vectors<F: Float>([a, b, c]: &[Rows; 3], first: usize) -> [(Vec3<F>, F); 3] {
     [vector(a, first), vector(b, first), vector(c, first)]
 }
 
-/// Hits of one form, not [`Form::Other`], that follow one another.
+/// Hits that follow one another, not [`Alike::Apart`].
 struct Run<'a> {
-    form: Form,
+    world: &'a World,
+    alike: Alike,
     range: Range<usize>,
     out: &'a mut Surfaces,
 }
@@ -381,13 +395,18 @@ impl Kernel for Run<'_> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Self { form, range, out } = self;
+        let Self { world, alike, range, out } = self;
         for first in range.step_by(F::WIDTH) {
             let from = &out.gathered;
-            let (end, n) = match form {
-                Form::Triangle => from.triangles::<F>(first),
-                Form::Flat => flat(from.flat::<F>(first)),
-                Form::Round | Form::Other => flat(from.round::<F>(first)),
+            let (end, n) = match alike {
+                Alike::Triangles => from.triangles::<F>(first),
+                Alike::Flat => flat(from.flat::<F>(first)),
+                Alike::Round => flat(from.round::<F>(first)),
+                Alike::Shape(shape) => {
+                    let Some(end) = world.geometry.end(shape, from.arrived::<F>(first)) else { return };
+                    flat(end)
+                }
+                Alike::Apart => return,
             };
             let (d, _) = vector(&from.d, first);
             // The geometric normal stays: lights are sampled by it, and their lit side was chosen by it.

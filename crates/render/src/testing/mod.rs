@@ -22,5 +22,10 @@ pub fn sidak(level: f64, tests: usize) -> f64 {
 pub fn in_rgb() -> crate::texture::Reading<'static, crate::lanes::Rgb> {
     static EMPTY: std::sync::LazyLock<crate::lanes::SpectralTables> =
         std::sync::LazyLock::new(Default::default);
-    crate::texture::Reading { tables: &EMPTY, lanes: crate::lanes::Rgb::default(), textures: &[] }
+    crate::texture::Reading {
+        tables: &EMPTY,
+        lanes: crate::lanes::Rgb::default(),
+        textures: &[],
+        meshes: &[],
+    }
 }

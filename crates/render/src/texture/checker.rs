@@ -8,7 +8,7 @@ use straal_color::Light;
 use straal_math::ops;
 use straal_scene::desc;
 
-use super::{Maker, Pattern, Reading, ShadingPoint, Use};
+use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use, Value};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 
@@ -16,28 +16,39 @@ use crate::lanes::{Colour, Lanes};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checker {
     /// The colour of the square next to the origin of the texture coordinates and of every other, and that of the rest.
-    pub colours: [Colour; 2],
+    pub colours: [Value<Colour>; 2],
     /// How many squares there are from 0 to 1, across and up.
     pub squares: [f32; 2],
+    /// Whether they are averaged over what a pixel sees.
+    pub averaged: bool,
+    /// How they lie on the surface.
+    pub mapping: Mapping,
 }
 
 impl Checker {
     /// Of what a scene says.
     pub(super) fn of(d: &desc::Checker, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
+        let colours = [make.part(&d.first)?, make.part(&d.second)?];
         Ok(Self {
-            colours: [make.colour(&d.first)?, make.colour(&d.second)?],
+            colours,
             squares: d.squares.map(|n| n as f32),
+            averaged: d.averaged,
+            mapping: make.mapping(&d.mapping)?,
         })
     }
 
     /// The share of the second colour in what a pixel sees: 0 or 1 where that is a point.
     fn share(&self, at: &ShadingPoint) -> f32 {
-        let [a, b] = [0, 1].map(|k| {
-            let x = self.squares[k] * at.uv[k];
-            odd(x, 0.5 * self.squares[k] * (at.duvdx[k].abs() + at.duvdy[k].abs()))
+        let [share] = self.mapping.over(at, |spot| {
+            let [a, b] = [0, 1].map(|k| {
+                let x = self.squares[k] * spot.st[k];
+                let seen = if self.averaged { spot.dx[k].abs() + spot.dy[k].abs() } else { 0.0 };
+                odd(x, 0.5 * self.squares[k] * seen)
+            });
+            // Squares are of the second colour where one of their two numbers is odd, and not both.
+            [a + b - 2.0 * a * b]
         });
-        // Squares are of the second colour where one of their two numbers is odd, and not both.
-        a + b - 2.0 * a * b
+        share
     }
 }
 
@@ -59,25 +70,26 @@ fn odd(x: f32, reach: f32) -> f32 {
 
 impl Pattern for Checker {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, _: Use) -> Light {
-        let [first, second] = [0, 1].map(|i| reading.light(&self.colours[i]));
+        let [first, second] = [0, 1].map(|i| reading.eval(&self.colours[i], at));
         let share = self.share(at);
         first * (1.0 - share) + second * share
     }
 
-    fn number<L: Lanes>(&self, at: &ShadingPoint, _: &Reading<'_, L>) -> f32 {
-        let [first, second] = [0, 1].map(|i| self.colours[i].rgb[0]);
+    fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
+        let [first, second] = [0, 1].map(|i| reading.number(&self.colours[i], at));
         let share = self.share(at);
         first * (1.0 - share) + second * share
     }
 
     fn most(&self) -> f32 {
-        let [a, b] = [0, 1].map(|i| self.colours[i].strength);
+        let [a, b] = [0, 1].map(|i| self.colours[i].most());
         if a > b { a } else { b }
     }
 
     #[cfg(test)]
     fn examples() -> Vec<Self> {
-        let colours = [Light::rgb([0.9, 0.5, 0.1]), Light::rgb([0.2, 0.4, 0.3])].map(Colour::from);
-        [[8.0, 8.0], [3.0, 0.5], [1.0, 100.0]].map(|squares| Self { colours, squares }).to_vec()
+        let colours = [Light::rgb([0.9, 0.5, 0.1]), Light::rgb([0.2, 0.4, 0.3])].map(Value::from);
+        let of = |squares| Self { colours, squares, averaged: true, mapping: Mapping::Coordinates };
+        [[8.0, 8.0], [3.0, 0.5], [1.0, 100.0]].map(of).to_vec()
     }
 }

@@ -19,19 +19,27 @@ use crate::paint::Maker;
 use std::fmt;
 use std::sync::Arc;
 use straal_color::Light;
-use straal_math::{Frame, Vec3, ops};
+use straal_math::{Frame, Transform, Vec3, ops};
 use straal_scene::desc;
 
+mod attribute;
 mod checker;
+mod graph;
 mod image;
 mod list;
+mod mapping;
+mod ramp;
 mod reading;
 #[cfg(test)]
 mod tests;
 
+pub use attribute::{Attribute, MeshAttribute};
 pub use checker::Checker;
+pub use graph::{Add, Invert, Mix, Remap, Scale};
 pub(crate) use image::Meaning;
 pub use image::{Channel, ImageTexture, Pyramid, Sampling, Spot};
+pub use mapping::{InSpace, Mapping};
+pub use ramp::{Between, Ramp};
 pub(crate) use reading::Readings;
 pub use reading::{ReadRgb, Reading};
 
@@ -51,9 +59,11 @@ pub struct Place {
 pub struct ShadingPoint {
     /// The place in the world.
     pub world: Place,
-    /// The place in the coordinates of the innermost object that it is an instance of, so that what is carved of wood turns with its
-    /// grain; that in the world where there is no instance.
+    /// The place in the thing's own coordinates, before all transforms of itself, its groups and instances: so that what is carved of wood
+    /// turns with its grain.
     pub object: Place,
+    /// The unit shading normal in the thing's own coordinates.
+    pub object_n: Vec3,
     /// Texture coordinates.
     pub uv: [f32; 2],
     /// Change of the texture coordinates from a pixel to its neighbour to the right.
@@ -66,6 +76,19 @@ pub struct ShadingPoint {
     pub dpdv: Vec3,
     /// About the shading normal; its first tangent follows `dpdu`.
     pub frame: Frame,
+    /// Where it is on a mesh, if it is on one.
+    pub on_mesh: Option<OnMesh>,
+}
+
+/// A place on a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnMesh {
+    /// Which mesh of the world.
+    pub mesh: u32,
+    /// Which of its triangles.
+    pub triangle: u32,
+    /// Barycentric weights of the triangle's vertices 1 and 2.
+    pub place: [f32; 2],
 }
 
 impl ShadingPoint {
@@ -78,14 +101,22 @@ impl ShadingPoint {
         Self {
             world: place,
             object: place,
+            object_n: Vec3::Z,
             uv,
             duvdx: [0.0; 2],
             duvdy: [0.0; 2],
             dpdu: Vec3::X,
             dpdv: Vec3::Y,
             frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
+            on_mesh: None,
         }
     }
+}
+
+/// A normal in a thing's own coordinates, of which `m` leads to others; as it is where it would be lost.
+pub(crate) fn own_normal(m: &Transform, n: Vec3) -> Vec3 {
+    let own = Vec3::new(m.vector(Vec3::X).dot(n), m.vector(Vec3::Y).dot(n), m.vector(Vec3::Z).dot(n));
+    own.try_normalize().unwrap_or(n)
 }
 
 /// A number or colour that may differ from point to point.
@@ -196,6 +227,15 @@ impl<L: Lanes> Reading<'_, L> {
         }
     }
 
+    /// What a colour is as a number: of a constant one its red, of a texture what it has for a number.
+    #[inline]
+    pub fn number(&self, value: &Value<Colour>, at: &ShadingPoint) -> f32 {
+        match value {
+            Value::Constant(colour) => colour.rgb[0],
+            Value::Texture(texture) => self.look_up::<f32>(texture.id, at),
+        }
+    }
+
     /// Out of the way of constants.
     #[cold]
     #[inline(never)]
@@ -247,6 +287,20 @@ list::textures! {
     Checker(Checker),
     /// A picture.
     Image(ImageTexture),
+    /// What a mesh has at its vertices or on its faces.
+    Attribute(Attribute),
+    /// A texture times a number and a colour.
+    Scale(Scale),
+    /// Between two.
+    Mix(Mix),
+    /// The sum of two.
+    Add(Add),
+    /// What is missing to 1.
+    Invert(Invert),
+    /// From one range to another.
+    Remap(Remap),
+    /// A colour for each number.
+    Ramp(Ramp),
 }
 
 /// What a kind of texture has where, by [the contract](self).

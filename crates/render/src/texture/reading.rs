@@ -5,6 +5,7 @@ use straal_math::simd::Float;
 
 use super::{ShadingPoint, Texture, Value};
 use crate::lanes::{Colour, Lanes, SpectralTables};
+use crate::shape::TriangleMesh;
 
 /// Lanes and the tables they read by.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +16,8 @@ pub struct Reading<'w, L> {
     pub lanes: L,
     /// What values that differ from point to point are read off.
     pub textures: &'w [Texture],
+    /// What these read of meshes.
+    pub meshes: &'w [TriangleMesh],
 }
 
 impl<L: Lanes> Reading<'_, L> {
@@ -48,6 +51,8 @@ pub(crate) struct Readings<'a, L> {
     pub tables: &'a SpectralTables,
     /// What values that differ from point to point are read off.
     pub textures: &'a [Texture],
+    /// What these read of meshes.
+    pub meshes: &'a [TriangleMesh],
     /// By path.
     pub lanes: &'a [L],
 }
@@ -59,6 +64,7 @@ impl<'a, L: Lanes> Readings<'a, L> {
         Self {
             tables: reading.tables,
             textures: reading.textures,
+            meshes: reading.meshes,
             lanes: std::slice::from_ref(&reading.lanes),
         }
     }
@@ -66,7 +72,7 @@ impl<'a, L: Lanes> Readings<'a, L> {
     /// How one of them reads.
     #[inline(always)]
     pub fn of(&self, i: usize) -> Reading<'a, L> {
-        Reading { tables: self.tables, lanes: self.lanes[i], textures: self.textures }
+        Reading { tables: self.tables, lanes: self.lanes[i], textures: self.textures, meshes: self.meshes }
     }
 
     /// From path `first` on.

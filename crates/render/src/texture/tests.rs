@@ -71,3 +71,41 @@ fn a_footprint_sees_the_mean() {
         }
     }
 }
+
+/// Texture coordinates are mixed by the place in space, which is what a rasteriser gets by dividing by the depth, and not by the place on
+/// the screen, which is what it gets without.
+#[test]
+fn texture_coordinates_are_right_in_perspective() {
+    use crate::shape::TriangleMesh;
+    let corners = [Vec3::new(-1.0, -1.0, -2.0), Vec3::new(1.0, -1.0, -2.0), Vec3::new(0.0, -1.0, -20.0)];
+    let uvs = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]];
+    let floor = TriangleMesh {
+        positions: corners.into(),
+        indices: [[0, 1, 2]].into(),
+        uvs: uvs.to_vec(),
+        ..TriangleMesh::default()
+    };
+    let screen = corners.map(|p| [p.x / -p.z, p.y / -p.z]);
+    let mut most = 0.0_f32;
+    for i in 0..100 {
+        let [a, b, ..] = numbers(i);
+        let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+        // A place on the screen, by weights there, and the ray through it.
+        let weights = [1.0 - a - b, a, b];
+        let mixed = |v: [f32; 3]| (0..3).map(|k| weights[k] * v[k]).sum::<f32>();
+        let [x, y] = [0, 1].map(|k| mixed(screen.map(|p| p[k])));
+        // It meets the floor, y = -1, where its depth is -1 / y; there the weights are those of the point.
+        let depth = -1.0 / y;
+        let v = (depth - 2.0) / 18.0;
+        let u = 0.5 * (x * depth + 1.0 - v);
+        let got = floor.surface(0, u, v).uv;
+        let over_depth = |k: usize| mixed([0, 1, 2].map(|i| uvs[i][k] / -corners[i].z));
+        let right = [0, 1].map(|k| over_depth(k) / mixed(corners.map(|p| 1.0 / -p.z)));
+        let naive = [0, 1].map(|k| mixed([0, 1, 2].map(|i| uvs[i][k])));
+        for k in 0..2 {
+            assert!((got[k] - right[k]).abs() < 1e-4, "{got:?}, not {right:?}");
+            most = if (got[k] - naive[k]).abs() > most { (got[k] - naive[k]).abs() } else { most };
+        }
+    }
+    assert!(most > 0.4, "the naive kind is no worse: {most}");
+}

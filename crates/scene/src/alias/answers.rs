@@ -8,7 +8,9 @@ pub(super) const MEDIA: Here = NotYet("fog, smoke and other media");
 pub(super) const ROUGH_GLASS: Here = Write("`dielectric: { roughness: 0.1 }`");
 pub(super) const LAYERED: Here = NotYet("coated and layered materials");
 pub(super) const MASKS: Here = Write("`mask: { opacity: 0.5, material: { diffuse: {} } }`");
-pub(super) const BUMPS: Here = NotYet("bump, normal and displacement maps");
+pub(super) const BUMPS: Here = Write(
+    "`normal_map: { texture: { image: { file: normals.png } } }` or `bump: { texture: stains, height: 0.01 }` in a material",
+);
 pub(super) const SUBSURFACE: Here = NotYet("light that travels below a surface");
 pub(super) const CSG: Here = NotYet("shapes made by union, intersection and difference");
 pub(super) const HAIR: Here = NotYet("curves and hair");

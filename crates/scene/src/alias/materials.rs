@@ -1,6 +1,6 @@
 //! Words for materials.
 
-use super::Here::{Called, Write};
+use super::Here::{Called, NotYet, Write};
 use super::Table;
 use super::answers::{
     BUMPS, CHECKER, GLASS, GLOW, HAIR, LAYERED, MASKS, MEDIA, METAL, ROUGH_GLASS, SUBSURFACE, TEXTURES, TYPE,
@@ -99,7 +99,10 @@ pub(super) const KEYS: &[Table] = &[
                 Write("`conductor: { roughness: 0.3, roughness_v: 0.05 }`, along the texture's u and v"),
             ),
             ("opacity alphamode alphacutoff opacitymask cutout dissolve d tr", MASKS),
-            ("bump bumpmap normalmap normal normaltexture displacement bumpscale", BUMPS),
+            ("bumpmap bumptexture", Called("bump")),
+            ("normalmap normal normaltexture", Called("normal_map")),
+            ("bumpscale normalscale", BUMPS),
+            ("displacement displacementmap", NotYet("displacement maps")),
             ("map texture mapkd basecolortexture image bitmap filename colormap pigment file", TEXTURES),
             ("checker checkerboard pattern", CHECKER),
             (

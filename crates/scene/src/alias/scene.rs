@@ -51,7 +51,7 @@ pub(super) const KEYS: &[Table] = &[(
                 "materials have names: `materials: { red: { diffuse: { reflectance: [0.8, 0.1, 0.1] } } }`",
             ),
         ),
-        ("texture textures images pigment", TEXTURES),
+        ("texture images pigment", TEXTURES),
         ("media medium volumes volume fog atmosphere mediums smoke", MEDIA),
         ("animation animations frames keyframes frame time fps", ANIMATION),
         ("include includes import imports extends", NotYet("scenes in several files")),

@@ -10,15 +10,15 @@ use crate::desc::{
     Bezier, CameraAt, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, Dielectric,
     DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye,
     FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer,
-    Orthographic, Panorama, Perspective, Plane, Rectangle, SpectralChannels, Spectrum, SpotLight,
-    Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    Orthographic, Panorama, Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture,
+    SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::span::Span;
 use crate::suggest;
 use crate::tree::shown;
-use crate::value::Name;
+use crate::value::{Color, Name};
 
 /// The names that `bezier: { builtin: ... }` knows.
 pub const BUILTIN_PATCHES: &[&str] = &["teapot"];
@@ -263,6 +263,47 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
     }
 }
 
+/// Complains of a texture whose colours can't be what it is read for: `limit` says what they must be within, `is_number` that they must be
+/// numbers.
+pub(crate) fn texture(texture: &Texture, span: Span, (limit, is_number): (Limit, bool), d: &mut Decoder) {
+    for colour in texture.colours() {
+        match colour {
+            Spectrum::Rgb(Color(rgb)) => {
+                if let Some(v) = rgb.iter().find(|v| !limit.allows(**v)) {
+                    let message = limit.complaint(d.key(), *v);
+                    d.push(Diagnostic::error(span, message));
+                } else if is_number && (rgb[0] != rgb[1] || rgb[1] != rgb[2]) {
+                    let message = format!("`{}` is a number, and this texture is of colours", d.key());
+                    let help = "give it numbers, such as `first: 0.2`, for its colours";
+                    d.push(Diagnostic::error(span, message).help(help));
+                    return;
+                }
+            }
+            Spectrum::Measured(m) => reflectance(m, span, limit, d),
+        }
+    }
+}
+
+/// A remapping must lead from somewhere to somewhere.
+pub(crate) fn remap(r: &RemapTexture, keys: &Keys<'_>, d: &mut Decoder) {
+    if r.from[0] == r.from[1] {
+        d.push(Diagnostic::error(keys.span("from"), "the two numbers of `from` must differ"));
+    }
+}
+
+/// A ramp must rise.
+pub(crate) fn ramp(r: &RampTexture, keys: &Keys<'_>, d: &mut Decoder) {
+    if r.stops.is_empty() {
+        d.push(
+            Diagnostic::error(keys.span("stops"), "a ramp needs a stop")
+                .help("such as `{ at: 0, color: 0.2 }`"),
+        );
+    }
+    if r.stops.iter().zip(r.stops.iter().skip(1)).any(|(a, b)| a.at > b.at) {
+        d.push(Diagnostic::error(keys.span("stops"), "the numbers of a ramp's stops must not fall"));
+    }
+}
+
 /// Complains of a spectrum that is no reflectance where one is wanted, which `limit` says. What a file says is not known
 /// here; [`too_bright`] is for who reads it.
 pub(crate) fn reflectance(m: &Measured, span: Span, limit: Limit, d: &mut Decoder) {
@@ -339,6 +380,15 @@ fn metal(owner: &str, named: &Option<Name>, given: [bool; 2], keys: &Keys<'_>, d
             d.push(Diagnostic::error(keys.owner(), message));
             return;
         }
+    }
+}
+
+/// The index of refraction is told in one way.
+pub(super) fn principled(p: &Principled, keys: &Keys<'_>, d: &mut Decoder) {
+    if p.eta.is_some() && p.specular.is_some() {
+        let message = "`principled` takes `eta` or `specular`, not both";
+        let other = (keys.key_span("eta"), "`eta` is here");
+        d.push(Diagnostic::error(keys.key_span("specular"), message).related(other.0, other.1));
     }
 }
 

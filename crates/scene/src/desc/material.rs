@@ -2,10 +2,10 @@
 
 use crate::desc::check;
 use crate::desc::spectrum::{Index, Spectrum};
-use crate::desc::texture::Varying;
+use crate::desc::texture::{Relief, Varying};
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Link, Name};
+use crate::value::{Color, Link, Name};
 
 describe! {
     /// What a surface does with light.
@@ -20,7 +20,7 @@ describe! {
             model: RoughDiffuse = RoughDiffuse::Eon,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// A perfect mirror.
         "mirror" => Mirror(struct Mirror {
             /// Share of light that is reflected; with `fresnel: schlick`, straight on.
@@ -29,7 +29,7 @@ describe! {
             fresnel: MirrorFresnel = MirrorFresnel::Constant,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// Smooth glass, water and the like: a boundary between two transparent media; normals point to the outside.
         "dielectric" => Dielectric(struct Dielectric [check::dielectric] {
             /// Index of refraction inside: a number, the name of a glass such as `BK7`, or a formula.
@@ -50,7 +50,7 @@ describe! {
             distribution: Distribution = Distribution::Ggx,
             /// Whether light that bounces between facets more than once is put back instead of being lost (Turquin 2019).
             multiple_bounces: bool = false,
-        } with interior: Interior),
+        } with interior: Interior with relief: Relief),
         /// Metal, polished or rough, by name or by its complex index of refraction `eta` + i `k`, relative to air.
         "conductor" => Conductor(struct Conductor [check::conductor] {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
@@ -71,7 +71,116 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
+        /// The uber material of the OpenPBR specification (1.1), with its names: a base of metal, glass and what is diffuse under a
+        /// glossy surface; on it a thin film, a coat and fuzz.
+        "open_pbr" => OpenPbr(struct OpenPbr {
+            /// Factor to `base_color`.
+            base_weight: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Colour of what is diffuse, and of metal seen straight on.
+            base_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.8)),
+            /// Roughness of what is diffuse (EON): 0 is Lambert.
+            base_diffuse_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Which part of the base is metal.
+            base_metalness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Factor to what the surface of glass and of what is diffuse reflects straight on, and to all that metal reflects.
+            specular_weight: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(1.0),
+            /// Tint of the glossy reflection; of metal, at 82 degrees.
+            specular_color: Varying<Spectrum> [Limit::within(0.0, 3.9)] = Varying::Constant(Spectrum::grey(1.0)),
+            /// Roughness of the surface, the root of GGX's alpha; 0 is polished.
+            specular_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.3),
+            /// How much smoother it is across the texture's u than along it.
+            specular_roughness_anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Index of refraction of the base.
+            specular_ior: Varying<f64> [Limit::within(0.1, 5.0)] = Varying::Constant(1.5),
+            /// Which part of what isn't metal is clear.
+            transmission_weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// What is left of light at each crossing of the surface or, with a depth, after that way.
+            transmission_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// The way in metres after which light has `transmission_color`; 0 for a tint at the surface.
+            transmission_depth: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(0.0),
+            /// How much of that is scattered within `transmission_depth`, rather than absorbed: kept for media, which are to come; until then it is absorbed.
+            transmission_scatter: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// Mean cosine of that scattering: kept for media.
+            transmission_scatter_anisotropy: Varying<f64> [Limit::within(-1.0, 1.0)] = Varying::Constant(0.0),
+            /// How much of the dispersion of `transmission_dispersion_abbe_number` there is.
+            transmission_dispersion_scale: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Abbe's number: the less, the more colours part.
+            transmission_dispersion_abbe_number: Varying<f64> [Limit::within(6.2, 1e6)] = Varying::Constant(20.0),
+            /// Which part of what is neither metal nor clear scatters beneath its surface: diffuse in `subsurface_color`, until there are media.
+            subsurface_weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Colour that what scatters beneath the surface has as a whole.
+            subsurface_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.8)),
+            /// Mean way between two scatterings, in metres: kept for media.
+            subsurface_radius: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(1.0),
+            /// Factor to `subsurface_radius` by colour: kept for media.
+            subsurface_radius_scale: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::Rgb(Color([1.0, 0.5, 0.25]))),
+            /// Of a thin wall: which part passes, from -1 for none to 1 for all.
+            subsurface_scatter_anisotropy: Varying<f64> [Limit::within(-1.0, 1.0)] = Varying::Constant(0.0),
+            /// How much of the coat there is.
+            coat_weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// What the coat leaves of light that crosses it twice, straight.
+            coat_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// Roughness of the coat; what lies below looks rougher as well.
+            coat_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// As that of the base.
+            coat_roughness_anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Index of refraction of the coat.
+            coat_ior: Varying<f64> [Limit::within(0.1, 5.0)] = Varying::Constant(1.6),
+            /// How much darker what lies below is by light that the coat reflects back to it.
+            coat_darkening: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// How much fuzz there is.
+            fuzz_weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Tint of what the fuzz reflects.
+            fuzz_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// How much the fibres stand in all directions; 0 is none.
+            fuzz_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
+            /// How much of a thin film there is on the base.
+            thin_film_weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Thickness of the film in micrometres.
+            thin_film_thickness: Varying<f64> [Limit::within(0.0, 6.5)] = Varying::Constant(0.5),
+            /// Index of refraction of the film.
+            thin_film_ior: Varying<f64> [Limit::within(0.1, 5.0)] = Varying::Constant(1.4),
+            /// The share of light that meets the surface; the rest passes straight through as if nothing were there, shadow rays as well.
+            geometry_opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Whether the surface is a wall without thickness, such as a pane or a leaf: light goes straight on.
+            geometry_thin_walled: bool = false,
+            /// Whether coat and fuzz take what they reflect from the light on its way in *and* out: the same from both ends, and darker.
+            reciprocal: bool = false,
+            /// Whether the back of what is opaque looks like the front; else it is black.
+            two_sided: bool = true,
+        } with relief: Relief),
+        /// Disney's BSDF as Mitsuba 3 has it, exactly.
+        "principled" => Principled(struct Principled [check::principled] {
+            /// Colour of what is diffuse and of metal; its root is the tint of glass.
+            base_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
+            /// Roughness: the root of GGX's alpha.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
+            /// How much smoother it is across the texture's u than along it.
+            anisotropic: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Which part is metal.
+            metallic: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Which part of the rest is glass.
+            spec_trans: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Index of refraction inside over that outside; give this or `specular`.
+            eta: Option<f64> [Limit::within(0.1, 10.0)] = None,
+            /// What is reflected straight on, in 8 hundredths: another way to tell the index; 0.5 where neither is given.
+            specular: Option<f64> [Limit::UNIT] = None,
+            /// How much of the base's colour the glossy reflection has.
+            spec_tint: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// How much sheen.
+            sheen: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// How much of the base's colour the sheen has.
+            sheen_tint: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// How much of the diffuse part is flattened, as if light scattered beneath.
+            flatness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// How much of a clear coat.
+            clearcoat: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// How smooth the clear coat is.
+            clearcoat_gloss: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Whether the back of what is opaque looks like the front; else it is black, as in Mitsuba.
+            two_sided: bool = true,
+        } with relief: Relief),
         /// A pane of clear material without an inside: light goes straight on, and what bounces between its faces is counted.
         "thin_dielectric" => ThinDielectric(struct ThinDielectric {
             /// Index of refraction of the pane.
@@ -82,14 +191,14 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Tint of what passes; physical is 1.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
-        }),
+        } with relief: Relief),
         /// Scatters light evenly on both sides, as paper, leaves and lampshades do.
         "diffuse_transmission" => DiffuseTransmission(struct DiffuseTransmission [check::diffuse_transmission] {
             /// Share of light that is sent back.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
             /// Share of light that goes through.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
-        }),
+        } with relief: Relief),
         /// Plastic, glazed pottery, varnished wood: an evenly scattering ground below a clear boundary, smooth or rough (as Mitsuba's
         /// `plastic` and `roughplastic`).
         "plastic" => Plastic(struct Plastic {
@@ -110,12 +219,12 @@ describe! {
             nonlinear: bool = false,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// A clear coat over a ground that scatters evenly, as pbrt's `coateddiffuse`: light is followed through it step by step.
         "coated_diffuse" => CoatedDiffuse(struct CoatedDiffuse {
             /// Share of light that the ground reflects.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
-        } with coat: Coat),
+        } with coat: Coat with relief: Relief),
         /// A clear coat over metal, as pbrt's `coatedconductor`.
         "coated_conductor" => CoatedConductor(struct CoatedConductor [check::coated_conductor] {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
@@ -126,7 +235,7 @@ describe! {
             k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
             /// GGX alpha of the metal's facets: 0 is polished.
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
-        } with coat: Coat),
+        } with coat: Coat with relief: Relief),
         /// Cloth: an evenly scattering ground, and fibres that light up at grazing angles (Estevez and Kulla 2017).
         "sheen" => Sheen(struct Sheen {
             /// Share of light that the ground reflects.
@@ -137,7 +246,7 @@ describe! {
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.4),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// Two materials at the same place, each with a share.
         "mix" => Mix(struct Mix {
             /// What has the rest.
@@ -146,21 +255,21 @@ describe! {
             second: Box<MaterialRef>,
             /// Share of `second`.
             weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
-        }),
+        } with relief: Relief),
         /// A material with holes: light passes where it isn't opaque, shadow rays as well.
         "mask" => Mask(struct Mask {
             /// What there is.
             material: Box<MaterialRef>,
             /// The share of light that meets it; the rest passes straight through.
             opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
-        }),
+        } with relief: Relief),
         /// One material on the side that the normal points to, another on the other.
         "two_faces" => TwoFaces(struct TwoFaces {
             /// On the side that the normal points to.
             front: Box<MaterialRef>,
             /// On the other side.
             back: Box<MaterialRef>,
-        }),
+        } with relief: Relief),
         /// The textbook's shading: evenly scattered light, a highlight after Phong or Blinn, and a share of the ambient light.
         "phong" => Phong(struct Phong {
             /// Share of light that is scattered evenly: the textbook's k_d times the colour.
@@ -177,7 +286,7 @@ describe! {
             form: HighlightForm = HighlightForm::Normalised,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// A blurred mirror: light from around the mirrored direction, by a power of the cosine to it.
         "glossy" => Glossy(struct Glossy {
             /// Share of light that is reflected: the textbook's k_r times the colour.
@@ -186,7 +295,7 @@ describe! {
             exponent: Varying<f64> [Limit::within(0.0, 1e5)] = Varying::Constant(100.0),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        }),
+        } with relief: Relief),
         /// The textbook's simple transparency: bends light as `dielectric` does, but reflects the same share at every angle.
         "transparent" => Transparent(struct Transparent [check::transparent] {
             /// Index of refraction inside.
@@ -197,7 +306,7 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.1)),
             /// Share of light that passes: the textbook's k_t.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.9)),
-        } with interior: Interior),
+        } with interior: Interior with relief: Relief),
     }
 }
 
@@ -302,6 +411,32 @@ describe! {
     }
 }
 
+impl Material {
+    /// What makes it be lit as if it were rough.
+    pub const fn relief(&self) -> &Relief {
+        match self {
+            Self::Diffuse(m) => &m.relief,
+            Self::Mirror(m) => &m.relief,
+            Self::Dielectric(m) => &m.relief,
+            Self::Conductor(m) => &m.relief,
+            Self::ThinDielectric(m) => &m.relief,
+            Self::DiffuseTransmission(m) => &m.relief,
+            Self::Plastic(m) => &m.relief,
+            Self::Mix(m) => &m.relief,
+            Self::Mask(m) => &m.relief,
+            Self::TwoFaces(m) => &m.relief,
+            Self::CoatedDiffuse(m) => &m.relief,
+            Self::CoatedConductor(m) => &m.relief,
+            Self::Sheen(m) => &m.relief,
+            Self::Phong(m) => &m.relief,
+            Self::Glossy(m) => &m.relief,
+            Self::Transparent(m) => &m.relief,
+            Self::OpenPbr(m) => &m.relief,
+            Self::Principled(m) => &m.relief,
+        }
+    }
+}
+
 /// A material given by name or on the spot.
 #[derive(Clone, Debug, PartialEq)]
 // A scene that has many surfaces gives their materials names.
@@ -310,7 +445,7 @@ pub enum MaterialRef {
     /// One of the scene's `materials`.
     Named(Link<Material>),
     /// Written where it is used.
-    Inline(Material),
+    Inline(Box<Material>),
 }
 
 impl Material {

@@ -64,6 +64,8 @@ describe! {
         accel: Accel = Accel::default(),
         /// Whether light is computed by wavelengths instead of red, green and blue.
         spectral: bool = false,
+        /// Textures by name, for `{ texture: NAME }`.
+        textures: Named<Texture> = Named::default(),
         /// Materials by name.
         materials: Named<Material> = Named::default(),
         /// Geometry by name, which is seen only where an `instance` puts it.

@@ -1,10 +1,15 @@
 //! Textures, and the values that may be read off them.
 
+use straal_math::DVec3;
+
 use crate::Bitmap;
+use crate::desc::check;
 use crate::desc::spectrum::Spectrum;
+use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::Asset;
+use crate::span::Span;
+use crate::value::{Asset, Name};
 
 describe! {
     /// What differs from point to point of a surface.
@@ -12,11 +17,15 @@ describe! {
         /// Squares of two colours in turn, over the texture coordinates.
         "checker" => Checker(struct Checker {
             /// The colour of the square next to the origin, and of every other.
-            first: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(0.2),
+            first: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.2)),
             /// The colour of the rest.
-            second: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(0.8),
+            second: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.8)),
             /// How many squares there are from 0 to 1, across and up.
             squares: [f64; 2] [Limit::within(1e-6, 1e6)] = [8.0, 8.0],
+            /// Whether it is averaged over what a pixel sees; else it is looked up at points.
+            averaged: bool = true,
+            /// How it lies on the surface.
+            mapping: Mapping = Mapping::default(),
         }),
         /// A picture.
         "image" => Image(struct ImageTexture {
@@ -32,7 +41,293 @@ describe! {
             anisotropy: f64 [Limit::within(1.0, 64.0)] = 16.0,
             /// What is beyond its edges: one of these, or a list of two, for left and right and for below and above.
             wrap: Wraps = Wraps([Wrap::Repeat, Wrap::Repeat]),
+            /// How it lies on the surface.
+            mapping: Mapping = Mapping::default(),
         }),
+        /// What a mesh has at its vertices or on its faces, such as colours.
+        "attribute" => Attribute(struct AttributeTexture {
+            /// Its name: `color`, or the name of a property of the mesh's file.
+            name: AttributeName = AttributeName(Name::new("color".to_owned(), Span::NONE)),
+            /// Whether vertices or faces have it, where both have something of that name.
+            per: AttributePer = AttributePer::Any,
+            /// What its numbers mean; `auto` takes codes of bytes for sRGB and other numbers for light, where a colour is wanted.
+            color_space: TextureSpace = TextureSpace::Auto,
+            /// Which of its numbers is taken where one is wanted.
+            channel: TextureChannel = TextureChannel::Luminance,
+            /// The colour of surfaces that have no such thing.
+            absent: Spectrum [Limit::UNIT] = Spectrum::grey(0.5),
+        }),
+        /// A texture or colour times a number and a colour.
+        "scale" => Scale(struct ScaleTexture {
+            /// What is multiplied.
+            of: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(1.0)),
+            /// The number.
+            by: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(1.0),
+            /// The colour.
+            tint: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+        }),
+        /// Something between two textures or colours.
+        "mix" => Mix(struct MixTexture {
+            /// What there is at an amount of 0.
+            first: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// What there is at an amount of 1.
+            second: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(1.0)),
+            /// The share of the second.
+            amount: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
+        }),
+        /// The sum of two textures or colours.
+        "add" => Add(struct AddTexture {
+            /// One.
+            first: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// The other.
+            second: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+        }),
+        /// What is missing to 1.
+        "invert" => Invert(struct InvertTexture {
+            /// Of what.
+            of: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+        }),
+        /// Each number of a texture or colour, from one range to another.
+        "remap" => Remap(struct RemapTexture [check::remap] {
+            /// Of what.
+            of: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// The numbers that become the two of `to`; what is beyond them is cut off.
+            from: [f64; 2] = [0.0, 1.0],
+            /// The two numbers that those of `from` become.
+            to: [f64; 2] = [0.0, 1.0],
+            /// The share of the way from the first to the second is raised to this power.
+            power: f64 [Limit::within(0.01, 100.0)] = 1.0,
+        }),
+        /// A colour for each number.
+        "ramp" => Ramp(struct RampTexture [check::ramp] {
+            /// The number.
+            of: Varying<f64>,
+            /// Numbers that don't fall, and the colour of each.
+            stops: Vec<RampStop>,
+            /// What lies between two stops.
+            interpolation: RampInterpolation = RampInterpolation::Linear,
+        }),
+    }
+}
+
+describe! {
+    /// What of a mesh has an attribute.
+    pub enum AttributePer {
+        /// Vertices, and where these have none, faces.
+        "any" => Any,
+        /// Vertices.
+        "vertex" => Vertex,
+        /// Faces.
+        "face" => Face,
+    }
+}
+
+describe! {
+    /// A colour of a ramp.
+    pub struct RampStop {
+        /// The number.
+        at: f64,
+        /// Its colour.
+        color: Spectrum [Limit::NON_NEGATIVE],
+    }
+}
+
+describe! {
+    /// What lies between two stops of a ramp.
+    pub enum RampInterpolation {
+        /// The colour of the lower one.
+        "step" => Step,
+        /// A straight line from one to the other.
+        "linear" => Linear,
+        /// A curve from one to the other that is level at both.
+        "smooth" => Smooth,
+    }
+}
+
+describe! {
+    /// How a pattern lies on a surface. All but `uv` map places of space: onto things about the origin, from -1 to 1 and upright along y, with the middle
+    /// of the picture in front, towards +z; `transform` puts these elsewhere.
+    pub enum Mapping {
+        /// By the surface's texture coordinates, scaled, then turned, then moved.
+        "uv" => Uv(struct UvMapping {
+            /// What u and v are multiplied by: 2 shows the pattern twice, in half the size.
+            scale: [f64; 2] = [1.0, 1.0],
+            /// Degrees, counter-clockwise, about the origin of the texture coordinates.
+            rotate: f64 = 0.0,
+            /// What is added to u and v.
+            translate: [f64; 2] = [0.0, 0.0],
+        }),
+        /// Along z onto the plane of x and y: a copy for each unit.
+        "planar" => Planar(struct PlanarMapping {
+            /// Whose places are mapped.
+            space: MappingSpace = MappingSpace::Object,
+            /// What is done to the coordinates that come of it.
+            uv: UvMapping = UvMapping::default(),
+            /// Where the plane lies.
+            transform: Transform = Transform::default(),
+        }),
+        /// Around z: u once around it from +x, counter-clockwise, v the distance from it.
+        "polar" => Polar(struct PolarMapping {
+            /// Whose places are mapped.
+            space: MappingSpace = MappingSpace::Object,
+            /// What is done to the coordinates that come of it.
+            uv: UvMapping = UvMapping::default(),
+            /// Where the axis stands.
+            transform: Transform = Transform::default(),
+        }),
+        /// Onto a cylinder around y: once around it, and once from y = -1 to 1.
+        "cylindrical" => Cylindrical(struct CylindricalMapping {
+            /// Whose places are mapped.
+            space: MappingSpace = MappingSpace::Object,
+            /// What is done to the coordinates that come of it.
+            uv: UvMapping = UvMapping::default(),
+            /// Where the cylinder stands.
+            transform: Transform = Transform::default(),
+        }),
+        /// Onto a sphere by longitude and latitude: the poles gather whole rows of a picture in a point.
+        "spherical" => Spherical(struct SphericalMapping {
+            /// Whose places are mapped.
+            space: MappingSpace = MappingSpace::Object,
+            /// What is done to the coordinates that come of it.
+            uv: UvMapping = UvMapping::default(),
+            /// Where the sphere lies.
+            transform: Transform = Transform::default(),
+        }),
+        /// Onto the six sides of a cube, as seen from its middle: the pattern once on each.
+        "cube" => Cube(struct CubeMapping {
+            /// Whose places are mapped.
+            space: MappingSpace = MappingSpace::Object,
+            /// What is done to the coordinates that come of it.
+            uv: UvMapping = UvMapping::default(),
+            /// Where the cube stands.
+            transform: Transform = Transform::default(),
+        }),
+        /// Along x, y and z at once, mixed by where the surface faces: a copy for each unit, without seams and stretched nowhere.
+        "triplanar" => Triplanar(struct TriplanarMapping {
+            /// Whose places are mapped.
+            space: MappingSpace = MappingSpace::Object,
+            /// What is done to the coordinates that come of it.
+            uv: UvMapping = UvMapping::default(),
+            /// How quickly one direction gives way to the next where the surface turns.
+            sharpness: f64 [Limit::within(0.1, 100.0)] = 4.0,
+            /// Where the axes lie.
+            transform: Transform = Transform::default(),
+        }),
+        /// As if thrown by a projector, which casts no shadows: the pattern once in what it sees.
+        "camera" => Camera(struct CameraMapping {
+            /// Whose places are mapped.
+            space: MappingSpace = MappingSpace::World,
+            /// Where it stands.
+            eye: DVec3,
+            /// What it looks at.
+            look_at: DVec3,
+            /// What is up for it.
+            up: DVec3 = DVec3::Y,
+            /// The angle that it sees from left to right, in degrees.
+            fov: f64 [Limit::within(0.1, 179.0)] = 40.0,
+            /// Width of what it sees over its height.
+            aspect: f64 [Limit::within(0.01, 100.0)] = 1.0,
+        }),
+    }
+}
+
+impl Default for Mapping {
+    fn default() -> Self {
+        Self::Uv(UvMapping::default())
+    }
+}
+
+describe! {
+    /// Whose places a mapping maps.
+    pub enum MappingSpace {
+        /// The thing's own, before all transforms of itself, its groups and instances: the pattern stays with it.
+        "object" => Object,
+        /// The world's: the thing moves through the pattern.
+        "world" => World,
+    }
+}
+
+/// The name of what a mesh has at its vertices or on its faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AttributeName(pub Name);
+
+/// A texture of the scene by its name, or one written where it is used.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TextureOf {
+    /// One of the scene's `textures`.
+    Named(Name),
+    /// Written on the spot.
+    Inline(Texture),
+}
+
+describe! {
+    /// What makes a surface be lit as if it were rough. It stays where it is.
+    pub struct Relief {
+        /// The directions that its normals seem to have.
+        normal_map: Option<NormalMap> = None,
+        /// How high it seems to be, on top of that.
+        bump: Option<Bump> = None,
+    }
+}
+
+describe! {
+    /// Normals read off a texture, whose red, green and blue from 0 to 1 are x, y and z from -1 to 1.
+    pub struct NormalMap {
+        /// The texture; a picture's numbers are taken as they stand.
+        texture: TextureOf,
+        /// What x, y and z are.
+        space: NormalSpace = NormalSpace::Tangent,
+        /// Which way green points.
+        green: GreenAxis = GreenAxis::Up,
+        /// What the slopes are multiplied by; 0 is flat.
+        strength: f64 [Limit::within(-100.0, 100.0)] = 1.0,
+    }
+}
+
+describe! {
+    /// In which axes a normal map tells directions.
+    pub enum NormalSpace {
+        /// The surface's: x along rising u, y along rising v, z outwards.
+        "tangent" => Tangent,
+        /// The thing's own, before all transforms.
+        "object" => Object,
+    }
+}
+
+describe! {
+    /// Which way green points in a normal map of the surface's axes.
+    pub enum GreenAxis {
+        /// Along rising v, as for OpenGL, glTF and Blender.
+        "up" => Up,
+        /// Along falling v, as for DirectX and Unreal.
+        "down" => Down,
+    }
+}
+
+describe! {
+    /// Heights read off a texture.
+    pub struct Bump {
+        /// The texture, read as a number.
+        texture: TextureOf,
+        /// How high, in metres of the world, it seems to be where the texture is 1; below 0 it is dented.
+        height: f64 [Limit::within(-1e6, 1e6)] = 0.01,
+    }
+}
+
+impl Texture {
+    /// The colours that it shows as they are.
+    pub(crate) fn colours(&self) -> Vec<&Spectrum> {
+        match self {
+            Self::Checker(c) => [&c.first, &c.second].into_iter().filter_map(Varying::constant).collect(),
+            Self::Ramp(r) => r.stops.iter().map(|stop| &stop.color).collect(),
+            Self::Mix(m) => [&m.first, &m.second].into_iter().filter_map(Varying::constant).collect(),
+            Self::Image(_)
+            | Self::Attribute(_)
+            | Self::Scale(_)
+            | Self::Add(_)
+            | Self::Invert(_)
+            | Self::Remap(_) => Vec::new(),
+        }
     }
 }
 
@@ -114,7 +409,7 @@ pub enum Varying<T> {
     /// The same everywhere.
     Constant(T),
     /// Read off a texture.
-    Texture(Box<Texture>),
+    Texture(Box<TextureOf>),
 }
 
 impl<T> From<T> for Varying<T> {

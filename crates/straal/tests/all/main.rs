@@ -15,6 +15,7 @@ mod forecast;
 mod hashes;
 mod leaning_normals;
 mod light_tracing;
+mod open_pbr;
 mod power;
 mod resume;
 mod same_bits;

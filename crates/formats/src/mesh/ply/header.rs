@@ -4,7 +4,7 @@ use crate::ReadError;
 use crate::read_error::quoted;
 
 /// What the header declares.
-pub(super) struct Header {
+pub(in crate::mesh) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
     /// Bytes and lines up to and with `end_header`.
@@ -13,13 +13,13 @@ pub(super) struct Header {
 }
 
 #[derive(Clone, Copy)]
-pub(super) enum Encoding {
+pub(in crate::mesh) enum Encoding {
     Ascii,
     Little,
     Big,
 }
 
-pub(super) struct Element {
+pub(in crate::mesh) struct Element {
     pub name: String,
     pub count: u64,
     pub properties: Vec<Property>,
@@ -29,19 +29,19 @@ pub(super) struct Element {
     pub unknown: Option<(usize, String)>,
 }
 
-pub(super) struct Property {
+pub(in crate::mesh) struct Property {
     pub name: String,
     pub kind: Kind,
 }
 
 #[derive(Clone, Copy)]
-pub(super) enum Kind {
+pub(in crate::mesh) enum Kind {
     Scalar(Scalar),
     List { count: Scalar, item: Scalar },
 }
 
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Scalar {
+pub(in crate::mesh) enum Scalar {
     I8,
     U8,
     I16,
@@ -57,13 +57,13 @@ pub(super) enum Scalar {
 }
 
 /// Where the line `ply` begins: after a byte order mark and white space, which editors and scripts leave in front.
-pub(super) fn start(bytes: &[u8]) -> usize {
+pub(in crate::mesh) fn start(bytes: &[u8]) -> usize {
     let rest = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     bytes.len() - rest.trim_ascii_start().len()
 }
 
 /// How many lines end in a piece of text that doesn't end between a carriage return and its line feed.
-pub(super) fn line_ends(text: &[u8]) -> usize {
+pub(in crate::mesh) fn line_ends(text: &[u8]) -> usize {
     let mut count = 0;
     let mut last = 0;
     for &byte in text {
@@ -74,19 +74,19 @@ pub(super) fn line_ends(text: &[u8]) -> usize {
 }
 
 impl Element {
-    pub(super) fn holds_faces(&self) -> bool {
+    pub(in crate::mesh) fn holds_faces(&self) -> bool {
         self.name == "face" || self.name == "tristrips"
     }
 
     /// Whether its records have a colour.
-    pub(super) fn has_colours(&self) -> bool {
+    pub(in crate::mesh) fn has_colours(&self) -> bool {
         let has = |name: &str| self.properties.iter().any(|p| p.name == name);
         has("red") || has("diffuse_red") || has("r") && has("g") && has("b")
     }
 }
 
 impl Header {
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
+    pub(in crate::mesh) fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
         if !super::is_ply(bytes) {
             return Err(ReadError::file("not a PLY file: it doesn't begin with 'ply'"));
         }
@@ -207,7 +207,7 @@ impl Scalar {
         }
     }
 
-    pub(super) fn size(self) -> usize {
+    pub(in crate::mesh) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,

@@ -32,7 +32,8 @@ impl Kernel for Samples<'_> {
         let Self(example, at, u) = self;
         let reading = in_rgb();
         let lanes_of = [reading.lanes; COUNT];
-        let readings = Readings { tables: reading.tables, textures: reading.textures, lanes: &lanes_of };
+        let readings =
+            Readings { tables: reading.tables, textures: reading.textures, meshes: &[], lanes: &lanes_of };
         let mut all = vec![];
         for first in (0..COUNT).step_by(F::WIDTH) {
             let (at, u) = lanes::<F>(&at[first..], &u[first..]);

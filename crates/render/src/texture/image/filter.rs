@@ -57,7 +57,8 @@ enum Mode {
 }
 
 impl Sampling {
-    pub(crate) fn of(filter: &TextureFilter, wrap: &[Wrap; 2], anisotropy: f64) -> Self {
+    /// As a scene says it.
+    pub fn of(filter: &TextureFilter, wrap: &[Wrap; 2], anisotropy: f64) -> Self {
         let mode = |w: &Wrap| match w {
             Wrap::Repeat => Mode::Repeat,
             Wrap::Mirror => Mode::Mirror,

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use straal_color::{Light, luminance};
 use straal_scene::desc::{self, TextureChannel};
 
-use super::{Maker, Pattern, Reading, ShadingPoint, Use};
+use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use};
 use crate::error::CompileError;
 use crate::lanes::Lanes;
 
@@ -29,6 +29,8 @@ pub struct ImageTexture {
     pub sampling: Sampling,
     /// Which number is taken where one is wanted.
     pub channel: Channel,
+    /// How it lies on the surface.
+    pub mapping: Mapping,
 }
 
 /// One number of a texel.
@@ -40,26 +42,32 @@ pub enum Channel {
     Number(usize),
 }
 
+impl Channel {
+    pub(super) fn of(said: &TextureChannel) -> Self {
+        match said {
+            TextureChannel::Luminance => Self::Luminance,
+            TextureChannel::Red => Self::Number(0),
+            TextureChannel::Green => Self::Number(1),
+            TextureChannel::Blue => Self::Number(2),
+            TextureChannel::Alpha => Self::Number(3),
+        }
+    }
+}
+
 impl ImageTexture {
     /// Of what a scene says.
     pub(super) fn of(d: &desc::ImageTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
         let sampling = Sampling::of(&d.filter, &d.wrap.0, d.anisotropy);
-        let channel = match d.channel {
-            TextureChannel::Luminance => Channel::Luminance,
-            TextureChannel::Red => Channel::Number(0),
-            TextureChannel::Green => Channel::Number(1),
-            TextureChannel::Blue => Channel::Number(2),
-            TextureChannel::Alpha => Channel::Number(3),
-        };
+        let channel = Channel::of(&d.channel);
         let meaning = Meaning::of(&d.color_space, make.wants_number());
         let pyramid = make.pyramid(&d.file, &meaning, sampling.needs_smaller())?;
-        Ok(Self { pyramid, sampling, channel })
+        Ok(Self { pyramid, sampling, channel, mapping: make.mapping(&d.mapping)? })
     }
 
     /// Linear sRGB and alpha.
     #[inline]
     pub fn rgba(&self, at: &ShadingPoint) -> [f32; 4] {
-        self.sampling.look_up(&self.pyramid, &Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy })
+        self.mapping.over(at, |spot| self.sampling.look_up(&self.pyramid, spot))
     }
 }
 

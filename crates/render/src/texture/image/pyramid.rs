@@ -81,9 +81,13 @@ impl Meaning {
     }
 
     fn to_srgb(&self, bitmap: &Bitmap) -> Option<[[f32; 3]; 3]> {
+        Self::matrix(self.space.or(bitmap.space)?)
+    }
+
+    /// From the primaries of a space to those of sRGB; none from these.
+    pub fn matrix(space: RgbSpace) -> Option<[[f32; 3]; 3]> {
         let srgb = Space::Srgb.rgb();
-        let space = self.space.or(bitmap.space).filter(|space| *space != srgb)?;
-        let Matrix3(rows) = space.to(&srgb, Adaptation::Bradford);
+        let Matrix3(rows) = Some(space).filter(|space| *space != srgb)?.to(&srgb, Adaptation::Bradford);
         Some(rows.map(|row| row.map(|v| v as f32)))
     }
 }
@@ -98,6 +102,11 @@ impl fmt::Debug for Pyramid {
 const FULL: f32 = 1.0;
 
 impl Pyramid {
+    /// Of a picture whose colours are in a space, with its smaller copies.
+    pub fn of(base: Arc<Bitmap>, space: &TextureSpace) -> Self {
+        Self::new(base, &Meaning::of(space, false), true)
+    }
+
     /// Of a picture. Without smaller copies nothing but the picture itself can be read.
     pub(crate) fn new(base: Arc<Bitmap>, meaning: &Meaning, has_smaller: bool) -> Self {
         let mut pyramid = Self {

@@ -29,7 +29,7 @@ fn texture(bitmap: &Arc<Bitmap>, filter: &TextureFilter, wrap: Wrap, space: &Tex
     let sampling = Sampling::of(filter, &[wrap.clone(), wrap], 16.0);
     let meaning = Meaning::of(space, false);
     let pyramid = Arc::new(Pyramid::new(bitmap.clone(), &meaning, sampling.needs_smaller()));
-    ImageTexture { pyramid, sampling, channel: Channel::Luminance }
+    ImageTexture { pyramid, sampling, channel: Channel::Luminance, mapping: Mapping::Coordinates }
 }
 
 /// Smooth and not far from grey, so that a box and other shapes of the same width have nearly the same mean.
@@ -111,7 +111,7 @@ fn codes_are_light_before_they_are_mixed() {
     (0..3).for_each(|c| assert!((f64::from(got[c]) - want[c]).abs() < 1e-5));
 }
 
-/// A fine picture that is seen by few pixels shows what its supersampled truth does, whatever it is made of: upright, askew, and ten times
+/// A fine picture that is seen by few pixels shows what its supersampled truth does, whatever it is made of: upright, askew, and eight times
 /// as long as wide.
 #[test]
 fn pictures_from_afar_are_their_supersampled_truth() {
@@ -122,7 +122,7 @@ fn pictures_from_afar_are_their_supersampled_truth() {
             (x as u32).wrapping_mul(0x9e37_79b9) ^ (y as u32).wrapping_mul(0x85eb_ca6b) ^ (c as u32) << 13;
         h = (h ^ h >> 15).wrapping_mul(0x2c1b_3c6d);
         let wave = |v: usize, length: f32| 120.0 * ((v as f32 / length).fract() - 0.5).abs();
-        let wave = wave(x, 128.0) + wave(y, 256.0);
+        let wave = wave(x, 256.0) + wave(y, 512.0);
         (wave + ((h >> 8) as f32 / (1 << 24) as f32) * 130.0).floor()
     });
     for (dx, dy) in [([1.0, 0.0], [0.0, 1.0]), ([0.8, 0.6], [-0.6, 0.8]), ([0.25, 0.0], [0.1, 2.0])] {
@@ -133,7 +133,7 @@ fn pictures_from_afar_are_their_supersampled_truth() {
             let t = texture(&noisy, &filter, Wrap::Repeat, &TextureSpace::Srgb);
             let bilinear = texture(&noisy, &TextureFilter::Bilinear, Wrap::Repeat, &TextureSpace::Srgb);
             let (mut off, mut count) = ([0.0_f64; 2], 0.0);
-            for i in 0..24 {
+            for i in 0..64 {
                 let [u, v, ..] = numbers(i);
                 // As pixels see it: the mean of samples all over the pixel, each with its footprint.
                 let mean = |t: &ImageTexture, n: u32| {
@@ -145,18 +145,16 @@ fn pictures_from_afar_are_their_supersampled_truth() {
                     }
                     sum / f64::from(n)
                 };
-                let (got, truth) = (mean(&t, 16), mean(&bilinear, 1024));
+                let (got, truth) = (mean(&t, 16), mean(&bilinear, 256));
                 off[0] += (got - truth) * (got - truth);
                 off[1] += got - truth;
                 count += 1.0;
             }
             let [square, bias] = off.map(|v| v / count);
-            // Each pixel's own noise: 256 texels of a standard deviation of about 0.09 leave 0.006 at the most.
-            assert!(
-                square.sqrt() < 0.012 && bias.abs() < 0.004,
-                "{filter:?} {dx:?}: {} {bias}",
-                square.sqrt()
-            );
+            // Noise of texels has a standard deviation of about 0.13, which leaves 0.008 in the mean of 256; of the four
+            // times as many of a long footprint less, but there `trilinear` takes the length for both.
+            let off = square.sqrt();
+            assert!(off < 0.014 && bias.abs() < 0.004, "{filter:?} {dx:?}: {off} {bias}");
         }
     }
 }

@@ -1,0 +1,101 @@
+//! Columns of numbers that vertices or faces of a file have besides where they are.
+
+use straal_scene::mesh::{Attribute, Per};
+
+use super::ply::header::{Kind, Property, Scalar};
+
+/// How textures call colours.
+pub const COLOUR: &str = "color";
+
+/// Columns of a table while it is read.
+pub struct Columns {
+    attributes: Vec<Attribute>,
+    /// The attribute and the channel of each property that is one's, and what its numbers are divided by.
+    places: Vec<Option<(usize, usize, f32)>>,
+    /// The numbers of the present record, by attribute.
+    record: Vec<[f32; 4]>,
+}
+
+/// The names of red, green, blue and alpha of a colour, one way and others.
+const COLOURS: [[&str; 4]; 3] = [
+    ["red", "green", "blue", "alpha"],
+    ["r", "g", "b", "a"],
+    ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"],
+];
+
+impl Columns {
+    /// Of the properties that are wanted, and free.
+    pub(super) fn new(
+        properties: &[Property],
+        per: Per,
+        wanted: &dyn Fn(&str) -> bool,
+        free: impl Fn(usize) -> bool,
+    ) -> Self {
+        let mut columns =
+            Self { attributes: Vec::new(), places: vec![None; properties.len()], record: Vec::new() };
+        let scalar = |i: usize| match properties[i].kind {
+            Kind::Scalar(scalar) if free(i) && !matches!(scalar, Scalar::Other(_)) => Some(scalar),
+            _ => None,
+        };
+        let find =
+            |name: &str| (0..properties.len()).find(|&i| properties[i].name == name && scalar(i).is_some());
+        if wanted(COLOUR)
+            && let Some([r, g, b, a]) = COLOURS
+                .iter()
+                .map(|names| names.map(find))
+                .find(|[r, g, b, _]| r.is_some() && g.is_some() && b.is_some())
+        {
+            let all: Vec<usize> = [r, g, b, a].into_iter().flatten().collect();
+            columns.add(COLOUR, per, &all, scalar);
+        }
+        for (i, property) in properties.iter().enumerate() {
+            if columns.places[i].is_none()
+                && scalar(i).is_some()
+                && property.name != COLOUR
+                && wanted(&property.name)
+            {
+                columns.add(&property.name, per, &[i], scalar);
+            }
+        }
+        columns
+    }
+
+    fn add(&mut self, name: &str, per: Per, which: &[usize], scalar: impl Fn(usize) -> Option<Scalar>) {
+        let most = |i: usize| match scalar(i) {
+            Some(Scalar::U8) => 255.0,
+            Some(Scalar::U16) => 65_535.0,
+            _ => 1.0,
+        };
+        let is_code = which.iter().all(|&i| most(i) > 1.0);
+        for (channel, &i) in which.iter().enumerate() {
+            self.places[i] = Some((self.attributes.len(), channel, most(i)));
+        }
+        let channels = which.len();
+        self.attributes.push(Attribute { name: name.to_owned(), per, channels, is_code, values: Vec::new() });
+        self.record.push([0.0; 4]);
+    }
+
+    /// Whether a property is one of them.
+    pub fn has(&self, property: usize) -> bool {
+        self.places[property].is_some()
+    }
+
+    /// The number of a property in the present record; what is no number is 0.
+    pub fn put(&mut self, property: usize, v: f32) {
+        if let Some((attribute, channel, most)) = self.places[property] {
+            self.record[attribute][channel] = if v.is_finite() { v / most } else { 0.0 };
+        }
+    }
+
+    /// The record counts for so many vertices or triangles.
+    pub fn end_record(&mut self, times: usize) {
+        for (attribute, record) in self.attributes.iter_mut().zip(&self.record) {
+            (0..times).for_each(|_| attribute.values.extend(&record[..attribute.channels]));
+        }
+    }
+
+    /// What was read.
+    pub fn finish(self) -> Vec<Attribute> {
+        self.attributes
+    }
+}
