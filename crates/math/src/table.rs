@@ -269,8 +269,8 @@ pub struct Tables2 {
     /// Of each grid its rows as a list, then its rows one by one, as in [`Table1`].
     cdfs: Vec<u32>,
     guides: Vec<u32>,
-    /// Eight numbers for each grid, see [`Grids`].
-    grids: Vec<u32>,
+    /// Eight numbers for each grid, see [`Grids`]: their bits, in rows that are brought to lanes by exchanges between registers.
+    grids: Vec<[[f32; 4]; 2]>,
 }
 
 /// The grids that lanes ask.
@@ -305,7 +305,8 @@ impl Tables2 {
         let [width, height] = table.size().map(|n| n as u32);
         let shift = |guide_len: usize| 24 - guide_len.trailing_zeros();
         let shifts = [shift(table.rows.guide.len()), shift(guide_len(table.width))];
-        self.grids.extend([start, guide, cells, cells_guide, width, height, shifts[0], shifts[1]]);
+        let rows = [[start, guide, cells, cells_guide], [width, height, shifts[0], shifts[1]]];
+        self.grids.push(rows.map(|row| row.map(f32::from_bits)));
         Some(())
     }
 
@@ -345,13 +346,25 @@ impl Tables2 {
     }
 
     #[inline(always)]
+    fn row(&self, grid: u32) -> [[f32; 4]; 2] {
+        self.grids.get(grid as usize).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
     fn grids<F: Float>(&self, grid: F::Uint) -> Grids<F> {
-        let first = grid << 3;
-        let mut numbers = [first; 8];
-        for (k, number) in numbers.iter_mut().enumerate() {
-            *number = F::Uint::gather(&self.grids, first | k as u32);
-        }
-        let [start, guide, cells, cells_guide, width, height, row_shift, shift] = numbers;
+        let grid = grid.to_array();
+        let [start, guide, cells, cells_guide] = F::from_rows(
+            #[inline(always)]
+            |i| self.row(grid.as_ref()[i])[0],
+        );
+        let [width, height, row_shift, shift] = F::from_rows(
+            #[inline(always)]
+            |i| self.row(grid.as_ref()[i])[1],
+        );
+        let [start, guide] = [start.to_bits(), guide.to_bits()];
+        let [cells, cells_guide] = [cells.to_bits(), cells_guide.to_bits()];
+        let [width, height] = [width.to_bits(), height.to_bits()];
+        let [row_shift, shift] = [row_shift.to_bits(), shift.to_bits()];
         Grids {
             size: [width, height],
             rows: List { start, guide, len: height, shift: row_shift },

@@ -152,12 +152,17 @@ impl Octet {
         at: usize,
         out: &mut Firsts,
     ) {
-        let three = |from: &[Singles; 3]| [0, 1, 2].map(|axis| w.singles(&from[axis], at));
-        let (o, d, inv) = (three(&self.o), three(&self.d), three(&self.inv));
+        // Written out: `map` isn't inlined for sure.
+        let [ox, oy, oz] = &self.o;
+        let [dx, dy, dz] = &self.d;
+        let [ix, iy, iz] = &self.inv;
+        let o = [w.singles(ox, at), w.singles(oy, at), w.singles(oz, at)];
+        let d = [w.singles(dx, at), w.singles(dy, at), w.singles(dz, at)];
+        let inv = [w.singles(ix, at), w.singles(iy, at), w.singles(iz, at)];
         let (t_min, t_max) = (w.singles(&self.t_min, at), w.singles(&self.t_max, at));
         let lanes = Lanes {
-            o: o.map(|x| w.widened(x)),
-            d: d.map(|x| w.widened(x)),
+            o: [w.widened(o[0]), w.widened(o[1]), w.widened(o[2])],
+            d: [w.widened(d[0]), w.widened(d[1]), w.widened(d[2])],
             t_min: w.widened(t_min),
             t_max: w.widened(t_max),
         };

@@ -29,6 +29,14 @@ pub struct MtlMaterial {
     pub roughness: Option<f32>,
     /// `Pm`: its metalness.
     pub metallic: Option<f32>,
+    /// `Ps`: its sheen.
+    pub sheen: Option<f32>,
+    /// `Pc`: how much of its clear coat there is.
+    pub clearcoat: Option<f32>,
+    /// `Pcr`: the roughness of that.
+    pub clearcoat_roughness: Option<f32>,
+    /// `aniso`: its anisotropy.
+    pub anisotropy: Option<f32>,
 }
 
 /// The materials of a library in the order of the file, with their names.
@@ -90,6 +98,10 @@ fn set(
         "Ni" => keep(&mut material.ior, number(statement, warnings)?),
         "Pr" => keep(&mut material.roughness, number(statement, warnings)?),
         "Pm" => keep(&mut material.metallic, number(statement, warnings)?),
+        "Ps" => keep(&mut material.sheen, number(statement, warnings)?),
+        "Pc" => keep(&mut material.clearcoat, number(statement, warnings)?),
+        "Pcr" => keep(&mut material.clearcoat_roughness, number(statement, warnings)?),
+        "aniso" => keep(&mut material.anisotropy, number(statement, warnings)?),
         // `d -halo f` fades towards the silhouette: its number is taken as it is.
         "d" => {
             let word = statement.words().find(|word| *word != "-halo");

@@ -1,6 +1,8 @@
 //! What the materials of MTL files mean as surfaces.
 
-use straal_scene::desc::{Conductor, Dielectric, Diffuse, Material, Mirror, Spectrum, Varying};
+use straal_scene::desc::{
+    Dielectric, Diffuse, Highlight, Mask, Material, MaterialRef, Mirror, OpenPbr, Phong, Varying,
+};
 use straal_scene::value::Color;
 
 use crate::mesh::mtl::MtlMaterial;
@@ -10,25 +12,24 @@ use crate::read_error::quoted;
 ///
 /// The illumination models are those of the MTL specification (Wavefront, 1995). 6 and 7 refract: glass. 4 and 9 have 'glass
 /// on', which is no more than reflections on a surface that light passes straight on, but where a file gives an index of
-/// refraction as well, glass is what it means; Maya writes 4 for everything, with an index of 1. 3 and 5 reflect like a mirror.
-/// `d` and `Tr` let light pass straight on, without bending it. `Pm` and `Pr` are the metalness and roughness of the
-/// physically based extension, where alpha is the roughness squared.
+/// refraction as well, glass is what it means; Maya writes 4 for everything, with an index of 1. 3 and 5 reflect like a mirror. From 2 on `Ks`
+/// and `Ns` are Blinn's highlight, here normalised. `d` and `Tr` let light pass straight on, without bending it: a mask.
+///
+/// The physically based extension (`Pr`, `Pm`, `Ps`, `Pc`, `Pcr`, `aniso`) becomes layers of OpenPBR, in which roughness means the same.
 pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Material {
-    let diffuse = m.diffuse.map_or([0.5; 3], |c| c.map(share));
-    let specular = m.specular.map_or([0.0; 3], |c| c.map(share));
     let illumination = m.illumination.unwrap_or(0);
-    let seen_through = is_seen_through(m, tell);
+    let opacity = opacity(m, tell);
     // 1 is the format's way to leave the index out: such glass could not be seen.
     let eta = m.ior.map(f64::from).filter(|n| (1.001..=10.0).contains(n));
     let is_clear = m.transmission.is_some_and(|c| c.iter().any(|v| *v > 0.0));
     let is_glass = match illumination {
         6 | 7 => true,
         // Blender writes 9 for all that is partly see-through, with whatever index its material has.
-        4 | 9 => eta.is_some() && (!seen_through || is_clear),
+        4 | 9 => eta.is_some() && (opacity == 1.0 || is_clear),
         _ => false,
     };
     if is_glass {
-        if seen_through {
+        if opacity < 1.0 {
             tell(
                 "'d' or 'Tr' says that light passes straight on, but 'illum' that it is refracted: it is shown as clear glass",
             );
@@ -38,38 +39,59 @@ pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Ma
         let eta = eta.unwrap_or(1.5);
         return Material::Dielectric(Dielectric { eta: eta.into(), transmittance, ..Dielectric::default() });
     }
-    if seen_through {
-        tell("it is partly see-through ('d' or 'Tr'), but is shown as opaque: there are no masks yet");
-    } else if matches!(illumination, 4 | 9) {
+    if opacity == 1.0 && matches!(illumination, 4 | 9) {
         tell("'illum' asks for glass, but no index of refraction ('Ni') above 1 does: it is shown as opaque");
     }
-    if m.metallic.is_some_and(|m| m >= 0.5) {
-        let roughness = m.roughness.map_or(0.0, share);
-        // An index of 0 + i reflects everything at every angle, so that the tint alone tells the metal's colour.
-        return Material::Conductor(Conductor {
-            metal: None,
-            eta: Some(Spectrum::grey(0.0)),
-            k: Some(Spectrum::grey(1.0)),
-            roughness: Varying::Constant(roughness * roughness),
-            reflectance: Varying::Constant(Color(diffuse).into()),
-            ..Conductor::default()
+    let opaque = opaque(m, illumination);
+    if opacity == 1.0 {
+        return opaque;
+    }
+    let material = Box::new(MaterialRef::Inline(Box::new(opaque)));
+    Material::Mask(Mask { material, opacity: Varying::Constant(opacity), relief: Default::default() })
+}
+
+/// What there is where light doesn't pass.
+fn opaque(m: &MtlMaterial, illumination: u32) -> Material {
+    let diffuse = m.diffuse.map_or([0.5; 3], |c| c.map(share));
+    let specular = m.specular.map_or([0.0; 3], |c| c.map(share));
+    let colour = |c: [f64; 3]| Varying::Constant(Color(c).into());
+    let physical = [m.roughness, m.metallic, m.sheen, m.clearcoat];
+    if physical.iter().any(Option::is_some) {
+        let number = |v: Option<f32>, absent: f64| Varying::Constant(v.map_or(absent, share));
+        return Material::OpenPbr(OpenPbr {
+            base_color: colour(diffuse),
+            base_metalness: number(m.metallic, 0.0),
+            specular_roughness: number(m.roughness, 0.5),
+            specular_roughness_anisotropy: number(m.anisotropy, 0.0),
+            specular_ior: Varying::Constant(
+                m.ior.map(f64::from).filter(|n| (1.001..=5.0).contains(n)).unwrap_or(1.5),
+            ),
+            fuzz_weight: number(m.sheen, 0.0),
+            coat_weight: number(m.clearcoat, 0.0),
+            coat_roughness: number(m.clearcoat_roughness, 0.0),
+            coat_ior: Varying::Constant(1.5),
+            coat_darkening: Varying::Constant(0.0),
+            ..OpenPbr::default()
         });
     }
     let sum = |c: [f64; 3]| c[0] + c[1] + c[2];
     if matches!(illumination, 3 | 5) && sum(specular) > sum(diffuse) {
-        return Material::Mirror(Mirror {
-            reflectance: Varying::Constant(Color(specular).into()),
-            ..Mirror::default()
-        });
+        return Material::Mirror(Mirror { reflectance: colour(specular), ..Mirror::default() });
     }
     if illumination >= 2 && sum(specular) > 0.0 {
-        tell("highlights ('Ks') are left out, it is shown as diffuse");
+        return Material::Phong(Phong {
+            reflectance: colour(diffuse),
+            specular: colour(specular),
+            exponent: Varying::Constant(positive(m.shininess.unwrap_or(10.0)).clamp(0.0, 1e4)),
+            highlight: Highlight::Blinn,
+            ..Phong::default()
+        });
     }
-    Material::Diffuse(Diffuse { reflectance: Varying::Constant(Color(diffuse).into()), ..Diffuse::default() })
+    Material::Diffuse(Diffuse { reflectance: colour(diffuse), ..Diffuse::default() })
 }
 
-/// Whether light passes through by `d` and `Tr`. Where they contradict each other `d` counts, whose meaning nobody doubts.
-fn is_seen_through(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> bool {
+/// The share of light that doesn't pass straight on, by `d` and `Tr`. Where they contradict each other `d` counts, whose meaning nobody doubts.
+fn opacity(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> f64 {
     let is_share = |v: Option<f32>| v.is_none_or(|v| (0.0..=1.0).contains(&v));
     if !is_share(m.dissolve) || !is_share(m.transparency) {
         tell("'d' and 'Tr' go from 0 to 1: what is beyond is taken for the nearest");
@@ -79,18 +101,18 @@ fn is_seen_through(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> bool 
             if (d + tr - 1.0).abs() > 0.02 {
                 tell("'d' and 'Tr' contradict each other, for 'Tr' is 1 less 'd': 'd' counts");
             }
-            d < 1.0
+            d
         }
-        (Some(d), None) => d < 1.0,
+        (Some(d), None) => d,
         (None, Some(1.0)) => {
             tell(
                 "'Tr 1' alone is invisible by the letter of MTL, but OpenMVS, mvs-texturing and others mean opaque by it: \
                  it is shown as opaque ('d' would leave no doubt)",
             );
-            false
+            1.0
         }
-        (None, Some(tr)) => tr > 0.0,
-        (None, None) => false,
+        (None, Some(tr)) => 1.0 - tr,
+        (None, None) => 1.0,
     }
 }
 
@@ -141,7 +163,7 @@ pub(super) fn positive(v: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use straal_scene::desc::Index;
+    use straal_scene::desc::{Index, Spectrum};
 
     fn told(m: &MtlMaterial) -> (Material, Vec<&'static str>) {
         let mut list = Vec::new();
@@ -164,14 +186,26 @@ mod tests {
             diffuse: Some([1.0, 0.5, 0.25]),
             ..MtlMaterial::default()
         };
-        let Material::Conductor(c) = told(&metal).0 else { panic!("not a metal") };
-        assert_eq!(c.roughness, 0.25.into());
-        assert_eq!(c.reflectance, Spectrum::from(Color([1.0, 0.5, 0.25])).into());
+        let Material::OpenPbr(p) = told(&metal).0 else { panic!("not a metal") };
+        assert_eq!((p.specular_roughness, p.base_metalness), (0.5.into(), 1.0.into()));
+        assert_eq!(p.base_color, Spectrum::from(Color([1.0, 0.5, 0.25])).into());
+        let coated = MtlMaterial {
+            clearcoat: Some(0.8),
+            clearcoat_roughness: Some(0.1),
+            sheen: Some(0.3),
+            ior: Some(1.4),
+            ..MtlMaterial::default()
+        };
+        let Material::OpenPbr(p) = told(&coated).0 else { panic!("not coated") };
+        assert_eq!((p.coat_weight, p.fuzz_weight), (f64::from(0.8_f32).into(), f64::from(0.3_f32).into()));
+        assert!(matches!(p.specular_ior, Varying::Constant(n) if (n - 1.4).abs() < 1e-6));
         let plastic =
             MtlMaterial { illumination: Some(2), specular: Some([0.5; 3]), ..MtlMaterial::default() };
         let (material, lost) = told(&plastic);
-        assert_eq!(material, Material::Diffuse(Diffuse::default()));
-        assert_eq!(lost.len(), 1);
+        let Material::Phong(p) = material else { panic!("no highlight") };
+        assert!(
+            p.specular == Spectrum::grey(0.5).into() && p.highlight == Highlight::Blinn && lost.is_empty()
+        );
         let broken = MtlMaterial { diffuse: Some([f32::NAN, -1.0, 7.0]), ..MtlMaterial::default() };
         let Material::Diffuse(d) = told(&broken).0 else { panic!("not diffuse") };
         assert_eq!(d.reflectance, Spectrum::from(Color([0.0, 0.0, 1.0])).into());
@@ -196,16 +230,19 @@ mod tests {
             let Material::Dielectric(d) = told(&m).0 else { panic!("{m:?}") };
             assert!(matches!(d.eta, Index::Constant(n) if (n - eta).abs() < 1e-6), "{m:?}");
         }
-        // Maya's grey; Blender's dissolve; dissolve with any other model.
+        // Maya's grey.
+        let (material, lost) = told(&m(4, Some(1.0), None, Some(1.0)));
+        assert!(matches!(material, Material::Diffuse(_)) && lost.len() == 1, "{lost:?}");
+        // Blender's dissolve; dissolve with any other model.
         for m in [
-            m(4, Some(1.0), None, Some(1.0)),
-            m(9, Some(1.45), Some(0.3), None),
-            m(4, None, Some(0.1), None),
-            m(1, Some(1.5), Some(0.3), Some(1.0)),
-            m(2, None, Some(0.0), None),
+            m(9, Some(1.45), Some(0.25), None),
+            m(4, None, Some(0.25), None),
+            m(1, Some(1.5), Some(0.25), Some(1.0)),
+            m(2, None, Some(0.25), None),
         ] {
             let (material, lost) = told(&m);
-            assert!(matches!(material, Material::Diffuse(_)) && lost.len() == 1, "{m:?}: {lost:?}");
+            let Material::Mask(mask) = material else { panic!("{m:?}") };
+            assert!(mask.opacity == 0.25.into() && lost.is_empty(), "{m:?}: {lost:?}");
         }
     }
 
@@ -219,12 +256,11 @@ mod tests {
             assert_eq!(m(d, tr), "");
         }
         for (d, tr) in [(Some(0.3), None), (None, Some(0.7)), (Some(0.3), Some(0.7))] {
-            assert!(m(d, tr).starts_with("it is partly see-through"), "{d:?} {tr:?}");
+            assert_eq!(m(d, tr), "", "{d:?} {tr:?}");
         }
-        let both = m(Some(0.3), Some(0.3));
-        assert!(both.contains("contradict each other") && both.contains("partly see-through"), "{both}");
-        let opaque = m(Some(1.0), Some(1.0));
-        assert!(opaque.contains("contradict each other") && !opaque.contains("partly"), "{opaque}");
+        for (d, tr) in [(Some(0.3), Some(0.3)), (Some(1.0), Some(1.0))] {
+            assert!(m(d, tr).contains("contradict each other"), "{d:?} {tr:?}");
+        }
         assert!(m(None, Some(1.0)).contains("OpenMVS"));
         assert!(m(Some(30.0), None).contains("from 0 to 1"));
     }

@@ -213,7 +213,10 @@ fn hdr_encodings_and_exposure() {
 fn errors_say_what_and_where() {
     let told = |bytes: &[u8]| image::read(bytes, &Limits::default()).unwrap_err();
     assert_eq!(told(b"").to_string(), "the file is empty");
-    assert_eq!(told(b"BM").to_string(), "not a picture that straal knows: EXR, HDR, PFM and PNG are");
+    assert_eq!(
+        told(b"what").to_string(),
+        "not a picture that straal knows: BMP, EXR, HDR, JPEG, PFM, PNG, TGA and WebP are"
+    );
     assert_eq!(told(b"PF\n4 x").to_string(), "byte 5: expected the height, found 'x'");
     assert_eq!(
         told(b"PF\n4000 4000\n-1\n1234").to_string(),

@@ -108,7 +108,7 @@ fn groups_and_materials_make_parts() {
 #[test]
 fn materials_keep_what_the_file_says() {
     let text = "# paints\n  newmtl all\nKa 1 1 1\nKd .1 .2 .3\nKs 0.5\nKe 4 5 6\nTf .7 .8 .9\nNs 96.5\nNi 1.45\n\
-        d -halo 0.25\nillum 7\nPr .3\nPm 1\nnewmtl late\nd 0.75\nTr 0.5\nKd spectral paint.rfl\nKd2 1\n";
+        d -halo 0.25\nillum 7\nPr .3\nPm 1\nPs .25\nPc .5\nPcr .75\naniso .125\nnewmtl late\nd 0.75\nTr 0.5\nKd spectral paint.rfl\nKd2 1\n";
     let file = mtl::read(text.as_bytes(), &Limits::default()).unwrap();
     let all = MtlMaterial {
         diffuse: Some([0.1, 0.2, 0.3]),
@@ -122,14 +122,18 @@ fn materials_keep_what_the_file_says() {
         illumination: Some(7),
         roughness: Some(0.3),
         metallic: Some(1.0),
+        sheen: Some(0.25),
+        clearcoat: Some(0.5),
+        clearcoat_roughness: Some(0.75),
+        anisotropy: Some(0.125),
     };
     let late = MtlMaterial { dissolve: Some(0.75), transparency: Some(0.5), ..MtlMaterial::default() };
     assert_eq!(file.materials, [("all".to_string(), all), ("late".to_string(), late)]);
     assert_eq!(
         file.warnings,
         [
-            "line 17: 'Kd spectral' is not supported and has no effect",
-            "line 18: 'Kd2' is not known and has no effect ('late')"
+            "line 21: 'Kd spectral' is not supported and has no effect",
+            "line 22: 'Kd2' is not known and has no effect ('late')"
         ]
     );
 }

@@ -1,10 +1,11 @@
 //! Fisheyes: pictures of up to all directions in a circle.
 
 use super::view::Axes;
-use super::{Camera, Facts, FilmPoint, Sees, Setup, View};
+use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, View};
 use crate::error::CompileError;
 use crate::footprint::Footprint;
-use straal_math::{Ray, ops};
+use straal_math::simd::Float;
+use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 /// How the angle a to the view follows from the distance r from the middle, both relative to those of the circle's edge.
@@ -65,28 +66,26 @@ impl Fisheye {
 }
 
 impl Sees for Fisheye {
-    #[inline]
-    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    #[inline(always)]
+    fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
         let x = (at.position[0] - self.middle[0]) * self.scale;
-        let y = (self.middle[1] - at.position[1]) * self.scale;
+        let y = (F::splat(self.middle[1]) - at.position[1]) * self.scale;
         let r = (x * x + y * y).sqrt();
-        if r > 1.0 {
-            return None;
-        }
         let q = r * self.edge;
+        let rest = F::ONE - q * q;
         let (sin, cos) = match self.projection {
             Projection::Equidistant => ops::sin_cos(q),
             // By the half angle's sine or tangent q: sin a = 2 sin(a/2) cos(a/2), cos a = 1 - 2 sin(a/2)².
-            Projection::Equisolid => (2.0 * q * ops::max(1.0 - q * q, 0.0).sqrt(), 1.0 - 2.0 * q * q),
-            Projection::Orthographic => (q, ops::max(1.0 - q * q, 0.0).sqrt()),
+            Projection::Equisolid => (q * 2.0 * ops::max(rest, F::ZERO).sqrt(), F::ONE - q * 2.0 * q),
+            Projection::Orthographic => (q, ops::max(rest, F::ZERO).sqrt()),
             Projection::Stereographic => {
-                let n = 1.0 / (1.0 + q * q);
-                (2.0 * q * n, (1.0 - q * q) * n)
+                let n = F::ONE / (q * q + 1.0);
+                (q * 2.0 * n, rest * n)
             }
         };
-        let across = if r > 0.0 { sin / r } else { 0.0 };
+        let across = F::select(r.gt(F::ZERO), sin / r, F::ZERO);
         let d = self.axes.direction(x * across, y * across, cos);
-        Some(Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) })
+        CameraRays { o: Vec3::uniform(self.axes.eye), d: d.normalize(), seen: !r.gt(F::ONE) }
     }
 
     /// Outwards the angle a to the view grows by da/dr, and about the view a step is as long as sin a / r.

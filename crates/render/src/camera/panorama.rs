@@ -1,10 +1,11 @@
 //! Panoramas: all directions by longitude and latitude.
 
 use super::view::Axes;
-use super::{Camera, Facts, FilmPoint, Sees, Setup, View};
+use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, View};
 use crate::error::CompileError;
 use crate::footprint::Footprint;
-use straal_math::{Ray, ops};
+use straal_math::simd::{Float, Mask};
+use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 /// Where in the picture the ends of the latitudes are.
@@ -60,13 +61,13 @@ impl Panorama {
 }
 
 impl Sees for Panorama {
-    #[inline]
-    fn ray(&self, at: &FilmPoint) -> Option<Ray> {
+    #[inline(always)]
+    fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
         let [x, y] = at.position;
-        let (sin_l, cos_l) = ops::sin_cos(self.left + self.across * x);
-        let (sin_b, cos_b) = ops::sin_cos(self.top - self.down * y);
+        let (sin_l, cos_l) = ops::sin_cos(x * self.across + self.left);
+        let (sin_b, cos_b) = ops::sin_cos(F::splat(self.top) - y * self.down);
         let d = self.axes.direction(sin_l * cos_b, sin_b, cos_l * cos_b);
-        Some(Ray { time: at.time, ..Ray::new(self.axes.eye, d.normalize()) })
+        CameraRays { o: Vec3::uniform(self.axes.eye), d: d.normalize(), seen: Mask::splat(true) }
     }
 
     fn footprint(&self, at: &FilmPoint) -> Footprint {

@@ -1,5 +1,6 @@
 //! Where an observer stands and looks.
 
+use straal_math::simd::Float;
 use straal_math::{Affine, DVec3, Vec3, ops};
 
 /// An orthonormal frame at the eye: the textbook's u, v and -w.
@@ -58,8 +59,10 @@ impl From<&View> for Axes {
 
 impl Axes {
     /// The direction with these components, not normalised.
-    #[inline]
-    pub fn direction(&self, right: f32, up: f32, forward: f32) -> Vec3 {
-        self.right * right + self.up * up + self.forward * forward
+    #[inline(always)]
+    pub fn direction<F: Float>(&self, right: F, up: F, forward: F) -> Vec3<F> {
+        Vec3::uniform(self.right) * right
+            + Vec3::uniform(self.up) * up
+            + Vec3::uniform(self.forward) * forward
     }
 }

@@ -66,5 +66,12 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
         (false, false) => Sides::Front,
     };
     let placement = g.placement.clone().map(Box::new);
-    Emitter::Area(AreaLight { surface, radiance: g.radiance, opacity: g.opacity, sides, placement })
+    Emitter::Area(AreaLight {
+        surface,
+        radiance: g.radiance,
+        opacity: g.opacity,
+        below: g.below.clone(),
+        sides,
+        placement,
+    })
 }

@@ -2,7 +2,7 @@
 
 use super::{CompileError, Custom};
 use crate::lanes::Colour;
-use crate::material::{self, Material};
+use crate::material::{self, Emission, Material};
 use crate::paint::Paint;
 use crate::relief::Relief;
 use crate::texture::{MeshAttribute, Value};
@@ -46,6 +46,7 @@ impl<'a> Materials<'a> {
         for (place, (_, m)) in scene.materials.iter().enumerate() {
             let made = all.make(m)?;
             all.list.replace(place as u32 + 1, made);
+            all.pretend(place as u32 + 1, m)?;
         }
         Ok(all)
     }
@@ -69,6 +70,12 @@ impl<'a> Materials<'a> {
                 "a surface that glows may have a `mask` for its material, but none with a mask inside of another material",
             )
         })
+    }
+
+    /// What a material sends out by itself, and the material.
+    pub fn shining(&self, material: u32) -> Option<(Emission, Box<Material>)> {
+        let found = self.list.get(material as usize)?;
+        Some((found.emission()?, Box::new(found.clone())))
     }
 
     /// Light that a surface sends out.
@@ -98,9 +105,9 @@ impl<'a> Materials<'a> {
         self.list.wants(material).tangent
     }
 
-    /// Whether a material asks where it is.
+    /// Whether a material may ask where it is: what is known of parts is handed on at the end only.
     pub fn wants_point(&self, material: u32) -> bool {
-        self.list.wants(material).point
+        self.list.wants(material).point || self.list.is_made_of_others(material)
     }
 
     pub fn named(&self, name: &str) -> Result<u32, CompileError> {
@@ -131,11 +138,17 @@ impl<'a> Materials<'a> {
     fn push(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
         let made = self.make(m)?;
         let index = self.list.push(made);
+        self.pretend(index, m)?;
+        self.known.entry(key(m)).or_insert(index);
+        Ok(index)
+    }
+
+    /// Gives a material the relief that is said of it.
+    fn pretend(&mut self, index: u32, m: &desc::Material) -> Result<(), CompileError> {
         if let Some(relief) = Relief::of(m.relief(), &mut self.paint)? {
             self.list.pretend(index, relief);
         }
-        self.known.entry(key(m)).or_insert(index);
-        Ok(index)
+        Ok(())
     }
 }
 

@@ -4,7 +4,7 @@ use super::materials::Materials;
 use super::{CompileError, Custom, Detail};
 use crate::lanes::Colour;
 use crate::light::LightTable;
-use crate::material;
+use crate::material::{self, Material};
 use crate::paint::Paint;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
 use straal_scene::count::{self, Tally};
-use straal_scene::desc::{self, MeshSource, Node, Shading};
+use straal_scene::desc::{self, MaterialRef, MeshSource, Node, Shading};
 use straal_scene::mesh::Per;
 use straal_scene::{Assets, Handle, Mesh, Part, PartMaterial, Scene};
 
@@ -31,10 +31,19 @@ pub(super) struct Glowing {
     pub radiance: Value<Colour>,
     /// The share of light that meets its material, if that isn't all.
     pub opacity: Option<Value<f32>>,
+    /// The material that shines, if it isn't the surface.
+    pub below: Option<Box<Material>>,
     pub two_sided: bool,
     pub flip: bool,
     /// See [`crate::light::AreaLight::placement`].
     pub placement: Option<Transform>,
+}
+
+/// What a surface sends out.
+struct Glow {
+    radiance: Value<Colour>,
+    below: Option<Box<Material>>,
+    both_sides: bool,
 }
 
 /// Bytes that a surface that glows takes while its world is made: itself, and the weights that it is chosen by.
@@ -319,7 +328,7 @@ impl<'a> Build<'a> {
         let Some((id, (name, object))) = i.of.to().and_then(|id| Some((id, objects.at(id)?))) else {
             return Ok(());
         };
-        if self.glows(object, 0) {
+        if self.glows(object, 0) || self.materials.shining(inner.material).is_some() {
             self.dissolved += 1;
             if self.dissolved > MAX_DISSOLVED {
                 return Err(CompileError::at(
@@ -357,10 +366,13 @@ impl<'a> Build<'a> {
     /// Whether anything in the node glows. Validation has bounded the nesting; the count is a second bound.
     fn glows(&self, node: &Node, depth: usize) -> bool {
         let surface = match node {
-            Node::Group(g) => return g.children.iter().any(|c| self.glows(c, depth)),
+            Node::Group(g) => {
+                return self.shines(g.material.as_ref()) || g.children.iter().any(|c| self.glows(c, depth));
+            }
             Node::Instance(i) => {
                 let object = self.scene.objects.of(&i.of);
-                return depth < accel::MAX_DEPTH && object.is_some_and(|o| self.glows(o, depth + 1));
+                return self.shines(i.material.as_ref())
+                    || depth < accel::MAX_DEPTH && object.is_some_and(|o| self.glows(o, depth + 1));
             }
             Node::Sphere(s) => &s.surface,
             Node::Plane(s) => &s.surface,
@@ -378,7 +390,18 @@ impl<'a> Build<'a> {
                 &m.surface
             }
         };
-        surface.emission.is_some()
+        surface.emission.is_some() || self.shines(surface.material.as_ref())
+    }
+
+    /// Whether a material shines by itself.
+    fn shines(&self, material: Option<&MaterialRef>) -> bool {
+        match material {
+            None => false,
+            Some(MaterialRef::Inline(m)) => m.shines(),
+            Some(MaterialRef::Named(link)) => {
+                self.scene.materials.of(link).is_some_and(desc::Material::shines)
+            }
+        }
     }
 
     fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) -> Result<(), CompileError> {
@@ -415,13 +438,14 @@ impl<'a> Build<'a> {
     ) -> Result<(), CompileError> {
         let material = self.materials.of(surface.material.as_ref(), place.material)?;
         let mut look = self.add_shape(shape, place, material, flip);
-        if let Some(emission) = &surface.emission {
-            let radiance = self.materials.emission(emission)?;
+        let own = surface.emission.as_ref().map(|e| self.materials.emission(e)).transpose()?;
+        if let Some(glow) = self.glow_of(own, material) {
             let opacity = self.materials.opacity(material)?;
-            let two_sided = surface.two_sided_emission;
-            look.emission_varies = radiance.varies();
-            let placement = glowing_place(&place.transform, &radiance);
-            let glowing = Glowing { kind: look.kind, radiance, opacity, two_sided, flip, placement };
+            let two_sided = surface.two_sided_emission || glow.both_sides;
+            look.emission_varies = glow.radiance.varies() || glow.below.is_some();
+            let placement = glowing_place(&place.transform, &glow.radiance);
+            let Glow { radiance, below, .. } = glow;
+            let glowing = Glowing { kind: look.kind, radiance, opacity, below, two_sided, flip, placement };
             look.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(look);
@@ -456,6 +480,15 @@ impl<'a> Build<'a> {
         self.input.geometries.push(accel::Geometry { kind, mask: u32::MAX });
         self.nodes.push(self.node);
         self.input.groups[group as usize].geometries.push(id);
+    }
+
+    /// The light of a surface: its own, else its material's.
+    fn glow_of(&self, own: Option<Value<Colour>>, material: u32) -> Option<Glow> {
+        if let Some(radiance) = own {
+            return Some(Glow { radiance, below: None, both_sides: false });
+        }
+        let (emission, below) = self.materials.shining(material)?;
+        Some(Glow { radiance: emission.radiance, below: Some(below), both_sides: emission.both_sides })
     }
 
     fn glow(&mut self, surface: Glowing) -> u32 {
@@ -532,13 +565,15 @@ impl<'a> Build<'a> {
             self.geometry.meshes.push(part);
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
-            let two_sided = surface.two_sided_emission;
-            let emission_varies = radiance.is_some_and(|r| r.varies());
-            let emitter = match radiance {
-                Some(radiance) => {
+            let glow = self.glow_of(radiance, material);
+            let emission_varies = glow.as_ref().is_some_and(|g| g.radiance.varies() || g.below.is_some());
+            let emitter = match glow {
+                Some(Glow { radiance, below, both_sides }) => {
                     let opacity = self.materials.opacity(material)?;
                     let placement = glowing_place(&m, &radiance);
-                    Some(self.glow(Glowing { kind, radiance, opacity, two_sided, flip: false, placement }))
+                    let two_sided = surface.two_sided_emission || both_sides;
+                    let flip = false;
+                    Some(self.glow(Glowing { kind, radiance, opacity, below, two_sided, flip, placement }))
                 }
                 None => None,
             };

@@ -62,9 +62,7 @@ impl<L: Copy> Leaving<L> {
         self.d.set(i, leaver.d);
         self.beta.set(i, leaver.beta);
         self.pdf.set(i, leaver.pdf);
-        if leaver.delta {
-            self.delta.set(i);
-        }
+        self.delta.set(i, leaver.delta);
         self.from.set(i, leaver.from.p);
         self.from_n.set(i, leaver.from.n);
         self.lanes[i] = leaver.lanes;

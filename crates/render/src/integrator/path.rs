@@ -123,17 +123,21 @@ impl PathTracer {
     /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
     fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let Some(&first) = queue.order.first() else { return };
-        let mut lanes = [queue.paths[first as usize].state.lanes; ROOM];
+        let first = &queue.paths[first as usize];
+        let (mut names, mut lanes) = ([first.name; BLOCK], [first.state.lanes; ROOM]);
         let mut vertices = Vertices::new();
         let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
             out.stopwatch.begin_block();
-            for (lanes, &path) in lanes.iter_mut().zip(paths) {
-                *lanes = queue.paths[path as usize].state.lanes;
+            // Ahead of the rest: paths lie far apart, and the memory has all of them to fetch at once.
+            for (i, &path) in paths.iter().enumerate() {
+                let path = &queue.paths[path as usize];
+                (names[i], lanes[i]) = (path.name, path.state.lanes);
             }
             meet(world, queue, paths, &mut scratch.surfaces, out);
             self.arrive(world, queue, (paths, &mut scratch), &mut vertices, out);
-            let block = Block { paths, vertices: &vertices, lanes: &lanes };
+            let names = &names[..paths.len()];
+            let block = Block { paths, names, lanes: &lanes, vertices: &vertices };
             draw_numbers(queue, block, &mut scratch.numbers);
             out.stopwatch.part(Phase::Shading);
             light(world, queue, block, &mut scratch, out);
@@ -161,44 +165,36 @@ impl PathTracer {
         out: &mut Out<'_, State<L>>,
     ) {
         vertices.begin(paths.len());
-        let mut last: Option<((u32, L), Bsdf<'w>)> = None;
+        let special = world.materials.interiors().matter() || world.has_ambient_light();
+        let mut last = None;
         for (i, &path) in paths.iter().enumerate() {
             let &State { lanes, beta, eta_squared, depth, .. } = &queue.paths[path as usize].state;
             if depth >= self.max_depth {
                 continue;
             }
-            // Read once where it doesn't differ from vertex to vertex.
             let (mut material, at) = (surfaces.material[i], surfaces.at(i));
             let in_front = surfaces.wo.at(i).z > 0.0;
             if world.materials.choose() {
                 let u = queue.pattern.d1(&queue.paths[path as usize].name, Purpose::Material);
                 material = world.chosen(material, (at, in_front), lanes, u);
             }
-            if at.is_some() || last.as_ref().is_none_or(|(like, _)| *like != (material, lanes)) {
-                last = Some(((material, lanes), world.bsdf_at(material, at, lanes)));
+            // Read once where it doesn't differ from vertex to vertex.
+            if at.is_some() || special || last != Some((material, lanes)) {
+                vertices.read(world.bsdf_at(material, at, lanes));
+                last = Some((material, lanes));
             }
-            let Some((_, bsdf)) = &last else { continue };
-            if matches!(bsdf, Bsdf::Black(_)) {
-                continue;
-            }
-            let mut bsdf = bsdf;
-            let with_eta;
-            if world.materials.interiors().matter() {
+            let Some(bsdf) = vertices.bsdf().filter(|bsdf| !matches!(bsdf, Bsdf::Black(_))) else { continue };
+            if special {
                 interior[i] = world.materials.interiors().number(material);
-                let Some(eta) = boundary(world, &queue.arrival(path), (interior[i], in_front), out) else {
+                let arrival = queue.arrival(path);
+                let Some(bsdf) = scatters_specially(world, &arrival, bsdf, (interior[i], in_front), out)
+                else {
                     continue;
                 };
-                if let Some(eta) = eta {
-                    with_eta = bsdf.with_eta(eta);
-                    bsdf = &with_eta;
-                }
-            }
-            if world.has_ambient_light() {
-                let ambient = world.ambient_from(bsdf, lanes);
-                out.add(Contribution::own(&queue.paths[path as usize], beta * ambient));
+                vertices.replace(bsdf);
             }
             let plays_roulette = self.plays_roulette(depth);
-            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette }, bsdf);
+            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette });
         }
     }
 }
@@ -220,24 +216,49 @@ fn dimmed<L: Lanes>(world: &World, queue: &Queue<'_, State<L>>) -> Vec<Path<Stat
     paths
 }
 
-/// What the boundary of a clear material is: with which index of refraction, if not its own. Nothing where something of a higher priority is
-/// on both sides: the ray goes on.
+/// What is left of the light along a shadow ray from surface `i`, which is filled with `interior`: whatever is free for it to arrive lies
+/// within one medium, on the side that it comes from.
 #[cold]
-fn boundary<L: Lanes>(
+fn left_of_light<L: Lanes>(
+    world: &World,
+    state: &State<L>,
+    (i, surfaces, interior): (usize, &Surfaces, u16),
+    ray: &Ray,
+) -> Light {
+    let wo = surfaces.wo.at(i).z;
+    let crosses = surfaces.frame[2].at(i).dot(ray.d) * wo < 0.0;
+    let inside = if crosses { state.inside.crossed(interior, wo > 0.0) } else { state.inside };
+    world.materials.interiors().left_after(inside, ray.t_max, &world.reading(state.lanes))
+}
+
+/// Adds ambient light; gives what scatters at the boundary of a clear material, which depends on what is on the other side. Nothing where
+/// something of a higher priority is on both: the ray goes on.
+#[cold]
+fn scatters_specially<'w, L: Lanes>(
     world: &World,
     arrival: &Arrival<'_, State<L>>,
+    bsdf: &Bsdf<'w>,
     (interior, entering): (u16, bool),
     out: &mut Out<'_, State<L>>,
-) -> Option<Option<f32>> {
-    match world.materials.interiors().boundary(arrival.path.state.inside, interior, entering) {
-        Boundary::Real(eta) => Some(eta),
-        Boundary::Ignored(inside) => {
-            // The least number beyond the hit: what lies at the very same place is behind it as well.
-            let beyond = Ray { t_min: arrival.hit.t.next_up(), ..*arrival.ray };
-            out.go_on_as(arrival.path, 0, beyond).inside = inside;
-            None
+) -> Option<Bsdf<'w>> {
+    let &State { lanes, beta, inside, .. } = &arrival.path.state;
+    let mut bsdf = *bsdf;
+    if world.materials.interiors().matter() {
+        match world.materials.interiors().boundary(inside, interior, entering) {
+            Boundary::Real(Some(eta)) => bsdf = bsdf.with_eta(eta),
+            Boundary::Real(None) => {}
+            Boundary::Ignored(inside) => {
+                // The least number beyond the hit: what lies at the very same place is behind it as well.
+                let beyond = Ray { t_min: arrival.hit.t.next_up(), ..*arrival.ray };
+                out.go_on_as(arrival.path, 0, beyond).inside = inside;
+                return None;
+            }
         }
     }
+    if world.has_ambient_light() {
+        out.add(Contribution::own(arrival.path, beta * world.ambient_from(&bsdf, lanes)));
+    }
+    Some(bsdf)
 }
 
 /// Where the rays of a block arrived; adds the light that is emitted there.
@@ -304,9 +325,11 @@ fn meet_light<L: Lanes>(
 struct Block<'a, 'w, L> {
     /// Their numbers in the driver's turn.
     paths: &'a [u32],
-    vertices: &'a Vertices<'w>,
+    /// Name their random numbers.
+    names: &'a [SampleName],
     /// By what they read colours.
     lanes: &'a [L; ROOM],
+    vertices: &'a Vertices<'w>,
 }
 
 /// What the paragraphs of a step leave for one another.
@@ -323,16 +346,12 @@ struct Scratch {
 
 /// The random numbers of a block, those that any of its vertices needs.
 fn draw_numbers<L: Lanes>(queue: &Queue<'_, State<L>>, block: Block<'_, '_, L>, numbers: &mut Numbers) {
-    let mut names = [SampleName::new(0, [0; 2], 0); BLOCK];
-    for (name, &path) in names.iter_mut().zip(block.paths) {
-        *name = queue.paths[path as usize].name;
-    }
     let wanted = Wanted {
         light: block.vertices.asks_lights.any(),
         lobe: block.vertices.chooses_lobe,
         roulette: block.vertices.plays_roulette.any(),
     };
-    numbers.draw(queue.simd, queue.pattern, &names[..block.paths.len()], wanted);
+    numbers.draw(queue.simd, queue.pattern, block.names, wanted);
 }
 
 /// Next-event estimation: asks for a shadow ray from each vertex to a point on a light.
@@ -354,14 +373,7 @@ fn light<L: Lanes>(
         let path = block.paths[i] as usize;
         let (ray, mut light) = brought.get(i, &queue.rays[path]);
         if world.materials.interiors().matter() {
-            // What is free for the light to arrive lies within one medium, on the side that it comes from.
-            let wo = surfaces.wo.at(i).z;
-            let crosses = surfaces.frame[2].at(i).dot(ray.d) * wo < 0.0;
-            let mut inside = queue.paths[path].state.inside;
-            if crosses {
-                inside = inside.crossed(interior[i], wo > 0.0);
-            }
-            light *= world.materials.interiors().left_after(inside, ray.t_max, &world.reading(lanes[i]));
+            light *= left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
         }
         out.shadow(ray, Contribution::own(&queue.paths[path], light));
     }

@@ -19,10 +19,10 @@ pub(super) const ROOM: usize = BLOCK + simd::BLOCK;
 pub(super) struct Bits(u64);
 
 impl Bits {
-    /// Says yes for vertex `i`.
+    /// Says what vertex `i` is, which wasn't a yes.
     #[inline(always)]
-    pub fn set(&mut self, i: usize) {
-        self.0 |= 1 << i;
+    pub fn set(&mut self, i: usize, yes: bool) {
+        self.0 |= u64::from(yes) << i;
     }
 
     /// Whether any is a yes.
@@ -105,9 +105,35 @@ pub(super) struct Vertices<'w> {
     pub beta: Lights,
     /// Product of squared relative indices passed.
     pub eta_squared: Column,
-    bsdfs: [Bsdf<'w>; ROOM],
+    /// How they scatter: each once that several have alike.
+    bsdfs: [Bsdf<'w>; BLOCK],
+    /// How many of those there are.
+    read: usize,
+    /// By vertex, the number of its BSDF.
+    which: [u8; ROOM],
+    /// Of the last BSDF.
+    traits: Traits,
     kind: Option<BsdfKind>,
     is_mixed: bool,
+}
+
+/// What a block asks of a BSDF.
+struct Traits {
+    kind: BsdfKind,
+    asks_lights: bool,
+    is_open: bool,
+    chooses_lobe: bool,
+}
+
+impl Traits {
+    fn of(bsdf: &Bsdf<'_>) -> Self {
+        Self {
+            kind: bsdf.kind(),
+            asks_lights: !bsdf.is_delta(),
+            is_open: bsdf.kind() == BsdfKind::Custom || bsdf.transmits(),
+            chooses_lobe: bsdf.chooses_lobe(),
+        }
+    }
 }
 
 /// What a path brings to its vertex.
@@ -129,7 +155,10 @@ impl<'w> Vertices<'w> {
             chooses_lobe: false,
             beta: Lights::default(),
             eta_squared: Column::default(),
-            bsdfs: [Bsdf::Black(Black); ROOM],
+            bsdfs: [Bsdf::Black(Black); BLOCK],
+            read: 0,
+            which: [0; ROOM],
+            traits: Traits::of(&Bsdf::Black(Black)),
             kind: None,
             is_mixed: false,
         }
@@ -143,27 +172,44 @@ impl<'w> Vertices<'w> {
             *bits = Bits::default();
         }
         (self.chooses_lobe, self.kind, self.is_mixed) = (false, None, false);
+        (self.read, self.which) = (0, [0; ROOM]);
     }
 
-    /// At surface `i` light is scattered.
+    /// Takes a BSDF, for the vertices that are set until the next one. There is one for each surface at most.
+    #[inline]
+    pub fn read(&mut self, bsdf: Bsdf<'w>) {
+        self.traits = Traits::of(&bsdf);
+        if let Some(place) = self.bsdfs.get_mut(self.read) {
+            *place = bsdf;
+            self.read += 1;
+        }
+    }
+
+    /// Takes another in place of the last one, which no vertex has.
+    pub fn replace(&mut self, bsdf: Bsdf<'w>) {
+        self.read = self.read.saturating_sub(1);
+        self.read(bsdf);
+    }
+
+    /// The last one.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, arriving: &Arriving, bsdf: &Bsdf<'w>) {
-        let kind = bsdf.kind();
+    pub fn bsdf(&self) -> Option<&Bsdf<'w>> {
+        self.bsdfs.get(self.read.checked_sub(1)?)
+    }
+
+    /// At surface `i` light is scattered, by the last BSDF.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, arriving: &Arriving) {
+        let &Traits { kind, asks_lights, is_open, chooses_lobe } = &self.traits;
         self.is_mixed |= *self.kind.get_or_insert(kind) != kind;
-        self.alive.set(i);
-        if !bsdf.is_delta() {
-            self.asks_lights.set(i);
-        }
-        if arriving.plays_roulette {
-            self.plays_roulette.set(i);
-        }
-        if kind == BsdfKind::Custom || bsdf.transmits() {
-            self.is_open.set(i);
-        }
-        self.chooses_lobe |= bsdf.chooses_lobe();
+        self.alive.set(i, true);
+        self.asks_lights.set(i, asks_lights);
+        self.plays_roulette.set(i, arriving.plays_roulette);
+        self.is_open.set(i, is_open);
+        self.chooses_lobe |= chooses_lobe;
         self.beta.set(i, arriving.beta);
         self.eta_squared.set(i, arriving.eta_squared);
-        self.bsdfs[i] = *bsdf;
+        self.which[i] = self.read.saturating_sub(1) as u8;
     }
 
     /// Hands the kind of their BSDFs to who works with any.
@@ -175,11 +221,12 @@ impl<'w> Vertices<'w> {
         }
     }
 
-    /// Their BSDFs, as they stand in the lanes of vectors from vertex `first` on; of the others, some of the same kind.
+    /// Their BSDFs, as they stand in the lanes of vectors from vertex `first` on.
     #[inline(always)]
     pub fn bsdfs<K: OfKind<'w>>(&self, first: usize) -> Option<Among<'_, 'w, K>> {
         let alive = self.alive.each().next()?;
-        Among::new(&self.bsdfs[first..], &self.bsdfs[alive])
+        let some = self.bsdfs.get(usize::from(self.which[alive]))?;
+        Among::new(&self.bsdfs, &self.which[first..], some)
     }
 
     /// Where light arrives from vertex `first` on: on the side that is seen, where it can't come through.

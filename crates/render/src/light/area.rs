@@ -8,6 +8,7 @@ use straal_math::{Transform, Vec3, ops, table::Table1};
 
 use super::reach::Lamp;
 use super::{Extent, LightSample, Reach, Receiver, Shine, strength};
+use crate::material::Material;
 use crate::shape::{DirSamples, Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
 /// A surface that sends the same radiance in every direction on its lit side.
@@ -19,6 +20,8 @@ pub struct AreaLight {
     pub radiance: Value<Colour>,
     /// The share of the surface that is there, where it has a mask: rays that pass through it don't see it shine.
     pub opacity: Option<Value<f32>>,
+    /// The material that shines, where light gets out through layers above it.
+    pub below: Option<Box<Material>>,
     /// From which sides.
     pub sides: Sides,
     /// Where its own coordinates lie in the world, if its radiance is read off a texture and they are others.
@@ -107,8 +110,14 @@ impl AreaLight {
         if let Some(opacity) = &self.opacity {
             radiance *= ops::clamp(reading.eval(opacity, &at), 0.0, 1.0);
         }
+        radiance *= self.lets_out(s.point.ng.dot(s.wi), &at, reading);
         let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
         Some(LightSample { far: false, to: (&s.point).into(), ..sample })
+    }
+
+    /// What layers above leave of its light, for a direction at a cosine to the surface.
+    fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+        self.below.as_ref().map_or(Light::ONE, |m| m.lets_out(ops::min(cos.abs(), 1.0), at, reading))
     }
 
     /// Where the radiance of a point is looked up. Without a footprint, which a point that is sampled has not: both ways to find
@@ -133,7 +142,7 @@ impl Shine for AreaLight {
         (at, u): (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
-        if self.radiance.varies() || self.opacity.is_some() {
+        if self.radiance.varies() || self.opacity.is_some() || self.below.is_some() {
             return self.sample_textured(geometry, (at.p, u), reading);
         }
         self.sample_many(geometry, (at, u), &Readings::one(reading)).of_value()
@@ -146,7 +155,7 @@ impl Shine for AreaLight {
         (at, u): (&Receiver<F>, [F; 2]),
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
-        let (Value::Constant(radiance), None) = (&self.radiance, &self.opacity) else {
+        let (Value::Constant(radiance), None, None) = (&self.radiance, &self.opacity, &self.below) else {
             return LightSample::one_by_one(
                 #[inline(always)]
                 |i| {
@@ -173,7 +182,12 @@ impl Shine for AreaLight {
 
     #[inline]
     fn radiance_at<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
-        if self.sides.lit(hit.ng, wo) { reading.eval(&self.radiance, &self.at(hit)) } else { Light::ZERO }
+        if !self.sides.lit(hit.ng, wo) {
+            return Light::ZERO;
+        }
+        let at = self.at(hit);
+        let radiance = reading.eval(&self.radiance, &at);
+        if self.below.is_some() { radiance * self.lets_out(hit.ng.dot(wo), &at, reading) } else { radiance }
     }
 
     fn pdf_at(&self, geometry: &Geometry, p: Vec3, (primitive, hit): (u32, &SurfacePoint)) -> f32 {
@@ -198,7 +212,8 @@ impl Shine for AreaLight {
             LitSurface::Mesh { area, .. } => *area,
         };
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
-        sides * std::f64::consts::PI * area * strength(&self.radiance)
+        let most = self.below.as_ref().and_then(|m| m.emission()).map_or(1.0, |e| f64::from(e.most));
+        sides * std::f64::consts::PI * area * strength(&self.radiance) * most
     }
 
     fn reach(&self, geometry: &Geometry) -> Option<Reach> {

@@ -455,21 +455,20 @@ impl ImageEnvironment {
 
     #[inline(always)]
     fn pixels_at<F: Float>(&self, index: F::Uint) -> Light<F> {
-        let first = index.wrapping_mul(F::Uint::splat(3));
-        let pixels = self.pixels.as_flattened();
-        let mut light = Light::splat(F::ZERO);
-        for k in 0..3 {
-            light[k] = F::gather(pixels, first.wrapping_add(F::Uint::splat(k as u32)));
-        }
-        light
+        let index = index.to_array();
+        Light::from_fn(
+            #[inline(always)]
+            |i| Light::rgb(self.pixels[index.as_ref()[i] as usize]),
+        )
     }
 }
 
 /// Those of a list with these numbers.
 #[inline(always)]
 fn entries<F: Float>(list: &[f64], index: F::Uint) -> F::Double {
+    let index = index.to_array();
     F::Double::from_fn(
         #[inline(always)]
-        |i| list[index.lane(i) as usize],
+        |i| list[index.as_ref()[i] as usize],
     )
 }

@@ -213,6 +213,22 @@ macro_rules! materials {
                 }
             }
 
+            /// What it sends out itself, if it shines.
+            pub fn emission(&self) -> Option<Emission> {
+                match self {
+                    $( Self::$Kind(m) => m.emission(), )+
+                    Self::Custom(_) => None,
+                }
+            }
+
+            /// What of its emission gets out through its layers, by the cosine of the direction.
+            pub fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+                match self {
+                    $( Self::$Kind(m) => m.lets_out(cos, at, reading), )+
+                    Self::Custom(_) => Light::ONE,
+                }
+            }
+
             /// Whether light passes through it.
             pub fn is_clear(&self) -> bool {
                 match self {

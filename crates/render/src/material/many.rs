@@ -12,6 +12,9 @@ use straal_math::simd::{BLOCK, Float, Mask};
 pub(crate) trait These<K>: Copy {
     /// That of a lane.
     fn of(&self, lane: usize) -> &K;
+
+    /// The one that all of the first so many lanes have, if that is known.
+    fn common(&self, width: usize) -> Option<&K>;
 }
 
 /// The same for all lanes.
@@ -20,11 +23,17 @@ impl<K> These<K> for &K {
     fn of(&self, _: usize) -> &K {
         self
     }
+
+    #[inline(always)]
+    fn common(&self, _: usize) -> Option<&K> {
+        Some(self)
+    }
 }
 
-/// BSDFs that all are of the kind `K`.
+/// Out of a list of BSDFs those that each lane has, which all are of the kind `K`.
 pub(crate) struct Among<'a, 'w, K> {
     bsdfs: &'a [Bsdf<'w>],
+    which: &'a [u8],
     else_: &'a K,
 }
 
@@ -39,15 +48,23 @@ impl<K> Copy for Among<'_, '_, K> {}
 impl<'a, 'w, K: OfKind<'w>> Among<'a, 'w, K> {
     /// With one that stands for those that aren't of the kind; `None` where that isn't either.
     #[inline(always)]
-    pub fn new(bsdfs: &'a [Bsdf<'w>], else_: &'a Bsdf<'w>) -> Option<Self> {
-        Some(Self { bsdfs, else_: K::of(else_)? })
+    pub fn new(bsdfs: &'a [Bsdf<'w>], which: &'a [u8], else_: &'a Bsdf<'w>) -> Option<Self> {
+        Some(Self { bsdfs, which, else_: K::of(else_)? })
     }
 }
 
 impl<'w, K: OfKind<'w>> These<K> for Among<'_, 'w, K> {
     #[inline(always)]
     fn of(&self, lane: usize) -> &K {
-        K::of(&self.bsdfs[lane]).unwrap_or(self.else_)
+        K::of(&self.bsdfs[usize::from(self.which[lane])]).unwrap_or(self.else_)
+    }
+
+    #[inline(always)]
+    fn common(&self, width: usize) -> Option<&K> {
+        let (first, rest) = self.which[..width].split_first()?;
+        // Without an end before the last: many are compared at once.
+        let differs = rest.iter().fold(0, |differs, which| differs | (which ^ first));
+        (differs == 0).then(|| self.of(0))
     }
 }
 
@@ -216,6 +233,9 @@ impl Numbers<'_> {
 /// A number of each of these.
 #[inline(always)]
 pub(crate) fn each<K, F: Float>(these: impl These<K>, f: impl Fn(&K) -> f32) -> F {
+    if let Some(one) = these.common(F::WIDTH) {
+        return F::splat(f(one));
+    }
     F::from_fn(
         #[inline(always)]
         |i| f(these.of(i)),
@@ -225,6 +245,9 @@ pub(crate) fn each<K, F: Float>(these: impl These<K>, f: impl Fn(&K) -> f32) -> 
 /// Yes or no of each of these.
 #[inline(always)]
 pub(crate) fn which<K, F: Float>(these: impl These<K>, f: impl Fn(&K) -> bool) -> F::Mask {
+    if let Some(one) = these.common(F::WIDTH) {
+        return F::Mask::splat(f(one));
+    }
     let mut bits = 0;
     for i in 0..F::WIDTH {
         bits |= u32::from(f(these.of(i))) << i;
@@ -235,6 +258,9 @@ pub(crate) fn which<K, F: Float>(these: impl These<K>, f: impl Fn(&K) -> bool) -
 /// Light of each of these.
 #[inline(always)]
 pub(crate) fn light<K, F: Float>(these: impl These<K>, f: impl Fn(&K) -> Light) -> Light<F> {
+    if let Some(one) = these.common(F::WIDTH) {
+        return Light::uniform(f(one));
+    }
     Light::from_fn(
         #[inline(always)]
         |i| f(these.of(i)),

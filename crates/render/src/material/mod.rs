@@ -32,7 +32,7 @@ use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
 use crate::error::CompileError;
-use crate::lanes::Lanes;
+use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::relief::Relief;
 use crate::texture::{ReadRgb, Reading, ShadingPoint, Value};
@@ -50,6 +50,7 @@ mod facet_conductor;
 pub mod fresnel;
 mod ggx;
 mod glossy;
+mod gltf;
 pub mod interior;
 mod list;
 pub(crate) mod many;
@@ -84,6 +85,7 @@ pub use diffuse_transmission::{DiffuseTransmission, DiffuseTransmissionMaterial}
 pub use dispersive::DispersiveDielectric;
 pub use facet_conductor::FacetConductor;
 pub use glossy::{Glossy, GlossyMaterial};
+pub use gltf::GltfMaterial;
 pub use interior::{Interior, Interiors};
 pub use mask::MaskMaterial;
 pub use mirror::{Mirror, MirrorMaterial};
@@ -139,6 +141,8 @@ list::materials! {
     OpenPbr(Box<OpenPbrMaterial>),
     /// Disney's, as Mitsuba has it.
     Principled(PrincipledMaterial),
+    /// glTF's, by the layers of OpenPBR.
+    Gltf(Box<GltfMaterial>),
 }
 
 list::bsdfs! {
@@ -222,6 +226,16 @@ pub(crate) trait Recipe: Sized {
         None
     }
 
+    /// What it sends out itself, if it shines.
+    fn emission(&self) -> Option<Emission> {
+        None
+    }
+
+    /// What of that gets out through the layers above it, by the cosine of the direction.
+    fn lets_out<L: Lanes>(&self, _cos: f32, _at: &ShadingPoint, _reading: &Reading<'_, L>) -> Light {
+        Light::ONE
+    }
+
     /// What it must know of a point: a [`ShadingPoint`], if any of its values [varies](crate::texture::Value::varies).
     fn wants(&self) -> Wants;
 
@@ -231,6 +245,17 @@ pub(crate) trait Recipe: Sized {
     /// Some for the tests, each with the kind of BSDF as which it is read.
     #[cfg(test)]
     fn examples() -> Vec<(Self, BsdfKind)>;
+}
+
+/// What a material sends out itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    /// Radiance, before what [`Material::lets_out`].
+    pub radiance: Value<Colour>,
+    /// The most that that is multiplied by.
+    pub most: f32,
+    /// From both sides, as a wall without thickness does.
+    pub both_sides: bool,
 }
 
 /// What a material is at a point.
@@ -272,6 +297,14 @@ impl<R: Recipe> Recipe for Box<R> {
 
     fn opacity(&self) -> Option<Value<f32>> {
         (**self).opacity()
+    }
+
+    fn emission(&self) -> Option<Emission> {
+        (**self).emission()
+    }
+
+    fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+        (**self).lets_out(cos, at, reading)
     }
 
     fn wants(&self) -> Wants {

@@ -340,6 +340,8 @@ mod tests {
     /// BSDFs of one kind, or of several that meet in a block.
     struct Many<'a, K> {
         bsdfs: &'a [Bsdf<'static>; BLOCK],
+        /// Of each lane, the number of its BSDF.
+        which: [u8; BLOCK],
         kind: std::marker::PhantomData<K>,
         seed: u32,
     }
@@ -353,7 +355,8 @@ mod tests {
         fn run<F: Float>(self) -> Vec<Told> {
             let mut all = vec![];
             for first in (0..BLOCK).step_by(F::WIDTH) {
-                let these = Among::<K>::new(&self.bsdfs[first..], &self.bsdfs[0]).expect("of the kind");
+                let these =
+                    Among::<K>::new(self.bsdfs, &self.which[first..], &self.bsdfs[0]).expect("of the kind");
                 let point = |i: usize| point(self.seed, first + i);
                 let ng = Vec3::from_fn(|i| point(i).0.unwrap_or(Vec3::ZERO));
                 let (wo, wi) = (Vec3::from_fn(|i| point(i).1), Vec3::from_fn(|i| point(i).2));
@@ -392,11 +395,17 @@ mod tests {
 
     /// One after the other, and side by side by every instruction set.
     fn agree<K: OfKind<'static>>(bsdfs: &[Bsdf<'static>; BLOCK], seed: u32) {
-        for simd in Isa::ALL.into_iter().filter_map(Simd::new) {
-            let many = Many::<K> { bsdfs, kind: std::marker::PhantomData, seed };
+        let all_alike = [3; BLOCK];
+        let each_its_own = std::array::from_fn(|i| i as u8);
+        for (simd, which) in Isa::ALL
+            .into_iter()
+            .filter_map(Simd::new)
+            .flat_map(|simd| [(simd, each_its_own), (simd, all_alike)])
+        {
+            let many = Many::<K> { bsdfs, which, kind: std::marker::PhantomData, seed };
             for (i, told) in simd.run(many).into_iter().enumerate() {
                 let (ng, wo, wi, u) = point(seed, i);
-                let one = Shaded { bsdf: bsdfs[i], ng };
+                let one = Shaded { bsdf: bsdfs[usize::from(which[i])], ng };
                 let want = (
                     one.eval_pdf(wo, wi, Transport::Radiance),
                     one.sample(wo, u[0], [u[1], u[2]], Transport::Radiance),

@@ -141,6 +141,11 @@ describe! {
             thin_film_thickness: Varying<f64> [Limit::within(0.0, 6.5)] = Varying::Constant(0.5),
             /// Index of refraction of the film.
             thin_film_ior: Varying<f64> [Limit::within(0.1, 5.0)] = Varying::Constant(1.4),
+            /// How strongly it shines: what `emission_color` is multiplied by, before coat and fuzz dim it. A surface's own `emission` counts rather
+            /// than this.
+            emission_luminance: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(0.0),
+            /// The colour in which it shines.
+            emission_color: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(1.0)),
             /// The share of light that meets the surface; the rest passes straight through as if nothing were there, shadow rays as well.
             geometry_opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
             /// Whether the surface is a wall without thickness, such as a pane or a leaf: light goes straight on.
@@ -149,6 +154,56 @@ describe! {
             reciprocal: bool = false,
             /// Whether the back of what is opaque looks like the front; else it is black.
             two_sided: bool = true,
+        } with relief: Relief),
+        /// The material of glTF, metallic and rough, with its ratified extensions, as layers of `open_pbr`. Its names are glTF's, without the word
+        /// `factor`.
+        "gltf" => Gltf(struct Gltf {
+            /// Colour of what is diffuse, and of metal.
+            base_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
+            /// Which part is metal.
+            metallic: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// The root of GGX's alpha.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Radiance that it sends out.
+            emissive: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// What that is multiplied by (`KHR_materials_emissive_strength`).
+            emissive_strength: f64 [Limit::NON_NEGATIVE] = 1.0,
+            /// The share of light that meets the surface; the rest passes straight through.
+            alpha: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Index of refraction (`KHR_materials_ior`).
+            ior: f64 [Limit::within(1.0, 5.0)] = 1.5,
+            /// Strength of what the surface of what isn't metal reflects (`KHR_materials_specular`).
+            specular: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
+            /// Colour of that, straight on.
+            specular_color: Varying<Spectrum> [Limit::within(0.0, 3.9)] = Varying::Constant(Spectrum::grey(1.0)),
+            /// How much of a clear coat (`KHR_materials_clearcoat`).
+            clearcoat: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Roughness of the coat.
+            clearcoat_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Colour and strength of sheen (`KHR_materials_sheen`).
+            sheen_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.0)),
+            /// Roughness of the sheen.
+            sheen_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Which part of what isn't metal lets light through (`KHR_materials_transmission`).
+            transmission: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Whether there is an inside, in which light is bent and absorbed (`KHR_materials_volume` with a thickness above 0); else it is a thin wall.
+            volume: bool = false,
+            /// What is left of light after `attenuation_distance`.
+            attenuation_color: Spectrum [Limit::UNIT] = Spectrum::grey(1.0),
+            /// The way in metres after which it is left; endless if not told.
+            attenuation_distance: Option<f64> [Limit::POSITIVE] = None,
+            /// How strongly colours part: 20 over Abbe's number (`KHR_materials_dispersion`).
+            dispersion: f64 [Limit::within(0.0, 3.2)] = 0.0,
+            /// How much of a thin film (`KHR_materials_iridescence`).
+            iridescence: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Index of refraction of the film.
+            iridescence_ior: f64 [Limit::within(1.0, 5.0)] = 1.3,
+            /// Thickness of the film in nanometres.
+            iridescence_thickness: Varying<f64> [Limit::within(0.0, 6500.0)] = Varying::Constant(400.0),
+            /// How much rougher it is along the texture's u (`KHR_materials_anisotropy`).
+            anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Whether the back looks like the front; else it is black.
+            double_sided: bool = true,
         } with relief: Relief),
         /// Disney's BSDF as Mitsuba 3 has it, exactly.
         "principled" => Principled(struct Principled [check::principled] {
@@ -412,6 +467,16 @@ describe! {
 }
 
 impl Material {
+    /// Whether it shines by itself.
+    pub fn shines(&self) -> bool {
+        let is_some = |v: &Varying<Spectrum>| *v != Varying::Constant(Spectrum::grey(0.0));
+        match self {
+            Self::OpenPbr(m) => m.emission_luminance != Varying::Constant(0.0) && is_some(&m.emission_color),
+            Self::Gltf(m) => m.emissive_strength > 0.0 && is_some(&m.emissive),
+            _ => false,
+        }
+    }
+
     /// What makes it be lit as if it were rough.
     pub const fn relief(&self) -> &Relief {
         match self {
@@ -433,14 +498,13 @@ impl Material {
             Self::Transparent(m) => &m.relief,
             Self::OpenPbr(m) => &m.relief,
             Self::Principled(m) => &m.relief,
+            Self::Gltf(m) => &m.relief,
         }
     }
 }
 
 /// A material given by name or on the spot.
 #[derive(Clone, Debug, PartialEq)]
-// A scene that has many surfaces gives their materials names.
-#[allow(clippy::large_enum_variant)]
 pub enum MaterialRef {
     /// One of the scene's `materials`.
     Named(Link<Material>),

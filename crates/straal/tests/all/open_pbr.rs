@@ -38,11 +38,7 @@ fn number(v: &Value) -> f64 {
 /// A world with the material.
 fn world_of(parameters: &Value) -> World {
     let Value::Object(map) = parameters else { panic!("parameters are a mapping") };
-    let said: Vec<String> = map
-        .iter()
-        .filter(|(key, _)| !key.starts_with("emission") && *key != "geometry_opacity")
-        .map(|(key, v)| format!("{key}: {v}"))
-        .collect();
+    let said: Vec<String> = map.iter().map(|(key, v)| format!("{key}: {v}")).collect();
     let scene = format!(
         "camera: {{ perspective: {{ eye: [0, 0, 5], look_at: [0, 0, 0] }} }}\nmaterials:\n  m: {{ open_pbr: {{ {} }} }}\n\
          world:\n  - sphere: {{ material: m }}\n",
@@ -160,6 +156,21 @@ fn albedo(view: &View<'_>, bsdf: &Bsdf<'_>) -> [[[f64; 2]; 3]; 2] {
     })
 }
 
+/// What is sent out, dimmed by coat and fuzz.
+fn emission(view: &View<'_>, world: &World, want: &Value, off: &mut Off) {
+    let (Some(material), want) = (world.materials.get(1), numbers(want)) else { return };
+    let reading = world.reading(Rgb::default());
+    let at = &ShadingPoint::NOWHERE;
+    let got = material.emission().map_or(Light::ZERO, |e| {
+        reading.eval(&e.radiance, at) * material.lets_out(view.wo.z.abs(), at, &reading)
+    });
+    for (c, want) in want.iter().enumerate() {
+        if (f64::from(got[c]) - want).abs() > 1e-3 * want {
+            off.faults.push(format!("{} from {:?} sends out {got:?}, want {want}", view.name, view.wo));
+        }
+    }
+}
+
 fn energies(view: &View<'_>, bsdf: &Bsdf<'_>, want: &Value, off: &mut Off) {
     for (side, got) in ["R", "T"].into_iter().zip(albedo(view, bsdf)) {
         let (energy, error) = (numbers(&want[side]), numbers(&want[&format!("{side}_se")]));
@@ -224,6 +235,9 @@ fn compare(material: &Value, reciprocal: bool) -> Off {
         } else {
             rows(&view_of, &bsdf, &view["rows"], &mut off);
             energies(&view_of, &bsdf, &view["albedo"], &mut off);
+            if !inside {
+                emission(&view_of, &world, &view["emission"], &mut off);
+            }
         }
     }
     off

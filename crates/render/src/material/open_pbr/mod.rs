@@ -25,14 +25,14 @@
 //! than alpha 10^-4 are mirrors (delta lobes), not narrow lobes.
 
 use straal_color::Light;
-use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
+use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 use super::interior::Absorption;
 use super::many::{self, These};
 use super::microfacet::Facets;
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
+use super::{Bsdf, BsdfSample, Emission, Recipe, Scatter, Transport, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Carried, Colour, Lanes};
 use crate::paint::Paint;
@@ -52,7 +52,8 @@ mod tests;
 
 pub use interior::Interior;
 use layers::Layers;
-use params::{LINES, Params};
+use params::LINES;
+pub(super) use params::Params;
 use record::Record;
 use scatter::Drawn;
 
@@ -61,6 +62,20 @@ use scatter::Drawn;
 pub(super) fn ggx<F: Float>([along, across]: [F; 2]) -> Facets<F> {
     let least = F::splat(params::SMOOTH);
     Facets::of_lanes([along.max(least), across.max(least)], F::Mask::splat(false))
+}
+
+/// The wavelengths of a path's lanes in nm, and whether a refraction has parted them.
+pub(super) fn nanometres<L: Lanes>(lanes: L) -> (Light, bool) {
+    match lanes.carried() {
+        Carried::All => (Light(LINES), false),
+        Carried::One(nm) => (Light([nm; 4]), true),
+        Carried::Four(nm) => (Light(nm), false),
+    }
+}
+
+/// How much of a film of some nm there is.
+pub(super) fn film_presence(weight: f32, thickness: f32) -> f32 {
+    weight * film::fades(thickness)
 }
 
 /// Whether any number of any lane is above 0.
@@ -107,6 +122,9 @@ pub struct OpenPbrMaterial {
     /// In micrometres.
     pub thin_film_thickness: Value<f32>,
     pub thin_film_ior: Value<f32>,
+    /// What it sends out, and what that is to be multiplied by.
+    pub emission_color: Value<Colour>,
+    pub emission_luminance: Value<f32>,
     pub geometry_opacity: Value<f32>,
     pub geometry_thin_walled: bool,
     /// What dims light on its way through a body of it.
@@ -168,11 +186,7 @@ impl OpenPbrMaterial {
         let abbe = number(&self.transmission_dispersion_abbe_number);
         let scale = number(&self.transmission_dispersion_scale);
         let thickness = number(&self.thin_film_thickness) * 1000.0;
-        let (nm, parted) = match reading.lanes.carried() {
-            Carried::All => (LINES, false),
-            Carried::One(nm) => ([nm; 4], true),
-            Carried::Four(nm) => (nm, false),
-        };
+        let (nm, parted) = nanometres(reading.lanes);
         Params {
             base: reading.eval(&self.base_color, at) * number(&self.base_weight),
             specular: tint(&self.specular_color),
@@ -180,14 +194,14 @@ impl OpenPbrMaterial {
             subsurface: tint(&self.subsurface_color),
             coat: tint(&self.coat_color),
             fuzz: tint(&self.fuzz_color),
-            nm: Light(nm),
+            nm,
             metalness: number(&self.base_metalness),
             specular_weight: number(&self.specular_weight),
             transmission_weight: number(&self.transmission_weight),
             subsurface_weight: number(&self.subsurface_weight),
             coat_weight: number(&self.coat_weight),
             fuzz_weight: number(&self.fuzz_weight),
-            film_presence: number(&self.thin_film_weight) * film::fades(thickness),
+            film_presence: film_presence(number(&self.thin_film_weight), thickness),
             diffuse_roughness: number(&self.base_diffuse_roughness),
             roughness: number(&self.specular_roughness),
             coat_roughness: number(&self.coat_roughness),
@@ -233,7 +247,16 @@ impl Recipe for OpenPbrMaterial {
     type Described = desc::OpenPbr;
 
     fn of(d: &desc::OpenPbr, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        // What is the same everywhere is multiplied once.
+        let (emission_color, emission_luminance) = match (&d.emission_color, &d.emission_luminance) {
+            (desc::Varying::Constant(colour), desc::Varying::Constant(luminance)) => {
+                (paint.emission_times(colour, *luminance)?.into(), 1.0.into())
+            }
+            (colour, luminance) => (paint.emission(colour)?, paint.number(luminance)?),
+        };
         let mut made = Self {
+            emission_color,
+            emission_luminance,
             base_weight: paint.number(&d.base_weight)?,
             base_color: paint.reflectance(&d.base_color)?,
             base_diffuse_roughness: paint.number(&d.base_diffuse_roughness)?,
@@ -285,6 +308,20 @@ impl Recipe for OpenPbrMaterial {
         (self.geometry_opacity != Value::Constant(1.0)).then_some(self.geometry_opacity)
     }
 
+    fn emission(&self) -> Option<Emission> {
+        let most = self.emission_luminance.most();
+        (most > 0.0 && self.emission_color.most() > 0.0).then_some(Emission {
+            radiance: self.emission_color,
+            most,
+            both_sides: self.geometry_thin_walled,
+        })
+    }
+
+    fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+        let luminance = reading.eval(&self.emission_luminance, at);
+        OpenPbr::new(&self.params(at, reading)).lets_out(cos) * luminance
+    }
+
     fn wants(&self) -> Wants {
         let varies = self.numbers().iter().any(|v| v.varies())
             || self.colours().iter().any(|v| v.varies())
@@ -296,7 +333,7 @@ impl Recipe for OpenPbrMaterial {
 
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
-        Bsdf::OpenPbr(OpenPbr(Record::pack(&self.params(at, reading))))
+        Bsdf::OpenPbr(OpenPbr::new(&self.params(at, reading)))
     }
 
     #[cfg(test)]
@@ -310,6 +347,16 @@ impl Recipe for OpenPbrMaterial {
 pub struct OpenPbr(Record);
 
 impl OpenPbr {
+    pub(super) fn new(params: &Params<f32>) -> Self {
+        Self(Record::pack(params))
+    }
+
+    /// What coat and fuzz leave of light that is sent out below them, at a cosine.
+    pub(super) fn lets_out(&self, cos: f32) -> Light {
+        let sin = ops::max((1.0 - cos) * (1.0 + cos), 0.0).sqrt();
+        self.layers(Vec3::new(sin, 0.0, cos)).lets_out()
+    }
+
     fn layers(&self, wo: Vec3) -> Layers<f32> {
         Layers::new(self.0.one(), wo)
     }

@@ -7,7 +7,7 @@ use super::fuzz;
 
 /// The parameters of the material at a point, for each of the vertices side by side.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Params<F: Float> {
+pub(in super::super) struct Params<F: Float> {
     /// `base_color` times `base_weight`.
     pub base: Light<F>,
     pub specular: Light<F>,

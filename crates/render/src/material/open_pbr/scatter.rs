@@ -314,6 +314,11 @@ impl<F: Float> Layers<F> {
         Lane { eta: picked(self.base.eta, pick), nm: picked(self.p.nm, pick), only }
     }
 
+    /// What coat and fuzz leave of light that comes from below them.
+    pub fn lets_out(&self) -> Light<F> {
+        self.coat.lets_in * self.under
+    }
+
     /// What passes in the delta lobe, at its full share.
     pub fn passes(&self) -> Light<F> {
         self.through

@@ -1,0 +1,251 @@
+//! # glTF
+//!
+//! The material of glTF 2.0, metallic and rough, with the extensions that Khronos has ratified for it: index of refraction, specular, clearcoat,
+//! sheen, transmission, volume, iridescence, anisotropy, dispersion (`KHR_materials_*`). glTF leaves the model to the renderer, within bounds; here it
+//! is read as the layers of [`super::open_pbr`], with these differences from the formulas of the specification's appendix B:
+//!
+//! | glTF | here |
+//! |---|---|
+//! | metal: Schlick from the base's colour, alpha = roughness² | exact |
+//! | dielectric: Schlick from the index | exact Fresnel of the index; `specular` scales what is reflected straight on, not along the surface |
+//! | diffuse: Lambert, times 1 - Fresnel of the half-way vector | Lambert, times what the glossy surface lets through: white loses nothing |
+//! | light that bounces between facets is lost, shadowing is height-correlated | it is given back, shadowing is of both directions independently |
+//! | `specular`, `specular_color` don't act on metal | they do, where `metallic` is above 0 and they aren't 1 |
+//! | clearcoat: a lobe of index 1.5, the base dimmed by 1 - Fresnel | a coat of that index, without absorption and darkening; it makes the base look rougher |
+//! | sheen: Charlie's distribution, the base dimmed by its albedo | fibres of Zeltner et al. 2022, the base dimmed by what they reflect |
+//! | transmission without volume: thin, tinted by the base's colour | the same as a thin wall |
+//! | transmission with volume: refracted, absorbed by colour and distance | the same |
+//! | iridescence by Belcour and Barla in RGB | Airy's sum at 620, 540 and 450 nm, or at the path's wavelengths |
+//! | anisotropy: alpha towards 1 along the tangent by strength² | exact, in steps of half a percent; the rotation isn't |
+//! | emission, below the clearcoat | the same |
+//! | double-sided or culled | both sides, or black from behind |
+
+use straal_color::Light;
+use straal_scene::desc;
+
+use super::interior::Absorption;
+use super::open_pbr::{OpenPbr, Params, film_presence, nanometres};
+use super::{Bsdf, Emission, Interior, Recipe, Wants};
+use crate::error::CompileError;
+use crate::lanes::{Colour, Lanes};
+use crate::paint::Paint;
+use crate::texture::{Reading, ShadingPoint, Value};
+
+/// glTF's parameters.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs)] // glTF's names tell what they are
+pub struct GltfMaterial {
+    pub base_color: Value<Colour>,
+    pub metallic: Value<f32>,
+    pub roughness: Value<f32>,
+    /// Radiance that it sends out.
+    pub emissive: Value<Colour>,
+    /// What that is multiplied by.
+    pub emissive_strength: f32,
+    pub alpha: Value<f32>,
+    pub ior: f32,
+    pub specular: Value<f32>,
+    pub specular_color: Value<Colour>,
+    pub clearcoat: Value<f32>,
+    pub clearcoat_roughness: Value<f32>,
+    pub sheen_color: Value<Colour>,
+    pub sheen_roughness: Value<f32>,
+    pub transmission: Value<f32>,
+    /// What dims light within, where there is an inside.
+    pub filling: Option<Interior>,
+    pub iridescence: Value<f32>,
+    pub iridescence_ior: f32,
+    /// In nm.
+    pub iridescence_thickness: Value<f32>,
+    pub anisotropy: Value<f32>,
+    /// 20 over Abbe's number.
+    pub dispersion: f32,
+    /// Whether the back looks like the front; else it is black.
+    pub double_sided: bool,
+}
+
+impl Recipe for GltfMaterial {
+    type Described = desc::Gltf;
+
+    fn of(d: &desc::Gltf, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+        let transmission = paint.number(&d.transmission)?;
+        let absorption = match &d.attenuation_distance {
+            Some(distance) => Absorption::Colour(paint.share(&d.attenuation_color)?, *distance as f32),
+            None => Absorption::None,
+        };
+        let eta = d.ior as f32;
+        let has_inside = transmission.most() > 0.0 && d.volume;
+        Ok(Self {
+            base_color: paint.reflectance(&d.base_color)?,
+            metallic: paint.number(&d.metallic)?,
+            roughness: paint.number(&d.roughness)?,
+            emissive: paint.emission(&d.emissive)?,
+            emissive_strength: d.emissive_strength as f32,
+            alpha: paint.number(&d.alpha)?,
+            ior: eta,
+            specular: paint.number(&d.specular)?,
+            specular_color: paint.reflectance(&d.specular_color)?,
+            clearcoat: paint.number(&d.clearcoat)?,
+            clearcoat_roughness: paint.number(&d.clearcoat_roughness)?,
+            sheen_color: paint.reflectance(&d.sheen_color)?,
+            sheen_roughness: paint.number(&d.sheen_roughness)?,
+            transmission,
+            filling: has_inside.then_some(Interior { absorption, priority: 0, eta, outside: 1.0 }),
+            iridescence: paint.number(&d.iridescence)?,
+            iridescence_ior: d.iridescence_ior as f32,
+            iridescence_thickness: paint.number(&d.iridescence_thickness)?,
+            anisotropy: paint.number(&d.anisotropy)?,
+            dispersion: d.dispersion as f32,
+            double_sided: d.double_sided,
+        })
+    }
+
+    fn interior(&self) -> Option<&Interior> {
+        self.filling.as_ref()
+    }
+
+    fn opacity(&self) -> Option<Value<f32>> {
+        (self.alpha != Value::Constant(1.0)).then_some(self.alpha)
+    }
+
+    fn wants(&self) -> Wants {
+        let numbers = [
+            &self.metallic,
+            &self.roughness,
+            &self.alpha,
+            &self.specular,
+            &self.clearcoat,
+            &self.clearcoat_roughness,
+            &self.sheen_roughness,
+            &self.transmission,
+            &self.iridescence,
+            &self.iridescence_thickness,
+            &self.anisotropy,
+        ];
+        let colours = [&self.base_color, &self.specular_color, &self.sheen_color];
+        let varies = numbers.iter().any(|v| v.varies()) || colours.iter().any(|v| v.varies());
+        let tangent = self.anisotropy.most() > 0.0;
+        Wants { point: varies || tangent, tangent }
+    }
+
+    fn emission(&self) -> Option<Emission> {
+        let most = self.emissive_strength;
+        let shines = most > 0.0 && self.emissive.most() > 0.0;
+        shines.then_some(Emission { radiance: self.emissive, most, both_sides: false })
+    }
+
+    fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
+        self.layers(at, reading).lets_out(cos) * self.emissive_strength
+    }
+
+    fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
+        Bsdf::OpenPbr(self.layers(at, reading))
+    }
+
+    #[cfg(test)]
+    fn examples() -> Vec<(Self, super::BsdfKind)> {
+        let (zero, one) = (|| Value::from(0.0), || Value::from(1.0));
+        vec![(
+            Self {
+                base_color: Light::rgb([1.0; 3]).into(),
+                metallic: one(),
+                roughness: one(),
+                emissive: Light::ZERO.into(),
+                emissive_strength: 1.0,
+                alpha: one(),
+                ior: 1.5,
+                specular: one(),
+                specular_color: Light::rgb([1.0; 3]).into(),
+                clearcoat: zero(),
+                clearcoat_roughness: zero(),
+                sheen_color: Light::ZERO.into(),
+                sheen_roughness: zero(),
+                transmission: zero(),
+                filling: None,
+                iridescence: zero(),
+                iridescence_ior: 1.3,
+                iridescence_thickness: 400.0.into(),
+                anisotropy: zero(),
+                dispersion: 0.0,
+                double_sided: true,
+            },
+            super::BsdfKind::OpenPbr,
+        )]
+    }
+}
+
+impl GltfMaterial {
+    fn layers<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> OpenPbr {
+        let number = |v: &Value<f32>| reading.eval(v, at);
+        let base = reading.eval(&self.base_color, at);
+        let sheen = reading.eval(&self.sheen_color, at);
+        let sheen_weight = sheen.max_lane();
+        let thickness = number(&self.iridescence_thickness);
+        let (nm, parted) = nanometres(reading.lanes);
+        let [roughness, anisotropy] = stretched(number(&self.roughness), number(&self.anisotropy));
+        let full = reading.lanes.full();
+        OpenPbr::new(&Params {
+            base,
+            specular: reading.eval(&self.specular_color, at),
+            transmission: base,
+            subsurface: full,
+            coat: full,
+            fuzz: if sheen_weight > 0.0 { sheen * (1.0 / sheen_weight) } else { Light::ZERO },
+            nm,
+            metalness: number(&self.metallic),
+            specular_weight: number(&self.specular),
+            transmission_weight: number(&self.transmission),
+            subsurface_weight: 0.0,
+            coat_weight: number(&self.clearcoat),
+            fuzz_weight: sheen_weight,
+            film_presence: film_presence(number(&self.iridescence), thickness),
+            diffuse_roughness: 0.0,
+            roughness,
+            coat_roughness: number(&self.clearcoat_roughness),
+            fuzz_roughness: number(&self.sheen_roughness),
+            ior: self.ior,
+            coat_ior: 1.5,
+            film_ior: self.iridescence_ior,
+            film_thickness: thickness,
+            dispersion: self.dispersion,
+            anisotropy,
+            coat_anisotropy: 0.0,
+            coat_darkening: 0.0,
+            subsurface_anisotropy: 0.0,
+            thin: self.filling.is_none(),
+            one_sided: !self.double_sided,
+            rgb: reading.lanes.bins().is_none(),
+            parted,
+            reciprocal: false,
+        })
+    }
+}
+
+/// Roughness and anisotropy of OpenPBR for glTF's: alpha = roughness² across the tangent, and towards 1 along it by the square of the strength.
+fn stretched(roughness: f32, strength: f32) -> [f32; 2] {
+    if strength == 0.0 {
+        return [roughness, 0.0];
+    }
+    let across = roughness * roughness;
+    let along = across + (1.0 - across) * strength * strength;
+    let mean = (0.5 * (along * along + across * across)).sqrt();
+    [mean.sqrt(), 1.0 - across / along]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// OpenPBR's: alpha sqrt(2 / (1 + b²)) along and b times that across, for b = 1 - anisotropy.
+    #[test]
+    fn anisotropy_is_gltfs() {
+        for (roughness, strength) in [(0.3_f32, 0.5_f32), (0.7, 1.0), (0.5, 0.1)] {
+            let [mean, anisotropy] = stretched(roughness, strength);
+            let b = 1.0 - anisotropy;
+            let along = mean * mean * (2.0 / (1.0 + b * b)).sqrt();
+            let across = roughness * roughness;
+            let want = across + (1.0 - across) * strength * strength;
+            assert!((along - want).abs() < 1e-5 && (along * b - across).abs() < 1e-5, "{along} {want}");
+        }
+    }
+}
