@@ -100,6 +100,11 @@ impl<'a> Materials<'a> {
         self.paint.attributes(mesh)
     }
 
+    /// Whether a material scatters along a tangent.
+    pub fn wants_tangent(&self, material: u32) -> bool {
+        self.list.wants(material).tangent
+    }
+
     /// Whether a material may ask where it is: what is known of parts is handed on at the end only.
     pub fn wants_point(&self, material: u32) -> bool {
         self.list.wants(material).point || self.list.is_made_of_others(material)

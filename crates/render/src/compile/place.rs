@@ -255,7 +255,13 @@ impl<'a> Build<'a> {
         let m = place.transform;
         match node {
             Node::Group(_) | Node::Instance(_) => Ok(()),
-            Node::Sphere(s) => self.shape(&s.surface, place, sphere(s, &m)?, s.surface.flip),
+            Node::Sphere(s) => {
+                let material = self.materials.of(s.surface.material.as_ref(), place.material)?;
+                // What is brushed must know which way it was turned.
+                let ball =
+                    if self.materials.wants_tangent(material) { ellipsoid(s, &m) } else { sphere(s, &m) };
+                self.shape(&s.surface, place, ball?, s.surface.flip)
+            }
             Node::Plane(s) => {
                 let inverse = m.inverse().ok_or_else(singular)?;
                 let normal = unit(inverse.normal_by_inverse(s.normal))?;
@@ -708,6 +714,11 @@ fn sphere(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
     if similar {
         return Ok(Shape::Sphere(Sphere { center: center.as_vec3(), radius: (scale * s.radius) as f32 }));
     }
+    ellipsoid(s, m)
+}
+
+/// It knows where its pole is.
+fn ellipsoid(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
     let unit_to_local = Affine::scale(DVec3::splat(s.radius)).then(&Affine::translate(s.center));
     Ok(Shape::Ellipsoid(Box::new(Ellipsoid::new(unit_to_local.then(m)).ok_or_else(singular)?)))
 }

@@ -72,6 +72,11 @@ fn roughnesses(alpha: Option<f32>) -> Vec<f32> {
     }
 }
 
+/// A table of shares by all roughnesses and cosines.
+pub(super) fn table(share: impl Fn(f32, f32) -> f32) -> Shares {
+    Shares::new(&roughnesses(None), share)
+}
+
 /// What a metal that absorbs nothing sends back, of GGX facets.
 pub fn lossless_metal() -> &'static Shares {
     static TABLE: LazyLock<Shares> = LazyLock::new(|| {

@@ -39,6 +39,7 @@ use crate::texture::{ReadRgb, Reading, ShadingPoint, Value};
 use many::{OfKind, These, WithKind};
 
 mod black;
+mod coated;
 mod conductor;
 mod dielectric;
 mod diffuse;
@@ -66,6 +67,7 @@ mod rough_dielectric;
 mod rough_diffuse;
 mod schlick_mirror;
 pub mod shaded;
+mod sheen;
 #[cfg(test)]
 mod testing;
 #[cfg(test)]
@@ -75,6 +77,7 @@ mod transparent;
 mod two_faces;
 
 pub use black::Black;
+pub use coated::{Coat, Coated, CoatedConductorMaterial, CoatedDiffuseMaterial};
 pub use conductor::{Conductor, ConductorMaterial, Metal};
 pub use dielectric::{Dielectric, DielectricMaterial};
 pub use diffuse::{Diffuse, DiffuseMaterial};
@@ -96,6 +99,7 @@ pub use rough_dielectric::RoughDielectric;
 pub use rough_diffuse::RoughDiffuse;
 pub use schlick_mirror::SchlickMirror;
 pub use shaded::Shaded;
+pub use sheen::{Sheen, SheenMaterial};
 pub use thin_dielectric::{ThinDielectric, ThinDielectricMaterial};
 pub use transparent::{Clear, Share, TransparentMaterial};
 pub use two_faces::TwoFacesMaterial;
@@ -121,6 +125,12 @@ list::materials! {
     DiffuseTransmission(DiffuseTransmissionMaterial),
     /// An even ground below a clear boundary.
     Plastic(PlasticMaterial),
+    /// A coat over a diffuse ground.
+    CoatedDiffuse(CoatedDiffuseMaterial),
+    /// A coat over metal.
+    CoatedConductor(CoatedConductorMaterial),
+    /// Cloth: a ground with fibres that light up at grazing angles.
+    Sheen(SheenMaterial),
     /// Two materials, each with a share.
     Mix(MixMaterial),
     /// A material with holes.
@@ -168,6 +178,10 @@ list::bsdfs! {
     DiffuseTransmission(DiffuseTransmission),
     /// As an even ground below a clear boundary.
     Plastic(Plastic<'w>),
+    /// As cloth.
+    Sheen(Sheen),
+    /// As what is below a coat.
+    Coated(Coated<'w>),
     /// As a rough diffuse surface.
     RoughDiffuse(RoughDiffuse),
     /// By the layers of OpenPBR.

@@ -121,8 +121,8 @@ impl Scatter for RoughDiffuse {
         };
         let clay = Light::rgb([0.7, 0.4, 0.3]);
         vec![
-            of("white EON", WHITE, 1.0, true).nearly_energy(2e-3),
-            of("white EON, half as rough", WHITE, 0.5, true).nearly_energy(2e-3),
+            of("white EON", WHITE, 1.0, true).nearly_energy(1e-2),
+            of("white EON, half as rough", WHITE, 0.5, true).nearly_energy(1e-2),
             of("clay", clay, 0.8, true),
             of("Oren and Nayar's clay", clay, 0.5, false),
         ]

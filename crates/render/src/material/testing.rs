@@ -20,6 +20,8 @@ pub(crate) struct Example {
     pub keeps_energy: bool,
     /// How far from all the light that comes back may be, for one that promises all of it but for its tables.
     pub whole_within: Option<f64>,
+    /// Whether values are right on average only.
+    pub is_noisy: bool,
     /// Whether light passes through it.
     pub passes: bool,
     /// Whether energy is kept for each direction to the viewer alone, not for each direction of a light as well: what light paths see is the
@@ -40,6 +42,7 @@ impl Example {
             is_reciprocal: true,
             keeps_energy: true,
             whole_within: None,
+            is_noisy: false,
             passes: false,
             of_radiance: false,
             gain: 1e-3,
@@ -63,6 +66,11 @@ impl Example {
     /// One that sends back all light, within a part of it.
     pub const fn nearly_energy(self, within: f64) -> Self {
         Self { whole_within: Some(within), ..self }
+    }
+
+    /// One whose values are right on average only.
+    pub const fn noisy(self) -> Self {
+        Self { is_noisy: true, ..self }
     }
 
     pub const fn passes(self) -> Self {

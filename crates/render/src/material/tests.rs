@@ -247,7 +247,7 @@ fn samples_are_what_they_say() {
 #[test]
 fn scattering_is_reciprocal() {
     for_all(|entry, wo| {
-        if wo.z < 0.0 || !entry.is_reciprocal {
+        if wo.z < 0.0 || !entry.is_reciprocal || entry.is_noisy {
             return;
         }
         for i in 0..2000 {
@@ -313,7 +313,8 @@ fn no_more_comes_out_than_goes_in() {
         }
         let seen = facing(wo, !entry.name.contains("one-sided")).is_some();
         let bound = if entry.keeps_energy {
-            1.0 + entry.whole_within.unwrap_or(if spread > 0.0 { entry.gain } else { 1e-6 })
+            let gain = if entry.is_noisy { 2e-2 } else { entry.gain };
+            1.0 + entry.whole_within.unwrap_or(if spread > 0.0 { gain } else { 1e-6 })
         } else {
             f64::INFINITY
         };
@@ -326,7 +327,7 @@ fn no_more_comes_out_than_goes_in() {
             assert!((mean[0] - 1.0).abs() <= within, "{} from {wo:?}: {mean:?}", entry.name);
         }
         // What is evaluated integrates to the same.
-        if spread > 0.0 && entry.bsdf.kind() != BsdfKind::Custom && !entry.passes {
+        if spread > 0.0 && entry.bsdf.kind() != BsdfKind::Custom && !entry.passes && !entry.is_noisy {
             let grid = SphereGrid {
                 axis: Vec3::new(-wo.x, -wo.y, wo.z),
                 focus: entry.focus,
@@ -334,8 +335,9 @@ fn no_more_comes_out_than_goes_in() {
             };
             let f = |wi| f64::from(entry.bsdf.eval(wo, wi, transport)[0]);
             let integral = grid.total(f, 1e-4);
-            // Of several lobes the grid of numbers is coarser.
-            let tolerance = if entry.bsdf.chooses_lobe() { 1e-2 } else { 5e-3 };
+            // Of several lobes, and where much lies at the rim, the grid of numbers is coarser.
+            let tolerance =
+                if entry.bsdf.chooses_lobe() || entry.whole_within.is_some() { 1e-2 } else { 5e-3 };
             assert!((integral - spread).abs() < tolerance, "{} from {wo:?}: {integral} {spread}", entry.name);
         }
     });

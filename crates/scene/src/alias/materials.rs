@@ -140,14 +140,16 @@ pub(super) const KINDS: &[Table] = &[(
         ("roughdielectric roughglass frostedglass", ROUGH_GLASS),
         ("thinglass archglass", Called("thin_dielectric")),
         ("roughdiffuse orennayar rough", Write("`diffuse: { roughness: 0.5 }`")),
-        ("velvet cloth", NotYet("cloth")),
+        ("velvet cloth fabric sheenbsdf charlie", Called("sheen")),
         ("blinn blinnphong", Write("`phong: { highlight: blinn }`")),
         ("modifiedphong", Called("phong")),
         ("difftrans diffusetransmit paper", Called("diffuse_transmission")),
         ("roughplastic substrate uber glossycoating glossytranslucent shiny glossybsdf", Called("plastic")),
+        ("coateddiffuse", Called("coated_diffuse")),
+        ("coatedconductor", Called("coated_conductor")),
         ("anisotropic ward", Write("`conductor: { roughness: 0.3, roughness_v: 0.05 }`")),
         (
-            "principled principledbsdf disney openpbr standardsurface openpbrsurface pbr coateddiffuse coatedconductor layered clearcoat carpaint pbrmetallicroughness uberv2 toon",
+            "principled principledbsdf disney openpbr standardsurface openpbrsurface pbr layered clearcoat carpaint pbrmetallicroughness uberv2 toon",
             LAYERED,
         ),
         (

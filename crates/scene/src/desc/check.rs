@@ -7,11 +7,11 @@ use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refract
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, CameraAt, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, Dielectric, DiffuseTransmission,
-    DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula,
-    Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer, Orthographic, Panorama,
-    Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture, SpectralChannels, Spectrum,
-    SpotLight, Texture, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    Bezier, CameraAt, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, Dielectric,
+    DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye,
+    FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer,
+    Orthographic, Panorama, Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture,
+    SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -353,21 +353,30 @@ pub(super) fn formula(f: &Formula, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 pub(super) fn conductor(c: &Conductor, keys: &Keys<'_>, d: &mut Decoder) {
-    if let Some(name) = &c.metal {
+    metal("conductor", &c.metal, [c.eta.is_some(), c.k.is_some()], keys, d);
+}
+
+pub(super) fn coated_conductor(c: &CoatedConductor, keys: &Keys<'_>, d: &mut Decoder) {
+    metal("coated_conductor", &c.metal, [c.eta.is_some(), c.k.is_some()], keys, d);
+}
+
+/// A metal is told by its name, or by both parts of its index of refraction.
+fn metal(owner: &str, named: &Option<Name>, given: [bool; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    if let Some(name) = named {
         let names: Vec<&str> = refraction::metal_names().collect();
         known(name, "metal", refraction::metal(name).is_some(), &names, d);
-        for (key, given) in [("eta", c.eta.is_some()), ("k", c.k.is_some())] {
+        for (key, given) in ["eta", "k"].into_iter().zip(given) {
             if given {
-                let message = format!("`conductor` takes `metal` or `{key}`, not both");
+                let message = format!("`{owner}` takes `metal` or `{key}`, not both");
                 let help = (keys.key_span("metal"), "`metal` is here");
                 d.push(Diagnostic::error(keys.key_span(key), message).related(help.0, help.1));
             }
         }
         return;
     }
-    for (key, given) in [("eta", c.eta.is_some()), ("k", c.k.is_some())] {
+    for (key, given) in ["eta", "k"].into_iter().zip(given) {
         if !given {
-            let message = format!("`conductor` needs `metal`, or `eta` and `k`: there is no `{key}`");
+            let message = format!("`{owner}` needs `metal`, or `eta` and `k`: there is no `{key}`");
             d.push(Diagnostic::error(keys.owner(), message));
             return;
         }

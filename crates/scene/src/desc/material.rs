@@ -275,6 +275,33 @@ describe! {
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
         } with relief: Relief),
+        /// A clear coat over a ground that scatters evenly, as pbrt's `coateddiffuse`: light is followed through it step by step.
+        "coated_diffuse" => CoatedDiffuse(struct CoatedDiffuse {
+            /// Share of light that the ground reflects.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
+        } with coat: Coat with relief: Relief),
+        /// A clear coat over metal, as pbrt's `coatedconductor`.
+        "coated_conductor" => CoatedConductor(struct CoatedConductor [check::coated_conductor] {
+            /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
+            metal: Option<Name> = None,
+            /// Real part of the metal's index of refraction, relative to air.
+            eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            /// Imaginary part of the metal's index of refraction: absorption.
+            k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            /// GGX alpha of the metal's facets: 0 is polished.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+        } with coat: Coat with relief: Relief),
+        /// Cloth: an evenly scattering ground, and fibres that light up at grazing angles (Estevez and Kulla 2017).
+        "sheen" => Sheen(struct Sheen {
+            /// Share of light that the ground reflects.
+            reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.3)),
+            /// Colour of the sheen.
+            color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
+            /// How far the sheen reaches from the rim.
+            roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.4),
+            /// Whether the back looks like the front; else it is black.
+            two_sided: bool = true,
+        } with relief: Relief),
         /// Two materials at the same place, each with a share.
         "mix" => Mix(struct Mix {
             /// What has the rest.
@@ -350,6 +377,27 @@ describe! {
         /// Where closed surfaces overlap, the material of the highest priority is there alone; where the numbers are alike,
         /// the one inside the other.
         priority: u32 [Limit::within(0.0, 1000.0)] = 0,
+    }
+}
+
+describe! {
+    /// A clear coat and the layer below its boundary.
+    pub struct Coat {
+        /// Index of refraction of the coat over that outside.
+        coat_eta: f64 [Limit::within(1.0001, 10.0)] = 1.5,
+        /// GGX alpha of the coat's boundary: 0 is smooth.
+        coat_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+        /// Optical depth of the layer between the boundary and the ground: light that crosses it straight on is dimmed to exp(-thickness), unless
+        /// it is scattered.
+        thickness: f64 [Limit::within(1e-6, 1e3)] = 0.01,
+        /// Share of what the layer stops that it scatters; the rest is absorbed.
+        albedo: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.0)),
+        /// Mean cosine of what is scattered there: above 0 forwards, below 0 backwards (Henyey and Greenstein).
+        g: f64 [Limit::within(-0.99, 0.99)] = 0.0,
+        /// Most boundaries and events in the layer that light is followed to.
+        max_depth: u32 [Limit::within(1.0, 1000.0)] = 10,
+        /// Whether the back looks like the front; else it is black.
+        two_sided: bool = true,
     }
 }
 
@@ -442,6 +490,9 @@ impl Material {
             Self::Mix(m) => &m.relief,
             Self::Mask(m) => &m.relief,
             Self::TwoFaces(m) => &m.relief,
+            Self::CoatedDiffuse(m) => &m.relief,
+            Self::CoatedConductor(m) => &m.relief,
+            Self::Sheen(m) => &m.relief,
             Self::Phong(m) => &m.relief,
             Self::Glossy(m) => &m.relief,
             Self::Transparent(m) => &m.relief,
