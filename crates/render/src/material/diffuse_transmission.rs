@@ -6,9 +6,11 @@
 use std::f32::consts::FRAC_1_PI;
 
 use straal_color::Light;
+use straal_math::simd::Float;
 use straal_math::{Vec3, warp};
 use straal_scene::desc;
 
+use super::many::{self, Lobe, These, is_lobe};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
@@ -56,19 +58,52 @@ impl Recipe for DiffuseTransmissionMaterial {
 
 /// What scatters light evenly on both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DiffuseTransmission {
+pub struct DiffuseTransmission<F = f32> {
     /// Share of light that is sent back.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// Share of light that goes through.
-    pub transmittance: Light,
+    pub transmittance: Light<F>,
 }
 
-impl DiffuseTransmission {
+impl<F: Float> DiffuseTransmission<F> {
     /// The chance of going through.
-    #[inline]
-    fn chance(&self) -> f32 {
+    #[inline(always)]
+    fn chance(&self) -> F {
         let (r, t) = (self.reflectance.max_lane(), self.transmittance.max_lane());
-        if t > 0.0 { t / (r + t) } else { 0.0 }
+        F::select(t.gt(F::ZERO), t / (r + t), F::ZERO)
+    }
+}
+
+impl<F: Float> Lobe<F> for DiffuseTransmission<F> {
+    type One = DiffuseTransmission;
+
+    #[inline(always)]
+    fn gather(these: impl These<DiffuseTransmission>) -> Self {
+        Self {
+            reflectance: many::light(these, |d: &DiffuseTransmission| d.reflectance),
+            transmittance: many::light(these, |d: &DiffuseTransmission| d.transmittance),
+        }
+    }
+
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>, _: Transport) -> (Light<F>, F) {
+        let even = wi.z.abs() * FRAC_1_PI;
+        let even = F::select(wo.z.eq(F::ZERO) | wi.z.eq(F::ZERO), F::ZERO, even);
+        let through = self.chance();
+        let back = (wo.z * wi.z).gt(F::ZERO);
+        let value = Light::select(back, self.reflectance, self.transmittance) * even;
+        (value, F::select(back, F::ONE - through, through) * even)
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, u_lobe: F, u: [F; 2], transport: Transport) -> (BsdfSample<F>, F::Mask) {
+        let transmitted = u_lobe.lt(self.chance());
+        let above = wo.z.gt(F::ZERO) ^ transmitted;
+        let d = warp::cosine_hemisphere(u);
+        let wi = Vec3::new(d.x, d.y, F::select(above, d.z, -d.z));
+        let (value, pdf) = self.eval_pdf(wo, wi, transport);
+        let sample = BsdfSample::reflected(wi, value * (F::ONE / pdf), pdf);
+        (BsdfSample { transmitted, ..sample }, pdf.gt(F::ZERO))
     }
 }
 
@@ -77,38 +112,11 @@ impl Scatter for DiffuseTransmission {
     const LOSES_BELOW: bool = true;
     const TRANSMITS: bool = true;
 
+    is_lobe!(DiffuseTransmission);
+
     #[inline]
     fn is_delta(&self) -> bool {
         false
-    }
-
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let even = wi.z.abs() * FRAC_1_PI;
-        let through = self.chance();
-        if wo.z == 0.0 || wi.z == 0.0 {
-            (Light::ZERO, 0.0)
-        } else if wo.z * wi.z > 0.0 {
-            (self.reflectance * even, (1.0 - through) * even)
-        } else {
-            (self.transmittance * even, through * even)
-        }
-    }
-
-    #[inline]
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        let transmitted = u_lobe < self.chance();
-        let side = if (wo.z > 0.0) == transmitted { -1.0 } else { 1.0 };
-        let d = warp::cosine_hemisphere(u);
-        let wi = Vec3::new(d.x, d.y, side * d.z);
-        let (value, pdf) = self.eval_pdf(wo, wi, transport);
-        (pdf > 0.0).then_some(BsdfSample {
-            wi,
-            weight: value * (1.0 / pdf),
-            pdf,
-            transmitted,
-            ..BsdfSample::REFLECTED
-        })
     }
 
     fn albedo(&self) -> Light {

@@ -17,7 +17,8 @@ use straal_math::simd::Float;
 use straal_math::{Frame, Vec3, ops, warp};
 use straal_scene::desc;
 
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
+use super::many::{self, Lobe, These, is_lobe};
+use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -67,13 +68,13 @@ impl Recipe for GlossyMaterial {
 
 /// A blurred mirror.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glossy {
+pub struct Glossy<F: Float = f32> {
     /// Share of light that is reflected.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// Sharpness of the image.
-    pub exponent: f32,
+    pub exponent: F,
     /// Whether the back looks like the front; else it is black.
-    pub two_sided: bool,
+    pub two_sided: F::Mask,
 }
 
 impl Glossy {
@@ -101,28 +102,44 @@ impl Glossy {
     }
 }
 
-impl Scatter for Glossy {
-    #[inline]
-    fn is_delta(&self) -> bool {
-        false
+impl<F: Float> Lobe<F> for Glossy<F> {
+    type One = Glossy;
+
+    #[inline(always)]
+    fn gather(these: impl These<Glossy>) -> Self {
+        Self {
+            reflectance: many::light(these, |g: &Glossy| g.reflectance),
+            exponent: many::each(these, |g: &Glossy| g.exponent),
+            two_sided: many::which::<_, F>(these, |g: &Glossy| g.two_sided),
+        }
     }
 
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let Some(side) = facing(wo, self.two_sided) else { return (Light::ZERO, 0.0) };
-        let [wo, wi] = [wo, wi].map(|w| Vec3::new(w.x, w.y, side * w.z));
-        let pdf = Self::pdf(self.exponent, wo, wi);
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>, _: Transport) -> (Light<F>, F) {
+        let side = facing_or_zero(wo, self.two_sided);
+        let (wo, wi) = (Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z));
+        let pdf = Glossy::pdf(self.exponent, wo, wi);
+        let pdf = F::select(side.ne(F::ZERO), pdf, F::ZERO);
         (self.reflectance * pdf, pdf)
     }
 
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, u: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, _: F, u: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        let side = facing_or_zero(wo, self.two_sided);
         let wo = Vec3::new(wo.x, wo.y, side * wo.z);
-        let wi = Self::draw(self.exponent, wo, u);
-        let pdf = Self::pdf(self.exponent, wo, wi);
-        let wi = Vec3::new(wi.x, wi.y, side * wi.z);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight: self.reflectance, pdf, ..BsdfSample::REFLECTED })
+        let wi = Glossy::draw(self.exponent, wo, u);
+        let pdf = Glossy::pdf(self.exponent, wo, wi);
+        let sample = BsdfSample::reflected(Vec3::new(wi.x, wi.y, side * wi.z), self.reflectance, pdf);
+        (sample, side.ne(F::ZERO) & pdf.gt(F::ZERO))
+    }
+}
+
+impl Scatter for Glossy {
+    is_lobe!(Glossy);
+
+    #[inline]
+    fn is_delta(&self) -> bool {
+        false
     }
 
     fn albedo(&self) -> Light {

@@ -111,7 +111,8 @@ macro_rules! is_lobe {
     ($Lobe:ident) => {
         #[inline]
         fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: $crate::material::Transport) -> (Light, f32) {
-            $crate::material::many::Lobe::eval_pdf(self, wo, wi, transport)
+            use $crate::material::many::Lobe;
+            Lobe::eval_pdf(&$Lobe::<f32>::gather(self), wo, wi, transport)
         }
 
         #[inline]
@@ -122,7 +123,9 @@ macro_rules! is_lobe {
             u: [f32; 2],
             transport: $crate::material::Transport,
         ) -> Option<$crate::material::BsdfSample> {
-            let (sample, there) = $crate::material::many::Lobe::sample(self, wo, u_lobe, u, transport);
+            use $crate::material::many::Lobe;
+            let lobe = $Lobe::<f32>::gather(self);
+            let (sample, there) = Lobe::sample(&lobe, wo, u_lobe, u, transport);
             there.then_some(sample)
         }
 

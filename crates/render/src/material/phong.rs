@@ -21,7 +21,8 @@ use straal_math::simd::Float;
 use straal_math::{Frame, Vec3, ops, warp};
 use straal_scene::desc;
 
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
+use super::many::{self, Lobe, These, is_lobe};
+use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -190,49 +191,84 @@ impl Phong {
         let (d, s) = (self.diffuse.max_lane(), self.specular.max_lane());
         if s > 0.0 { s / (d + s) } else { 0.0 }
     }
+}
 
+/// A [`Phong`] with what follows from it, or many side by side.
+#[derive(Clone, Copy)]
+struct Highlight<F: Float> {
+    diffuse: Light<F>,
+    specular: Light<F>,
+    /// What x^e is multiplied by, but for that.
+    scale: F,
+    exponent: F,
+    /// The chance of the highlight.
+    chance: F,
+    blinn: F::Mask,
+    classic: F::Mask,
+    two_sided: F::Mask,
+}
+
+impl<F: Float> Highlight<F> {
     /// As [`Scatter::eval_pdf`], for directions on the front.
-    #[inline]
-    fn on_front(&self, wo: Vec3, wi: Vec3) -> (Light, f32) {
-        if wi.z <= 0.0 {
-            return (Light::ZERO, 0.0);
-        }
+    #[inline(always)]
+    fn on_front(&self, wo: Vec3<F>, wi: Vec3<F>) -> (Light<F>, F) {
+        let there = wi.z.gt(F::ZERO);
         let even = wi.z * FRAC_1_PI;
-        let [power, density] = Self::highlight(self.form.blinn, self.exponent, wo, wi);
-        let cos = if self.form.scale == Scale::Classic { 1.0 } else { wi.z };
-        let value = self.diffuse * even + self.specular * (self.scale() * power * cos);
-        let chance = self.chance();
-        (value, even + chance * (density - even))
+        let [power, density] = Phong::highlight(self.blinn, self.exponent, wo, wi);
+        let cos = F::select(self.classic, F::ONE, wi.z);
+        let value = self.diffuse * even + self.specular * (self.scale * power * cos);
+        let pdf = even + self.chance * (density - even);
+        (Light::select(there, value, Light::splat(F::ZERO)), F::select(there, pdf, F::ZERO))
+    }
+}
+
+impl<F: Float> Lobe<F> for Highlight<F> {
+    type One = Phong;
+
+    #[inline(always)]
+    fn gather(these: impl These<Phong>) -> Self {
+        Self {
+            diffuse: many::light(these, |p: &Phong| p.diffuse),
+            specular: many::light(these, |p: &Phong| p.specular),
+            scale: many::each(these, Phong::scale),
+            exponent: many::each(these, |p: &Phong| p.exponent),
+            chance: many::each(these, Phong::chance),
+            blinn: many::which::<_, F>(these, |p: &Phong| p.form.blinn),
+            classic: many::which::<_, F>(these, |p: &Phong| p.form.scale == Scale::Classic),
+            two_sided: many::which::<_, F>(these, |p: &Phong| p.two_sided),
+        }
+    }
+
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>, _: Transport) -> (Light<F>, F) {
+        let side = facing_or_zero(wo, self.two_sided);
+        let seen = side.ne(F::ZERO);
+        let (wo, wi) = (Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z));
+        let (value, pdf) = self.on_front(wo, wi);
+        (Light::select(seen, value, Light::splat(F::ZERO)), F::select(seen, pdf, F::ZERO))
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, u_lobe: F, u: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        let side = facing_or_zero(wo, self.two_sided);
+        let wo = Vec3::new(wo.x, wo.y, side * wo.z);
+        let lit = Phong::draw(self.blinn, self.exponent, wo, u);
+        let wi = Vec3::select(u_lobe.lt(self.chance), lit, warp::cosine_hemisphere(u));
+        let (value, pdf) = self.on_front(wo, wi);
+        let weight = value * (F::ONE / pdf);
+        let there = side.ne(F::ZERO) & pdf.gt(F::ZERO) & weight.is_finite();
+        (BsdfSample::reflected(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf), there)
     }
 }
 
 impl Scatter for Phong {
     const CHOOSES_LOBE: bool = true;
 
+    is_lobe!(Highlight);
+
     #[inline]
     fn is_delta(&self) -> bool {
         false
-    }
-
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let Some(side) = facing(wo, self.two_sided) else { return (Light::ZERO, 0.0) };
-        self.on_front(Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z))
-    }
-
-    #[inline]
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
-        let wo = Vec3::new(wo.x, wo.y, side * wo.z);
-        let wi = if u_lobe < self.chance() {
-            Self::draw(self.form.blinn, self.exponent, wo, u)
-        } else {
-            warp::cosine_hemisphere(u)
-        };
-        let (value, pdf) = self.on_front(wo, wi);
-        let weight = value * (1.0 / pdf);
-        let wi = Vec3::new(wi.x, wi.y, side * wi.z);
-        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight, pdf, ..BsdfSample::REFLECTED })
     }
 
     fn albedo(&self) -> Light {

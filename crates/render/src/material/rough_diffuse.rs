@@ -15,19 +15,20 @@ use straal_color::Light;
 use straal_math::simd::Float;
 use straal_math::{Vec3, warp};
 
-use super::{BsdfSample, Scatter, Transport, facing};
+use super::many::{self, Lobe, These, is_lobe};
+use super::{BsdfSample, Scatter, Transport, facing_or_zero};
 
 /// A rough surface that scatters evenly from facet to facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughDiffuse {
+pub struct RoughDiffuse<F: Float = f32> {
     /// Share of light that is reflected.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// How rough it is.
-    pub roughness: f32,
+    pub roughness: F,
     /// By EON, else by Oren and Nayar.
-    pub eon: bool,
+    pub eon: F::Mask,
     /// Whether the back looks like the front; else it is black.
-    pub two_sided: bool,
+    pub two_sided: F::Mask,
 }
 
 /// c1 and c2 of EON.
@@ -63,45 +64,63 @@ impl RoughDiffuse {
         let oren_nayar = a + b * t.max(F::ZERO);
         [F::select(eon, facets, oren_nayar), F::select(eon, others, F::ZERO)]
     }
+}
 
+impl<F: Float> RoughDiffuse<F> {
     /// The value for directions above the surface.
-    #[inline]
-    fn on_front(&self, wo: Vec3, wi: Vec3) -> Light {
-        let [facets, others] = Self::shape(self.eon, self.roughness, wo, wi);
-        let average = (1.0 + C[1] * self.roughness) / (1.0 + C[0] * self.roughness);
-        let of = |rho: f32| {
-            let many = rho * rho * average / (1.0 - rho * (1.0 - average));
-            (rho * facets + many * others) * FRAC_1_PI * wi.z
-        };
-        self.reflectance.map(of)
+    #[inline(always)]
+    fn on_front(&self, wo: Vec3<F>, wi: Vec3<F>) -> Light<F> {
+        let [facets, others] = RoughDiffuse::shape(self.eon, self.roughness, wo, wi);
+        let average = RoughDiffuse::mean(self.roughness);
+        self.reflectance.map(
+            #[inline(always)]
+            |rho| {
+                let many = rho * rho * average / (F::ONE - rho * (F::ONE - average));
+                (rho * facets + many * others) * FRAC_1_PI * wi.z
+            },
+        )
+    }
+}
+
+impl<F: Float> Lobe<F> for RoughDiffuse<F> {
+    type One = RoughDiffuse;
+
+    #[inline(always)]
+    fn gather(these: impl These<RoughDiffuse>) -> Self {
+        Self {
+            reflectance: many::light(these, |r: &RoughDiffuse| r.reflectance),
+            roughness: many::each(these, |r: &RoughDiffuse| r.roughness),
+            eon: many::which::<_, F>(these, |r: &RoughDiffuse| r.eon),
+            two_sided: many::which::<_, F>(these, |r: &RoughDiffuse| r.two_sided),
+        }
+    }
+
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>, _: Transport) -> (Light<F>, F) {
+        let side = facing_or_zero(wo, self.two_sided);
+        let (wo, wi) = (Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z));
+        let there = side.ne(F::ZERO) & wi.z.gt(F::ZERO);
+        let value = Light::select(there, self.on_front(wo, wi), Light::splat(F::ZERO));
+        (value, F::select(there, wi.z * FRAC_1_PI, F::ZERO))
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, _: F, u: [F; 2], transport: Transport) -> (BsdfSample<F>, F::Mask) {
+        let d = warp::cosine_hemisphere(u);
+        let wi = Vec3::new(d.x, d.y, facing_or_zero(wo, self.two_sided) * d.z);
+        let (value, pdf) = self.eval_pdf(wo, wi, transport);
+        (BsdfSample::reflected(wi, value * (F::ONE / pdf), pdf), pdf.gt(F::ZERO))
     }
 }
 
 impl Scatter for RoughDiffuse {
     const LOSES_BELOW: bool = true;
 
+    is_lobe!(RoughDiffuse);
+
     #[inline]
     fn is_delta(&self) -> bool {
         false
-    }
-
-    #[inline]
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let Some(side) = facing(wo, self.two_sided) else { return (Light::ZERO, 0.0) };
-        let [wo, wi] = [wo, wi].map(|w| Vec3::new(w.x, w.y, side * w.z));
-        if wi.z <= 0.0 {
-            return (Light::ZERO, 0.0);
-        }
-        (self.on_front(wo, wi), wi.z * FRAC_1_PI)
-    }
-
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
-        let d = warp::cosine_hemisphere(u);
-        let wi = Vec3::new(d.x, d.y, side * d.z);
-        let (value, pdf) = self.eval_pdf(wo, wi, transport);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight: value * (1.0 / pdf), pdf, ..BsdfSample::REFLECTED })
     }
 
     fn albedo(&self) -> Light {

@@ -2,27 +2,46 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::Float;
 
-use super::{BsdfSample, Scatter, Transport, facing, fresnel, mirror::reflected};
+use super::many::{self, Lobe, These, is_lobe};
+use super::{BsdfSample, Scatter, Transport, facing_or_zero, fresnel, mirror::reflected};
 
 /// A mirror that reflects R + (1 - R) (1 - cos)^5 (Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering", eq. 15).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SchlickMirror {
+pub struct SchlickMirror<F: Float = f32> {
     /// Share of light that is reflected straight on.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// To what it grows: 1 in all lanes that carry light.
-    pub most: Light,
+    pub most: Light<F>,
     /// Whether the back looks like the front; else it is black.
-    pub two_sided: bool,
+    pub two_sided: F::Mask,
+}
+
+impl<F: Float> Lobe<F> for SchlickMirror<F> {
+    type One = SchlickMirror;
+
+    #[inline(always)]
+    fn gather(these: impl These<SchlickMirror>) -> Self {
+        Self {
+            reflectance: many::light(these, |m: &SchlickMirror| m.reflectance),
+            most: many::light(these, |m: &SchlickMirror| m.most),
+            two_sided: many::which::<_, F>(these, |m: &SchlickMirror| m.two_sided),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, _: F, _: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        let share = self.reflectance.map(
+            #[inline(always)]
+            |r| fresnel::schlick(r, wo.z.abs()),
+        );
+        (reflected(wo, self.most * share, F::ONE), facing_or_zero(wo, self.two_sided).ne(F::ZERO))
+    }
 }
 
 impl Scatter for SchlickMirror {
-    #[inline]
-    fn sample(&self, wo: Vec3, _: f32, _: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        facing(wo, self.two_sided)?;
-        let share = self.reflectance.map(|r| fresnel::schlick(r, wo.z.abs()));
-        Some(reflected(wo, self.most * share, 1.0))
-    }
+    is_lobe!(SchlickMirror);
 
     fn albedo(&self) -> Light {
         self.reflectance

@@ -6,15 +6,17 @@
 
 use straal_color::Light;
 use straal_math::Vec3;
+use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
+use super::many::{self, Lobe, These, is_lobe};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected};
 use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
 
-/// A pane without an inside.
+/// A pane without an inside, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectricMaterial {
     /// Index of refraction of the pane over that outside.
@@ -61,43 +63,53 @@ impl Recipe for ThinDielectricMaterial {
 
 /// A pane without an inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ThinDielectric {
+pub struct ThinDielectric<F = f32> {
     /// Index of refraction of the pane over that outside.
-    pub eta: f32,
+    pub eta: F,
     /// Tint of what is reflected; physical is 1.
-    pub reflectance: Light,
+    pub reflectance: Light<F>,
     /// Tint of what passes; physical is 1.
-    pub transmittance: Light,
+    pub transmittance: Light<F>,
 }
 
-impl ThinDielectric {
-    fn share(&self, cos: f32) -> f32 {
+impl<F: Float> ThinDielectric<F> {
+    #[inline(always)]
+    fn share(&self, cos: F) -> F {
         let one = fresnel::dielectric(cos, self.eta).reflected;
-        2.0 * one / (1.0 + one)
+        one * 2.0 / (one + 1.0)
+    }
+}
+
+impl<F: Float> Lobe<F> for ThinDielectric<F> {
+    type One = ThinDielectric;
+
+    #[inline(always)]
+    fn gather(these: impl These<ThinDielectric>) -> Self {
+        Self {
+            eta: many::each(these, |t: &ThinDielectric| t.eta),
+            reflectance: many::light(these, |t: &ThinDielectric| t.reflectance),
+            transmittance: many::light(these, |t: &ThinDielectric| t.transmittance),
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, u_lobe: F, _: [F; 2], _: Transport) -> (BsdfSample<F>, F::Mask) {
+        let share = self.share(wo.z.abs());
+        let yes = F::Mask::splat(true);
+        let through = BsdfSample {
+            delta: yes,
+            transmitted: yes,
+            ..BsdfSample::reflected(-wo, self.transmittance, F::ONE - share)
+        };
+        let reflected = reflected(wo, self.reflectance, share);
+        (BsdfSample::select(u_lobe.lt(share), reflected, through), wo.z.ne(F::ZERO))
     }
 }
 
 impl Scatter for ThinDielectric {
     const CHOOSES_LOBE: bool = true;
 
-    #[inline]
-    fn sample(&self, wo: Vec3, u_lobe: f32, _: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        if wo.z == 0.0 {
-            return None;
-        }
-        let share = self.share(wo.z.abs());
-        if u_lobe < share {
-            return Some(reflected(wo, self.reflectance, share));
-        }
-        Some(BsdfSample {
-            wi: -wo,
-            weight: self.transmittance,
-            pdf: 1.0 - share,
-            delta: true,
-            transmitted: true,
-            ..BsdfSample::REFLECTED
-        })
-    }
+    is_lobe!(ThinDielectric);
 
     fn albedo(&self) -> Light {
         let share = self.share(1.0);
