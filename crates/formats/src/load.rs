@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use straal_scene::decode::{Strictness, write_json};
-use straal_scene::desc::{Integrator, Light, Node, Spectrum, too_bright};
+use straal_scene::desc::{Integrator, Light, MaterialRef, Node, Spectrum, too_bright};
 use straal_scene::diagnostic::start_of;
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::{Asset, FileRef};
@@ -471,10 +471,17 @@ fn gives_light(scene: &Scene, assets: &Assets) -> bool {
         if let Node::Mesh(m) = node
             && let Some(asset) = &m.file
         {
-            lit |= assets.mesh(asset.handle).materials.values().any(|m| m.emission.is_some());
+            lit |= assets
+                .mesh(asset.handle)
+                .materials
+                .values()
+                .any(|m| m.emission.is_some() || m.material.shines());
+        }
+        if let Some(MaterialRef::Inline(material)) = node.surface().and_then(|s| s.material.as_ref()) {
+            lit |= material.shines();
         }
     });
-    lit
+    lit || scene.materials.iter().any(|(_, material)| material.shines())
 }
 
 /// A mesh by itself shows its colours.

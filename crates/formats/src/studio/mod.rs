@@ -161,6 +161,12 @@ pub fn around(
     let named = |name: &str| Some(MaterialRef::Named(Link::new(name.to_owned())));
     // A file's own materials are shown when it has any, unless one is asked for; parts without one are clay.
     let has_own = wish.finish.is_none() && !asset.materials.is_empty();
+    if has_own && has_colours(asset) {
+        let message =
+            format!("the colours of its vertices in `{name}` are not shown, since it has materials");
+        let help = "a scene's `reflectance: { texture: attribute }` shows them";
+        told.push(Diagnostic::warning(Span::NONE, message).help(help));
+    }
     let shading = match wish.smooth {
         Some(crease) => Smoothing { crease, recompute: true },
         None => Smoothing { crease: CREASE, recompute: false },

@@ -101,7 +101,7 @@ macro_rules! emitters {
                 match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Around, )+ }
             }
 
-            /// Whether the light comes from nowhere, see [`super::ambient`].
+            /// Whether the light comes from nowhere, see [`AmbientLight`].
             pub fn is_ambient(&self) -> bool {
                 match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Nowhere, )+ }
             }

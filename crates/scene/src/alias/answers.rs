@@ -6,7 +6,8 @@ pub(super) const TEXTURES: Here = Write("`reflectance: { texture: { image: { fil
 pub(super) const CHECKER: Here = Write("`reflectance: { texture: { checker: {} } }`");
 pub(super) const MEDIA: Here = NotYet("fog, smoke and other media");
 pub(super) const ROUGH_GLASS: Here = Write("`dielectric: { roughness: 0.1 }`");
-pub(super) const LAYERED: Here = NotYet("coated and layered materials");
+pub(super) const LAYERED: Here =
+    Write("`open_pbr: { coat_weight: 1 }`, which has `fuzz_weight` and `thin_film_weight` as well");
 pub(super) const MASKS: Here = Write("`mask: { opacity: 0.5, material: { diffuse: {} } }`");
 pub(super) const BUMPS: Here = Write(
     "`normal_map: { texture: { image: { file: normals.png } } }` or `bump: { texture: stains, height: 0.01 }` in a material",

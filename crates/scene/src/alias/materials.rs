@@ -148,10 +148,9 @@ pub(super) const KINDS: &[Table] = &[(
         ("coateddiffuse", Called("coated_diffuse")),
         ("coatedconductor", Called("coated_conductor")),
         ("anisotropic ward", Write("`conductor: { roughness: 0.3, roughness_v: 0.05 }`")),
-        (
-            "principled principledbsdf disney openpbr standardsurface openpbrsurface pbr layered clearcoat carpaint pbrmetallicroughness uberv2 toon",
-            LAYERED,
-        ),
+        ("openpbr standardsurface openpbrsurface pbr layered clearcoat carpaint uberv2", Called("open_pbr")),
+        ("principledbsdf disney disneybsdf", Called("principled")),
+        ("pbrmetallicroughness metallicroughness", Called("gltf")),
         (
             "subsurface subsurfacescattering translucent translucentbsdf kdsubsurface measured normalizedsubsurface mattetranslucent",
             SUBSURFACE,
