@@ -137,6 +137,8 @@ impl RenderSettings {
                 recording: args.channels,
                 error: Some(has_exr),
                 layers: Some(has_exr),
+                denoise: args.denoise,
+                fireflies: args.fireflies,
                 splat: args.splat.then_some(true),
                 threads: Some(threads),
                 accel: args.accel,

@@ -19,6 +19,8 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Tells each pixel's standard error ([`crate::film::Layers::error`]): 48 bytes a pixel more where that takes batches.
     pub error: bool,
+    /// Holds what it takes to have the picture as the mean of two of other samples ([`crate::film::Film::halves`]).
+    pub halves: bool,
     /// Keeps all layers ([`crate::film::Layers`]), or colours alone.
     pub layers: bool,
     /// Whether samples are drawn by a filter that has negative lobes.
@@ -45,7 +47,9 @@ impl Settings {
 
     /// Whether the film holds batches.
     pub fn holds_batches(&self) -> bool {
-        (self.error || self.noise.is_some()) && self.error_estimate() == ErrorEstimate::Batches
+        let by_batches = self.error_estimate() == ErrorEstimate::Batches;
+        (self.error || self.noise.is_some()) && by_batches
+            || self.halves && !self.splat && self.noise.is_none()
     }
 
     /// The part of the picture that is rendered, which the crop lies in; `filter_radius` in pixels.
@@ -91,6 +95,7 @@ impl Settings {
             seed: 0,
             noise: None,
             error: false,
+            halves: false,
             layers: true,
             signed: false,
             splat: false,

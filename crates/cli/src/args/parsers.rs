@@ -9,6 +9,7 @@ use straal::search;
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::Observer;
 use straal_math::lowdisc::PatternKind;
+use straal_scene::desc::Denoise;
 use straal_study::cost;
 
 /// A parser of names that lists them in the help and, for a wrong one, suggests the nearest.
@@ -98,6 +99,10 @@ pub(super) fn measure() -> impl TypedValueParser<Value = cost::Measure> {
 
 pub(super) fn picture_format() -> impl TypedValueParser<Value = Format> {
     named(Format::ALL.map(|f| (f.name(), f)).to_vec())
+}
+
+pub(super) fn denoise() -> impl TypedValueParser<Value = Denoise> {
+    named(vec![("best", Denoise::Best), ("fast", Denoise::Fast), ("off", Denoise::Off)])
 }
 
 pub(super) fn effort() -> impl TypedValueParser<Value = Effort> {

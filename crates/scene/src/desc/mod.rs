@@ -33,8 +33,8 @@ pub use light::{
 pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{
-    BlackmanHarris, Channels, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler,
-    SamplerKind, SpectralChannels, Tent,
+    BlackmanHarris, Channels, Denoise, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer,
+    Sampler, SamplerKind, SpectralChannels, Tent,
 };
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Smoothing, Sphere,

@@ -6,6 +6,7 @@ mod run;
 pub use keep::Snapshot;
 pub use run::{Blocks, Control, Outcome, Progress, Verdict};
 
+use crate::denoise::Denoising;
 use crate::development::Development;
 use crate::forecast::Forecast;
 use crate::resolve::{Error, Overrides, Plan, needs_count};
@@ -34,6 +35,10 @@ pub struct Job {
     pub integrator: AnyIntegrator,
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
+    /// How the picture is denoised when it is rendered, if it is.
+    pub denoise: Option<Denoising>,
+    /// Relative error of the denoised picture that ends the render, in nineteen of twenty blocks of 8 x 8 pixels.
+    pub denoised_noise: Option<f64>,
     /// What it takes of memory.
     pub forecast: Forecast,
     memory: Option<u64>,
@@ -91,6 +96,8 @@ impl Job {
             first,
             whole,
             integrator: plan.integrator,
+            denoise: plan.denoise,
+            denoised_noise: plan.denoised_noise,
             scene_hash: scene_hash(loaded, custom),
             forecast,
             memory: plan.memory,
