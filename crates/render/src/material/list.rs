@@ -18,10 +18,13 @@ macro_rules! bsdfs {
         }
 
         impl BsdfKind {
-            /// Hands the kind's own type to who works with any.
+            /// Hands the kind's own type to who works with any; that of all where a type of its own would gain nothing.
             #[inline]
             pub(crate) fn hand_to<'w>(self, worker: impl WithKind<'w>) {
-                match self { $( Self::$Kind => worker.with::<$Type>(), )+ }
+                match self {
+                    $( Self::$Kind if const { <$Type as Scatter>::SIDE_BY_SIDE } => worker.with::<$Type>(), )+
+                    _ => worker.with::<Bsdf<'w>>(),
+                }
             }
 
             /// All kinds, each at the place of its number.

@@ -326,6 +326,9 @@ pub(crate) trait Scatter: Copy {
     /// Whether [`Self::sample`] reads the number that chooses a lobe.
     const CHOOSES_LOBE: bool = false;
 
+    /// Whether it is written for any number of lanes ([`many::Lobe`]); else it is asked lane by lane, among all other kinds.
+    const SIDE_BY_SIDE: bool = false;
+
     /// Whether what it would send into the surface is lost; else a mirror on the surface sends it out, see [`shaded`].
     const LOSES_BELOW: bool = false;
 
