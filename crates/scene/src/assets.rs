@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, LazyLock};
 
-use crate::desc::Material;
+use crate::desc::{Material, Spectrum, Varying};
 use crate::handle::{Handle, Store};
-use crate::value::{Color, FileRef};
+use crate::value::FileRef;
 use crate::{Bitmap, Image, Mesh};
-use straal_color::spectrum::Spectrum;
+use straal_color::spectrum;
 
 /// What a mesh file's own material of a given name becomes.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct PartMaterial {
     /// What the surface does with light.
     pub material: Material,
     /// Radiance it sends out, if any.
-    pub emission: Option<Color>,
+    pub emission: Option<Varying<Spectrum>>,
 }
 
 /// A mesh and the materials that came with it.
@@ -37,7 +37,7 @@ pub struct Assets {
     /// Pictures that textures are read off.
     pub bitmaps: Store<Bitmap, Arc<Bitmap>>,
     /// Spectra.
-    pub spectra: BTreeMap<String, Arc<Spectrum>>,
+    pub spectra: BTreeMap<String, Arc<spectrum::Spectrum>>,
 }
 
 static NO_MESH: LazyLock<MeshAsset> = LazyLock::new(MeshAsset::default);
@@ -73,7 +73,7 @@ impl Assets {
     }
 
     /// The spectrum of a file; `None` when it was never read.
-    pub fn spectrum(&self, file: &FileRef) -> Option<&Arc<Spectrum>> {
+    pub fn spectrum(&self, file: &FileRef) -> Option<&Arc<spectrum::Spectrum>> {
         self.spectra.get(&file.value)
     }
 }
