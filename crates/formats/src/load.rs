@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use straal_scene::decode::{Strictness, write_json};
-use straal_scene::desc::{Integrator, Light};
+use straal_scene::desc::{Integrator, Light, Node};
 use straal_scene::diagnostic::start_of;
+use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{
-    Assets, Diagnostic, Diagnostics, FileId, Image, MeshAsset, Scene, Span, glow::Glow, read_scene, suggest,
-    whole,
+    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow, read_scene,
+    suggest, whole,
 };
 
 use crate::files::{self, Finder, Found, Refusal};
-use crate::mesh_file::{self, MeshFile};
+use crate::mesh_file::{self, Means, MeshFile, Picture};
 use crate::studio::{self, Studio};
 use crate::{Limits, ReadError, foreign, image, spd, yaml};
 
@@ -128,10 +129,13 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     }
     let files = paths.values().cloned().collect();
     let attributes = scene.attributes().into_iter().map(|name| name.value.clone()).collect();
+    let handles = handles_of(&scene);
     let mut reader = Reader {
         limits: &options.files,
         finder,
         attributes,
+        handles,
+        pictures: Vec::new(),
         hashes: BTreeMap::new(),
         files,
         ledger,
@@ -187,8 +191,11 @@ pub fn load_stream(name: &str, bytes: &[u8], options: &Options) -> Result<Loaded
         return load_bytes(name, bytes, Path::new(""), options);
     };
     let path = Path::new(name).with_extension(extension);
-    let read = mesh_file::read(bytes, &path, &options.files, &mut finder(options)?, &is_colour);
-    in_studio(&path, read.map_err(|refusal| cannot_read(&path, refusal))?, &options.studio)
+    let (mut finder, mut handles) = (finder(options)?, Handles::default());
+    let means =
+        Means { limits: &options.files, finder: &mut finder, handles: &mut handles, wanted: &is_colour };
+    let read = mesh_file::read(bytes, &path, means).map_err(|refusal| cannot_read(&path, refusal))?;
+    in_studio(&path, read, options, Ledger::new(options.memory))
 }
 
 fn only(complaint: Diagnostic) -> Diagnostics {
@@ -290,12 +297,40 @@ fn locate(
     paths
 }
 
+/// Handles of the pictures that a scene's own textures are read off, from which others can go on.
+fn handles_of(scene: &Scene) -> Handles {
+    let mut known = scene.bitmap_files();
+    known.sort_by_key(|asset| asset.handle);
+    let mut handles = Handles::default();
+    for asset in known {
+        handles.of::<Bitmap>(&asset.file.value);
+    }
+    handles
+}
+
+/// Meshes that are shown with the materials of their files somewhere.
+fn with_their_own_materials(scene: &Scene) -> BTreeSet<Handle<Mesh>> {
+    let mut found = BTreeSet::new();
+    scene.visit(|node| {
+        if let Node::Mesh(m) = node
+            && m.surface.material.is_none()
+        {
+            found.extend(m.file.as_ref().map(|asset| asset.handle));
+        }
+    });
+    found
+}
+
 /// Reads the files of a scene, each once.
 struct Reader<'a> {
     limits: &'a Limits,
     finder: Finder,
     /// What textures read of meshes.
     attributes: BTreeSet<String>,
+    /// Handles of the pictures that textures are read off.
+    handles: Handles,
+    /// Those of them that materials of meshes name, with what the scene calls the mesh.
+    pictures: Vec<(FileRef, Picture)>,
     /// BLAKE3 of each file, by the name that the scene gives it.
     hashes: BTreeMap<String, [u8; 32]>,
     /// What has been read so far.
@@ -311,6 +346,7 @@ impl Reader<'_> {
         // The same file under two names is read once.
         let mut meshes: BTreeMap<PathBuf, Option<(MeshAsset, [u8; 32])>> = BTreeMap::new();
         let mut images: BTreeMap<PathBuf, Option<(Arc<Image>, [u8; 32])>> = BTreeMap::new();
+        let as_they_are = with_their_own_materials(scene);
         for Asset { file, handle } in scene.mesh_files() {
             let Some(path) = paths.get(&file.value) else { continue };
             if assets.meshes.get(*handle).is_some() {
@@ -318,7 +354,7 @@ impl Reader<'_> {
             }
             let real = path.canonicalize().unwrap_or_else(|_| path.clone());
             if !meshes.contains_key(&real) {
-                let asset = self.mesh(file, path);
+                let asset = self.mesh((file, as_they_are.contains(handle)), path);
                 meshes.insert(real.clone(), asset);
             }
             if let Some(Some((asset, hash))) = meshes.get(&real) {
@@ -365,17 +401,27 @@ impl Reader<'_> {
         assets
     }
 
-    /// A mesh; none after a complaint.
-    fn mesh(&mut self, file: &FileRef, path: &Path) -> Option<(MeshAsset, [u8; 32])> {
+    /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
+    fn mesh(&mut self, (file, has_materials): (&FileRef, bool), path: &Path) -> Option<(MeshAsset, [u8; 32])> {
         // As many bytes as the file has for the mesh that it holds, and the file's own.
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, 2 * length, MESH_HELP) {
             return None;
         }
         let wanted = |name: &str| self.attributes.contains(name);
-        match mesh_file::load(path, self.limits, &mut self.finder, &wanted) {
-            Ok(MeshFile { asset, warnings, hash, libraries }) => {
+        let means = Means {
+            limits: self.limits,
+            finder: &mut self.finder,
+            handles: &mut self.handles,
+            wanted: &wanted,
+        };
+        match mesh_file::load(path, means) {
+            Ok(MeshFile { asset, warnings, hash, libraries, pictures }) => {
                 self.files.extend(libraries);
+                if has_materials {
+                    self.files.extend(pictures.iter().map(|p| p.path.clone()));
+                    self.pictures.extend(pictures.into_iter().map(|p| (file.clone(), p)));
+                }
                 for warning in warnings {
                     let message = format!("in `{}`: {warning}", file.value);
                     self.d.push(Diagnostic::warning(file.span, message));
@@ -478,33 +524,52 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     if let Some(shortage) = ledger.refuse(2 * length, what, MESH_HELP) {
         return Err(lacking(&shortage));
     }
-    let read = mesh_file::load(&place, &options.files, &mut finder, &is_colour)
-        .map_err(|r| fail(r.or_similar(&place)))?;
-    let libraries = read.libraries.clone();
+    let mut handles = Handles::default();
+    let means =
+        Means { limits: &options.files, finder: &mut finder, handles: &mut handles, wanted: &is_colour };
+    let read = mesh_file::load(&place, means).map_err(|r| fail(r.or_similar(&place)))?;
     ledger.pass(length + read.asset.mesh.heap_bytes());
-    let loaded = in_studio(path, read, &options.studio)?;
-    let files = std::iter::once(path.to_path_buf()).chain(libraries).collect();
-    Ok(Loaded { files, peak_bytes: ledger.most(), ..loaded })
+    ledger.keep(read.asset.mesh.heap_bytes());
+    let loaded = in_studio(path, read, options, ledger)?;
+    let files = std::iter::once(path.to_path_buf()).chain(loaded.files).collect();
+    Ok(Loaded { files, ..loaded })
 }
 
 /// A mesh with a studio around it.
-fn in_studio(path: &Path, read: MeshFile, studio: &studio::Studio) -> Result<Loaded, Diagnostics> {
+fn in_studio(path: &Path, read: MeshFile, options: &Options, ledger: Ledger) -> Result<Loaded, Diagnostics> {
     let name = path.display().to_string();
     let mut assets = Assets::default();
     let shown = Asset::new(name.clone(), assets.meshes.add(read.asset.clone()));
-    let (scene, told) = studio::around(&shown, &read.asset, studio)
+    let (scene, told) = studio::around(&shown, &read.asset, &options.studio)
         .map_err(|problem| cannot_read(path, Refusal::new(problem)))?;
     let mut warnings = Diagnostics::default();
+    let has_materials = !with_their_own_materials(&scene).is_empty();
+    let pictures = if has_materials { read.pictures } else { Vec::new() };
+    let mut files = read.libraries;
+    files.extend(pictures.iter().map(|p| p.path.clone()));
+    let mut reader = Reader {
+        limits: &options.files,
+        finder: Finder::default(),
+        attributes: BTreeSet::new(),
+        handles: Handles::default(),
+        pictures: pictures.into_iter().map(|p| (name.clone().into(), p)).collect(),
+        hashes: BTreeMap::new(),
+        files,
+        ledger,
+        d: &mut warnings,
+    };
+    reader.bitmaps(&scene, &BTreeMap::new(), &mut assets);
+    let Reader { mut hashes, files, ledger, .. } = reader;
     told.into_iter().for_each(|d| warnings.push(d));
     for complaint in read.warnings {
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let hash = hash(&scene, &BTreeMap::from([(file_name, read.hash)]));
-    let peak_bytes = 0;
     whole::validate(&scene, &assets, &mut warnings);
     if warnings.has_errors() {
         return Err(warnings);
     }
-    Ok(Loaded { scene, assets, warnings, hash, files: read.libraries, text_bytes: 0, peak_bytes })
+    hashes.insert(file_name, read.hash);
+    let hash = hash(&scene, &hashes);
+    Ok(Loaded { scene, assets, warnings, hash, files, text_bytes: 0, peak_bytes: ledger.most() })
 }

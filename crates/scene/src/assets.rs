@@ -3,9 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, LazyLock};
 
-use crate::desc::Material;
+use crate::desc::{Material, Spectrum, Varying};
 use crate::handle::{Handle, Store};
-use crate::value::Color;
 use crate::{Bitmap, Image, Mesh};
 use straal_color::spectrum::TabulatedSpectrum;
 
@@ -15,7 +14,7 @@ pub struct PartMaterial {
     /// What the surface does with light.
     pub material: Material,
     /// Radiance it sends out, if any.
-    pub emission: Option<Color>,
+    pub emission: Option<Varying<Spectrum>>,
 }
 
 /// A mesh and the materials that came with it.

@@ -491,10 +491,10 @@ impl<'a> Build<'a> {
                 Some(part) => self.materials.add(&part.material),
                 None => default,
             };
-            let part_glow = run.material.and_then(|part| part.emission);
+            let part_glow = run.material.and_then(|part| part.emission.as_ref());
             let radiance = match (own_glow, part_glow) {
                 (Some(own), _) => Some(own),
-                (None, Some(part)) => Some(self.materials.emission(&desc::Spectrum::from(part).into())),
+                (None, Some(part)) => Some(self.materials.emission(part)),
                 (None, None) => None,
             };
             let id = self.geometry.meshes.len() as u32;
