@@ -140,7 +140,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
     let files = reader.files;
-    let needs_light = !matches!(scene.integrator, Integrator::SineProduct);
+    let needs_light = !matches!(scene.integrator, Integrator::SineProduct | Integrator::Ao(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));

@@ -23,3 +23,4 @@ mod spectral;
 mod surfaces;
 mod textures;
 mod wide_gamut;
+mod ways_of_light;
