@@ -12,8 +12,8 @@ use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{
-    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow, read_scene,
-    suggest, whole,
+    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow,
+    read_scene, suggest, whole,
 };
 
 use crate::files::{self, Finder, Found, Refusal};
@@ -146,7 +146,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let hash = hash(&scene, &reader.hashes);
     let files = reader.files;
     whole::validate(&scene, &assets, &mut d);
-    let needs_light = !matches!(scene.integrator, Integrator::SineProduct);
+    let needs_light = !matches!(scene.integrator, Integrator::SineProduct | Integrator::Ao(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
@@ -402,7 +402,11 @@ impl Reader<'_> {
     }
 
     /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
-    fn mesh(&mut self, (file, has_materials): (&FileRef, bool), path: &Path) -> Option<(MeshAsset, [u8; 32])> {
+    fn mesh(
+        &mut self,
+        (file, has_materials): (&FileRef, bool),
+        path: &Path,
+    ) -> Option<(MeshAsset, [u8; 32])> {
         // As many bytes as the file has for the mesh that it holds, and the file's own.
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, 2 * length, MESH_HELP) {
