@@ -140,6 +140,7 @@ impl RenderSettings {
                 layers: Some(has_exr),
                 denoise: args.denoise,
                 fireflies: args.fireflies,
+                guides: args.guides,
                 splat: args.splat.then_some(true),
                 threads: Some(threads),
                 accel: args.accel,

@@ -13,7 +13,7 @@ use straal_render::driver::RenderError;
 use straal_render::film::Region;
 use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
 use straal_render::integrator::AnyIntegrator;
-use straal_render::settings::Settings;
+use straal_render::settings::{Guides, Settings};
 use straal_scene::memory::Shortage;
 use straal_scene::{Diagnostic, Span, desc};
 
@@ -58,6 +58,8 @@ pub struct Overrides {
     pub layers: Option<bool>,
     /// Denoises the picture, or not.
     pub denoise: Option<desc::Denoise>,
+    /// What the layers of albedo and normals are of; by way of mirrors and glass for a picture that is denoised, when absent.
+    pub guides: Option<Guides>,
     /// Before that, takes away light of single pixels that are brighter than so many times what is around them.
     pub fireflies: Option<f32>,
     /// Lets a sample count in all pixels whose filter reaches it.
@@ -190,6 +192,7 @@ impl Plan {
             noise: noise.filter(|_| denoise.is_none()),
             error: wish.error.unwrap_or(true) || denoise.is_some(),
             halves: denoise.is_some(),
+            guides: wish.guides.unwrap_or(if denoise.is_some() { Guides::Specular } else { Guides::First }),
             layers: wish.layers.unwrap_or(true) || denoise.is_some(),
             signed: !splat && scene.film.filter.is_signed(),
             splat,

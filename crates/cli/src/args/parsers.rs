@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::marker::PhantomData;
 use std::str::FromStr;
+use straal::Guides;
 use straal::denoise::Effort;
 use straal::picture::Format;
 use straal::search;
@@ -107,6 +108,10 @@ pub(super) fn picture_format() -> impl TypedValueParser<Value = Format> {
 
 pub(super) fn denoise() -> impl TypedValueParser<Value = Denoise> {
     named(vec![("best", Denoise::Best), ("fast", Denoise::Fast), ("off", Denoise::Off)])
+}
+
+pub(super) fn guides() -> impl TypedValueParser<Value = Guides> {
+    named(Guides::ALL.map(|g| (g.name(), g)).to_vec())
 }
 
 pub(super) fn effort() -> impl TypedValueParser<Value = Effort> {

@@ -1,13 +1,16 @@
 //! What `straal render` takes.
 
 use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
-use super::parsers::{StructureParser, build, denoise, integrator, isa, measure, pattern, picture_format};
+use super::parsers::{
+    StructureParser, build, denoise, guides, integrator, isa, measure, pattern, picture_format,
+};
 use super::{DevelopmentArgs, ReadingArgs, StudioArgs};
 use crate::exit;
 use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
+use straal::Guides;
 use straal::Recording;
 use straal::picture::Format;
 use straal_accel::{Build, Isa, Structure};
@@ -84,6 +87,12 @@ pub struct RenderArgs {
         help_heading = PICTURE
     )]
     pub denoise: Option<Denoise>,
+
+    /// What the layers of albedo and normals are of: the first surface, or the first that scatters, by way of mirrors and glass
+    ///
+    /// specular when absent for a picture that is denoised, else first.
+    #[arg(long, value_name = "GUIDES", value_parser = guides(), hide_short_help = true, help_heading = PICTURE)]
+    pub guides: Option<Guides>,
 
     /// Before denoising, take away light of single pixels that are brighter than N times what is around them, and tell how much
     #[arg(long, value_name = "N", value_parser = quantity::fireflies, hide_short_help = true, help_heading = PICTURE)]

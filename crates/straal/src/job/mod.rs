@@ -16,7 +16,7 @@ use straal_formats::load::Loaded;
 use straal_render::compile::{self, Custom, Detail, Request};
 use straal_render::film::Recording;
 use straal_render::integrator::{AnyIntegrator, PathTracer};
-use straal_render::settings::Settings;
+use straal_render::settings::{Guides, Settings};
 use straal_render::world::World;
 
 /// A compiled scene and its settings.
@@ -168,6 +168,7 @@ impl Job {
     pub(crate) fn facts(&self) -> Vec<(String, String)> {
         let s = &self.settings;
         let noise = s.noise.map(|noise| ("noise", noise.to_string()));
+        let guides = (s.guides != Guides::First).then(|| ("guides_of", s.guides.name().to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         let recording = self.world.sensor.recording();
         let channels = (recording != Recording::Rgb).then(|| ("channels", recording.name().to_string()));
@@ -188,6 +189,7 @@ impl Job {
             ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
         ])
         .chain(noise)
+        .chain(guides)
         .chain(counted)
         .chain(magnified)
         .chain(channels)
