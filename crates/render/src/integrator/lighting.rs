@@ -1,7 +1,7 @@
 //! Next-event estimation for a block of vertices: points on lights, and what they bring.
 
 use super::numbers::Numbers;
-use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Vertices, ends, frames, ray};
+use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Standing, Vertices, frames, ray};
 use crate::lanes::Lanes;
 use crate::light::LightSample;
 use crate::material::many::{OfKind, WithKind};
@@ -145,13 +145,14 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
             }
             let light = lit.load::<F>(first);
             let wi = frames::<F>(surfaces, first).to_local(light.wi);
-            let (leaning, wo) = (surfaces.leaning.load(first), surfaces.wo.load(first));
+            let Standing { from, leaning } = vertices.standing(surfaces, first);
+            let wo = surfaces.wo.load(first);
             let (value, pdf) = shaded::eval_pdf_many(bsdfs, leaning, [wo, wi], Transport::Radiance);
             let weight = F::select(light.delta, F::ONE, power_heuristic(light.pdf, pdf));
             let beta = vertices.beta.load(first);
             let brought = beta * value * light.radiance * (weight / light.pdf);
 
-            let ([o, d], t_max) = light.way_from(&ends(surfaces, first));
+            let ([o, d], t_max) = light.way_from(&from);
             out.bright.store(first, there & !value.is_black() & !brought.is_black());
             F::to_rows(
                 [o.x, o.y, o.z, F::ZERO],

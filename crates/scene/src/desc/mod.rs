@@ -37,7 +37,7 @@ pub use settings::{
     SamplerKind, SpectralChannels, Tent,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Smoothing, Sphere,
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Plane, Rectangle, Shading, Smoothing, Sphere,
     Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
