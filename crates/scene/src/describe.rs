@@ -9,7 +9,8 @@
 ///
 /// An enum is externally tagged: `"key" => Variant(Payload),` is read from `key: payload`, and the bare `key` does
 /// when there is no payload or all of its keys have defaults. `"key" => Variant(struct Payload { .. }),` defines the payload, under
-/// the same description, in place.
+/// the same description, in place. `pub enum Name each with field: Type {` gives each of these the keys of another struct, and the enum a function that
+/// asks for it; `each has field: Type` the function alone.
 macro_rules! describe {
     (
         $(#[doc = $doc:literal])+
@@ -87,6 +88,12 @@ macro_rules! describe {
                 $( <$Flat as $crate::decode::Fields>::show_fields(&self.$flat, visitor); )*
                 let _ = visitor;
             }
+
+            fn lead_fields(&mut self, places: &$crate::link::Places) {
+                $( $crate::decode::Describe::lead(&mut self.$f, places); )*
+                $( <$Flat as $crate::decode::Fields>::lead_fields(&mut self.$flat, places); )*
+                let _ = places;
+            }
         }
 
         impl $crate::decode::Describe for $T {
@@ -130,6 +137,10 @@ macro_rules! describe {
             ) {
                 $crate::decode::Fields::show_fields(self, visitor);
             }
+
+            fn lead(&mut self, places: &$crate::link::Places) {
+                $crate::decode::Fields::lead_fields(self, places);
+            }
         }
     };
 
@@ -157,6 +168,73 @@ macro_rules! describe {
                 pub struct $S $([$check])? { $($body)* } $(with $flat: $Flat)*
             }
         )+
+    };
+
+    // The same where every kind has the keys of another struct, which can be asked for whatever the kind.
+    (
+        $(#[doc = $doc:literal])+
+        pub enum $T:ident each with $each:ident : $Each:ident {
+            $(
+                $(#[doc = $vdoc:literal])+
+                $key:literal => $V:ident(
+                    struct $S:ident $([$check:path])? { $($body:tt)* } $(with $flat:ident : $Flat:ty)*
+                ),
+            )+
+        }
+    ) => {
+        describe! {
+            $(#[doc = $doc])+
+            pub enum $T {
+                $( $(#[doc = $vdoc])+ $key => $V($S), )+
+            }
+        }
+        $(
+            describe! {
+                $(#[doc = $vdoc])+
+                pub struct $S $([$check])? { $($body)* } $(with $flat: $Flat)* with $each: $Each
+            }
+        )+
+        describe!(@each $T $each $Each { $( $V )+ });
+    };
+
+    // The same of kinds that are defined elsewhere, `with` the other struct.
+    (
+        $(#[doc = $doc:literal])+
+        pub enum $T:ident each has $each:ident : $Each:ident {
+            $( $(#[doc = $vdoc:literal])+ $key:literal => $V:ident($P:ty), )+
+        }
+    ) => {
+        describe! {
+            $(#[doc = $doc])+
+            pub enum $T {
+                $( $(#[doc = $vdoc])+ $key => $V($P), )+
+            }
+        }
+        describe!(@each $T $each $Each { $( $V )+ });
+    };
+
+    // The same of kinds of which some have it, which say so.
+    (
+        $(#[doc = $doc:literal])+
+        pub enum $T:ident some have $some:ident : $Some:ident {
+            $( $(#[doc = $vdoc:literal])+ $key:literal => $V:ident($P:ty) $(has $has:ident)?, )+
+        }
+    ) => {
+        describe! {
+            $(#[doc = $doc])+
+            pub enum $T {
+                $( $(#[doc = $vdoc])+ $key => $V($P), )+
+            }
+        }
+
+        impl $T {
+            #[doc = concat!("Its [`", stringify!($Some), "`], if it is of a kind that has one.")]
+            pub const fn $some(&self) -> Option<&$Some> {
+                match self {
+                    $( Self::$V(kind) => describe!(@has kind $($has)?), )+
+                }
+            }
+        }
     };
 
     (
@@ -230,6 +308,12 @@ macro_rules! describe {
                     $( describe!(@pattern inner $V $($P)?) => describe!(@show inner visitor $($P)?), )+
                 }
             }
+
+            fn lead(&mut self, places: &$crate::link::Places) {
+                match self {
+                    $( describe!(@pattern inner $V $($P)?) => describe!(@lead inner places $($P)?), )+
+                }
+            }
         }
     };
 
@@ -275,6 +359,23 @@ macro_rules! describe {
     (@show $inner:ident $visitor:ident) => {{ let _ = $visitor; }};
     (@show $inner:ident $visitor:ident $P:ty) => {
         $crate::decode::Describe::show($inner, $crate::limit::Limit::FINITE, $visitor)
+    };
+
+    (@lead $inner:ident $places:ident) => {{ let _ = $places; }};
+    (@lead $inner:ident $places:ident $P:ty) => { $crate::decode::Describe::lead($inner, $places) };
+
+    (@has $kind:ident) => {{ let _ = $kind; None }};
+    (@has $kind:ident $has:ident) => { Some(&$kind.$has) };
+
+    (@each $T:ident $each:ident $Each:ident { $( $V:ident )+ }) => {
+        impl $T {
+            #[doc = concat!("Its [`", stringify!($Each), "`], which every kind has.")]
+            pub const fn $each(&self) -> &$Each {
+                match self {
+                    $( Self::$V(kind) => &kind.$each, )+
+                }
+            }
+        }
     };
 
     (@choice $choices:ident $defs:ident $key:literal [$($doc:literal),+]) => {

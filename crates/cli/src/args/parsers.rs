@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::marker::PhantomData;
 use std::str::FromStr;
+use straal::denoise::Effort;
 use straal::picture::Format;
 use straal::search;
 use straal_accel::{Build, Isa, Structure};
@@ -97,6 +98,10 @@ pub(super) fn measure() -> impl TypedValueParser<Value = cost::Measure> {
 
 pub(super) fn picture_format() -> impl TypedValueParser<Value = Format> {
     named(Format::ALL.map(|f| (f.name(), f)).to_vec())
+}
+
+pub(super) fn effort() -> impl TypedValueParser<Value = Effort> {
+    named(Effort::ALL.map(|e| (e.name(), e)).to_vec())
 }
 
 pub(super) fn isa() -> impl TypedValueParser<Value = Isa> {

@@ -124,7 +124,7 @@ const COMMANDS: &[(&[&str], &str)] = &[
     (&["compare", "cmp"], "it is called `straal diff A B`"),
     (&["tonemap", "postprocess", "post"], "it is called `straal develop PICTURE -o PICTURE.png`"),
     (&["bench", "benchmark"], "`straal accel SCENE` times the search structures"),
-    (&["denoise"], "there is no denoiser yet: more samples (--spp), or --noise 2%, make less noise"),
+    (&["clean", "oidn", "filter"], "it is called `straal denoise PICTURE -o CLEAN.exr`"),
     (&["complete", "completion"], "it is called `straal completions`"),
     (&["manual", "manpage", "mangen"], "it is called `straal man`"),
     (&["trace", "run", "start", "draw"], "it is called `straal render SCENE`"),

@@ -135,6 +135,10 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
+        // See `Vertices::by_kind`.
+        if F::WIDTH == 1 && !K::IS_ANY {
+            return;
+        }
         let Weigh { surfaces, vertices, lit, out, .. } = self.of;
         out.bright = Bits::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {

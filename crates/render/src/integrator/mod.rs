@@ -21,6 +21,7 @@ mod vertices;
 
 pub use out::{Contribution, Out, Target};
 pub use path::PathTracer;
+pub(crate) use path::Scratch;
 pub use queue::{Arrival, Kind, Queue};
 pub use sine_product::SineProduct;
 

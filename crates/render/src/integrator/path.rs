@@ -106,27 +106,33 @@ impl Integrator for PathTracer {
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let dimmed = world.materials.interiors().matter().then(|| dimmed(world, queue));
         let queue = &Queue { paths: dimmed.as_deref().unwrap_or(queue.paths), ..*queue };
+        let mut scratch = out.scratch.take().unwrap_or_default();
         match queue.kind {
             Kind::Missed => miss(world, queue, out),
             Kind::Dark => {
-                let mut surfaces = Box::<Surfaces>::default();
                 for paths in queue.order.chunks(BLOCK) {
-                    meet(world, queue, paths, &mut surfaces, out);
+                    meet(world, queue, paths, &mut scratch.surfaces, out);
                 }
             }
-            Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, out),
+            Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, &mut scratch, out),
         }
+        *out.scratch = Some(scratch);
     }
 }
 
 impl PathTracer {
     /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
-    fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+    fn scatter_all<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        scratch: &mut Scratch,
+        out: &mut Out<'_, State<L>>,
+    ) {
         let Some(&first) = queue.order.first() else { return };
         let first = &queue.paths[first as usize];
         let (mut names, mut lanes) = ([first.name; BLOCK], [first.state.lanes; ROOM]);
         let mut vertices = Vertices::new();
-        let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
             out.stopwatch.begin_block();
             // Ahead of the rest: paths lie far apart, and the memory has all of them to fetch at once.
@@ -135,17 +141,28 @@ impl PathTracer {
                 (names[i], lanes[i]) = (path.name, path.state.lanes);
             }
             meet(world, queue, paths, &mut scratch.surfaces, out);
-            self.arrive(world, queue, (paths, &mut scratch), &mut vertices, out);
+            self.arrive(world, queue, (paths, &mut *scratch), &mut vertices, out);
             let names = &names[..paths.len()];
             let block = Block { paths, names, lanes: &lanes, vertices: &vertices };
             draw_numbers(queue, block, &mut scratch.numbers);
             out.stopwatch.part(Phase::Shading);
-            light(world, queue, block, &mut scratch, out);
+            light(world, queue, block, scratch, out);
             out.stopwatch.part(Phase::Lights);
-            scatter(world, queue, block, &mut scratch, out);
+            scatter(world, queue, block, scratch, out);
             out.stopwatch.part(Phase::Shading);
         }
         out.stopwatch.lap_of_blocks();
+    }
+
+    /// Paths of so many edges don't go on: one edge more would be too many, or would be the last, of use only where there is light to
+    /// be met.
+    #[inline]
+    fn ends(&self, world: &World) -> u32 {
+        match self.max_depth {
+            u32::MAX => u32::MAX,
+            most if world.shows_lights() => most,
+            most => most.saturating_sub(1),
+        }
     }
 
     /// Whether a path of so many edges may be ended by chance.
@@ -166,6 +183,7 @@ impl PathTracer {
     ) {
         vertices.begin(paths.len());
         let special = world.materials.interiors().matter() || world.has_ambient_light();
+        let end = self.ends(world);
         let mut last = None;
         for (i, &path) in paths.iter().enumerate() {
             let &State { lanes, beta, eta_squared, depth, .. } = &queue.paths[path as usize].state;
@@ -194,7 +212,7 @@ impl PathTracer {
                 vertices.replace(bsdf);
             }
             let plays_roulette = self.plays_roulette(depth);
-            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette });
+            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette, goes_on: depth < end });
         }
     }
 }
@@ -281,7 +299,7 @@ fn meet<L: Lanes>(
 
 /// Light from the surroundings, for rays that leave the scene.
 fn miss<L: Lanes>(world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
-    let Some(&first) = queue.order.first() else { return };
+    let Some(&first) = queue.order.first().filter(|_| world.has_environment()) else { return };
     let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
     let mut light = [Light::ZERO; BLOCK];
     for paths in queue.order.chunks(BLOCK) {
@@ -335,7 +353,7 @@ struct Block<'a, 'w, L> {
 
 /// What the paragraphs of a step leave for one another.
 #[derive(Default)]
-struct Scratch {
+pub(crate) struct Scratch {
     surfaces: Surfaces,
     /// What each surface is filled with, by its number, in a world where that matters.
     interior: [u16; BLOCK],
@@ -349,6 +367,7 @@ struct Scratch {
 fn draw_numbers<L: Lanes>(queue: &Queue<'_, State<L>>, block: Block<'_, '_, L>, numbers: &mut Numbers) {
     let wanted = Wanted {
         light: block.vertices.asks_lights.any(),
+        direction: block.vertices.goes_on.any(),
         lobe: block.vertices.chooses_lobe,
         roulette: block.vertices.plays_roulette.any(),
     };
@@ -369,7 +388,7 @@ fn light<L: Lanes>(
         return;
     }
     simd.run(Illuminate { world, surfaces, vertices, lanes, numbers, out: lit });
-    vertices.by_kind(Weigh { simd, surfaces, vertices, lit, out: brought });
+    vertices.by_kind(simd, Weigh { simd, surfaces, vertices, lit, out: brought });
     for i in brought.bright.each() {
         let path = block.paths[i] as usize;
         let (ray, mut light) = brought.get(i, &queue.rays[path]);
@@ -389,25 +408,29 @@ fn scatter<L: Lanes>(
     out: &mut Out<'_, State<L>>,
 ) {
     let (vertices, simd) = (block.vertices, queue.simd);
-    vertices.by_kind(SendOn { simd, surfaces, vertices, numbers, out: onward });
+    if !vertices.goes_on.any() {
+        return;
+    }
+    vertices.by_kind(simd, SendOn { simd, surfaces, vertices, numbers, out: onward });
     for i in onward.alive.each() {
         let index = block.paths[i] as usize;
         let (path, ray) = (&queue.paths[index], &queue.rays[index]);
-        let state = out.go_on_as(path, 0, onward.ray(i, ray));
-        (state.beta, state.eta_squared) = onward.carried(i);
-        (state.from, state.pdf) = onward.from(i, surfaces);
-        state.delta = onward.delta(i);
-        state.depth += 1;
+        let State { mut lanes, mut footprint, depth, mut inside, .. } = path.state;
+        let (beta, eta_squared) = onward.carried(i);
+        let (from, pdf) = onward.from(i, surfaces);
         if onward.wavelength(i) > 0.0 {
             // A direction of a single wavelength: the others end here, and their lanes are 0.
-            state.lanes = state.lanes.only(onward.wavelength(i));
+            lanes = lanes.only(onward.wavelength(i));
         }
         if world.materials.vary() {
             let arrived = (ray, &queue.hits[index]);
-            state.footprint = world.footprint_beyond(&path.state.footprint, arrived, &onward.sample(i));
+            footprint = world.footprint_beyond(&footprint, arrived, &onward.sample(i));
         }
         if world.materials.interiors().matter() && onward.sample(i).transmitted {
-            state.inside = state.inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
+            inside = inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
         }
+        let (delta, depth) = (onward.delta(i), depth + 1);
+        let state = State { lanes, footprint, beta, from, pdf, delta, depth, eta_squared, inside };
+        out.go_on(path, 0, onward.ray(i, ray), state);
     }
 }

@@ -99,10 +99,14 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
+        // See `Vertices::by_kind`.
+        if F::WIDTH == 1 && !K::IS_ANY {
+            return;
+        }
         let SendOn { surfaces, vertices, numbers, out, .. } = self.of;
         (out.alive, out.delta, out.transmitted) = Default::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
-            let alive = vertices.alive.load::<F>(first);
+            let alive = vertices.goes_on.load::<F>(first);
             let Some(bsdfs) = vertices.bsdfs::<K>(first) else { break };
             if !alive.any() {
                 continue;

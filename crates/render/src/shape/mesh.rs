@@ -272,7 +272,8 @@ pub(crate) fn bulge<F: Float>(
     let from_0 = e1 * u + e2 * v;
     let [n0, n1, n2] = normals;
     let towards = |n: Vec3<F>, from: Vec3<F>, weight: F| n * (from.dot(n) * weight);
-    let below = towards(n0, from_0, F::ONE - u - v) + towards(n1, from_0 - e1, u) + towards(n2, from_0 - e2, v);
+    let below =
+        towards(n0, from_0, F::ONE - u - v) + towards(n1, from_0 - e1, u) + towards(n2, from_0 - e2, v);
     let least = (e1.abs() + e2.abs()).max_element() * (16.0 * f32::EPSILON);
     // What isn't a number is no bulge either.
     Vec3::select((-below).dot(out).gt(least), -below, Vec3::splat(F::ZERO))

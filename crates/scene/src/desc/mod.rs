@@ -23,7 +23,6 @@ pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
 };
-pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
@@ -37,8 +36,8 @@ pub use settings::{
     SamplerKind, SpectralChannels, Tent,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Plane, Rectangle, Shading, Smoothing, Sphere,
-    Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
+    Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;
