@@ -166,11 +166,13 @@ pub enum Purpose {
     Custom = 10,
     /// Which of the materials that another is made of it is.
     Material = 11,
+    /// Which corner of a triangle lends its colour.
+    Corner = 12,
 }
 
 impl Purpose {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Film,
         Self::Time,
         Self::Wavelength,
@@ -183,6 +185,7 @@ impl Purpose {
         Self::Opacity,
         Self::Custom,
         Self::Material,
+        Self::Corner,
     ];
 }
 

@@ -243,11 +243,16 @@ impl Walk<'_> {
     fn mesh(&self, node: &Node, m: &TriangleMesh) -> Found {
         let smooth = |has: bool| match m.shading {
             Shading::Flat => false,
-            Shading::Smooth(_) => true,
+            Shading::Smooth(_) | Shading::Gouraud(_) => true,
             Shading::Auto => has,
         };
         let smoothed = |has: bool, vertices: u64| {
-            let computed = matches!(&m.shading, Shading::Smooth(s) if !has || s.recompute);
+            let recompute = match &m.shading {
+                Shading::Smooth(s) => Some(s.recompute),
+                Shading::Gouraud(s) => Some(s.recompute),
+                Shading::Flat | Shading::Auto => None,
+            };
+            let computed = recompute.is_some_and(|recompute| !has || recompute);
             if computed { vertices } else { 0 }
         };
         let asset = match m.source() {

@@ -168,8 +168,8 @@ pub fn around(
         told.push(Diagnostic::warning(Span::NONE, message).help(help));
     }
     let shading = match wish.smooth {
-        Some(crease) => Smoothing { crease, recompute: true },
-        None => Smoothing { crease: CREASE, recompute: false },
+        Some(crease) => Smoothing { crease, recompute: true, ..Smoothing::default() },
+        None => Smoothing { crease: CREASE, ..Smoothing::default() },
     };
     let mesh = Node::Mesh(TriangleMesh {
         file: Some(shown.clone()),

@@ -128,7 +128,10 @@ fn what_is_asked_of_a_studio_is_in_the_scene() {
     let loaded = in_studio(path, Studio { finish: Some(Finish::Gold), ..Studio::default() }).unwrap();
     assert_eq!(framed(&loaded).1, Some(&named("gold")), "it takes the place of the file's own");
     let loaded = in_studio(path, Studio { smooth: Some(25.0), ..Studio::default() }).unwrap();
-    assert_eq!(framed(&loaded).0.shading, Shading::Smooth(Smoothing { crease: 25.0, recompute: true }));
+    assert_eq!(
+        framed(&loaded).0.shading,
+        Shading::Smooth(Smoothing { crease: 25.0, recompute: true, ..Smoothing::default() })
+    );
     let loaded = in_studio(path, Studio { background: Background::Nothing, ..Studio::default() }).unwrap();
     assert!(loaded.scene.lights.is_empty() && loaded.scene.materials.get("paper").is_none());
     let paper = Background::Paper(Color([0.1, 0.2, 0.3]));

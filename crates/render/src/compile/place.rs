@@ -6,6 +6,7 @@ use crate::lanes::Colour;
 use crate::light::LightTable;
 use crate::material::{self, Material};
 use crate::paint::Paint;
+use crate::shape::mesh::Between;
 use crate::shape::{Cylinder, Disc, Ellipsoid, Geometry, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::shape::{bezier, smooth::smooth};
 use crate::texture::Value;
@@ -15,7 +16,7 @@ use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
 use straal_scene::count::{self, Tally};
-use straal_scene::desc::{self, MeshSource, Node, Shading};
+use straal_scene::desc::{self, Leaving, MeshSource, Node, Shading};
 use straal_scene::glow::{self, MOST_COPIES};
 use straal_scene::mesh::Per;
 use straal_scene::{Assets, Handle, Mesh, Part, PartMaterial, Scene};
@@ -412,7 +413,15 @@ impl<'a> Build<'a> {
         self.add_geometry(place.group, accel::GeometryKind::Shapes { first, count: 1 });
         let placement = self.placement(&place.transform, material);
         let kind = Kind::Shapes(first);
-        GeometryRecord { kind, material, emitter: None, emission_varies: false, flip, placement }
+        GeometryRecord {
+            kind,
+            material,
+            emitter: None,
+            emission_varies: false,
+            flip,
+            colours_at_corners: false,
+            placement,
+        }
     }
 
     /// Where a thing's own coordinates lie in its group's, if anybody may ask.
@@ -519,7 +528,20 @@ impl<'a> Build<'a> {
                 None => None,
             };
             let placement = self.placement(&m, material);
-            let record = GeometryRecord { kind, material, emitter, emission_varies, flip: false, placement };
+            let colours_at_corners = self
+                .geometry
+                .meshes
+                .last()
+                .is_some_and(|m| m.between == Between::Colours && !m.normals.is_empty());
+            let record = GeometryRecord {
+                kind,
+                material,
+                emitter,
+                emission_varies,
+                flip: false,
+                colours_at_corners,
+                placement,
+            };
             self.geometries.push(record);
         }
     }
@@ -603,6 +625,7 @@ fn part(mesh: &TriangleMesh, run: &Run<'_>, known: &mut Vec<u32>) -> TriangleMes
             })
             .collect(),
         flip: mesh.flip,
+        between: mesh.between,
     }
 }
 
@@ -610,8 +633,21 @@ fn part(mesh: &TriangleMesh, run: &Run<'_>, known: &mut Vec<u32>) -> TriangleMes
 fn shaded(mut out: TriangleMesh, shading: &Shading) -> TriangleMesh {
     match shading {
         Shading::Flat => out.normals.clear(),
-        Shading::Smooth(s) if s.recompute || out.normals.is_empty() => out = smooth(out, s.crease),
-        Shading::Auto | Shading::Smooth(_) => {}
+        Shading::Smooth(s) => {
+            if s.recompute || out.normals.is_empty() {
+                out = smooth(out, s.crease);
+            }
+            if s.rays == Leaving::Faces {
+                out.between = Between::Normals;
+            }
+        }
+        Shading::Gouraud(s) => {
+            if s.recompute || out.normals.is_empty() {
+                out = smooth(out, s.crease);
+            }
+            out.between = Between::Colours;
+        }
+        Shading::Auto => {}
     }
     out
 }

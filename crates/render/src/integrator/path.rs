@@ -320,7 +320,8 @@ impl PathTracer {
         surfaces: &mut Surfaces,
         out: &mut Out<'_, State<L>>,
     ) {
-        let met = Met { order: paths, rays: queue.rays, hits: queue.hits };
+        let corner = |path: u32| queue.pattern.d1(&queue.paths[path as usize].name, Purpose::Corner);
+        let met = Met { order: paths, rays: queue.rays, hits: queue.hits, corner: &corner };
         surfaces.meet(world, queue.simd, &met, |path| queue.paths[path as usize].state.footprint);
         for (i, &path) in paths.iter().enumerate() {
             if let Some(emitter) = surfaces.emitter[i] {

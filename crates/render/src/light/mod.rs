@@ -23,7 +23,7 @@ use straal_math::{DVec3, Ray, Vec3};
 use straal_scene::desc;
 
 use crate::paint::Paint;
-use crate::shape::offset::{End, FAR_END};
+use crate::shape::offset::{End, FAR_END, Raised};
 use crate::shape::{Geometry, SurfacePoint};
 
 pub mod ambient;
@@ -212,7 +212,7 @@ impl<F: Float> LightSample<F> {
 
     /// Origin, direction and largest t of the ray that must be free for the light to arrive.
     #[inline(always)]
-    pub(crate) fn way_from(&self, from: &End<F>) -> ([Vec3<F>; 2], F) {
+    pub(crate) fn way_from(&self, from: &Raised<F>) -> ([Vec3<F>; 2], F) {
         let [o, d] = from.way_to(&self.to);
         if !self.far.any() {
             return ([o, d], F::splat(FAR_END));
@@ -277,7 +277,7 @@ impl LightSample {
     /// The ray that must be free for the light to arrive; its time and mask are those of [`Ray::new`].
     #[inline]
     pub fn shadow_ray(&self, from: &End) -> Ray {
-        let ([o, d], t_max) = self.way_from(from);
+        let ([o, d], t_max) = self.way_from(&Raised::from(*from));
         Ray { t_max, ..Ray::new(o, d) }
     }
 }
