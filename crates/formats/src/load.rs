@@ -12,8 +12,8 @@ use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{
-    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow, read_scene,
-    suggest, whole,
+    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow,
+    read_scene, suggest, whole,
 };
 
 use crate::files::{self, Finder, Found, Refusal};
@@ -402,7 +402,11 @@ impl Reader<'_> {
     }
 
     /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
-    fn mesh(&mut self, (file, has_materials): (&FileRef, bool), path: &Path) -> Option<(MeshAsset, [u8; 32])> {
+    fn mesh(
+        &mut self,
+        (file, has_materials): (&FileRef, bool),
+        path: &Path,
+    ) -> Option<(MeshAsset, [u8; 32])> {
         // As many bytes as the file has for the mesh that it holds, and the file's own.
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, 2 * length, MESH_HELP) {
