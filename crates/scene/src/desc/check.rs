@@ -8,11 +8,12 @@ use straal_color::spectrum::{self, Fault, TabulatedSpectrum};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid, Cylinder,
-    Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye,
-    FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer,
-    Orthographic, Panorama, Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture,
-    SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    AmbientOcclusion, Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid,
+    Cylinder, Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film,
+    Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured,
+    Observer, OcclusionFalloff, Orthographic, Panorama, Perspective, Plane, Principled, RampTexture,
+    Rectangle, RemapTexture, SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle,
+    TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -173,6 +174,13 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 /// A bell that is narrower than what a filter is told by, or that is even as far as its radius, is no filter.
+pub(super) fn ambient_occlusion(a: &AmbientOcclusion, keys: &Keys<'_>, d: &mut Decoder) {
+    if a.radius.is_none() && a.falloff != OcclusionFalloff::None {
+        let message = "`falloff` needs a `radius`, over which it falls off";
+        d.push(Diagnostic::error(keys.key_span("falloff"), message));
+    }
+}
+
 pub(super) fn gaussian(f: &Gaussian, keys: &Keys<'_>, d: &mut Decoder) {
     let narrow = f.sigma < 1e-3 * f.radius;
     if narrow || f.sigma > 1e6 * f.radius {
