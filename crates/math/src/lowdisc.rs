@@ -10,6 +10,7 @@ use crate::simd::{Float, Uint, Ulong};
 mod blue;
 mod halton;
 mod kind;
+mod padded;
 mod pattern;
 mod set;
 mod sobol;
