@@ -146,7 +146,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let hash = hash(&scene, &reader.hashes);
     let files = reader.files;
     whole::validate(&scene, &assets, &mut d);
-    let needs_light = !matches!(scene.integrator, Integrator::SineProduct);
+    let needs_light = !matches!(scene.integrator, Integrator::SineProduct | Integrator::Ao(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));

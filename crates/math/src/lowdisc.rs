@@ -10,6 +10,7 @@ use crate::simd::{Float, Uint, Ulong};
 mod blue;
 mod halton;
 mod kind;
+mod padded;
 mod pattern;
 mod set;
 mod sobol;
@@ -98,6 +99,12 @@ impl<F: Float> SampleName<F> {
     #[inline(always)]
     pub fn child(self, branch: u32) -> Self {
         self.at(child_node(self.node, branch))
+    }
+
+    /// The same node of another sample of the pixel.
+    #[inline(always)]
+    pub fn at_index(self, index: F::Uint) -> Self {
+        Self { reversed_index: index.reverse_bits(), ..self }
     }
 
     /// The node's hash.

@@ -1,7 +1,6 @@
 //! The world: a scene ready for rays. Flat arrays and indices, read-only while rays fly.
 
-use crate::camera::Camera;
-use crate::compile::OutOfFocus;
+use crate::camera::{Camera, OutOfFocus};
 use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};

@@ -255,6 +255,14 @@ macro_rules! describe {
             /// The keys of all kinds, in the order of the definition.
             pub const KINDS: &'static [&'static str] = &[$($key),+];
 
+            /// What the bare key of a kind says; `None` where there is none of that key, or where it can't stand by itself.
+            pub fn bare(kind: &str) -> Option<Self> {
+                match kind {
+                    $( $key => describe!(@bare $V $($P)?), )+
+                    _ => None,
+                }
+            }
+
             /// The key of this kind.
             pub fn kind(&self) -> &'static str {
                 match self {
@@ -347,6 +355,12 @@ macro_rules! describe {
 
     (@blank_variant $V:ident) => { Self::$V };
     (@blank_variant $V:ident $P:ty) => { Self::$V(<$P as $crate::decode::Describe>::blank()) };
+
+    (@bare $V:ident) => { Some(Self::$V) };
+    (@bare $V:ident $P:ty) => {
+        <$P as $crate::decode::Describe>::may_be_empty()
+            .then(|| Self::$V(<$P as $crate::decode::Describe>::blank()))
+    };
 
     (@pattern $inner:ident $V:ident) => { Self::$V };
     (@pattern $inner:ident $V:ident $P:ty) => { Self::$V($inner) };

@@ -33,6 +33,8 @@ pub struct Overrides {
     pub noise: Option<f64>,
     /// Which pattern they follow.
     pub pattern: Option<PatternKind>,
+    /// How light is computed.
+    pub integrator: Option<desc::Integrator>,
     /// Largest number of edges of a path.
     pub max_depth: Option<u32>,
     /// Worker threads; all cores when absent.
@@ -185,7 +187,7 @@ impl Plan {
         }
         let filter_radius = scene.film.filter.radius();
         check_size(&settings, &settings.extent(recording, filter_radius))?;
-        let integrator = integrator(&scene.integrator, wish.max_depth);
+        let integrator = integrator(wish.integrator.as_ref().unwrap_or(&scene.integrator), wish.max_depth);
         Ok(Self {
             settings,
             first,

@@ -61,8 +61,13 @@ fn apply(scene: &mut desc::Scene, wish: &Overrides) -> Result<(), Error> {
         sampler.seed = seed;
     }
     scene.spectral = wish.spectral.unwrap_or(scene.spectral);
-    if let (Some(depth), desc::Integrator::Path(path)) = (wish.max_depth, &mut scene.integrator) {
-        path.max_depth = Depth::Edges(depth);
+    if let Some(integrator) = &wish.integrator {
+        scene.integrator = integrator.clone();
+    }
+    match (wish.max_depth, &mut scene.integrator) {
+        (Some(depth), desc::Integrator::Path(path)) => path.max_depth = Depth::Edges(depth),
+        (Some(depth), desc::Integrator::Whitted(whitted)) => whitted.max_depth = depth,
+        _ => {}
     }
     Ok(())
 }
@@ -86,7 +91,7 @@ fn develop_as(film: &mut desc::Film, development: &Development) {
         Gamut::Clip => desc::Gamut::Clip,
         Gamut::Desaturate => desc::Gamut::Desaturate,
         Gamut::Flag(color) => {
-            let color = straal_scene::value::Color(color.map(shortest));
+            let color = straal_scene::value::LinearRgb(color.map(shortest));
             desc::Gamut::Flag(desc::Flag { color })
         }
     };

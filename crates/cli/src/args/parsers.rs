@@ -9,6 +9,7 @@ use straal::search;
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::Observer;
 use straal_math::lowdisc::PatternKind;
+use straal_scene::desc::Integrator;
 use straal_study::cost;
 
 /// A parser of names that lists them in the help and, for a wrong one, suggests the nearest.
@@ -24,6 +25,10 @@ pub(super) fn named<T: Clone + Send + Sync + 'static>(
 
 pub(super) fn observer() -> impl TypedValueParser<Value = Observer> {
     named(vec![("2", Observer::Cie1931), ("10", Observer::Cie1964)])
+}
+
+pub(super) fn integrator() -> impl TypedValueParser<Value = Integrator> {
+    named(Integrator::KINDS.iter().filter_map(|kind| Some((*kind, Integrator::bare(kind)?))).collect())
 }
 
 pub(super) fn pattern() -> impl TypedValueParser<Value = PatternKind> {

@@ -93,10 +93,6 @@ const OPTIONS: &[(&[&str], Here)] = &[
         Not("progress and complaints are told without asking; --json tells the most"),
     ),
     (
-        &["integrator", "i"],
-        Not("the integrator is chosen in the scene: `integrator: { path: { max_depth: 8 } }`"),
-    ),
-    (
         &["camera", "fov", "lookat", "eye"],
         Not(
             "the camera stands in the scene: `camera: { perspective: { eye: [0, 1, 4], look_at: [0, 0, 0] } }`",

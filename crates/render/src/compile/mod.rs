@@ -10,6 +10,7 @@ mod dropped;
 mod focus;
 mod lights;
 mod materials;
+mod meshes;
 mod place;
 
 pub use place::GLOWING_BYTES;
@@ -23,7 +24,7 @@ use std::sync::Arc;
 use straal_accel::{self as accel, BuildError};
 use straal_math::DVec3;
 use straal_scene::desc;
-use straal_scene::{Assets, Scene, Span};
+use straal_scene::{Assets, Scene};
 
 /// What a program adds to a description.
 #[derive(Clone, Debug, Default)]
@@ -42,21 +43,6 @@ impl Custom {
         };
         self.shapes.iter().map(|(_, name)| name.as_str()).find(|name| !is_known(name))
     }
-}
-
-/// Why the camera is not focused on what it should be.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the camera can't be focused on `{name}`: {}",
-    if *unbounded { "it is unbounded and has no middle" } else { "its middle is not in front of it" }
-)]
-pub struct OutOfFocus {
-    /// What the scene calls it.
-    pub name: String,
-    /// Where.
-    pub span: Span,
-    /// Whether it has no middle; else that isn't in front of the camera.
-    pub unbounded: bool,
 }
 
 /// What a world is made of.

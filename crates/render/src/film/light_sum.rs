@@ -1,6 +1,6 @@
 //! The light of one sample while it is gathered.
 
-use super::fixed::Value;
+use super::fixed::Fixed;
 use straal_color::Light;
 
 /// A sum of contributions, each rounded once to fixed point and added as integers, so that their order changes no bit.
@@ -9,7 +9,7 @@ use straal_color::Light;
 /// more, spoils the sum, whose sample is dropped then.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightSum {
-    lanes: [Value; 4],
+    lanes: [Fixed; 4],
     is_spoiled: bool,
 }
 

@@ -1,13 +1,13 @@
 //! Sums of many pixels into which a sample is splatted, laid out for processors that add several at a time.
 //!
-//! A sum is one integer, as in [`Value`]. Here it is held in three numbers, each with room to spare, so that no carry goes from one
+//! A sum is one integer, as in [`Fixed`]. Here it is held in three numbers, each with room to spare, so that no carry goes from one
 //! to the next while samples are added: `low` and `high` count 2^-62 and 2^-30, and `far`, which only very bright light needs,
 //! counts 4. Loops over a row are plain products, shifts and sums of 64 bits, which the compiler makes wide by itself.
 //!
 //! Room: 2^18 samples of each of 33 x 33 pixels are fewer than 2^29 contributions. What one adds is below 2^33 in `low` and 2^34 in
 //! `high` and `far`.
 
-use super::fixed::{Across, Bright, HEIGHT_SCALE, Row, Usual, Value};
+use super::fixed::{Across, Bright, Fixed, HEIGHT_SCALE, Row, Usual};
 use super::splat::MAX_AROUND;
 
 /// Bits of a sum that `low` and `high` take.
@@ -78,12 +78,12 @@ impl Plane {
         Self { low: vec![0; pixels], high: vec![0; pixels], far: vec![0; pixels] }
     }
 
-    pub(super) fn at(&self, i: usize) -> Value {
+    pub(super) fn at(&self, i: usize) -> Fixed {
         let [low, high, far] = [self.low[i], self.high[i], self.far[i]].map(i128::from);
-        Value(low + (high << LIMB) + (far << (2 * LIMB)))
+        Fixed(low + (high << LIMB) + (far << (2 * LIMB)))
     }
 
-    pub(super) fn put(&mut self, i: usize, Value(v): Value) {
+    pub(super) fn put(&mut self, i: usize, Fixed(v): Fixed) {
         self.low[i] = (v as u64 & MASK) as i64;
         self.high[i] = ((v >> LIMB) as u64 & MASK) as i64;
         // A sum is below 2^122.
@@ -132,7 +132,7 @@ impl Plane {
     /// The same sums, one by one: of light that is very bright, or below 0.
     fn add_any<A: Across>(&mut self, columns: &Columns, start: usize, row: Row<A>) {
         for (i, w) in (start..).zip(columns.heights()) {
-            let Value(v) = row.at(w);
+            let Fixed(v) = row.at(w);
             self.low[i] += (v as u64 & MASK) as i64;
             self.high[i] += ((v >> LIMB) as u64 & MASK) as i64;
             self.far[i] += (v >> (2 * LIMB)) as i64;
@@ -162,7 +162,7 @@ mod tests {
             let mut want = vec![0_i128; heights.len() + 2];
             for down in [1.0, 0.6, -0.2, 2e-9] {
                 for light in lights {
-                    let add = |want: &mut [i128], at: &dyn Fn(i64) -> Value| {
+                    let add = |want: &mut [i128], at: &dyn Fn(i64) -> Fixed| {
                         want[1..].iter_mut().zip(heights).for_each(|(sum, w)| *sum += at(w).0);
                     };
                     match Down::new(&[light], height(down)) {

@@ -10,7 +10,7 @@
 //! ([`super::planes`]). Variance is told when the picture is asked for, from the spread of each pixel's own samples and the squares of
 //! heights that they have on average.
 
-use super::fixed::{Down, HEIGHT_SCALE, Value, height};
+use super::fixed::{Down, Fixed, HEIGHT_SCALE, height};
 use super::planes::{Columns, Plane, product};
 use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
 use crate::film::Region;
@@ -27,7 +27,7 @@ pub(super) const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Splat {
     /// Of w v.
-    value: [Value; 3],
+    value: [Fixed; 3],
     /// Of w, in units of 2^-30: 2^18 samples of each of 33 x 33 pixels stay below 2^59.
     weight: i64,
 }
@@ -72,7 +72,7 @@ pub struct Splats {
     /// Of w, as [`Splat`] has it.
     weights: Vec<i64>,
     /// By pixel, as many as there are bands, of w v.
-    bands: Vec<Value>,
+    bands: Vec<Fixed>,
     /// Samples that are to be added: together, a row of pixels at a time, which stays in the nearest cache.
     waiting: Vec<Waiting>,
     /// How far a sample's own pixel may be from one that it counts in.
@@ -145,7 +145,7 @@ impl Splats {
             region: tile,
             light: std::array::from_fn(|_| Plane::new(pixels)),
             weights: vec![0; pixels],
-            bands: vec![Value::default(); pixels * bands],
+            bands: vec![Fixed::default(); pixels * bands],
             waiting: Vec::new(),
             reach: 0,
         }
@@ -157,14 +157,14 @@ impl Splats {
     }
 
     /// The sums of a pixel and of its bands, if it is within reach.
-    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(Splat, &[Value])> {
+    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(Splat, &[Fixed])> {
         let of_each = self.bands.len() / self.weights.len();
         let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
         Some((self.sum(i), &self.bands[i * of_each..][..of_each]))
     }
 
     /// Puts other sums in place of a pixel's, if it is within reach.
-    pub(super) fn put(&mut self, pixel: [u32; 2], splat: &Splat, bands: &[Value]) {
+    pub(super) fn put(&mut self, pixel: [u32; 2], splat: &Splat, bands: &[Fixed]) {
         if self.region.contains(pixel) {
             self.settle();
             let i = index(&self.region, pixel);
@@ -288,7 +288,7 @@ pub fn reach(radius: f64) -> u32 {
 
 /// Bytes that splatting takes for each pixel of tiles and their aprons, with a number of bands.
 pub(super) fn bytes_a_pixel(bands: usize) -> usize {
-    3 * Plane::BYTES + size_of::<i64>() + bands * size_of::<Value>()
+    3 * Plane::BYTES + size_of::<i64>() + bands * size_of::<Fixed>()
 }
 
 /// By how many pixels two are apart, from 0: the mean of the square of the height that one of them gives to a sample that may lie
@@ -321,7 +321,7 @@ impl Film {
     fn show_part(&self, part: Region, out: &mut Layers) {
         let count = self.bands.as_ref().map_or(0, Bands::count);
         let mut sums = vec![Splat::default(); part.area()];
-        let mut bands = vec![Value::default(); part.area() * count];
+        let mut bands = vec![Fixed::default(); part.area() * count];
         for tile in self.tiles_around(part, MAX_REACH) {
             let Some(splats) = &tile.splats else { continue };
             let common = splats.region.intersection(part);
@@ -418,7 +418,7 @@ impl FilmTile {
     fn spread(&self, k: usize) -> Spread {
         let p = &self.pixels[k];
         let squares = self.squares.get(k).copied().unwrap_or_default();
-        let [r, g, b] = p.value.map(Value::to_f64);
+        let [r, g, b] = p.value.map(Fixed::to_f64);
         let [rr, gg, bb] = squares.map(|s| s.to_f64());
         [f64::from(p.count), r, g, b, rr, gg, bb]
     }

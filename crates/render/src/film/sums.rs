@@ -8,7 +8,7 @@ use super::adaptive::Halves;
 use super::channel::{self, Scale, Sum};
 use super::control::Control;
 use super::error_estimate::BatchSums;
-use super::fixed::{Square, Value};
+use super::fixed::{Fixed, Square};
 use super::splat::Splat;
 use super::{Costs, ErrorEstimate, Film, Keep, Pixel, Splats, TILE};
 use crate::film::Region;
@@ -47,17 +47,17 @@ struct Record {
     squares: [Square; 3],
     /// Of every channel and component.
     channels: Vec<Sum>,
-    light_splats: [Value; 3],
+    light_splats: [Fixed; 3],
     /// A bit for each half of the pixel that needs no further samples.
     ended: u8,
-    bands: Vec<Value>,
+    bands: Vec<Fixed>,
     splat: Splat,
-    splat_bands: Vec<Value>,
+    splat_bands: Vec<Fixed>,
     control: Control,
-    negative_bands: Vec<Value>,
+    negative_bands: Vec<Fixed>,
     halves: Halves,
     batch_sums: BatchSums<f64>,
-    ends: BatchSums<Value>,
+    ends: BatchSums<Fixed>,
 }
 
 /// One number of a record.
@@ -85,7 +85,7 @@ enum Part {
 
 impl Record {
     fn empty(held: &Held) -> Self {
-        let bands = vec![Value::default(); held.bands.as_ref().map_or(0, Bands::count)];
+        let bands = vec![Fixed::default(); held.bands.as_ref().map_or(0, Bands::count)];
         let some = |is: bool| if is { bands.clone() } else { Vec::new() };
         let (splat_bands, negative_bands) = (some(held.splats), some(held.weight.is_some()));
         let channels = channel::empty_record(held.guides, held.costs.is_some());

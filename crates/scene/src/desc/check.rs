@@ -8,17 +8,18 @@ use straal_color::spectrum::{self, Fault, TabulatedSpectrum};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid, Cylinder,
-    Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye,
-    FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer,
-    Orthographic, Panorama, Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture,
-    SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    AmbientOcclusion, Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid,
+    Cylinder, Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film,
+    Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured,
+    Observer, OcclusionFalloff, Orthographic, Panorama, Perspective, Plane, Principled, RampTexture,
+    Rectangle, RemapTexture, SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle,
+    TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::span::Span;
 use crate::tree::shown;
-use crate::value::{Color, Known};
+use crate::value::{Known, LinearRgb};
 
 /// Most pixels of a picture: 2^30, beyond which a film of full precision would need tens of gigabytes.
 const MOST_PIXELS: u64 = 1 << 30;
@@ -173,6 +174,13 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 /// A bell that is narrower than what a filter is told by, or that is even as far as its radius, is no filter.
+pub(super) fn ambient_occlusion(a: &AmbientOcclusion, keys: &Keys<'_>, d: &mut Decoder) {
+    if a.radius.is_none() && a.falloff != OcclusionFalloff::None {
+        let message = "`falloff` needs a `radius`, over which it falls off";
+        d.push(Diagnostic::error(keys.key_span("falloff"), message));
+    }
+}
+
 pub(super) fn gaussian(f: &Gaussian, keys: &Keys<'_>, d: &mut Decoder) {
     let narrow = f.sigma < 1e-3 * f.radius;
     if narrow || f.sigma > 1e6 * f.radius {
@@ -262,7 +270,7 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
 pub(crate) fn texture(texture: &Texture, span: Span, (limit, is_number): (Limit, bool), d: &mut Decoder) {
     for colour in texture.colours() {
         match colour {
-            Spectrum::Rgb(Color(rgb)) => {
+            Spectrum::Rgb(LinearRgb(rgb)) => {
                 if let Some(v) = rgb.iter().find(|v| !limit.allows(**v)) {
                     let message = limit.complaint(d.key(), *v);
                     d.push(Diagnostic::error(span, message));

@@ -32,8 +32,9 @@ pub use light::{
 pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{
-    BlackmanHarris, Channels, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler,
-    SamplerKind, SpectralChannels, Tent,
+    AmbientOcclusion, BlackmanHarris, Channels, DirectLight, Film, Filter, Gaussian, Integrator, Lanczos,
+    Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind, SpectralChannels,
+    Technique, Tent, Whitted,
 };
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
