@@ -38,6 +38,7 @@ use control::Control;
 use error_estimate::BatchSums;
 use fixed::{Fixed, Square};
 use straal_color::spectrum::Bands;
+use straal_math::simd::Simd;
 
 /// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
 pub const TILE: u32 = 16;
@@ -462,12 +463,13 @@ impl Film {
         self.tiles.iter().map(|t| u64::from(t.open_blocks())).sum()
     }
 
-    /// Makes room for samples that count in all pixels that a filter reaches from; bands, if any, are held before.
-    pub(crate) fn splat(&mut self, filter: &Filter) {
+    /// Makes room for samples that count in all pixels that a filter reaches from, added by some instruction set; bands, if any, are
+    /// held before.
+    pub(crate) fn splat(&mut self, filter: &Filter, simd: Simd) {
         let bands = self.bands.as_ref().map_or(0, Bands::count);
         self.hold_mean_squares(filter);
         for tile in &mut self.tiles {
-            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands));
+            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands, simd));
         }
     }
 
