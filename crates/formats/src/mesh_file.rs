@@ -4,13 +4,17 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use straal_scene::value::Color;
-use straal_scene::{MeshAsset, PartMaterial};
+use straal_scene::handle::Handles;
+use straal_scene::{Mesh, MeshAsset, PartMaterial};
 
 use crate::files::{self, Finder, Refusal};
 use crate::{Limits, ReadError, foreign, mesh};
 
 mod material;
+mod pictures;
+
+pub use pictures::Picture;
+use pictures::Pictures;
 
 /// What a mesh file holds.
 #[derive(Clone, Debug, Default)]
@@ -23,20 +27,28 @@ pub struct MeshFile {
     pub hash: [u8; 32],
     /// The material libraries that were read.
     pub libraries: Vec<PathBuf>,
+    /// The pictures that its materials name and that are there, none of which is read.
+    pub pictures: Vec<Picture>,
 }
 
-/// Reads a mesh file and the material libraries that it names, which `finder` finds. Of attributes of vertices and faces those are read that
-/// are wanted by their names.
-pub fn load(
-    path: &Path,
-    limits: &Limits,
-    finder: &mut Finder,
-    wanted: &dyn Fn(&str) -> bool,
-) -> Result<MeshFile, Refusal> {
+/// What reading a mesh takes besides its bytes.
+pub struct Means<'a> {
+    /// What a file may ask for.
+    pub limits: &'a Limits,
+    /// What finds material libraries and pictures.
+    pub finder: &'a mut Finder,
+    /// Where pictures get their handles.
+    pub handles: &'a mut Handles,
+    /// Whether an attribute of vertices or faces of that name is read.
+    pub wanted: &'a dyn Fn(&str) -> bool,
+}
+
+/// Reads a mesh file and the material libraries that it names.
+pub fn load(path: &Path, means: Means<'_>) -> Result<MeshFile, Refusal> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     // What has another name is looked at before all of it is read.
-    let bytes = files::read_if(path, limits.max_bytes, |head| check(&extension, head))?;
-    read(&bytes, path, limits, finder, wanted)
+    let bytes = files::read_if(path, means.limits.max_bytes, |head| check(&extension, head))?;
+    read(&bytes, path, means)
 }
 
 /// The extension of a mesh that has lost its name, by how it begins; `None` when it is no mesh.
@@ -53,13 +65,8 @@ pub fn kind_of(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// Reads the bytes of a mesh; the libraries that it names are beside `path`.
-pub fn read(
-    bytes: &[u8],
-    path: &Path,
-    limits: &Limits,
-    finder: &mut Finder,
-    wanted: &dyn Fn(&str) -> bool,
-) -> Result<MeshFile, Refusal> {
+pub fn read(bytes: &[u8], path: &Path, means: Means<'_>) -> Result<MeshFile, Refusal> {
+    let Means { limits, finder, handles, wanted } = means;
     if mesh::ply::is_ply(bytes) {
         return read_ply(bytes, limits, wanted).map_err(|e| Refusal::new(e.to_string()));
     }
@@ -67,7 +74,7 @@ pub fn read(
     let mut shelf = Shelf {
         folder,
         limits,
-        finder,
+        finder: &mut *finder,
         read: HashSet::new(),
         libraries: Vec::new(),
         told: Vec::new(),
@@ -89,20 +96,43 @@ pub fn read(
     warnings.extend(file.warnings);
     let mut told = material::Told::default();
     let mut materials = BTreeMap::new();
+    let mut pictures = Pictures::new(folder, limits, finder, handles);
+    let (extent, has_uvs) = (extent(&file.mesh), !file.mesh.uvs.is_empty());
     for (name, m) in &file.materials {
-        let material = material::nearest(m, &mut |what| told.add(what, name));
-        let emission = m.emission.map(|e| e.map(material::positive)).filter(|e| *e != [0.0; 3]).map(Color);
+        let maps = pictures.of(name, m, has_uvs);
+        let material = material::nearest(m, (&maps, extent), &mut |what| told.add(what, name));
+        let emission = material::emission(m, &maps);
         materials.insert(name.clone(), PartMaterial { material, emission });
     }
+    if let Some(refusal) = pictures.refusal {
+        return Err(refusal);
+    }
+    warnings.extend(pictures.told);
     warnings.extend(told.finish());
     let asset = MeshAsset { mesh: Arc::new(file.mesh), materials: Arc::new(materials) };
-    Ok(MeshFile { asset, warnings, hash: hasher.finalize().into(), libraries })
+    let pictures = pictures.found;
+    Ok(MeshFile { asset, warnings, hash: hasher.finalize().into(), libraries, pictures })
+}
+
+/// The longest side of the box around a mesh.
+fn extent(mesh: &Mesh) -> f64 {
+    let mut longest = 0.0;
+    for k in 0..3 {
+        let (mut low, mut high) = (f32::MAX, f32::MIN);
+        for p in mesh.positions.iter().map(|p| p[k]).filter(|v| v.is_finite()) {
+            (low, high) = (if p < low { p } else { low }, if p > high { p } else { high });
+        }
+        let side = f64::from(high) - f64::from(low);
+        longest = if side > longest { side } else { longest };
+    }
+    longest
 }
 
 fn read_ply(bytes: &[u8], limits: &Limits, wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, ReadError> {
     let file = mesh::ply::read_with(bytes, limits, wanted)?;
     let asset = MeshAsset { mesh: Arc::new(file.mesh), ..MeshAsset::default() };
-    Ok(MeshFile { asset, warnings: file.warnings, hash: blake3::hash(bytes).into(), libraries: Vec::new() })
+    let hash = blake3::hash(bytes).into();
+    Ok(MeshFile { asset, warnings: file.warnings, hash, ..MeshFile::default() })
 }
 
 /// Whether a file of this extension that begins so can be a mesh.

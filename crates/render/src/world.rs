@@ -1,6 +1,7 @@
 //! The world: a scene ready for rays. Flat arrays and indices, read-only while rays fly.
 
 use crate::camera::Camera;
+use crate::compile::OutOfFocus;
 use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
@@ -75,6 +76,8 @@ pub struct TopLevel {
 pub struct World {
     /// Who looks.
     pub camera: Camera,
+    /// Why the camera is focused on what it looks at, where it should be on something by name.
+    pub out_of_focus: Option<OutOfFocus>,
     /// How samples lie around a pixel.
     pub filter: Filter,
     /// All surfaces.

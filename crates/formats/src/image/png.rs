@@ -219,17 +219,23 @@ fn texts(info: &png::Info<'_>) -> Vec<(String, String)> {
 /// How the codes of a PNG become light.
 fn light_of(bytes: &[u8], info: &png::Info<'_>) -> Light {
     // A profile that the decoder couldn't unpack leaves no trace in its information.
+    Light::of(info, has_chunk(bytes, *b"iCCP"))
+}
+
+/// Whether a chunk of that name stands before the pixels.
+fn has_chunk(bytes: &[u8], name: [u8; 4]) -> bool {
     let mut rest = bytes.get(8..).unwrap_or_default();
-    let mut has_profile = false;
     while let Some((start, after)) = rest.split_first_chunk::<8>() {
         let length = u32::from_be_bytes([start[0], start[1], start[2], start[3]]);
-        has_profile |= start[4..] == *b"iCCP";
+        if start[4..] == name {
+            return true;
+        }
         if start[4..] == *b"IDAT" {
             break;
         }
         rest = after.get((length as usize).saturating_add(4)..).unwrap_or_default();
     }
-    Light::of(info, has_profile)
+    false
 }
 
 /// What the first chunk promises. It is read by hand, as the decoder wants all that stands before the pixels.
@@ -248,6 +254,12 @@ pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError>
         other => {
             return Err(ReadError::file(format!("the PNG file is damaged: there is no colour type {other}")));
         }
+    };
+    // A colour, or entries of the palette, that are transparent: then all pixels get their share of being there.
+    let (channels, expanded) = match expanded {
+        1 if has_chunk(bytes, *b"tRNS") => (2, 2),
+        3 | 4 if channels != 4 && has_chunk(bytes, *b"tRNS") => (channels + 1, 4),
+        _ => (channels, expanded),
     };
     let depth = if start[24] == 16 { 2 } else { 1 };
     let pixels = limits.check_size(width.into(), height.into())? as u64;

@@ -5,17 +5,34 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use straal_scene::handle::Handle;
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{Assets, Bitmap, Diagnostic, Scene, suggest};
 
 use super::{IMAGE_HELP, Reader};
 use crate::files::{self, Refusal};
+use crate::mesh_file::Picture;
+use crate::read_error::quoted;
 use crate::{Limits, image};
+
+/// A use of a picture.
+struct Use<'a> {
+    /// Where the scene names it, or the mesh whose material does.
+    file: &'a FileRef,
+    /// Its name for the scene's hash.
+    called: String,
+    handle: Handle<Bitmap>,
+    path: &'a PathBuf,
+    /// Its name, if it is one of a mesh's.
+    of_mesh: Option<String>,
+}
 
 /// A file to be decoded.
 struct Wanted<'a> {
-    /// As the scene names it where it is met first.
+    /// As the scene names it where it is met first, or the mesh whose material names it.
     file: &'a FileRef,
+    /// Its name, if it is one of a mesh's.
+    of_mesh: Option<String>,
     path: &'a Path,
     /// Bytes that decoding it takes besides what is kept.
     passing: u64,
@@ -27,16 +44,25 @@ type Decoded = Result<(Arc<Bitmap>, Vec<String>, [u8; 32]), Refusal>;
 impl Reader<'_> {
     /// Reads them all; complains of those that can't be read, in the order of the scene.
     pub(super) fn bitmaps(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>, assets: &mut Assets) {
-        let all = scene.bitmap_files();
+        let of_scene = scene.bitmap_files().into_iter().filter_map(|Asset { file, handle }| {
+            let (called, path) = (file.value.clone(), paths.get(&file.value)?);
+            Some(Use { file, called, handle: *handle, path, of_mesh: None })
+        });
+        // Of meshes, with the names that their materials give them.
+        let pictures = std::mem::take(&mut self.pictures);
+        let of_meshes = pictures.iter().map(|(mesh, Picture { asset, path })| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let called = format!("{} {name}", mesh.value);
+            Use { file: mesh, called, handle: asset.handle, path, of_mesh: Some(name.into_owned()) }
+        });
         let mut wanted: Vec<Wanted<'_>> = Vec::new();
         // The same file under two names is read once.
         let mut places: BTreeMap<PathBuf, usize> = BTreeMap::new();
         let mut uses = Vec::new();
-        for Asset { file, handle } in all {
-            let Some(path) = paths.get(&file.value) else { continue };
+        for Use { file, called, handle, path, of_mesh } in of_scene.chain(of_meshes) {
             let real = path.canonicalize().unwrap_or_else(|_| path.clone());
             let place = *places.entry(real).or_insert(wanted.len());
-            uses.push((file, *handle, place));
+            uses.push((called, handle, place));
             if place < wanted.len() {
                 continue;
             }
@@ -49,7 +75,7 @@ impl Reader<'_> {
                 return;
             }
             self.ledger.keep(kept);
-            wanted.push(Wanted { file, path, passing });
+            wanted.push(Wanted { file, of_mesh, path, passing });
         }
         let threads = self.threads(&wanted);
         let decoded = decode(&wanted, threads, self.limits);
@@ -61,13 +87,19 @@ impl Reader<'_> {
                         self.d.push(Diagnostic::warning(wanted.file.span, message));
                     }
                 }
-                Err(refusal) => self.refuse(wanted.file, refusal.clone()),
+                Err(refusal) => {
+                    let problem = match &wanted.of_mesh {
+                        Some(name) => format!("its picture {}: {}", quoted(name.as_bytes()), refusal.problem),
+                        None => refusal.problem.clone(),
+                    };
+                    self.refuse(wanted.file, Refusal { problem, help: refusal.help.clone() });
+                }
             }
         }
-        for (file, handle, place) in uses {
+        for (called, handle, place) in uses {
             if let Some(Ok((bitmap, _, hash))) = decoded.get(place) {
                 assets.bitmaps.put(handle, bitmap.clone());
-                self.hashes.insert(file.value.clone(), *hash);
+                self.hashes.insert(called, *hash);
             }
         }
     }

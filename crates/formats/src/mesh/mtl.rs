@@ -1,8 +1,14 @@
 //! MTL, the material libraries of OBJ.
 
+use std::collections::BTreeMap;
+
 use super::lines::{Lines, Statement, Warnings};
 use crate::read_error::quoted;
 use crate::{Limits, ReadError};
+
+mod maps;
+
+pub use maps::{MtlChannel, MtlMap, MtlUse};
 
 /// A material as the file has it: what isn't given is `None`. What it means as a BSDF is for the scene to say.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,6 +43,8 @@ pub struct MtlMaterial {
     pub clearcoat_roughness: Option<f32>,
     /// `aniso`: its anisotropy.
     pub anisotropy: Option<f32>,
+    /// What is read off pictures, each at most once.
+    pub maps: BTreeMap<MtlUse, MtlMap>,
 }
 
 /// The materials of a library in the order of the file, with their names.
@@ -112,14 +120,24 @@ fn set(
         }
         "Tr" => keep(&mut material.transparency, number(statement, warnings)?),
         "illum" => keep(&mut material.illumination, number(statement, warnings)?.map(|model| model as u32)),
-        // Ambient light is no part of light transport; Kt is an old name that nobody defines.
-        "Ka" | "Kt" | "sharpness" => {}
-        "bump" | "norm" | "disp" | "decal" | "refl" => map_warning(keyword, name, line, warnings),
-        map if map.starts_with("map_") => map_warning(keyword, name, line, warnings),
-        unknown => warnings.once(unknown, || {
-            let (unknown, name) = (quoted(unknown.as_bytes()), quoted(name.as_bytes()));
-            format!("line {line}: {unknown} is not known and has no effect ({name})")
-        }),
+        // Ambient light is no part of light transport; Kt is an old name that nobody defines; edges are always smoothed.
+        "Ka" | "Kt" | "sharpness" | "map_Ka" | "map_aat" => {}
+        "disp" | "decal" | "refl" => map_warning(keyword, name, line, warnings),
+        map => match maps::uses(map) {
+            Some(uses) => {
+                if let Some(map) = maps::read(statement, name, warnings) {
+                    for (of, channel) in uses {
+                        let channel = channel.or(map.channel);
+                        material.maps.insert(*of, MtlMap { channel, ..map.clone() });
+                    }
+                }
+            }
+            None if map.starts_with("map_") => map_warning(keyword, name, line, warnings),
+            None => warnings.once(map, || {
+                let (unknown, name) = (quoted(map.as_bytes()), quoted(name.as_bytes()));
+                format!("line {line}: {unknown} is not known and has no effect ({name})")
+            }),
+        },
     }
     Ok(())
 }
@@ -134,7 +152,7 @@ fn keep<T>(value: &mut Option<T>, said: Option<T>) {
 fn map_warning(map: &str, name: &str, line: usize, warnings: &mut Warnings) {
     warnings.once(map, || {
         let (map, name) = (quoted(map.as_bytes()), quoted(name.as_bytes()));
-        format!("line {line}: texture maps are not supported yet: {map} has no effect ({name})")
+        format!("line {line}: pictures for {map} are not supported and have no effect ({name})")
     });
 }
 

@@ -1,11 +1,13 @@
 //! What the materials of MTL files mean as surfaces.
 
 use straal_scene::desc::{
-    Dielectric, Diffuse, Highlight, Mask, Material, MaterialRef, Mirror, OpenPbr, Phong, Varying,
+    Bump, Dielectric, Diffuse, Highlight, Mask, Material, MaterialRef, Mirror, OpenPbr, Phong, Relief,
+    Spectrum, TextureOf, Varying,
 };
 use straal_scene::value::Color;
 
-use crate::mesh::mtl::MtlMaterial;
+use super::pictures::Maps;
+use crate::mesh::mtl::{MtlMaterial, MtlUse};
 use crate::read_error::quoted;
 
 /// The material that comes nearest to what an MTL file means; what is lost by it is told.
@@ -16,19 +18,30 @@ use crate::read_error::quoted;
 /// and `Ns` are Blinn's highlight, here normalised. `d` and `Tr` let light pass straight on, without bending it: a mask.
 ///
 /// The physically based extension (`Pr`, `Pm`, `Ps`, `Pc`, `Pcr`, `aniso`) becomes layers of OpenPBR, in which roughness means the same.
-pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Material {
+///
+/// Pictures multiply what they are pictures of. How high a bump map is MTL doesn't say: a height of 1 is taken for a hundredth of the mesh's
+/// `extent`, times `-bm`.
+pub(super) fn nearest(
+    m: &MtlMaterial,
+    (maps, extent): (&Maps, f64),
+    tell: &mut dyn FnMut(&'static str),
+) -> Material {
     let illumination = m.illumination.unwrap_or(0);
     let opacity = opacity(m, tell);
+    let is_cut = maps.has(MtlUse::Dissolve);
     // 1 is the format's way to leave the index out: such glass could not be seen.
     let eta = m.ior.map(f64::from).filter(|n| (1.001..=10.0).contains(n));
     let is_clear = m.transmission.is_some_and(|c| c.iter().any(|v| *v > 0.0));
     let is_glass = match illumination {
         6 | 7 => true,
         // Blender writes 9 for all that is partly see-through, with whatever index its material has.
-        4 | 9 => eta.is_some() && (opacity == 1.0 || is_clear),
+        4 | 9 => eta.is_some() && (opacity == 1.0 || is_clear) && !is_cut,
         _ => false,
     };
     if is_glass {
+        if !maps.are_none() {
+            tell("it is clear glass, for which pictures have no effect");
+        }
         if opacity < 1.0 {
             tell(
                 "'d' or 'Tr' says that light passes straight on, but 'illum' that it is refracted: it is shown as clear glass",
@@ -39,59 +52,80 @@ pub(super) fn nearest(m: &MtlMaterial, tell: &mut dyn FnMut(&'static str)) -> Ma
         let eta = eta.unwrap_or(1.5);
         return Material::Dielectric(Dielectric { eta: eta.into(), transmittance, ..Dielectric::default() });
     }
-    if opacity == 1.0 && matches!(illumination, 4 | 9) {
+    if opacity == 1.0 && !is_cut && matches!(illumination, 4 | 9) {
         tell("'illum' asks for glass, but no index of refraction ('Ni') above 1 does: it is shown as opaque");
     }
-    let opaque = opaque(m, illumination);
-    if opacity == 1.0 {
+    let opaque = opaque(m, (maps, relief(maps, extent)), illumination);
+    if opacity == 1.0 && !is_cut {
         return opaque;
     }
     let material = Box::new(MaterialRef::Inline(Box::new(opaque)));
-    Material::Mask(Mask { material, opacity: Varying::Constant(opacity), relief: Default::default() })
+    let opacity = maps.number(MtlUse::Dissolve, Some(opacity), 1.0);
+    Material::Mask(Mask { material, opacity, relief: Relief::default() })
+}
+
+/// The light that it sends out, if any.
+pub(super) fn emission(m: &MtlMaterial, maps: &Maps) -> Option<Varying<Spectrum>> {
+    let constant = m.emission.map_or([0.0; 3], |e| e.map(positive));
+    let is_lit = constant != [0.0; 3] || maps.has(MtlUse::Emission);
+    is_lit.then(|| maps.colour(MtlUse::Emission, constant))
+}
+
+fn relief(maps: &Maps, extent: f64) -> Relief {
+    let bump = maps.heights.clone().map(|(texture, by)| {
+        let height = by * 0.01 * extent;
+        let height = if height.is_finite() && height.abs() <= 1e6 { height } else { 0.0 };
+        Bump { texture: TextureOf::Inline(texture), height }
+    });
+    Relief { normal_map: maps.normals.clone(), bump }
 }
 
 /// What there is where light doesn't pass.
-fn opaque(m: &MtlMaterial, illumination: u32) -> Material {
-    let diffuse = m.diffuse.map_or([0.5; 3], |c| c.map(share));
+fn opaque(m: &MtlMaterial, (maps, relief): (&Maps, Relief), illumination: u32) -> Material {
+    let absent = if maps.has(MtlUse::Diffuse) { 1.0 } else { 0.5 };
+    let diffuse = m.diffuse.map_or([absent; 3], |c| c.map(share));
     let specular = m.specular.map_or([0.0; 3], |c| c.map(share));
-    let colour = |c: [f64; 3]| Varying::Constant(Color(c).into());
+    let base = maps.colour(MtlUse::Diffuse, diffuse);
     let physical = [m.roughness, m.metallic, m.sheen, m.clearcoat];
-    if physical.iter().any(Option::is_some) {
+    let of_pictures = [MtlUse::Roughness, MtlUse::Metallic, MtlUse::Sheen, MtlUse::Clearcoat];
+    if physical.iter().any(Option::is_some) || of_pictures.iter().any(|of| maps.has(*of)) {
         let number = |v: Option<f32>, absent: f64| Varying::Constant(v.map_or(absent, share));
+        let read = |of: MtlUse, v: Option<f32>, absent: f64| maps.number(of, v.map(share), absent);
         return Material::OpenPbr(OpenPbr {
-            base_color: colour(diffuse),
-            base_metalness: number(m.metallic, 0.0),
-            specular_roughness: number(m.roughness, 0.5),
+            base_color: base,
+            base_metalness: read(MtlUse::Metallic, m.metallic, 0.0),
+            specular_roughness: read(MtlUse::Roughness, m.roughness, 0.5),
             specular_roughness_anisotropy: number(m.anisotropy, 0.0),
             specular_ior: Varying::Constant(
                 m.ior.map(f64::from).filter(|n| (1.001..=5.0).contains(n)).unwrap_or(1.5),
             ),
-            fuzz_weight: number(m.sheen, 0.0),
-            coat_weight: number(m.clearcoat, 0.0),
-            coat_roughness: number(m.clearcoat_roughness, 0.0),
+            fuzz_weight: read(MtlUse::Sheen, m.sheen, 0.0),
+            coat_weight: read(MtlUse::Clearcoat, m.clearcoat, 0.0),
+            coat_roughness: read(MtlUse::ClearcoatRoughness, m.clearcoat_roughness, 0.0),
             coat_ior: Varying::Constant(1.5),
             coat_darkening: Varying::Constant(0.0),
+            relief,
             ..OpenPbr::default()
         });
     }
     let sum = |c: [f64; 3]| c[0] + c[1] + c[2];
+    let shines = sum(specular) > 0.0 || maps.has(MtlUse::Specular);
     if matches!(illumination, 3 | 5) && sum(specular) > sum(diffuse) {
-        return Material::Mirror(Mirror { reflectance: colour(specular), ..Mirror::default() });
+        let reflectance = maps.colour(MtlUse::Specular, specular);
+        return Material::Mirror(Mirror { reflectance, relief, ..Mirror::default() });
     }
-    if illumination >= 2 && sum(specular) > 0.0 {
+    if illumination >= 2 && shines {
+        let exponent = positive(straal_math::ops::clamp(m.shininess.unwrap_or(10.0), 0.0, 1e4));
         return Material::Phong(Phong {
-            reflectance: colour(diffuse),
-            specular: colour(specular),
-            exponent: Varying::Constant(positive(straal_math::ops::clamp(
-                m.shininess.unwrap_or(10.0),
-                0.0,
-                1e4,
-            ))),
+            reflectance: base,
+            specular: maps.colour(MtlUse::Specular, specular),
+            exponent: maps.number(MtlUse::Shininess, Some(exponent), 10.0),
             highlight: Highlight::Blinn,
+            relief,
             ..Phong::default()
         });
     }
-    Material::Diffuse(Diffuse { reflectance: colour(diffuse), ..Diffuse::default() })
+    Material::Diffuse(Diffuse { reflectance: base, relief, ..Diffuse::default() })
 }
 
 /// The share of light that doesn't pass straight on, by `d` and `Tr`. Where they contradict each other `d` counts, whose meaning nobody doubts.
@@ -167,11 +201,11 @@ pub(super) fn positive(v: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use straal_scene::desc::{Index, Spectrum};
+    use straal_scene::desc::Index;
 
     fn told(m: &MtlMaterial) -> (Material, Vec<&'static str>) {
         let mut list = Vec::new();
-        let material = nearest(m, &mut |what| list.push(what));
+        let material = nearest(m, (&Maps::default(), 1.0), &mut |what| list.push(what));
         (material, list)
     }
 

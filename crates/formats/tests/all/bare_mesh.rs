@@ -8,7 +8,8 @@ use straal_math::{Affine, DVec3, ops};
 use straal_scene::count::{Space, count};
 use straal_scene::decode::Describe;
 use straal_scene::desc::{
-    Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, Spectrum, TriangleMesh,
+    Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, Spectrum, Texture, TextureChannel,
+    TextureOf, TriangleMesh, Varying,
 };
 use straal_scene::value::{Color, Link};
 
@@ -142,9 +143,10 @@ fn an_obj_keeps_its_own_materials() {
     // What has none in the file is clay.
     let (node, around) = framed(&loaded);
     assert_eq!((&node.surface.material, around), (&None, Some(&named("clay"))));
-    assert!(loaded.warnings.to_string().contains("map_Kd"), "{}", loaded.warnings);
+    assert!(loaded.warnings.to_string().contains("no texture coordinates"), "{}", loaded.warnings);
     let materials = &loaded.assets.meshes.iter().next().unwrap().materials;
-    assert_eq!(materials["glow"].emission, Some(Color([3.0, 2.0, 1.0])));
+    let glow = Spectrum::from(Color([3.0, 2.0, 1.0]));
+    assert_eq!(materials["glow"].emission, Some(Varying::Constant(glow)));
     assert!(
         matches!(&materials["glass"].material, Material::Dielectric(d) if matches!(d.eta, Index::Constant(n) if n > 1.32))
     );
@@ -239,4 +241,48 @@ world:
     assert_eq!((f.kept.triangles, f.kept.lights, f.kept.instances), (4 * 1024, 4, 2));
     let of = |[triangles, spheres, instances]: [u64; 3]| Space { triangles, spheres, instances, shapes: 0 };
     assert_eq!(f.spaces, [[4 * 1024, 0, 2], [0, 1, 0]].map(of));
+}
+
+#[test]
+fn an_obj_is_painted_with_the_pictures_of_its_materials() {
+    let loaded = load(Path::new("tests/data/painted.obj"), &Options::default()).unwrap();
+    let told = loaded.warnings.to_string();
+    assert!(told.contains("the picture 'gone.png' has no effect ('a'): there is no such file"), "{told}");
+    assert!(told.contains("not a picture") && told.contains("painted.obj' has no effect ('b')"), "{told}");
+    let materials = &loaded.assets.meshes.iter().next().unwrap().materials;
+    let file_of = |texture: &TextureOf| match texture {
+        TextureOf::Inline(Texture::Image(i)) => i.file.clone(),
+        other => panic!("{other:?}"),
+    };
+    // A path of Windows, in another case; a picture that two materials share is one.
+    let Material::Mask(mask) = &materials["a"].material else { panic!("{:?}", materials["a"]) };
+    let Varying::Texture(opacity) = &mask.opacity else { panic!("{mask:?}") };
+    let TextureOf::Inline(Texture::Image(image)) = &**opacity else { panic!("{opacity:?}") };
+    assert_eq!(image.channel, TextureChannel::Alpha, "what is cut out is told by alpha");
+    let MaterialRef::Inline(below) = &*mask.material else { panic!("{mask:?}") };
+    let Material::Diffuse(a) = &**below else { panic!("{below:?}") };
+    let Varying::Texture(colour) = &a.reflectance else { panic!("{a:?}") };
+    let TextureOf::Inline(Texture::Scale(scaled)) = &**colour else { panic!("{colour:?}") };
+    let Varying::Texture(painted) = &scaled.of else { panic!("{scaled:?}") };
+    let Material::OpenPbr(b) = &materials["b"].material else { panic!("{:?}", materials["b"]) };
+    let Varying::Texture(rough) = &b.specular_roughness else { panic!("{b:?}") };
+    assert_eq!(file_of(painted).handle, file_of(rough).handle);
+    assert!(loaded.assets.bitmap(file_of(painted).handle).is_some_and(|b| b.texels.width() == 16));
+    assert!(b.relief.bump.as_ref().is_some_and(|bump| (bump.height - 0.01).abs() < 1e-6), "{b:?}");
+    assert_eq!(loaded.assets.bitmaps.iter().count(), 2);
+    assert!(loaded.files.iter().any(|f| f.ends_with("steps.png")), "{:?}", loaded.files);
+    // Where a node has a material of its own, none of them is read.
+    const CAMERA: &str = "camera: {perspective: {eye: [0, 0, 5], look_at: [0, 0, 0]}}\n";
+    let scene = format!(
+        "{CAMERA}world: [mesh: {{file: painted.obj, material: {{diffuse: {{reflectance: 0.5}}}}}}]\n"
+    );
+    let plain = load_str("scene.yaml", &scene, Path::new("tests/data"), &Options::default()).unwrap();
+    assert_eq!(plain.assets.bitmaps.iter().count(), 0);
+    // Beside pictures of the scene's own, each finds its own.
+    let scene = format!(
+        "{CAMERA}textures: {{own: {{image: {{file: ../../../../tests/pictures/steps.tga}}}}}}\n\
+         world: [mesh: {{file: painted.obj}}, sphere: {{material: {{diffuse: {{reflectance: {{texture: own}}}}}}}}]\n"
+    );
+    let both = load_str("scene.yaml", &scene, Path::new("tests/data"), &Options::default()).unwrap();
+    assert_eq!(both.assets.bitmaps.iter().count(), 3);
 }

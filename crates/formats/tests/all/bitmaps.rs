@@ -1,6 +1,8 @@
 //! Pictures of all formats as textures take them: made by another program, each with the pixels that `tests/pictures/README.md` says.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use crate::common;
 
 use straal_formats::image::{self, Format, Header, Photo};
 use straal_formats::{Limits, ReadError};
@@ -139,5 +141,70 @@ fn the_headers_alone_tell_the_size() {
     for (name, format, _) in STEPS {
         let header = Header::open(&Path::new(FOLDER).join(name), &Limits::default()).unwrap();
         assert_eq!((header.format, header.width, header.height), (format, 16, 12), "{name}");
+    }
+}
+
+/// The files of a folder that end so, in their order.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == extension));
+    files.sort();
+    assert!(!files.is_empty(), "{}", folder.display());
+    files
+}
+
+#[test]
+fn png_suite_is_read_as_textures() {
+    let Some(shared) = common::shared() else { return };
+    let suite = shared.join("scenes/conformance/pngsuite");
+    let get = |path: &Path| {
+        let bytes = std::fs::read(path).unwrap();
+        let (bitmap, _) = read(&bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        // As light, and as a texture, they are the same numbers.
+        let header = image::header(&bytes, &Limits::default()).unwrap();
+        assert_eq!((bitmap.texels.width(), bitmap.texels.height()), (header.width, header.height));
+        assert!(bitmap.texels.heap_bytes() <= header.bitmap_bytes(), "{}", path.display());
+        bitmap
+    };
+    let mut interlaced = 0;
+    for path in files(&suite.join("primary"), "png") {
+        let bitmap = get(&path);
+        // Those whose fourth letter is an i are interlaced, and else the same pictures.
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if let Some(rest) = name.strip_prefix("basi") {
+            let plain = get(&path.with_file_name(format!("basn{rest}")));
+            assert!(bitmap.texels == plain.texels, "{name}");
+            interlaced += 1;
+        }
+        // Of 3 in the sixth place are pictures with palettes, and the last two digits are the depth.
+        let deep = name.ends_with("16.png");
+        assert_eq!(bitmap.texels.format().number == Number::Short, deep && !name.contains("3p"), "{name}");
+    }
+    assert!(interlaced > 10, "{interlaced}");
+    for path in files(&suite.join("16bit"), "png") {
+        get(&path);
+    }
+    for path in files(&suite.join("corrupt"), "png") {
+        assert!(read(&std::fs::read(&path).unwrap()).is_err(), "{}", path.display());
+    }
+}
+
+#[test]
+fn openexr_test_images_are_read_as_textures() {
+    let Some(shared) = common::shared() else { return };
+    for path in files(&shared.join("scenes/conformance/openexr-images/TestImages"), "exr") {
+        let bytes = std::fs::read(&path).unwrap();
+        let (bitmap, _) = read(&bytes).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let header = image::header(&bytes, &Limits::default()).unwrap();
+        assert_eq!((bitmap.texels.width(), bitmap.texels.height()), (header.width, header.height));
+        for i in 0..header.width * header.height {
+            let numbers = bitmap.texels.numbers(i % header.width, i / header.width);
+            assert!(numbers.iter().all(|v| v.is_finite()), "{}", path.display());
+        }
+        // Cut anywhere, it is an error and no panic.
+        for part in 1..8 {
+            let cut = &bytes[..bytes.len() * part / 8];
+            assert!(read(cut).is_err(), "{} cut to {part} eighths", path.display());
+        }
     }
 }

@@ -4,7 +4,7 @@ use crate::common;
 
 use std::fs;
 
-use straal_formats::mesh::mtl::{self, MtlMaterial};
+use straal_formats::mesh::mtl::{self, MtlChannel, MtlMap, MtlMaterial, MtlUse};
 use straal_formats::mesh::obj::{self, ObjFile};
 use straal_formats::{Limits, ReadError};
 
@@ -85,14 +85,21 @@ fn groups_and_materials_make_parts() {
     assert_eq!(
         file.materials,
         [
-            ("red".to_string(), MtlMaterial { diffuse: Some([1., 0., 0.]), ..MtlMaterial::default() }),
+            (
+                "red".to_string(),
+                MtlMaterial {
+                    diffuse: Some([1., 0., 0.]),
+                    maps: [(MtlUse::Diffuse, MtlMap { file: "red.png".to_owned(), ..MtlMap::default() })]
+                        .into(),
+                    ..MtlMaterial::default()
+                }
+            ),
             ("glass".to_string(), MtlMaterial { ior: Some(1.5), ..MtlMaterial::default() }),
         ]
     );
     assert_eq!(
         file.warnings,
         [
-            "my paints.mtl, line 3: texture maps are not supported yet: 'map_Kd' has no effect ('red')",
             "line 2: the material library 'a.mtl' was not found",
             "b.mtl: the material 'red' is there already",
             "line 16: lines have no surface and are left out",
@@ -126,6 +133,7 @@ fn materials_keep_what_the_file_says() {
         clearcoat: Some(0.5),
         clearcoat_roughness: Some(0.75),
         anisotropy: Some(0.125),
+        maps: [].into(),
     };
     let late = MtlMaterial { dissolve: Some(0.75), transparency: Some(0.5), ..MtlMaterial::default() };
     assert_eq!(file.materials, [("all".to_string(), all), ("late".to_string(), late)]);
@@ -395,4 +403,38 @@ fn colours_are_read_when_somebody_asks_for_them() {
     // In the order of the faces' corners; the vertex that has none is white.
     assert_eq!(colours.values, [0.0, 0.0, 1.0, 1.0, 0.5, 0.25, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0]);
     assert!(obj::read(text, &Limits::default(), &mut |_| None).unwrap().mesh.attributes.is_empty());
+}
+
+#[test]
+fn pictures_of_materials_come_with_their_options() {
+    let text = "newmtl a\nmap_Kd -s 2 3 -o .5 my wood.png # oak\nmap_Bump \"bark \\ 1.png\" -bm 0.25\nmap_d -imfchan m -clamp on leaf.png\n\
+        map_Ns -mm .25 .5 gloss.png\nmap_ORM -blendu on orm.png\ndisp hills.png\nmap_Kd2 x.png\nmap_Ke -t 1 1 1 -texres 64\nmap_Ka a.png\n\
+        map_Ks -boost 3 -cc off -s inf 2 -2 shiny-1.png\n";
+    let file = mtl::read(text.as_bytes(), &Limits::default()).unwrap();
+    let named = |file: &str| MtlMap { file: file.to_owned(), ..MtlMap::default() };
+    let maps = &file.materials[0].1.maps;
+    let want = [
+        (MtlUse::Diffuse, MtlMap { scale: [2.0, 3.0], offset: [0.5, 0.0], ..named("my wood.png") }),
+        (MtlUse::Specular, MtlMap { scale: [1.0, 2.0], ..named("shiny-1.png") }),
+        (MtlUse::Shininess, MtlMap { range: [0.25, 0.5], ..named("gloss.png") }),
+        (
+            MtlUse::Dissolve,
+            MtlMap { channel: Some(MtlChannel::Alpha), is_clamped: true, ..named("leaf.png") },
+        ),
+        (MtlUse::Roughness, MtlMap { channel: Some(MtlChannel::Green), ..named("orm.png") }),
+        (MtlUse::Metallic, MtlMap { channel: Some(MtlChannel::Blue), ..named("orm.png") }),
+        (MtlUse::Bump, MtlMap { bump: 0.25, ..named("bark \\ 1.png") }),
+    ];
+    assert_eq!(maps.iter().map(|(of, map)| (*of, map.clone())).collect::<Vec<_>>(), want);
+    assert_eq!(
+        file.warnings,
+        [
+            "line 7: pictures for 'disp' are not supported and have no effect ('a')",
+            "line 8: pictures for 'map_Kd2' are not supported and have no effect ('a')",
+            "line 9: the option -t (turbulence) of 'map_Ke' has no effect ('a')",
+            "line 9: the option -texres of 'map_Ke' has no effect ('a')",
+            "line 9: 'map_Ke' names no picture",
+            "line 11: the option -boost of 'map_Ks' has no effect ('a')",
+        ]
+    );
 }

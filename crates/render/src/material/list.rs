@@ -163,8 +163,8 @@ macro_rules! materials {
 
         impl Material {
             /// Of what the scene says.
-            pub(crate) fn of(described: &desc::Material, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-                Ok(match described { $( desc::Material::$Kind(d) => Self::$Kind(<$Recipe>::of(d, paint)?), )+ })
+            pub(crate) fn of(described: &desc::Material, paint: &mut Paint<'_>) -> Self {
+                match described { $( desc::Material::$Kind(d) => Self::$Kind(<$Recipe>::of(d, paint)), )+ }
             }
 
             /// What it must know of a point; of a user's, his material says it.
