@@ -46,6 +46,7 @@ fn apply(scene: &mut desc::Scene, wish: &Overrides) -> Result<(), Error> {
     }
     film.crop = wish.crop.or(film.crop);
     film.splat = wish.splat.unwrap_or(film.splat);
+    film.denoise = wish.denoise.clone().unwrap_or(film.denoise.clone());
     if let Some(recording) = wish.recording {
         film.channels = channels(recording);
     }

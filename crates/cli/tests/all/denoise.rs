@@ -97,3 +97,72 @@ fn what_cannot_be_denoised_is_refused() {
     // A picture of one pixel is one.
     assert_eq!(folder.straal("denoise one.exr -o b.exr").code, Some(0));
 }
+
+#[test]
+fn a_render_is_denoised_with_its_error_and_the_same_bits() {
+    let folder = Folder::with_scene(BALL);
+    folder.straal("render scene.yaml -o plain.exr -q");
+    let run = folder.straal("render scene.yaml -o clean.exr --denoise best --threads 1");
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("denoised by rt_hdr_alb_nrm (albedo, normal), "), "{}", run.err);
+    assert!(run.err.contains("of the truth, by its own estimate\n"), "{}", run.err);
+    let (plain, clean) = (read(&folder, "plain.exr"), read(&folder, "clean.exr"));
+    // The samples are the same; what the error is of has changed.
+    assert_eq!(clean.layer("noisy").unwrap().rgb(), plain.layer("").unwrap().rgb());
+    assert!(roughness(clean.layer("").unwrap(), 24) < 0.9 * roughness(plain.layer("").unwrap(), 24));
+    assert!(clean.layer("variance").is_none());
+    let error = clean.layer("error").unwrap().rgb().unwrap();
+    assert!(error.iter().flatten().all(|e| e.is_finite() && *e >= 0.0));
+    assert!(error.iter().flatten().any(|e| *e > 0.0));
+    let told = |key: &str| clean.metadata.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str());
+    assert_eq!(told("straal.error"), Some("denoised halves"));
+    assert_eq!(told("straal.guides_of"), Some("specular"));
+    assert_eq!(folder.json("info clean.exr")["film_hash_is_right"], true);
+    // The scene may say it, in the same bits for any threads and instruction set; and the command line has the last word.
+    folder.write("said.yaml", &BALL.replace("film: {", "film: { denoise: best,"));
+    folder.straal("render said.yaml -o said.exr --threads 3 --isa scalar -q");
+    let said = read(&folder, "said.exr");
+    assert_eq!(said.layer("").unwrap().rgb(), clean.layer("").unwrap().rgb());
+    assert_eq!(said.layer("error"), clean.layer("error"));
+    folder.straal("render said.yaml -o off.exr --denoise off -q");
+    assert_eq!(read(&folder, "off.exr").layers, plain.layers);
+    let refused = folder.straal("render scene.yaml -o a.exr --replicates 2 --denoise fast");
+    assert_eq!(refused.code, Some(2));
+}
+
+#[test]
+fn noise_is_that_of_the_denoised_picture() {
+    let folder = Folder::with_scene(BALL);
+    let report = folder.json("render scene.yaml -o a.exr --noise 4% --denoise fast");
+    let (samples, noise) =
+        (report["samples"].as_u64().unwrap(), report["denoised"]["noise"].as_f64().unwrap());
+    assert!(samples.is_power_of_two() && samples >= 32 && noise <= 0.04, "{samples} {noise}");
+    assert_eq!(report["complete"], true);
+    let undenoised = folder.json("render scene.yaml -o b.exr --noise 4%");
+    assert!(undenoised["mean_samples"].as_f64().unwrap() > samples as f64, "{undenoised}");
+}
+
+/// What a mirror shows is told by `--guides specular`.
+#[test]
+fn guides_follow_mirrors() {
+    let scene = BALL
+        .replace("radius: 0.5 }", "radius: 0.5, material: chrome }")
+        .replace("plane: {}", "plane: { material: grey }")
+        .replace(
+            "world:",
+            "materials: { chrome: { mirror: {} }, grey: { diffuse: { reflectance: 0.25 } } }\nworld:",
+        );
+    let folder = Folder::with_scene(&scene);
+    let mut albedo = Vec::new();
+    for guides in ["first", "specular"] {
+        folder.straal(&format!("render scene.yaml -o {guides}.exr --spp 1 --guides {guides} -q"));
+        let picture = read(&folder, &format!("{guides}.exr"));
+        albedo.push(picture.layer("albedo").unwrap().rgb().unwrap());
+        assert_eq!(picture.layer("").unwrap().rgb(), read(&folder, "first.exr").layer("").unwrap().rgb());
+    }
+    // The lower half of the ball shows the floor, the upper the sky, and the sky itself has albedo 1.
+    let at = |k: usize, x: usize, y: usize| albedo[k][y * 24 + x][0];
+    assert_eq!((at(0, 12, 11), at(1, 12, 11)), (1.0, 0.25));
+    assert_eq!((at(0, 12, 5), at(1, 12, 5)), (1.0, 1.0));
+    assert_eq!((at(0, 0, 0), at(1, 0, 0)), (0.0, 1.0));
+}

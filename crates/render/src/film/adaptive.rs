@@ -135,7 +135,7 @@ impl FilmTile {
     }
 
     /// Mean and variance of the mean of a channel of one half of pixel `k`; the variance by batches or by spread.
-    fn mean_of_half(&self, k: usize, half: usize, channel: usize, by_batches: bool) -> (f64, f64) {
+    pub(super) fn mean_of_half(&self, k: usize, half: usize, channel: usize, by_batches: bool) -> (f64, f64) {
         let Part { sums: p, squares, control } = self.half(k, half);
         let sum = self.sums_of(&p, control.as_ref())[channel];
         let mean = sum / f64::from(p.count.max(1));

@@ -8,6 +8,7 @@ pub mod channel;
 mod control;
 mod error_estimate;
 mod fixed;
+mod halves;
 mod hash;
 mod light_sum;
 mod planes;
@@ -21,6 +22,7 @@ pub use adaptive::{BLOCK, DARK, FIRST_CHECK};
 pub use channel::{Channel, ChannelLayer};
 pub use error_estimate::ErrorEstimate;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
+pub use halves::Halves as HalfPictures;
 pub use hash::hash_of;
 pub use light_sum::LightSum;
 pub use recording::Recording;
@@ -38,6 +40,7 @@ use control::Control;
 use error_estimate::BatchSums;
 use fixed::{Fixed, Square};
 use straal_color::spectrum::Bands;
+use straal_math::simd::Simd;
 
 /// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
 pub const TILE: u32 = 16;
@@ -462,12 +465,13 @@ impl Film {
         self.tiles.iter().map(|t| u64::from(t.open_blocks())).sum()
     }
 
-    /// Makes room for samples that count in all pixels that a filter reaches from; bands, if any, are held before.
-    pub(crate) fn splat(&mut self, filter: &Filter) {
+    /// Makes room for samples that count in all pixels that a filter reaches from, added by some instruction set; bands, if any, are
+    /// held before.
+    pub(crate) fn splat(&mut self, filter: &Filter, simd: Simd) {
         let bands = self.bands.as_ref().map_or(0, Bands::count);
         self.hold_mean_squares(filter);
         for tile in &mut self.tiles {
-            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands));
+            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands, simd));
         }
     }
 

@@ -11,11 +11,12 @@
 //! heights that they have on average.
 
 use super::fixed::{Down, Fixed, HEIGHT_SCALE, height};
-use super::planes::{Columns, Plane, product};
+use super::planes::{Columns, Plane, add_heights, product};
 use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
 use crate::film::Region;
 use crate::filter::Filter;
 use straal_color::spectrum::Bands;
+use straal_math::simd::{Float, Kernel, Simd};
 
 /// The farthest that a pixel may be from a sample's own: filters are up to 16 pixels wide to either side.
 const MAX_REACH: u32 = 16;
@@ -77,6 +78,8 @@ pub struct Splats {
     waiting: Vec<Waiting>,
     /// How far a sample's own pixel may be from one that it counts in.
     reach: u32,
+    /// By which instruction set samples are added.
+    simd: Simd,
 }
 
 /// Samples that wait for one another, where the filter is so wide that a sample's pixels don't fit the nearest cache.
@@ -133,9 +136,9 @@ pub struct Flying<'a> {
 
 impl Splats {
     /// For a tile of a picture of some size, and a filter.
-    pub(super) fn new(tile: Region, size: [u32; 2], filter: &Filter, bands: usize) -> Self {
+    pub(super) fn new(tile: Region, size: [u32; 2], filter: &Filter, bands: usize, simd: Simd) -> Self {
         let reach = reach(f64::from(filter.radius())).min(MAX_REACH);
-        Self { reach, ..Self::alone(tile.grown(reach).intersection(Region::whole(size)), bands) }
+        Self { reach, simd, ..Self::alone(tile.grown(reach).intersection(Region::whole(size)), bands) }
     }
 
     /// For sums that were made before, and reach nobody else.
@@ -148,6 +151,7 @@ impl Splats {
             bands: vec![Fixed::default(); pixels * bands],
             waiting: Vec::new(),
             reach: 0,
+            simd: Simd::PLAIN,
         }
     }
 
@@ -237,26 +241,7 @@ impl Splats {
 
     fn add_all(&mut self, samples: &[Waiting]) {
         let width = self.region.width() as usize;
-        let first = samples.iter().map(|w| w.from[1]).min().unwrap_or(0);
-        let end = samples.iter().map(|w| w.from[1] + w.rows).max().unwrap_or(0);
-        for row in first..end {
-            for w in samples {
-                let Some(down) = w.down(row) else { continue };
-                let start = row * width + w.from[0];
-                let weights = &mut self.weights[start..][..w.columns.count()];
-                weights.iter_mut().zip(w.columns.heights()).for_each(|(sum, w)| *sum += product(w, down));
-                let Some(rgb) = &w.rgb else { continue };
-                let planes = self.light.iter_mut().enumerate();
-                match Down::new(rgb, down) {
-                    Down::Bright(rows) => {
-                        planes.for_each(|(c, p)| p.add_bright(&w.columns, start, rows.row(c)))
-                    }
-                    Down::Usual(rows) => {
-                        planes.for_each(|(c, p)| p.add_usual(&w.columns, start, rows.row(c)))
-                    }
-                }
-            }
-        }
+        self.simd.run(Together { samples, width, light: &mut self.light, weights: &mut self.weights });
     }
 
     fn add_bands(&mut self, start: usize, across: &[i64], down: i64, bands: &[BandSample]) {
@@ -266,6 +251,45 @@ impl Splats {
             match Down::new(&[b.value], down) {
                 Down::Bright(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
                 Down::Usual(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
+            }
+        }
+    }
+}
+
+/// Samples on their way to the sums, a row of pixels at a time. It is integers all through, the same by every instruction set.
+struct Together<'a> {
+    samples: &'a [Waiting],
+    /// Pixels of a row of the sums' region.
+    width: usize,
+    light: &'a mut [Plane; 3],
+    weights: &'a mut [i64],
+}
+
+impl Kernel for Together<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let first = self.samples.iter().map(|w| w.from[1]).min().unwrap_or(0);
+        let end = self.samples.iter().map(|w| w.from[1] + w.rows).max().unwrap_or(0);
+        for row in first..end {
+            for w in self.samples {
+                let Some(down) = w.down(row) else { continue };
+                let start = row * self.width + w.from[0];
+                add_heights(&mut self.weights[start..], &w.columns, down);
+                let Some(rgb) = &w.rgb else { continue };
+                match Down::new(rgb, down) {
+                    Down::Bright(rows) => {
+                        for (c, plane) in self.light.iter_mut().enumerate() {
+                            plane.add_bright(&w.columns, start, rows.row(c));
+                        }
+                    }
+                    Down::Usual(rows) => {
+                        for (c, plane) in self.light.iter_mut().enumerate() {
+                            plane.add_usual(&w.columns, start, rows.row(c));
+                        }
+                    }
+                }
             }
         }
     }
@@ -442,6 +466,7 @@ fn variance(sum: &Splat, spread: &Spread, channel: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::filter::{Profile, Separable};
+    use straal_math::simd::Isa;
 
     #[test]
     fn reach_is_the_least_that_misses_no_pixel() {
@@ -456,7 +481,7 @@ mod tests {
     fn a_sample_counts_in_the_pixels_that_reach_it() {
         let filter = Filter::Separable(Separable::new(Profile::Tent, 1.0).expect("a filter"));
         let mut film = Film::new([40, 20], Region::whole([40, 20]));
-        film.splat(&filter);
+        film.splat(&filter, Simd::best());
         let tile = film.tiles.iter_mut().find(|t| t.region.min == [16, 0]).expect("a tile");
         let sample = Sample { rgb: [1.0, 2.0, 4.0], ..Sample::default() };
         // A quarter of a pixel left of the middle of the tile's first column: half-way into the tile beside.
@@ -469,6 +494,34 @@ mod tests {
         // A single sample is the mean of whoever sees it.
         assert_eq!((seen(15, 5), seen(16, 5)), ([1.0, 2.0, 4.0], [1.0, 2.0, 4.0]));
         assert_eq!((seen(17, 5), seen(16, 4)), ([0.0; 3], [0.0; 3]));
+    }
+
+    /// Light of any size, above 0 or below, by a filter with negative lobes: sums that instruction sets add side by side are those of
+    /// plain numbers.
+    #[test]
+    fn instruction_sets_have_the_same_sums() {
+        let filter = Filter::Separable(Separable::new(Profile::Lanczos, 6.0).expect("a filter"));
+        let sums = |simd: Simd| {
+            let mut film = Film::new([16, 16], Region::whole([16, 16]));
+            film.splat(&filter, simd);
+            let splats = film.tiles[0].splats.as_mut().expect("sums");
+            for i in 0..40_u32 {
+                let v = [1e-7, 0.3, -0.4, 5.0, -7.0, 3e3, -4e9][i as usize % 7];
+                let sample = Sample { rgb: [v, 0.5 * v, 0.0], ..Sample::default() };
+                let flying = Flying {
+                    pixel: [i * 5 % 16, i * 3 % 16],
+                    offset: [i as f32 / 40.0 - 0.5, 0.3],
+                    sample: (i != 9).then_some(&sample),
+                    bands: &[],
+                };
+                splats.add(&filter, &flying);
+            }
+            (0..256).map(|i| splats.sum(i)).collect::<Vec<_>>()
+        };
+        let want = sums(Simd::PLAIN);
+        for simd in Isa::ALL.into_iter().filter_map(Simd::new) {
+            assert_eq!(sums(simd), want, "{}", simd.isa());
+        }
     }
 
     /// The sums of one pixel.
