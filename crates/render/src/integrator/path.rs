@@ -470,7 +470,7 @@ impl PathTracer {
                 // A direction of a single wavelength: the others end here, and their lanes are 0.
                 lanes = lanes.only(onward.wavelength(i));
             }
-            if world.materials.vary() {
+            if world.wants_footprints() {
                 let arrived = (ray, &queue.hits[index]);
                 footprint = world.footprint_beyond(&footprint, arrived, &onward.sample(i));
             }
