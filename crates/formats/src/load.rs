@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use straal_scene::decode::{Strictness, write_json};
-use straal_scene::desc::{Integrator, Light, Node};
+use straal_scene::desc::{Light, Node};
 use straal_scene::diagnostic::start_of;
 use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
@@ -146,8 +146,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let hash = hash(&scene, &reader.hashes);
     let files = reader.files;
     whole::validate(&scene, &assets, &mut d);
-    let needs_light = !matches!(scene.integrator, Integrator::SineProduct | Integrator::Ao(_));
-    if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
+    if !d.has_errors() && scene.integrator.needs_light() && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }

@@ -370,7 +370,7 @@ impl World {
     }
 
     /// The footprint of the ray that goes on from a hit in the direction of a sample whose `wi` is in the world.
-    /// Asked only where [`Materials::vary`].
+    /// Asked only where [`Self::wants_footprints`].
     #[cold]
     pub fn footprint_beyond(
         &self,
@@ -484,6 +484,13 @@ impl World {
         let point = self.surface_point(ray, hit);
         let outwards = if point.n.dot(point.ng) < 0.0 { -point.ng } else { point.ng };
         ray.d.dot(outwards) > 0.0
+    }
+
+    /// Whether paths carry what of a surface their rays stand for: where a material reads a texture, or is a user's that reads
+    /// points. Brushed metal alone reads points for their tangents, and no more.
+    #[inline(always)]
+    pub fn wants_footprints(&self) -> bool {
+        self.materials.vary() && (!self.textures.is_empty() || self.materials.any_custom())
     }
 
     /// Whether a ray may meet any light: one that glows or surrounds the scene.

@@ -86,6 +86,7 @@ fn what_cannot_be_denoised_is_refused() {
             "denoise one.exr -o b.exr --weights w.tza",
             "can't read w.tza as weights: not an archive of weights (TZA)",
         ),
+        ("denoise one.exr -o b.exr --weights .", "hasn't the weights for light, albedo and normals"),
         ("denoise one.exr -o b.exr --fireflies 0", "write a number from 1 to 1000000, such as 10"),
         ("denoise one.exr -o one.exr", "one.exr"),
         ("denoise one.exr", "--output"),

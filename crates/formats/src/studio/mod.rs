@@ -17,7 +17,7 @@ use straal_scene::desc::{
 use straal_scene::value::{Asset, Axis, Factors, Known, LinearRgb, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
 
-pub use frame::View;
+pub use frame::Side;
 pub use up::Up;
 
 /// How a bare mesh is shown.
@@ -26,7 +26,7 @@ pub struct Studio {
     /// Which of the mesh's axes points up; guessed when absent.
     pub up: Option<Up>,
     /// From where it is seen.
-    pub view: View,
+    pub view: Side,
     /// What it is made of; of its file's own materials, and clay where it has none, when absent.
     pub finish: Option<Finish>,
     /// The angle between two faces, in degrees, beyond which the edge between them is sharp. When absent a file's own normals

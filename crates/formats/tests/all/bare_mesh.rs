@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use straal_formats::studio::{Background, Finish, Studio, Up, View};
+use straal_formats::studio::{Background, Finish, Side, Studio, Up};
 use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::count::{Space, count};
@@ -93,7 +93,7 @@ fn whatever_its_size_and_place_a_mesh_stands_in_the_studio() {
         }
         std::fs::write(&path, text + faces).unwrap();
         for up in [Some(Up::Y), Some(Up::NegX), None] {
-            for view in View::ALL {
+            for view in Side::ALL {
                 for size in [None, Some([100, 300]), Some([600, 100])] {
                     let studio = Studio { up, view, size, ..Studio::default() };
                     framed(

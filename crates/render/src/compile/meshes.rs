@@ -1,6 +1,6 @@
 //! Meshes on the walk over the world: those of files with their materials, and what becomes one.
 
-use super::place::{Build, Glow, Glowing, Place, glowing_place};
+use super::build::{Build, Glow, Glowing, Place, glowing_place};
 use crate::shape::mesh::Between;
 use crate::shape::{TriangleMesh, bezier, smooth::smooth};
 use crate::world::{GeometryRecord, Kind};

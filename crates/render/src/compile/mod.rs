@@ -4,6 +4,7 @@
 //! a named object stays what it is, one shared copy with a transform, and even that is dissolved when the object
 //! glows, so that every light stands in world space.
 
+mod build;
 mod camera;
 mod doubts;
 mod dropped;
@@ -13,7 +14,7 @@ mod materials;
 mod meshes;
 mod place;
 
-pub use place::GLOWING_BYTES;
+pub use build::GLOWING_BYTES;
 
 use crate::film::{Recording, Sensor};
 use crate::filter::{Filter, Profile, Separable};
@@ -96,10 +97,10 @@ pub fn compile(request: &Request<'_>) -> Result<World, BuildError> {
 /// The same with a place of the description at the origin.
 fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, BuildError> {
     let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
-    let mut build = place::Build::new(scene, assets, custom, (spectral, detail), centre);
+    let mut build = build::Build::new(scene, assets, custom, (spectral, detail), centre);
     build.world();
     build.custom_shapes(custom);
-    let place::Built {
+    let build::Built {
         input,
         geometry,
         geometries,

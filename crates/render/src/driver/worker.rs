@@ -233,7 +233,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             let sample = self.samples.begin(pending);
             self.probe.begin(sample);
 
-            let wants_footprint = from_camera && world.materials.vary();
+            let wants_footprint = from_camera && world.wants_footprints();
             let footprint =
                 if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
             // Where nothing is seen there is no path, and the sample is black.

@@ -9,7 +9,12 @@
 //! `high` and `far`.
 
 use super::fixed::{Bright, Fixed, HEIGHT_SCALE, Row, Usual};
-use super::splat::MAX_AROUND;
+
+/// The farthest that a pixel may be from a sample's own: filters are up to 16 pixels wide to either side.
+pub(super) const MAX_REACH: u32 = 16;
+
+/// Rows or columns that a sample may count in.
+pub(super) const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
 
 /// Bits of a sum that `low` and `high` take.
 const LIMB: u32 = 32;

@@ -11,18 +11,12 @@
 //! heights that they have on average.
 
 use super::fixed::{Down, Fixed, HEIGHT_SCALE, height};
-use super::planes::{Columns, Plane, add_heights, product};
+use super::planes::{Columns, MAX_AROUND, MAX_REACH, Plane, add_heights, product};
 use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
 use crate::film::Region;
 use crate::filter::Filter;
 use straal_color::spectrum::Bands;
 use straal_math::simd::{Float, Kernel, Simd};
-
-/// The farthest that a pixel may be from a sample's own: filters are up to 16 pixels wide to either side.
-const MAX_REACH: u32 = 16;
-
-/// Rows or columns that a sample may count in.
-pub(super) const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
 
 /// Sums of one pixel, of light v and heights w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

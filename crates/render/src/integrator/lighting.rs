@@ -177,12 +177,3 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
         }
     }
 }
-
-/// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn
-/// with density `b` (Veach 1997, section 9.2.4).
-#[inline(always)]
-pub(super) fn power_heuristic<F: Float>(a: F, b: F) -> F {
-    // By the ratio: squares of densities leave the range of single precision.
-    let r = b / a;
-    F::ONE / (F::ONE + r * r)
-}

@@ -1,7 +1,6 @@
 //! Where the paths of a block of vertices go on.
 
 use super::numbers::Numbers;
-use super::path::Roulette;
 use super::vertices::{BLOCK, Bits, Row, Standing, Vertices, frames, ray, vector};
 use crate::light::Receiver;
 use crate::material::many::{OfKind, WithKind};
@@ -10,6 +9,18 @@ use crate::surface::{Column, Surfaces};
 use straal_color::Light;
 use straal_math::Ray;
 use straal_math::simd::{Float, Kernel, Mask, Simd};
+
+/// By which chance roulette lets a path go on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Roulette {
+    /// The root of what it carries.
+    #[default]
+    Root,
+    /// What it carries.
+    Throughput,
+    /// It isn't played before a path has 1000 edges.
+    Off,
+}
 
 /// Where paths go on.
 #[derive(Default)]

@@ -135,6 +135,12 @@ impl Materials {
         self.may_pass.get(index as usize).copied().unwrap_or(false)
     }
 
+    /// Whether any is a user's.
+    #[inline(always)]
+    pub fn any_custom(&self) -> bool {
+        !self.custom.is_empty()
+    }
+
     /// Whether it may through any.
     #[inline(always)]
     pub fn any_may_pass(&self) -> bool {

@@ -73,6 +73,8 @@ pub struct Denoising {
     pub effort: Effort,
     /// A network with other weights, and its name.
     pub network: Option<(String, Network)>,
+    /// Networks that take the noise out of albedo and normals before they guide: for weights that want guides without noise.
+    pub prefilters: [Option<Network>; 2],
     /// Take away light of single pixels that are brighter than this many times what is around them, before anything else.
     pub fireflies: Option<f32>,
     /// Worker threads; all cores when absent. They change the speed only.
@@ -202,6 +204,25 @@ impl Ready {
         Ok(self.pool.install(run)?)
     }
 
+    /// The guides without their noise, as far as there are networks for that.
+    pub fn prefiltered(
+        &self,
+        how: &Denoising,
+        mut guides: Guides,
+        width: usize,
+    ) -> Result<Guides, NoDenoise> {
+        let layers = [&mut guides.albedo, &mut guides.normal];
+        for (network, layer) in how.prefilters.iter().zip(layers) {
+            if let (Some(network), Some(layer)) = (network, layer) {
+                let height = layer.len() / width.max(1);
+                let picture =
+                    straal_denoise::Picture { width, height, color: layer, albedo: None, normal: None };
+                *layer = self.pool.install(|| straal_denoise::denoise(network, &picture, &self.settings))?;
+            }
+        }
+        Ok(guides)
+    }
+
     /// Does something on the threads.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
@@ -261,6 +282,7 @@ impl Picture {
         };
         let ready = how.ready(&guides)?;
         let width = self.layers.width;
+        let guides = ready.prefiltered(how, guides, width)?;
         let tamed = |rgb: &[[f32; 3]]| {
             let mut rgb = rgb.to_vec();
             let found = how.fireflies.map(|times| fireflies::remove(width, &mut rgb, times));
@@ -344,6 +366,7 @@ impl PictureFile {
         let ready = how.ready(&guides)?;
         let noisy = self.photo.pixels.clone();
         let width = self.photo.part.width;
+        let guides = ready.prefiltered(how, guides, width)?;
         let fireflies = how.fireflies.map(|times| fireflies::remove(width, &mut self.photo.pixels, times));
         let clean = ready.run(&Noisy { width, rgb: &self.photo.pixels, guides: &guides })?;
         let mut notes = ready.notes.clone();

@@ -143,11 +143,11 @@ fn stopping_early_does_not_darken() {
     // Corner and edges of each lamp, and the block that it lies in.
     let mut lamps = vec![([14.1, 14.2, 0.3, 0.3], 0), ([0.0, 8.0, 3.35, 8.0], 1), ([8.0, 0.0, 8.0, 6.63], 3)];
     lamps.extend((0..16).map(|i| {
-        let [x, y] = [i % 4, i / 4].map(|k| f64::from(k));
+        let [x, y] = [i % 4, i / 4].map(f64::from);
         ([2.0 * x + 0.3, 2.0 * y + 0.1 * x, 0.4, 0.2 + 0.1 * y], 2)
     }));
     let mut text = String::from(
-        "camera: { orthographic: { eye: [8, 8, 5], look_at: [8, 8, 0], width: 16 } }\nfilm: { size: [16, 16] }\nworld:\n",
+        "camera: { orthographic: { eye: [8, 8, 5], look_at: [8, 8, 0], width: 16 } }\nfilm: { size: [16, 16], filter: box }\nworld:\n",
     );
     let mut truth = [0.0; 4];
     for ([x, y, w, h], block) in lamps {
@@ -157,7 +157,7 @@ fn stopping_early_does_not_darken() {
         truth[block] += w * h / 64.0;
     }
     for (kind, noise) in [(PatternKind::Random, 0.4), (PatternKind::Sobol, 0.15)] {
-        let n = 256;
+        let n = 128;
         let mut counts = [0.0; 4];
         let mut sums = [[0.0; 2]; 4];
         for seed in 0..n {

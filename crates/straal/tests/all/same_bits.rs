@@ -114,6 +114,14 @@ fn a_crop_is_cut_from_the_whole() {
     }
 }
 
+/// What a ray stands for is carried where a texture is read, and not for the tangent of brushed metal.
+#[test]
+fn footprints_are_carried_where_they_are_read() {
+    let wants = |scene| common::job(scene, Overrides::default()).world.wants_footprints();
+    assert!(wants("tests/scenes/checker-from-afar.yaml"));
+    assert!(!wants("tests/scenes/furnace-brushed-metal.yaml"));
+}
+
 /// A path's last ray looks for lights alone: where none can be met, it isn't sent.
 #[test]
 fn no_ray_is_sent_in_vain() {
