@@ -7,7 +7,7 @@
 //!
 //! What is done about it has one principle: **the surface is what can be made of its normals, as far as that lies above the triangles.**
 //!
-//! Where the normals at a triangle's corners tell of a surface that bulges out of it ([`crate::shape::mesh::bulge`]), that surface is taken: light is
+//! Where the normals at a triangle's corners tell of a surface that bulges out of it ([`crate::shape::TriangleMesh::bulge`]), that surface is taken: light is
 //! scattered about its normal, above *its* horizon, and rays near the triangle's horizon start from up there ([`crate::shape::offset::Raised`]). So a
 //! coarse ball has the shadow of a ball, without steps, and nothing is lost. Nothing leaks either: rays start in front of the triangle, and what they
 //! meet is in their way, the triangle itself included.

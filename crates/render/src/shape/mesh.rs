@@ -37,7 +37,7 @@ pub struct TriangleMesh {
 /// What is interpolated between the vertices of a mesh that has shading normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
-    /// Normals (Phong 1975), and rays leave from the surface that these tell of, see [`bulge`].
+    /// Normals (Phong 1975), and rays leave from the surface that these tell of, see [`TriangleMesh::bulge`].
     #[default]
     Surface,
     /// Normals; rays leave from the triangles.
@@ -143,7 +143,8 @@ impl TriangleMesh {
         SurfacePoint { p, p_err, ng, n, uv: self.uv(index, [u, v]) }
     }
 
-    /// How far the smooth surface lies above a triangle, see [`bulge`], seen in the direction `d`; zero for one that has none.
+    /// How far the surface that a triangle's shading normals tell of lies above it, seen in the direction `d`: the mean of the point's projections
+    /// onto the planes through the corners across their normals (Boubekeur and Alexa 2008, "Phong Tessellation"). Zero where there is none.
     pub fn bulge(&self, primitive: u32, [u, v]: [f32; 2], d: Vec3) -> Vec3 {
         let normals = self.corner_normals(primitive).filter(|_| self.between == Between::Surface);
         let Some(normals) = normals else { return Vec3::ZERO };
