@@ -27,9 +27,9 @@ const INTEGRATORS: [(&str, u32); 4] = [("whitted", 64), ("ao", 256), ("direct", 
 
 /// The scene that is denoised, the size in which it is, and each of its pictures: samples, and what becomes of them.
 const DENOISED: &str = "scenes/glass-and-mirror.yaml";
-const DENOISED_SIZE: [u32; 2] = [480, 270];
+const DENOISED_SIZE: [u32; 2] = [320, 180];
 const DENOISINGS: [(&str, u32, Denoise); 3] =
-    [("noisy", 16, Denoise::Off), ("clean", 16, Denoise::Best), ("truth", 1024, Denoise::Off)];
+    [("noisy", 16, Denoise::Off), ("clean", 16, Denoise::Best), ("truth", 512, Denoise::Off)];
 
 /// Renders the scene once and develops it by every curve; draws the curves; blurs another.
 pub fn run() -> Result<bool, Failure> {

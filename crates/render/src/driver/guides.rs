@@ -57,7 +57,7 @@ impl Seen<'_> {
             }
             let bsdf = world.bsdf_at(material, at, lanes);
             if !bsdf.is_delta() {
-                return last(through * Light::rgb(world.albedo(&surface)), n);
+                return last(through * bsdf.albedo(), n);
             }
             let [u, v, u_lobe] = self.pattern.d3(&name, Purpose::Direction);
             let wo = surface.frame.to_local(-ray.d);
