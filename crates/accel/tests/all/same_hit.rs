@@ -108,7 +108,7 @@ fn instances_eight_deep() {
     groups[0].instances.push(again);
     groups[5].geometries.push(3);
     let input = Input { groups, geometries };
-    let mut rays = rays(&mut r, &triangles, 450);
+    let mut rays = rays(&mut r, &triangles, part(900));
     for ray in &mut rays {
         ray.mask = [u32::MAX, 2][r.below(2)];
     }
