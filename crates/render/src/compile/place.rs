@@ -145,7 +145,7 @@ impl<'a> Build<'a> {
         // A scene without errors leads everywhere.
         let objects = &self.scene.objects;
         let Some((id, (name, object))) = i.of.to().and_then(|id| Some((id, objects.at(id)?))) else {
-            return ();
+            return;
         };
         if self.glow.object(&i.of) || self.materials.shining(inner.material).is_some() {
             // Validation has counted them.

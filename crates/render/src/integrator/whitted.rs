@@ -221,7 +221,7 @@ impl Whitted {
                 // Divided by the chance with which the lobe would have been drawn.
                 let beta = beta * way.weight * (way.pdf / count as f32);
                 let energy = beta.max_lane() * if way.transmitted { way.eta * way.eta } else { 1.0 };
-                if !(energy >= ops::max(self.min_weight, LEAST)) {
+                if energy.is_nan() || energy < ops::max(self.min_weight, LEAST) {
                     continue;
                 }
                 let leaves = vertex.leave(way.wi, ray);

@@ -30,7 +30,7 @@ pub struct CustomBsdf<'w> {
     pub parameters: [Light; 2],
 }
 
-/// The two directions of a BSDF, see [the contract](self).
+/// The two directions of a BSDF, see [the contract](super).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// Where light goes.
