@@ -10,6 +10,7 @@ use crate::simd::{Float, Uint, Ulong};
 mod blue;
 mod halton;
 mod kind;
+mod padded;
 mod pattern;
 mod set;
 mod sobol;
@@ -166,11 +167,13 @@ pub enum Purpose {
     Custom = 10,
     /// Which of the materials that another is made of it is.
     Material = 11,
+    /// Which corner of a triangle lends its colour.
+    Corner = 12,
 }
 
 impl Purpose {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Film,
         Self::Time,
         Self::Wavelength,
@@ -183,6 +186,7 @@ impl Purpose {
         Self::Opacity,
         Self::Custom,
         Self::Material,
+        Self::Corner,
     ];
 }
 

@@ -112,7 +112,7 @@ impl Picture {
             Format::Exr => {
                 let picture = self.to_exr();
                 let metadata = with_development(&picture.metadata, development);
-                exr::write(out, &exr::Picture { metadata, ..picture })
+                exr::write(out, &exr::Layered { metadata, ..picture })
             }
             Format::Png => {
                 let undeveloped = Undeveloped {
@@ -142,7 +142,7 @@ impl Picture {
         Image { width: self.layers.width, height: self.layers.height, pixels: self.layers.rgb.clone() }
     }
 
-    pub(crate) fn to_exr(&self) -> exr::Picture {
+    pub(crate) fn to_exr(&self) -> exr::Layered {
         let l = &self.layers;
         let is_whole = l.rgb.len() == l.samples.len();
         let (x, y) = (self.crop.min[0] as i32, self.crop.min[1] as i32);
@@ -176,7 +176,7 @@ impl Picture {
             layers.push(layer);
             metadata.extend(attributes);
         }
-        exr::Picture {
+        exr::Layered {
             display_window: Window::of_size(self.size[0] as usize, self.size[1] as usize),
             data_window: Window { x, y, width: l.width, height: l.height },
             space: Some(self.space),

@@ -92,7 +92,7 @@ fn develop_as(film: &mut desc::Film, development: &Development) {
         Gamut::Clip => desc::Gamut::Clip,
         Gamut::Desaturate => desc::Gamut::Desaturate,
         Gamut::Flag(color) => {
-            let color = straal_scene::value::Color(color.map(shortest));
+            let color = straal_scene::value::LinearRgb(color.map(shortest));
             desc::Gamut::Flag(desc::Flag { color })
         }
     };

@@ -2,13 +2,13 @@
 
 use crate::common::{BALL, Folder};
 use straal_formats::Limits;
-use straal_formats::image::exr::{self, Layer, Picture};
+use straal_formats::image::exr::{self, Layer, Layered};
 
-fn read(folder: &Folder, name: &str) -> Picture {
+fn read(folder: &Folder, name: &str) -> Layered {
     exr::read(&folder.read(name), &Limits::default()).unwrap()
 }
 
-fn write(folder: &Folder, name: &str, picture: &Picture) {
+fn write(folder: &Folder, name: &str, picture: &Layered) {
     let mut bytes = std::io::Cursor::new(Vec::new());
     exr::write(&mut bytes, picture).unwrap();
     std::fs::write(folder.path(name), bytes.into_inner()).unwrap();
@@ -18,7 +18,8 @@ fn write(folder: &Folder, name: &str, picture: &Picture) {
 fn roughness(layer: &Layer, width: usize) -> f64 {
     let rows = layer.rgb().unwrap();
     let rows = rows.chunks(width).flat_map(|row| row.windows(2));
-    rows.map(|p| f64::from(p[0][1] - p[1][1]).powi(2)).sum()
+    let differences = rows.map(|p| f64::from(p[0][1] - p[1][1]));
+    differences.map(|d| d * d).sum()
 }
 
 #[test]
@@ -29,7 +30,7 @@ fn a_render_comes_out_clean_and_keeps_its_layers() {
     assert_eq!((run.code, run.out.as_str()), (Some(0), ""), "{}", run.err);
     assert_eq!(run.err, "wrote clean.exr, clean.png, denoised by rt_hdr_alb_nrm (albedo, normal)\n");
     let (noisy, clean) = (read(&folder, "noisy.exr"), read(&folder, "clean.exr"));
-    let layer = |picture: &Picture, name: &str| picture.layer(name).cloned().unwrap();
+    let layer = |picture: &Layered, name: &str| picture.layer(name).cloned().unwrap();
     assert!(roughness(&layer(&clean, ""), 18) < 0.9 * roughness(&layer(&noisy, ""), 18));
     // What was, and what it is of.
     assert_eq!(layer(&clean, "noisy").rgb(), layer(&noisy, "").rgb());
@@ -51,7 +52,7 @@ fn a_render_comes_out_clean_and_keeps_its_layers() {
 #[test]
 fn alpha_stays_and_what_is_no_light_is_told() {
     let folder = Folder::new();
-    let mut picture = Picture::of_size(3, 2);
+    let mut picture = Layered::of_size(3, 2);
     let mut light = Layer::from_rgb("", &[[0.5; 3]; 6]);
     light.channels[0].samples[4] = f32::NAN;
     let alpha = exr::Channel { name: "A".into(), samples: vec![0.0, 0.25, 0.5, 0.75, 1.0, 1.0] };
@@ -77,7 +78,7 @@ fn what_cannot_be_denoised_is_refused() {
     let folder = Folder::new();
     folder.write("a.exr", "no picture");
     folder.write("w.tza", "no weights");
-    let mut picture = Picture::of_size(1, 1);
+    let mut picture = Layered::of_size(1, 1);
     picture.layers.push(Layer::from_rgb("", &[[0.5; 3]]));
     write(&folder, "one.exr", &picture);
     for (words, told) in [

@@ -82,7 +82,7 @@ impl<'w, I: Integrator> Render<'w, I> {
             film.hold_bands(*bands);
         }
         if settings.splat {
-            film.splat(&world.filter);
+            film.splat(&world.filter, world.simd());
         } else if let Some(weight) = world.filter.signed_weight() {
             film.control(f64::from(weight));
         }

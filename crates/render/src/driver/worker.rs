@@ -207,7 +207,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
     fn start(&mut self) {
         let (world, settings) = (self.world, self.settings);
         let from_camera = I::ORIGIN == Origin::Camera;
-        let Needs { lens, time, taken } = self.needs;
+        let Needs { lens, time, glasses } = self.needs;
         self.simd.run(starting::Start {
             names: &self.names,
             pattern: settings.pattern,
@@ -228,12 +228,12 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 lanes,
                 weight: starting.weight(i),
                 offset: starting.offset(i),
-                taken: if taken { world.camera.taken(&at()) } else { [1.0; 3] },
+                glasses: if glasses { world.camera.glasses(&at()) } else { [1.0; 3] },
             };
             let sample = self.samples.begin(pending);
             self.probe.begin(sample);
 
-            let wants_footprint = from_camera && world.materials.vary();
+            let wants_footprint = from_camera && world.wants_footprints();
             let footprint =
                 if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
             // Where nothing is seen there is no path, and the sample is black.
@@ -395,11 +395,11 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 Some((number, tile)) if *number == pending.tile => tile,
                 _ => &mut held.insert((pending.tile, pass.tile(pending.tile))).1,
             };
-            let Pending { name: (pixel, index), lanes, weight, offset, taken, .. } = pending;
+            let Pending { name: (pixel, index), lanes, weight, offset, glasses, .. } = pending;
             let light = self.samples.sums[place].light();
             let rgb = self.world.sensor.take(lanes, light);
             let sample = Sample {
-                rgb: std::array::from_fn(|i| rgb[i] * weight * taken[i]),
+                rgb: std::array::from_fn(|i| rgb[i] * weight * glasses[i]),
                 seen: self.samples.seen.get(place).copied().unwrap_or_default(),
                 negative: weight < 0.0,
             };

@@ -15,7 +15,7 @@
 
 use super::control::Control;
 use super::error_estimate::BatchSums;
-use super::fixed::{Square, Value};
+use super::fixed::{Fixed, Square};
 use super::{Film, FilmTile, Pixel, TILE};
 use crate::film::Region;
 
@@ -67,7 +67,7 @@ fn index_after(half: u32, count: u32) -> u32 {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Halves {
     /// Sums of the second half; those of the first are what the pixel has besides.
-    pub(super) value: [Value; 3],
+    pub(super) value: [Fixed; 3],
     pub(super) square: [Square; 3],
     pub(super) control: Control,
     pub(super) count: u32,

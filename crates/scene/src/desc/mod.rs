@@ -37,8 +37,8 @@ pub use settings::{
     SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Patches, Plane, Rectangle, Shading, Smoothing,
-    Sphere, Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
+    Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;

@@ -222,6 +222,18 @@ describe! {
     }
 }
 
+impl Integrator {
+    /// Whether its picture is black where nothing gives light.
+    pub const fn needs_light(&self) -> bool {
+        !matches!(self, Self::SineProduct | Self::Ao(_))
+    }
+
+    /// Whether it shows anything of the world.
+    pub const fn needs_world(&self) -> bool {
+        !matches!(self, Self::SineProduct)
+    }
+}
+
 impl Default for Integrator {
     fn default() -> Self {
         Self::Path(PathTracer::default())

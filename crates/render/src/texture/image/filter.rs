@@ -150,8 +150,8 @@ struct Seen {
     width: f32,
 }
 
-/// No pixel sees more texels than this in a row, but for being none the wiser.
-const MOST: f32 = 1e12;
+/// No pixel sees more texels than this in a row, but for being none the wiser. Its fourth power is a number yet.
+const MOST: f32 = 1e9;
 
 impl Seen {
     #[inline(always)]
