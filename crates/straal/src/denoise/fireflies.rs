@@ -78,7 +78,7 @@ mod tests {
     fn edges_pairs_and_numbers_that_are_none_stay() {
         // A lamp of several pixels, two fireflies side by side, NaN, and a picture of one pixel.
         let mut rgb = vec![[1.0; 3]; 64];
-        (0..8).for_each(|y| rgb[y * 8 + 1] = [50.0; 3]);
+        (0..8).for_each(|y| rgb[y * 8 + 1..y * 8 + 3].fill([50.0; 3]));
         rgb[29] = [f32::NAN; 3];
         let before = rgb.clone();
         assert_eq!(remove(8, &mut rgb, 4.0).pixels, 0);

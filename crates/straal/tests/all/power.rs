@@ -28,11 +28,11 @@ fn replicates(scene: &str, side: u32, seed: u64, spp: u32) -> Picture {
 
 /// The box under another seed, which two tests compare with.
 fn another() -> &'static Picture {
-    static ANOTHER: std::sync::LazyLock<Picture> = std::sync::LazyLock::new(|| replicates(BOX, 48, 1001, 10));
+    static ANOTHER: std::sync::LazyLock<Picture> = std::sync::LazyLock::new(|| replicates(BOX, 48, 1001, 24));
     &ANOTHER
 }
 
-/// A room that needs few samples: one per cent of its light shows among 160 a pixel.
+/// A room that needs few samples: one per cent of its light shows among 384 a pixel.
 const BOX: &str = "scenes/reference/box-diffuse.yaml";
 
 fn images(p: &Picture) -> (Image, Image) {
@@ -63,7 +63,7 @@ fn shifted(image: &Image) -> Image {
 
 #[test]
 fn independent_renders_agree_and_small_faults_show() {
-    let (mean, variance) = images(&replicates(BOX, 48, 1, 10));
+    let (mean, variance) = images(&replicates(BOX, 48, 1, 24));
     let b = another();
     assert!(!differs((&mean, &variance), b, Tails::Light), "independent renders differ");
     assert!(differs((&brighter(&mean, 1.01), &variance), b, Tails::Light), "x 1.01 passes");
@@ -73,7 +73,7 @@ fn independent_renders_agree_and_small_faults_show() {
 #[test]
 fn heavy_tails_hide_no_two_percent() {
     let scene = "scenes/glass-and-mirror.yaml";
-    let (a, b) = (replicates(scene, 40, 1, 56), replicates(scene, 40, 1001, 56));
+    let (a, b) = (replicates(scene, 40, 1, 24), replicates(scene, 40, 1001, 24));
     let (mean, variance) = images(&a);
     assert!(!differs((&mean, &variance), &b, Tails::Heavy), "independent renders differ");
     assert!(differs((&brighter(&mean, 1.02), &variance), &b, Tails::Heavy), "x 1.02 passes");
