@@ -172,15 +172,16 @@ fn stopping_early_does_not_darken() {
                 straal::load_str("lamps", &text, &common::project(), &straal::LoadOptions::default());
             let job = straal::Job::new(loaded.expect("a scene"), wish).expect("a job");
             let layers = job.render(&mut Control::to_the_end()).expect("a picture").picture.layers;
-            for block in 0..4 {
-                // The picture's first rows are the highest.
-                let [x, y] = [[8, 0], [0, 0], [0, 8], [8, 8]][block];
+            // The picture's first rows are the highest.
+            let corners = [[8, 0], [0, 0], [0, 8], [8, 8]];
+            for (([x, y], truth), (count, sum)) in
+                corners.into_iter().zip(truth).zip(counts.iter_mut().zip(&mut sums))
+            {
                 let at = |k: usize| (y + k / 8) * 16 + x + k % 8;
                 let mean = (0..64).map(|k| f64::from(layers.rgb[at(k)][0])).sum::<f64>() / 64.0;
-                counts[block] +=
-                    (0..64).map(|k| f64::from(layers.samples[at(k)])).sum::<f64>() / (64 * n) as f64;
-                sums[block][0] += mean / n as f64;
-                sums[block][1] += (mean - truth[block]) * (mean - truth[block]);
+                *count += (0..64).map(|k| f64::from(layers.samples[at(k)])).sum::<f64>() / (64 * n) as f64;
+                sum[0] += mean / n as f64;
+                sum[1] += (mean - truth) * (mean - truth);
             }
         }
         for (block, ([mean, squares], truth)) in sums.into_iter().zip(truth).enumerate() {
