@@ -160,11 +160,13 @@ pub enum Purpose {
     Custom = 10,
     /// Which of the materials that another is made of it is.
     Material = 11,
+    /// Which texel of a texture is read.
+    Texel = 12,
 }
 
 impl Purpose {
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Film,
         Self::Time,
         Self::Wavelength,
@@ -177,6 +179,7 @@ impl Purpose {
         Self::Opacity,
         Self::Custom,
         Self::Material,
+        Self::Texel,
     ];
 }
 

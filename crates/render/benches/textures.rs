@@ -67,7 +67,7 @@ fn main() {
                     } else {
                         [unit(2 * i as u32), unit(2 * i as u32 + 1)]
                     };
-                    let found = sampling.look_up(&pyramid, &Spot { st, dx, dy });
+                    let found = sampling.look_up(&pyramid, &Spot { st, dx, dy, lot: None });
                     (0..4).for_each(|c| sum[c] += found[c]);
                 }
                 let seconds = (computed(began) - start).as_secs_f64();

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use straal_scene::bitmap::TexelFormat;
 
-use super::{bmp, exr, hdr, jpeg, pfm, png, tga, webp};
+use super::{bmp, exr, hdr, jpeg, ktx2, pfm, png, tga, webp};
 use crate::{Limits, ReadError};
 
 /// A format of pictures that can be read.
@@ -28,6 +28,8 @@ pub enum Format {
     Tga,
     /// BMP.
     Bmp,
+    /// Khronos's textures, KTX2.
+    Ktx2,
 }
 
 /// A picture's size and what it costs to read.
@@ -61,11 +63,12 @@ impl Format {
             [0xff, 0xd8, 0xff, ..] => Ok(Self::Jpeg),
             [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Ok(Self::Webp),
             [b'B', b'M', ..] => Ok(Self::Bmp),
+            _ if bytes.starts_with(&ktx2::MAGIC) => Ok(Self::Ktx2),
             [] => Err(ReadError::file("the file is empty")),
             // It has no mark.
             _ if tga::is_one(bytes) => Ok(Self::Tga),
             _ => Err(ReadError::file(
-                "not a picture that straal knows: BMP, EXR, HDR, JPEG, PFM, PNG, TGA and WebP are",
+                "not a picture that straal knows: BMP, EXR, HDR, JPEG, KTX2, PFM, PNG, TGA and WebP are",
             )),
         }
     }
@@ -83,6 +86,7 @@ pub fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
         Format::Webp => webp::header(bytes, limits),
         Format::Tga => tga::header(bytes, limits),
         Format::Bmp => bmp::header(bytes, limits),
+        Format::Ktx2 => ktx2::header(bytes, limits),
     }?;
     limits.check_decoded(header.decoded_bytes)?;
     Ok(header)

@@ -97,8 +97,8 @@ impl Mapping {
     #[inline]
     pub fn over<const N: usize>(&self, at: &ShadingPoint, pattern: impl Fn(&Spot) -> [f32; N]) -> [f32; N] {
         match self {
-            Self::Coordinates => pattern(&Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy }),
-            Self::Plane(m) => pattern(&moved(m, &Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy })),
+            Self::Coordinates => pattern(&spot_of(at)),
+            Self::Plane(m) => pattern(&moved(m, &spot_of(at))),
             Self::Space(mapping) => mapping.over(at, pattern),
         }
     }
@@ -116,7 +116,13 @@ fn matrix(d: &desc::UvMapping) -> [[f32; 3]; 2] {
 fn moved(m: &[[f32; 3]; 2], spot: &Spot) -> Spot {
     let along = |[u, v]: [f32; 2]| m.map(|row| row[0] * u + row[1] * v);
     let [s, t] = along(spot.st);
-    Spot { st: [s + m[0][2], t + m[1][2]], dx: along(spot.dx), dy: along(spot.dy) }
+    Spot { st: [s + m[0][2], t + m[1][2]], dx: along(spot.dx), dy: along(spot.dy), lot: spot.lot }
+}
+
+/// By the texture coordinates.
+#[inline(always)]
+fn spot_of(at: &ShadingPoint) -> Spot {
+    Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy, lot: at.lot }
 }
 
 fn transform(said: &desc::Transform) -> Result<Affine, CompileError> {
@@ -133,18 +139,31 @@ impl InSpace {
             dpdy: m.inverse_vector(place.dpdy),
         };
         let Onto::Three(sharpness) = self.onto else {
-            return pattern(&self.spot(&own, self.onto));
+            return pattern(&self.spot(&own, self.onto, at.lot));
         };
         // Normals as seen from the mapping's space.
         let to = |axis: Vec3| m.vector(axis).dot(n).abs();
         let weights = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| ops::pow(to(axis), sharpness));
         let sum = weights[0] + weights[1] + weights[2];
+        if let Some([u, v]) = at.lot {
+            // One of them, by its share; what is left of the number is even again.
+            let mut rest = u * sum;
+            let last = if weights[2] > 0.0 { 2 } else { usize::from(weights[1] > 0.0) };
+            let mut k = 0;
+            while k < last && rest >= weights[k] {
+                rest -= weights[k];
+                k += 1;
+            }
+            let left = rest / weights[k];
+            let left = if left >= 0.0 { ops::min(left, 1.0 - f32::EPSILON) } else { 0.0 };
+            return pattern(&self.spot(&turned(&own, k), Onto::Plane, Some([left, v])));
+        }
         let mut out = [0.0; N];
         for (k, weight) in weights.into_iter().enumerate() {
             let share = if sum > 0.0 { weight / sum } else { [0.0, 0.0, 1.0][k] };
             // Where one counts for next to nothing it isn't asked.
             if share > 1e-3 {
-                let spot = self.spot(&turned(&own, k), Onto::Plane);
+                let spot = self.spot(&turned(&own, k), Onto::Plane, None);
                 let found = pattern(&spot);
                 (0..N).for_each(|i| out[i] += share * found[i]);
             }
@@ -154,12 +173,12 @@ impl InSpace {
         if told > 0.0 { out.map(|v| v / told) } else { out }
     }
 
-    fn spot(&self, at: &Place, onto: Onto) -> Spot {
+    fn spot(&self, at: &Place, onto: Onto, lot: Option<[f32; 2]>) -> Spot {
         let Place { p, dpdx, dpdy } = *at;
-        let Spot { st, dx, dy } = match onto {
+        let (st, dx, dy) = match onto {
             Onto::Plane | Onto::Three(_) => {
                 let of = |v: Vec3| [v.x, v.y];
-                Spot { st: of(p), dx: of(dpdx), dy: of(dpdy) }
+                (of(p), of(dpdx), of(dpdy))
             }
             Onto::Disc => {
                 let square = p.x * p.x + p.y * p.y;
@@ -169,11 +188,11 @@ impl InSpace {
                     [0.5 * FRAC_1_PI * (p.x * d.y - p.y * d.x) / square, along / square.sqrt()]
                 };
                 let around = if angle < 0.0 { angle + 1.0 } else { angle };
-                Spot { st: [around, square.sqrt()], dx: of(dpdx), dy: of(dpdy) }
+                ([around, square.sqrt()], of(dpdx), of(dpdy))
             }
             Onto::Cylinder => {
                 let of = |d: Vec3| [around(p, d), 0.5 * d.y];
-                Spot { st: [angle(p), 0.5 + 0.5 * p.y], dx: of(dpdx), dy: of(dpdy) }
+                ([angle(p), 0.5 + 0.5 * p.y], of(dpdx), of(dpdy))
             }
             Onto::Sphere => {
                 let across = (p.x * p.x + p.z * p.z).sqrt();
@@ -184,7 +203,7 @@ impl InSpace {
                     let out = (p.x * d.x + p.z * d.z) / across;
                     [around(p, d), FRAC_1_PI * (across * d.y - p.y * out) / square]
                 };
-                Spot { st: [angle(p), up], dx: of(dpdx), dy: of(dpdy) }
+                ([angle(p), up], of(dpdx), of(dpdy))
             }
             Onto::Cube => {
                 // Onto the side that a ray from the middle meets.
@@ -197,7 +216,7 @@ impl InSpace {
                     let deeper = depth.dot(d) / size;
                     [0.5 * (s.dot(d) / size - x * deeper), 0.5 * (t.dot(d) / size - y * deeper)]
                 };
-                Spot { st: [0.5 + 0.5 * x, 0.5 + 0.5 * y], dx: of(dpdx), dy: of(dpdy) }
+                ([0.5 + 0.5 * x, 0.5 + 0.5 * y], of(dpdx), of(dpdy))
             }
             Onto::Lens(half) => {
                 let depth = -p.z;
@@ -210,15 +229,15 @@ impl InSpace {
                     ]
                 };
                 if depth > 0.0 {
-                    Spot { st: [0.5 + 0.5 * x, 0.5 + 0.5 * y], dx: of(dpdx), dy: of(dpdy) }
+                    ([0.5 + 0.5 * x, 0.5 + 0.5 * y], of(dpdx), of(dpdy))
                 } else {
                     // What is behind lies far outside.
-                    Spot { st: [-1e6, -1e6], dx: [0.0; 2], dy: [0.0; 2] }
+                    ([-1e6, -1e6], [0.0; 2], [0.0; 2])
                 }
             }
         };
         let sound = |v: [f32; 2]| v.map(|v| if v.is_finite() { v } else { 1e6 });
-        moved(&self.uv, &Spot { st: sound(st), dx: sound(dx), dy: sound(dy) })
+        moved(&self.uv, &Spot { st: sound(st), dx: sound(dx), dy: sound(dy), lot })
     }
 }
 

@@ -382,6 +382,8 @@ describe! {
         "trilinear" => Trilinear,
         /// A Gaussian as long and wide as what is seen (elliptical weighted average).
         "ewa" => Ewa,
+        /// One pixel of those that `ewa` takes the mean of, drawn anew for each path: quicker than the mean, and noisier.
+        "stochastic" => Stochastic,
     }
 }
 
