@@ -1,4 +1,5 @@
-//! The book's pictures of development: one scene under each tone curve, the curves themselves, blur by depth, and two ways to filter.
+//! The book's pictures of one scene in several ways: under each tone curve, with the curves themselves; blurred by depth; filtered in two ways;
+//! by each integrator.
 
 use crate::{Failure, root};
 use std::fmt::Write;
@@ -7,7 +8,7 @@ use straal::focus::{Blur, Lens};
 use straal::{Control, Development, Job, LoadOptions, Overrides};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
-use straal_scene::desc::{Camera, Filter, Gaussian};
+use straal_scene::desc::{AmbientOcclusion, Camera, Filter, Gaussian, Integrator};
 
 const FOLDER: &str = "book/src/images";
 const SCENE: &str = "scenes/bright-colours.yaml";
@@ -18,6 +19,11 @@ const BLURRED: &str = "scenes/depth-of-field.yaml";
 
 /// The scene that shows the two ways to filter.
 const FILTERED: &str = "scenes/lights.yaml";
+
+/// The scene that shows the integrators, the size in which it does, and each with its samples a pixel.
+const WAYS: &str = "scenes/ways-of-light.yaml";
+const WAYS_SIZE: [u32; 2] = [480, 270];
+const INTEGRATORS: [(&str, u32); 4] = [("whitted", 64), ("ao", 256), ("direct", 256), ("path", 1024)];
 
 /// Renders the scene once and develops it by every curve; draws the curves; blurs another.
 pub fn run() -> Result<bool, Failure> {
@@ -35,7 +41,28 @@ pub fn run() -> Result<bool, Failure> {
     println!("{file}");
     blurred()?;
     filtered()?;
+    by_each_integrator()?;
     Ok(true)
+}
+
+/// One room by each integrator.
+fn by_each_integrator() -> Result<(), Failure> {
+    let loaded = straal::load(&root().join(WAYS), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {WAYS}`"))?;
+    for (name, spp) in INTEGRATORS {
+        let integrator = match Integrator::bare(name) {
+            // In a closed room every ray ends at a wall.
+            Some(Integrator::Ao(ao)) => Some(Integrator::Ao(AmbientOcclusion { radius: Some(1.0), ..ao })),
+            other => other,
+        };
+        let wish = Overrides { size: Some(WAYS_SIZE), spp: Some(spp), integrator, ..Overrides::default() };
+        let job = Job::new(loaded.clone(), wish)?;
+        let picture = job.render(&mut Control::to_the_end())?.picture;
+        let file = format!("{FOLDER}/ways-{name}.png");
+        picture.save(&root().join(&file), &job.development())?;
+        println!("{file}");
+    }
+    Ok(())
 }
 
 /// The same few samples, each in one pixel and in all that the filter reaches from.

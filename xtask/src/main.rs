@@ -12,6 +12,7 @@ mod keys;
 mod looks;
 mod references;
 mod uplift_table;
+mod weights;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,9 +26,11 @@ usage: cargo xtask CHORE [NAME...]
   gallery      render the scenes of scenes/ (or those named) to book/src/images; `--minutes 5`: for no longer than that each
   references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
   book         bring the book's generated text and drawings up to date and make its HTML in target/book
-  looks        make the book's pictures of tone curves, of blur by depth and of filters
+  looks        make the book's pictures of tone curves, of blur by depth, of filters and of integrators
   uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept
-  energy-tables check: hold the tables of what rough surfaces lose between their facets against the integrals";
+  energy-tables check: hold the tables of what rough surfaces lose between their facets against the integrals
+  weights      WHEEL: take the denoiser's weights out of the Python wheel of pyoidn 2.5.1.0 into crates/denoise/data; WHEEL FOLDER: all
+               sets that there are, into FOLDER; check: whether the weights in crates/denoise/data are the published ones";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         "book" | "keys" => book::run(),
         "looks" => looks::run(),
         "uplift-table" => uplift_table::run(names),
+        "weights" => weights::run(names),
         "energy-tables" => energy_tables::run(names),
         _ => {
             eprintln!("there is no chore `{chore}`\n\n{USAGE}");

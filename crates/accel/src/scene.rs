@@ -330,7 +330,8 @@ impl Scene {
         let searcher = match options.structure {
             Structure::Brute => Searcher::Brute(Brute::build(&prims)),
             Structure::Bvh(params) => {
-                let bvh = Bvh::build(&prims, members, &params, |id| self.stage.vertices(&data, id));
+                let vertices = |id| self.stage.vertices(&data, id);
+                let bvh = Bvh::build(&prims, members, &params, vertices, |id| data.locate(id));
                 Searcher::Bvh(
                     bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree", most: LIMIT })?,
                 )

@@ -65,6 +65,7 @@ fn run(start: Instant) -> Exit {
         Command::Diff(args) => command::diff::run(&args),
         Command::Info(args) => command::info::run(&args),
         Command::Develop(args) => command::develop::run(&args),
+        Command::Denoise(args) => command::denoise::run(&args),
         Command::GammaChart(args) => command::gamma_chart::run(&args),
         Command::Metamer(args) => command::metamer::run(&args),
         Command::Completions(args) => command::completions::run(&args),

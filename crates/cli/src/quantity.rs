@@ -235,6 +235,12 @@ pub fn seed(typed: &str) -> Result<u64, String> {
     typed.parse().map_err(|_| "write a whole number, 0 or greater, of at most 19 digits".to_owned())
 }
 
+/// How many times brighter than what is around it a pixel is a firefly.
+pub fn fireflies(typed: &str) -> Result<f32, String> {
+    let wrong = || "write a number from 1 to 1000000, such as 10".to_owned();
+    typed.parse().ok().filter(|v| (1.0..=1e6).contains(v)).ok_or_else(wrong)
+}
+
 /// A number of threads.
 pub fn threads(typed: &str) -> Result<usize, String> {
     within(typed, 1, 4096)

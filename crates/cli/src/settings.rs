@@ -132,6 +132,7 @@ impl RenderSettings {
                 seed: args.seed,
                 noise: args.noise,
                 pattern: args.sampler,
+                integrator: args.integrator,
                 max_depth: args.max_depth,
                 spectral: args.spectral.then_some(true),
                 recording: args.channels,

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use straal_scene::decode::{Strictness, write_json};
-use straal_scene::desc::{Integrator, Light, MaterialRef, Node, Spectrum, too_bright};
+use straal_scene::desc::{Integrator, Light, Node};
 use straal_scene::diagnostic::start_of;
 use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{
-    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, read_scene, suggest,
+    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow,
+    read_scene, suggest, whole,
 };
 
 use crate::files::{self, Finder, Found, Refusal};
@@ -144,7 +145,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
     let files = reader.files;
-    let needs_light = !matches!(scene.integrator, Integrator::SineProduct);
+    whole::validate(&scene, &assets, &mut d);
+    let needs_light = !matches!(scene.integrator, Integrator::SineProduct | Integrator::Ao(_));
     if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
@@ -261,7 +263,8 @@ fn locate(
     let meshes = scene.mesh_files().into_iter().map(|asset| &asset.file);
     let images = scene.image_files().into_iter().map(|asset| &asset.file);
     let bitmaps = scene.bitmap_files().into_iter().map(|asset| &asset.file);
-    for file in meshes.chain(images).chain(bitmaps).chain(scene.spectrum_files()) {
+    let spectra = scene.spectrum_files().into_iter().map(|asset| &asset.file);
+    for file in meshes.chain(images).chain(bitmaps).chain(spectra) {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
@@ -341,8 +344,8 @@ impl Reader<'_> {
     fn assets(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>) -> Assets {
         let mut assets = Assets::default();
         // The same file under two names is read once.
-        let mut meshes: BTreeMap<PathBuf, (MeshAsset, [u8; 32])> = BTreeMap::new();
-        let mut images: BTreeMap<PathBuf, (Arc<Image>, [u8; 32])> = BTreeMap::new();
+        let mut meshes: BTreeMap<PathBuf, Option<(MeshAsset, [u8; 32])>> = BTreeMap::new();
+        let mut images: BTreeMap<PathBuf, Option<(Arc<Image>, [u8; 32])>> = BTreeMap::new();
         let as_they_are = with_their_own_materials(scene);
         for Asset { file, handle } in scene.mesh_files() {
             let Some(path) = paths.get(&file.value) else { continue };
@@ -354,7 +357,7 @@ impl Reader<'_> {
                 let asset = self.mesh((file, as_they_are.contains(handle)), path);
                 meshes.insert(real.clone(), asset);
             }
-            if let Some((asset, hash)) = meshes.get(&real) {
+            if let Some(Some((asset, hash))) = meshes.get(&real) {
                 assets.meshes.put(*handle, asset.clone());
                 self.hashes.insert(file.value.clone(), *hash);
             }
@@ -369,15 +372,15 @@ impl Reader<'_> {
                 let image = self.image(file, path);
                 images.insert(real.clone(), image);
             }
-            if let Some((image, hash)) = images.get(&real) {
+            if let Some(Some((image, hash))) = images.get(&real) {
                 assets.images.put(*handle, image.clone());
                 self.hashes.insert(file.value.clone(), *hash);
             }
         }
         self.bitmaps(scene, paths, &mut assets);
-        for file in scene.spectrum_files() {
+        for Asset { file, handle } in scene.spectrum_files() {
             let Some(path) = paths.get(&file.value) else { continue };
-            if assets.spectra.contains_key(&file.value) {
+            if assets.spectra.get(*handle).is_some() {
                 continue;
             }
             let bytes = match files::read(path, spd::MOST_BYTES) {
@@ -389,32 +392,25 @@ impl Reader<'_> {
             };
             match spd::read(&bytes) {
                 Ok(spectrum) => {
-                    assets.spectra.insert(file.value.clone(), Arc::new(spectrum));
+                    assets.spectra.put(*handle, Arc::new(spectrum));
                     self.hashes.insert(file.value.clone(), blake3::hash(&bytes).into());
                 }
                 Err(e) => self.fail(file, &e),
             }
         }
-        for (file, m) in scene.spectra_of_files() {
-            if let Some(Err(fault)) = assets.spectrum(file).map(|table| m.of_table(table)) {
-                self.d.push(Diagnostic::error(file.span, fault.to_string()));
-            }
-        }
-        for (file, m) in scene.reflectances().into_iter().filter_map(Spectrum::in_file) {
-            let made = assets.spectrum(file).and_then(|table| m.of_table(table).ok());
-            if let Some(complaint) = made.and_then(|spectrum| too_bright(&spectrum, file.span)) {
-                self.d.push(complaint);
-            }
-        }
         assets
     }
 
-    /// A mesh; an empty one after a complaint. The pictures of its materials are wanted where these are.
-    fn mesh(&mut self, (file, has_materials): (&FileRef, bool), path: &Path) -> (MeshAsset, [u8; 32]) {
+    /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
+    fn mesh(
+        &mut self,
+        (file, has_materials): (&FileRef, bool),
+        path: &Path,
+    ) -> Option<(MeshAsset, [u8; 32])> {
         // As many bytes as the file has for the mesh that it holds, and the file's own.
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, 2 * length, MESH_HELP) {
-            return Default::default();
+            return None;
         }
         let wanted = |name: &str| self.attributes.contains(name);
         let means = Means {
@@ -437,28 +433,28 @@ impl Reader<'_> {
                 let own = asset.mesh.heap_bytes();
                 self.ledger.pass(length + own);
                 self.ledger.keep(own);
-                (asset, hash)
+                Some((asset, hash))
             }
             Err(refusal) => {
                 self.refuse(file, refusal);
-                Default::default()
+                None
             }
         }
     }
 
-    /// A picture; an empty one after a complaint.
-    fn image(&mut self, file: &FileRef, path: &Path) -> (Arc<Image>, [u8; 32]) {
+    /// A picture; none after a complaint.
+    fn image(&mut self, file: &FileRef, path: &Path) -> Option<(Arc<Image>, [u8; 32])> {
         // What is wrong with a header is told by reading the rest.
         let decoded = image::Header::open(path, self.limits).map_or(0, |header| header.decoded_bytes);
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, length.saturating_add(decoded), IMAGE_HELP) {
-            return Default::default();
+            return None;
         }
         let bytes = match image::bytes(path, self.limits) {
             Ok(bytes) => bytes,
             Err(refusal) => {
                 self.refuse(file, refusal);
-                return Default::default();
+                return None;
             }
         };
         match image::surroundings(&bytes, self.limits) {
@@ -469,11 +465,11 @@ impl Reader<'_> {
                 }
                 self.ledger.pass(length.saturating_add(decoded));
                 self.ledger.keep(image.heap_bytes());
-                (Arc::new(image), blake3::hash(&bytes).into())
+                Some((Arc::new(image), blake3::hash(&bytes).into()))
             }
             Err(e) => {
                 self.fail(file, &e);
-                Default::default()
+                None
             }
         }
     }
@@ -511,23 +507,9 @@ fn hash(scene: &Scene, files: &BTreeMap<String, [u8; 32]>) -> [u8; 32] {
 }
 
 fn gives_light(scene: &Scene, assets: &Assets) -> bool {
-    let mut lit = scene.lights.iter().any(|l| !matches!(l, Light::Environment(e) if e.scale == 0.0));
-    scene.visit(|node| {
-        lit |= node.surface().is_some_and(|s| s.emission.is_some());
-        if let Node::Mesh(m) = node
-            && let Some(asset) = &m.file
-        {
-            lit |= assets
-                .mesh(asset.handle)
-                .materials
-                .values()
-                .any(|m| m.emission.is_some() || m.material.shines());
-        }
-        if let Some(MaterialRef::Inline(material)) = node.surface().and_then(|s| s.material.as_ref()) {
-            lit |= material.shines();
-        }
-    });
-    lit || scene.materials.iter().any(|(_, material)| material.shines())
+    let glow = Glow::of(scene, assets);
+    scene.lights.iter().any(|l| !matches!(l, Light::Environment(e) if e.scale == 0.0))
+        || scene.world.iter().any(|node| glow.node(node))
 }
 
 /// A mesh by itself shows its colours.
@@ -587,6 +569,7 @@ fn in_studio(path: &Path, read: MeshFile, options: &Options, ledger: Ledger) -> 
         warnings.push(Diagnostic::warning(Span::NONE, format!("in `{name}`: {complaint}")));
     }
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    whole::validate(&scene, &assets, &mut warnings);
     if warnings.has_errors() {
         return Err(warnings);
     }

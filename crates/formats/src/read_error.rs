@@ -29,6 +29,11 @@ impl ReadError {
         Self { place: Place::File, problem: problem.into() }
     }
 
+    /// An error of a file that isn't what it should be, of a kind such as `BMP`.
+    pub(crate) fn damaged(kind: &str, problem: &str) -> Self {
+        Self::file(format!("the {kind} file is damaged: {problem}"))
+    }
+
     /// An error at a place.
     pub fn at(place: Place, problem: impl Into<String>) -> Self {
         Self { place, problem: problem.into() }

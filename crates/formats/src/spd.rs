@@ -3,7 +3,7 @@
 //! The two are parted by spaces, a comma, a colon or a semicolon; `#` begins a comment, empty lines count for nothing, and the first line
 //! may name the columns. This takes pbrt's and Mitsuba's `.spd` and tables of two columns as spreadsheets write them.
 
-use straal_color::spectrum::Spectrum;
+use straal_color::spectrum::TabulatedSpectrum;
 
 use crate::{ReadError, number};
 
@@ -14,7 +14,7 @@ pub const MOST_BYTES: u64 = 1 << 26;
 const MOST: usize = 1_000_000;
 
 /// Reads a spectrum.
-pub fn read(bytes: &[u8]) -> Result<Spectrum, ReadError> {
+pub fn read(bytes: &[u8]) -> Result<TabulatedSpectrum, ReadError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let text =
         std::str::from_utf8(bytes).map_err(|_| ReadError::file("this is not a text: it must be UTF-8"))?;
@@ -51,7 +51,7 @@ pub fn read(bytes: &[u8]) -> Result<Spectrum, ReadError> {
         wavelengths.push(nm);
         values.push(value);
     }
-    Spectrum::new(wavelengths, values).map_err(|fault| ReadError::file(fault.to_string()))
+    TabulatedSpectrum::new(wavelengths, values).map_err(|fault| ReadError::file(fault.to_string()))
 }
 
 #[cfg(test)]
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn tables_in_many_forms() {
-        let want = Spectrum::new(vec![400.0, 500.0], vec![0.25, 1.0]).unwrap();
+        let want = TabulatedSpectrum::new(vec![400.0, 500.0], vec![0.25, 1.0]).unwrap();
         for text in [
             "400 0.25\n500 1\n",
             "# a\n400,0.25 # b\r\n\r\n500,1",

@@ -100,6 +100,12 @@ impl<F: Float> SampleName<F> {
         self.at(child_node(self.node, branch))
     }
 
+    /// The same node of another sample of the pixel.
+    #[inline(always)]
+    pub fn at_index(self, index: F::Uint) -> Self {
+        Self { reversed_index: index.reverse_bits(), ..self }
+    }
+
     /// The node's hash.
     #[inline(always)]
     pub fn node(self) -> F::Uint {

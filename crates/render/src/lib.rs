@@ -8,7 +8,6 @@
 pub mod camera;
 pub mod compile;
 pub mod driver;
-mod error;
 pub mod film;
 pub mod filter;
 pub mod footprint;

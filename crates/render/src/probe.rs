@@ -52,9 +52,9 @@ pub struct AskedShadows<'a> {
 /// Where the transmittance of shadow rays goes.
 #[derive(Debug)]
 pub struct Answer<'a> {
-    /// Scratch.
+    /// By ray, whether anything is in the way.
     pub blocked: &'a mut Vec<bool>,
-    /// By ray.
+    /// By ray; empty in a world where light passes whole or not at all.
     pub light: &'a mut Vec<Light>,
 }
 
@@ -131,20 +131,25 @@ impl Probe for CostMeter {
     }
 
     fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
+        let may_pass = world.materials.any_may_pass();
+        answer.blocked.clear();
         answer.light.clear();
         let mut last = self.now();
         for (shadow, ray) in asked.shadows.iter().zip(asked.rays) {
             let (blocked, mut cost) = world.accel.occluded_counted(&world.geometry, ray);
-            let mut light = if blocked { Light::ZERO } else { Light::ONE };
-            if blocked && world.materials.any_may_pass() {
-                light = world.past_masks(ray, |ray| {
-                    let (hit, more) = world.accel.closest_counted(&world.geometry, ray);
-                    cost.nodes = cost.nodes.saturating_add(more.nodes);
-                    cost.primitives = cost.primitives.saturating_add(more.primitives);
-                    hit
-                });
+            answer.blocked.push(blocked);
+            if may_pass {
+                let mut light = Light::ONE;
+                if blocked {
+                    light = world.past_masks(ray, |ray| {
+                        let (hit, more) = world.accel.closest_counted(&world.geometry, ray);
+                        cost.nodes = cost.nodes.saturating_add(more.nodes);
+                        cost.primitives = cost.primitives.saturating_add(more.primitives);
+                        hit
+                    });
+                }
+                answer.light.push(light);
             }
-            answer.light.push(light);
             let now = self.now();
             self.book(shadow.sample, &cost, now.saturating_sub(last));
             last = now;

@@ -16,7 +16,6 @@
 use straal_math::{Frame, Vec3, ops};
 use straal_scene::desc;
 
-use crate::error::CompileError;
 use crate::lanes::{Colour, Rgb, SpectralTables};
 use crate::paint::Paint;
 use crate::surface::frame_along;
@@ -67,11 +66,11 @@ static NO_TABLES: LazyLock<SpectralTables> = LazyLock::new(SpectralTables::defau
 
 impl Relief {
     /// Of what a scene says; `None` where there is none.
-    pub(crate) fn of(said: &desc::Relief, paint: &mut Paint<'_>) -> Result<Option<Self>, CompileError> {
+    pub(crate) fn of(said: &desc::Relief, paint: &mut Paint<'_>) -> Option<Self> {
         let mut relief = Self::default();
         if let Some(map) = &said.normal_map {
             relief.normals = Some(NormalMap {
-                texture: paint.vector(&map.texture)?,
+                texture: paint.vector(&map.texture),
                 of_object: map.space == desc::NormalSpace::Object,
                 up: if map.green == desc::GreenAxis::Up { 1.0 } else { -1.0 },
                 strength: map.strength as f32,
@@ -79,9 +78,9 @@ impl Relief {
         }
         if let Some(bump) = &said.bump {
             relief.heights =
-                Some(BumpMap { texture: paint.height(&bump.texture)?, scale: bump.height as f32 });
+                Some(BumpMap { texture: paint.height(&bump.texture), scale: bump.height as f32 });
         }
-        Ok((relief != Self::default()).then_some(relief))
+        (relief != Self::default()).then_some(relief)
     }
 
     /// The unit normal that is pretended where the surface has `n`.

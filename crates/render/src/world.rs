@@ -1,6 +1,7 @@
 //! The world: a scene ready for rays. Flat arrays and indices, read-only while rays fly.
 
 use crate::camera::Camera;
+use crate::compile::OutOfFocus;
 use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
@@ -75,6 +76,8 @@ pub struct TopLevel {
 pub struct World {
     /// Who looks.
     pub camera: Camera,
+    /// Why the camera is focused on what it looks at, where it should be on something by name.
+    pub out_of_focus: Option<OutOfFocus>,
     /// How samples lie around a pixel.
     pub filter: Filter,
     /// All surfaces.
@@ -138,14 +141,15 @@ impl World {
     }
 
     /// The share of light that passes along each ray, in four lanes: all or nothing, since every material stops a
-    /// shadow ray, glass as well (its light is found by paths that go through it); but masks let a part of it through. `blocked` is scratch.
+    /// shadow ray, glass as well (its light is found by paths that go through it); but masks let a part of it through. Where there
+    /// are none, whether rays are blocked says all, and `out` is left empty.
     pub fn transmittance(&self, rays: &[Ray], blocked: &mut Vec<bool>, out: &mut Vec<Light>) {
         blocked.clear();
         blocked.resize(rays.len(), false);
         self.accel.occluded(&self.geometry, rays, blocked);
         out.clear();
-        out.extend(blocked.iter().map(|&b| if b { Light::ZERO } else { Light::ONE }));
         if self.materials.any_may_pass() {
+            out.extend(blocked.iter().map(|&b| if b { Light::ZERO } else { Light::ONE }));
             for (light, ray) in out.iter_mut().zip(rays).filter(|(light, _)| light.is_black()) {
                 *light = self.past_masks(ray, |ray| self.closest_of(ray));
             }
@@ -427,6 +431,18 @@ impl World {
         let point = self.surface_point(ray, hit);
         let outwards = if point.n.dot(point.ng) < 0.0 { -point.ng } else { point.ng };
         ray.d.dot(outwards) > 0.0
+    }
+
+    /// Whether a ray may meet any light: one that glows or surrounds the scene.
+    pub fn shows_lights(&self) -> bool {
+        // Nearly always the first tells.
+        self.emitters.iter().any(|emitter| !emitter.is_delta() && !emitter.is_ambient())
+    }
+
+    /// Whether anything surrounds the scene that shines.
+    #[inline(always)]
+    pub fn has_environment(&self) -> bool {
+        !self.environments.is_empty()
     }
 
     /// Emitters that surround the scene, with their indices.

@@ -5,9 +5,8 @@ use std::sync::{Arc, LazyLock};
 
 use crate::desc::{Material, Spectrum, Varying};
 use crate::handle::{Handle, Store};
-use crate::value::FileRef;
 use crate::{Bitmap, Image, Mesh};
-use straal_color::spectrum;
+use straal_color::spectrum::TabulatedSpectrum;
 
 /// What a mesh file's own material of a given name becomes.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +26,7 @@ pub struct MeshAsset {
     pub materials: Arc<BTreeMap<String, PartMaterial>>,
 }
 
-/// What stands beside a description: meshes and pictures by their handles, and spectra by the names that the scene gives them.
+/// What stands beside a description: meshes, pictures and spectra by their handles.
 #[derive(Clone, Debug, Default)]
 pub struct Assets {
     /// Meshes.
@@ -37,13 +36,17 @@ pub struct Assets {
     /// Pictures that textures are read off.
     pub bitmaps: Store<Bitmap, Arc<Bitmap>>,
     /// Spectra.
-    pub spectra: BTreeMap<String, Arc<spectrum::Spectrum>>,
+    pub spectra: Store<TabulatedSpectrum, Arc<TabulatedSpectrum>>,
 }
 
 static NO_MESH: LazyLock<MeshAsset> = LazyLock::new(MeshAsset::default);
 
 static NO_IMAGE: LazyLock<Arc<Image>> =
     LazyLock::new(|| Arc::new(Image { width: 1, height: 1, pixels: vec![[0.0; 3]] }));
+
+static NO_BITMAP: LazyLock<Arc<Bitmap>> = LazyLock::new(|| Arc::new(Bitmap::black()));
+
+static NO_SPECTRUM: LazyLock<Arc<TabulatedSpectrum>> = LazyLock::new(Arc::default);
 
 impl Assets {
     /// Bytes that all of them take, each once, however many names it goes by.
@@ -67,13 +70,13 @@ impl Assets {
         self.images.get(image).unwrap_or(&NO_IMAGE)
     }
 
-    /// A picture that a texture is read off; `None` where it was never read, which whoever reads has complained of.
-    pub fn bitmap(&self, bitmap: Handle<Bitmap>) -> Option<&Arc<Bitmap>> {
-        self.bitmaps.get(bitmap)
+    /// A picture that a texture is read off; a black one where it was never read, which whoever reads has complained of.
+    pub fn bitmap(&self, bitmap: Handle<Bitmap>) -> &Arc<Bitmap> {
+        self.bitmaps.get(bitmap).unwrap_or(&NO_BITMAP)
     }
 
-    /// The spectrum of a file; `None` when it was never read.
-    pub fn spectrum(&self, file: &FileRef) -> Option<&Arc<spectrum::Spectrum>> {
-        self.spectra.get(&file.value)
+    /// A spectrum; 1 at all wavelengths where it was never read, which whoever reads has complained of.
+    pub fn spectrum(&self, spectrum: Handle<TabulatedSpectrum>) -> &Arc<TabulatedSpectrum> {
+        self.spectra.get(spectrum).unwrap_or(&NO_SPECTRUM)
     }
 }

@@ -22,6 +22,15 @@ pub struct Bitmap {
     pub has_alpha: bool,
 }
 
+impl Bitmap {
+    /// One texel of black.
+    pub(crate) fn black() -> Self {
+        let format = TexelFormat { number: Number::Byte, channels: 1 };
+        let texels = Texels { width: 1, height: 1, format, across: 1, lines: vec![Line([0; 64])] };
+        Self { texels, response: Response::Linear, space: None, has_alpha: false }
+    }
+}
+
 /// How codes become light.
 #[derive(Clone, Default, PartialEq)]
 pub enum Response {

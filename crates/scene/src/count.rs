@@ -2,6 +2,7 @@
 //! that takes is not known here.
 
 use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, TriangleMesh};
+use crate::glow::Glow;
 use crate::{Assets, Handle};
 
 /// What a world will hold.
@@ -102,6 +103,7 @@ pub fn count(scene: &Scene, assets: &Assets) -> Contents {
     let mut walk = Walk {
         scene,
         assets,
+        glow: Glow::of(scene, assets),
         objects: vec![None; scene.objects.len()],
         kept: Tally::default(),
         spaces: vec![Space::default()],
@@ -158,6 +160,7 @@ struct Found {
 struct Walk<'a> {
     scene: &'a Scene,
     assets: &'a Assets,
+    glow: Glow<'a>,
     /// What each object that was met holds.
     objects: Vec<Option<Found>>,
     kept: Tally,
@@ -191,32 +194,32 @@ impl Walk<'_> {
             Node::Instance(i) => {
                 let Some(object) = i.of.to() else { return Found::default() };
                 let inside = self.object(object);
-                if inside.glows {
+                if inside.glows || self.glow.material(i.material.as_ref()) {
                     return inside;
                 }
                 Found { own: Tally { instances: 1, ..Tally::default() }, ..inside }
             }
-            Node::Mesh(m) => self.mesh(m),
+            Node::Mesh(m) => self.mesh(node, m),
             Node::Bezier(b) => {
                 let side = u64::from(b.resolution);
                 let [quads, vertices] =
                     [side * side, (side + 1) * (side + 1)].map(|n| n.saturating_mul(patches(b)));
                 let normals = !matches!(b.shading, Shading::Flat);
-                lit(node, Tally::mesh(quads.saturating_mul(2), vertices, [normals, true]))
+                self.lit(node, Tally::mesh(quads.saturating_mul(2), vertices, [normals, true]))
             }
-            Node::Box(_) => lit(node, Tally::mesh(12, 24, [false, true])),
-            Node::Triangle(_) => lit(node, Tally::mesh(1, 3, [false, false])),
-            Node::Sphere(_) => lit(node, Tally::shape(Tally { spheres: 1, ..Tally::default() })),
-            Node::Plane(_) => lit(node, Tally::shape(Tally::default())),
+            Node::Box(_) => self.lit(node, Tally::mesh(12, 24, [false, true])),
+            Node::Triangle(_) => self.lit(node, Tally::mesh(1, 3, [false, false])),
+            Node::Sphere(_) => self.lit(node, Tally::shape(Tally { spheres: 1, ..Tally::default() })),
+            Node::Plane(_) => self.lit(node, Tally::shape(Tally::default())),
             Node::Cylinder(c) if c.caps => {
                 let parts = Tally { shapes: 3, cylinders: 1, discs: 2, ..Tally::default() };
-                let mut found = lit(node, parts);
+                let mut found = self.lit(node, parts);
                 found.own.lights *= 3;
                 found
             }
-            Node::Disc(_) => lit(node, Tally::shape(Tally { discs: 1, ..Tally::default() })),
-            Node::Rectangle(_) => lit(node, Tally::shape(Tally { rectangles: 1, ..Tally::default() })),
-            Node::Cylinder(_) => lit(node, Tally::shape(Tally { cylinders: 1, ..Tally::default() })),
+            Node::Disc(_) => self.lit(node, Tally::shape(Tally { discs: 1, ..Tally::default() })),
+            Node::Rectangle(_) => self.lit(node, Tally::shape(Tally { rectangles: 1, ..Tally::default() })),
+            Node::Cylinder(_) => self.lit(node, Tally::shape(Tally { cylinders: 1, ..Tally::default() })),
         }
     }
 
@@ -237,7 +240,7 @@ impl Walk<'_> {
         found
     }
 
-    fn mesh(&self, m: &TriangleMesh) -> Found {
+    fn mesh(&self, node: &Node, m: &TriangleMesh) -> Found {
         let smooth = |has: bool| match m.shading {
             Shading::Flat => false,
             Shading::Smooth(_) => true,
@@ -255,7 +258,7 @@ impl Walk<'_> {
                     [smooth(!m.normals.is_empty()), !m.uvs.is_empty()],
                 );
                 own.smoothed = smoothed(!m.normals.is_empty(), own.vertices);
-                return lit_if(m.surface.emission.is_some(), own);
+                return self.lit(node, own);
             }
             MeshSource::Asset(asset) => self.assets.mesh(asset.handle),
         };
@@ -266,29 +269,24 @@ impl Walk<'_> {
             [smooth(!mesh.normals.is_empty()), !mesh.uvs.is_empty()],
         );
         own.smoothed = smoothed(!mesh.normals.is_empty(), own.vertices);
-        let glows = asset.materials.values().any(|p| p.emission.is_some());
         if m.surface.material.is_none() && !asset.materials.is_empty() {
             let mut names: Vec<_> = mesh.parts.iter().map(|p| p.material.as_deref()).collect();
             names.sort_unstable();
             names.dedup();
             own.meshes = (names.len() as u64).max(1);
         }
-        lit_if(m.surface.emission.is_some() || glows, own)
+        self.lit(node, own)
     }
-}
 
-/// What a node holds, which may glow.
-fn lit(node: &Node, own: Tally) -> Found {
-    lit_if(node.surface().is_some_and(|s| s.emission.is_some()), own)
-}
-
-fn lit_if(glows: bool, own: Tally) -> Found {
-    let visible = own.triangles.saturating_add(own.shapes);
-    if !glows {
-        return Found { own, visible, glows };
+    /// What a surface holds, which may glow.
+    fn lit(&self, node: &Node, own: Tally) -> Found {
+        let (glows, visible) = (self.glow.node(node), own.triangles.saturating_add(own.shapes));
+        if !glows {
+            return Found { own, visible, glows };
+        }
+        let lights = if own.meshes > 0 { own.meshes } else { 1 };
+        Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
     }
-    let lights = if own.meshes > 0 { own.meshes } else { 1 };
-    Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
 }
 
 fn patches(b: &Bezier) -> u64 {

@@ -11,6 +11,7 @@ use crate::alias::{self, Here};
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::handle::{Handle, Handles, Kind};
 use crate::limit::Limit;
+use crate::link::Places;
 use crate::remedy;
 use crate::schema::{Definitions, Properties};
 use crate::span::Span;
@@ -52,6 +53,9 @@ pub trait Describe: Sized {
 
     /// Shows what is in it to a visitor; nothing, unless it says otherwise. `limit` is what its numbers must be within.
     fn show<'a>(&'a self, _limit: Limit, _visitor: &mut dyn Visitor<'a>) {}
+
+    /// Leads the names in it to what they name; nothing, unless it says otherwise.
+    fn lead(&mut self, _places: &Places) {}
 }
 
 /// A type that is read from the keys of a mapping, perhaps beside another's.
@@ -76,6 +80,9 @@ pub trait Fields: Sized {
 
     /// Shows what is in its keys to a visitor.
     fn show_fields<'a>(&'a self, visitor: &mut dyn Visitor<'a>);
+
+    /// Leads the names in its keys to what they name.
+    fn lead_fields(&mut self, places: &Places);
 }
 
 /// What writes a value wherever serde's serializers lead: to a tree, or as text to a file or a hash.

@@ -2,7 +2,7 @@
 
 use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
-use straal_color::spectrum::{illuminant, refraction};
+use straal_color::spectrum::Illuminant;
 use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Describe, Written};
@@ -13,12 +13,13 @@ use crate::desc::{
 use crate::diagnostic::Diagnostic;
 use crate::handle::{Handle, Kind};
 use crate::limit::Limit;
+use crate::link::{Familiar, Linked, Places};
 use crate::remedy;
 use crate::schema::{self, Definitions};
 use crate::span::{Span, Spanned};
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
-use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Link, Matrix, Name, Named};
+use crate::value::{Asset, Axis, Color, Depth, Factors, FileRef, Known, Link, Matrix, Name, Named};
 use crate::visit::Visitor;
 
 impl Describe for f64 {
@@ -136,13 +137,42 @@ impl<T: Kind> Describe for Asset<T> {
     }
 }
 
-/// Names of objects and materials.
-impl<T> Describe for Link<T> {
+/// Names of objects, materials and textures.
+impl<T: Linked> Describe for Link<T> {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         Self::new(Name::read(tree, limit, d))
     }
     fn blank() -> Self {
         Self::new(Name::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.name.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        Name::schema(limit, defs)
+    }
+    fn lead(&mut self, places: &Places) {
+        self.find(places);
+    }
+}
+
+/// Names of what straal knows by itself.
+impl<T: Familiar> Describe for Known<T> {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let name = Name::read(tree, limit, d);
+        let what = T::named(&name);
+        if what.is_none() && !name.is_empty() {
+            let names = T::names();
+            let near = suggest::did_you_mean(&name, names.iter().copied());
+            let help =
+                near.unwrap_or_else(|| format!("the names are {}", suggest::list(names.iter().copied())));
+            let message = format!("there is no {} named `{}`", T::KIND, suggest::brief(&name));
+            d.push(Diagnostic::error(name.span, message).help(help));
+        }
+        Self { name, what: what.unwrap_or_else(T::stand_in) }
+    }
+    fn blank() -> Self {
+        Self { name: Name::blank(), what: T::stand_in() }
     }
     fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         self.name.write_to(out)
@@ -173,6 +203,11 @@ impl<T: Describe> Describe for Option<T> {
             v.show(limit, visitor);
         }
     }
+    fn lead(&mut self, places: &Places) {
+        if let Some(v) = self {
+            v.lead(places);
+        }
+    }
 }
 
 impl<T: Describe> Describe for Box<T> {
@@ -190,6 +225,9 @@ impl<T: Describe> Describe for Box<T> {
     }
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
         (**self).show(limit, visitor);
+    }
+    fn lead(&mut self, places: &Places) {
+        (**self).lead(places);
     }
 }
 
@@ -217,6 +255,9 @@ impl<T: Describe> Describe for Vec<T> {
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
         self.iter().for_each(|v| v.show(limit, visitor));
     }
+    fn lead(&mut self, places: &Places) {
+        self.iter_mut().for_each(|v| v.lead(places));
+    }
 }
 
 impl<T: Describe, const N: usize> Describe for [T; N] {
@@ -243,6 +284,9 @@ impl<T: Describe, const N: usize> Describe for [T; N] {
     }
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
         self.iter().for_each(|v| v.show(limit, visitor));
+    }
+    fn lead(&mut self, places: &Places) {
+        self.iter_mut().for_each(|v| v.lead(places));
     }
 }
 
@@ -370,14 +414,11 @@ fn components<const N: usize>(
 impl Describe for Spectrum {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
-            Datum::String(s) if illuminant::by_name(s).is_none() && remedy::colour(tree).is_some() => {
+            Datum::String(s) if Illuminant::named(s).is_none() && remedy::colour(tree).is_some() => {
                 Self::Rgb(Color::read(tree, limit, d))
             }
             Datum::String(s) if !s.starts_with('#') => {
-                let name = Spanned::new(s.clone(), tree.span);
-                let found = illuminant::by_name(s).is_some();
-                check::known(&name, "illuminant", found, illuminant::NAMES, d);
-                let measured = Measured::named(name);
+                let measured = Measured::named(Known::read(tree, limit, d));
                 check::reflectance(&measured, tree.span, limit, d);
                 Self::Measured(Box::new(measured))
             }
@@ -419,12 +460,7 @@ impl Describe for Index {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
             Datum::Number(_) => Self::Constant(f64::read(tree, limit, d)),
-            Datum::String(s) => {
-                let name = Spanned::new(s.clone(), tree.span);
-                let names: Vec<&str> = refraction::glass_names().collect();
-                check::known(&name, "glass", refraction::glass(s).is_some(), &names, d);
-                Self::Named(name)
-            }
+            Datum::String(_) => Self::Named(Known::read(tree, limit, d)),
             Datum::Mapping(_) => Self::Formula(Formula::read(tree, limit, d)),
             _ => {
                 d.expected("a number, the name of a glass, or a formula", tree);
@@ -487,7 +523,14 @@ impl<T: Describe> Describe for Varying<T> {
             Self::Texture(t) => {
                 visitor.texture(t, limit, T::IS_NUMBER);
                 t.show(limit, visitor);
+                visitor.end_of_texture();
             }
+        }
+    }
+    fn lead(&mut self, places: &Places) {
+        match self {
+            Self::Constant(v) => v.lead(places),
+            Self::Texture(t) => t.lead(places),
         }
     }
 }
@@ -515,17 +558,17 @@ impl Describe for TextureOf {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
             Datum::String(name) if !Texture::KINDS.iter().any(|kind| suggest::is_same(kind, name)) => {
-                Self::Named(Name::read(tree, limit, d))
+                Self::Named(Link::read(tree, limit, d))
             }
             _ => Self::Inline(Texture::read(tree, limit, d)),
         }
     }
     fn blank() -> Self {
-        Self::Named(Name::blank())
+        Self::Named(Link::blank())
     }
     fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Named(name) => name.write_to(out),
+            Self::Named(link) => link.write_to(out),
             Self::Inline(texture) => texture.write_to(out),
         }
     }
@@ -535,8 +578,14 @@ impl Describe for TextureOf {
     /// Whoever has one says what it is for.
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
         match self {
-            Self::Named(name) => visitor.texture_name(name),
+            Self::Named(link) => visitor.texture_name(link),
             Self::Inline(texture) => texture.show(limit, visitor),
+        }
+    }
+    fn lead(&mut self, places: &Places) {
+        match self {
+            Self::Named(link) => link.lead(places),
+            Self::Inline(texture) => texture.lead(places),
         }
     }
 }
@@ -593,6 +642,9 @@ impl<T: Describe> Describe for Named<T> {
     }
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
         self.iter().for_each(|(_, thing)| thing.show(limit, visitor));
+    }
+    fn lead(&mut self, places: &Places) {
+        self.things_mut().for_each(|thing| thing.lead(places));
     }
 }
 
@@ -850,8 +902,14 @@ impl Describe for MaterialRef {
         json!({ "anyOf": [<Spanned<String>>::schema(limit, defs), Material::schema(limit, defs)] })
     }
     fn show<'a>(&'a self, limit: Limit, visitor: &mut dyn Visitor<'a>) {
-        if let Self::Inline(material) = self {
+        if let (true, Self::Inline(material)) = (visitor.material(self), self) {
             material.show(limit, visitor);
+        }
+    }
+    fn lead(&mut self, places: &Places) {
+        match self {
+            Self::Named(link) => link.lead(places),
+            Self::Inline(material) => material.lead(places),
         }
     }
 }

@@ -9,7 +9,8 @@
 ///
 /// An enum is externally tagged: `"key" => Variant(Payload),` is read from `key: payload`, and the bare `key` does
 /// when there is no payload or all of its keys have defaults. `"key" => Variant(struct Payload { .. }),` defines the payload, under
-/// the same description, in place.
+/// the same description, in place. `pub enum Name each with field: Type {` gives each of these the keys of another struct, and the enum a function that
+/// asks for it; `each has field: Type` the function alone.
 macro_rules! describe {
     (
         $(#[doc = $doc:literal])+
@@ -87,6 +88,12 @@ macro_rules! describe {
                 $( <$Flat as $crate::decode::Fields>::show_fields(&self.$flat, visitor); )*
                 let _ = visitor;
             }
+
+            fn lead_fields(&mut self, places: &$crate::link::Places) {
+                $( $crate::decode::Describe::lead(&mut self.$f, places); )*
+                $( <$Flat as $crate::decode::Fields>::lead_fields(&mut self.$flat, places); )*
+                let _ = places;
+            }
         }
 
         impl $crate::decode::Describe for $T {
@@ -130,6 +137,10 @@ macro_rules! describe {
             ) {
                 $crate::decode::Fields::show_fields(self, visitor);
             }
+
+            fn lead(&mut self, places: &$crate::link::Places) {
+                $crate::decode::Fields::lead_fields(self, places);
+            }
         }
     };
 
@@ -159,6 +170,73 @@ macro_rules! describe {
         )+
     };
 
+    // The same where every kind has the keys of another struct, which can be asked for whatever the kind.
+    (
+        $(#[doc = $doc:literal])+
+        pub enum $T:ident each with $each:ident : $Each:ident {
+            $(
+                $(#[doc = $vdoc:literal])+
+                $key:literal => $V:ident(
+                    struct $S:ident $([$check:path])? { $($body:tt)* } $(with $flat:ident : $Flat:ty)*
+                ),
+            )+
+        }
+    ) => {
+        describe! {
+            $(#[doc = $doc])+
+            pub enum $T {
+                $( $(#[doc = $vdoc])+ $key => $V($S), )+
+            }
+        }
+        $(
+            describe! {
+                $(#[doc = $vdoc])+
+                pub struct $S $([$check])? { $($body)* } $(with $flat: $Flat)* with $each: $Each
+            }
+        )+
+        describe!(@each $T $each $Each { $( $V )+ });
+    };
+
+    // The same of kinds that are defined elsewhere, `with` the other struct.
+    (
+        $(#[doc = $doc:literal])+
+        pub enum $T:ident each has $each:ident : $Each:ident {
+            $( $(#[doc = $vdoc:literal])+ $key:literal => $V:ident($P:ty), )+
+        }
+    ) => {
+        describe! {
+            $(#[doc = $doc])+
+            pub enum $T {
+                $( $(#[doc = $vdoc])+ $key => $V($P), )+
+            }
+        }
+        describe!(@each $T $each $Each { $( $V )+ });
+    };
+
+    // The same of kinds of which some have it, which say so.
+    (
+        $(#[doc = $doc:literal])+
+        pub enum $T:ident some have $some:ident : $Some:ident {
+            $( $(#[doc = $vdoc:literal])+ $key:literal => $V:ident($P:ty) $(has $has:ident)?, )+
+        }
+    ) => {
+        describe! {
+            $(#[doc = $doc])+
+            pub enum $T {
+                $( $(#[doc = $vdoc])+ $key => $V($P), )+
+            }
+        }
+
+        impl $T {
+            #[doc = concat!("Its [`", stringify!($Some), "`], if it is of a kind that has one.")]
+            pub const fn $some(&self) -> Option<&$Some> {
+                match self {
+                    $( Self::$V(kind) => describe!(@has kind $($has)?), )+
+                }
+            }
+        }
+    };
+
     (
         $(#[doc = $doc:literal])+
         pub enum $T:ident {
@@ -176,6 +254,14 @@ macro_rules! describe {
         impl $T {
             /// The keys of all kinds, in the order of the definition.
             pub const KINDS: &'static [&'static str] = &[$($key),+];
+
+            /// What the bare key of a kind says; `None` where there is none of that key, or where it can't stand by itself.
+            pub fn bare(kind: &str) -> Option<Self> {
+                match kind {
+                    $( $key => describe!(@bare $V $($P)?), )+
+                    _ => None,
+                }
+            }
 
             /// The key of this kind.
             pub fn kind(&self) -> &'static str {
@@ -230,6 +316,12 @@ macro_rules! describe {
                     $( describe!(@pattern inner $V $($P)?) => describe!(@show inner visitor $($P)?), )+
                 }
             }
+
+            fn lead(&mut self, places: &$crate::link::Places) {
+                match self {
+                    $( describe!(@pattern inner $V $($P)?) => describe!(@lead inner places $($P)?), )+
+                }
+            }
         }
     };
 
@@ -264,6 +356,12 @@ macro_rules! describe {
     (@blank_variant $V:ident) => { Self::$V };
     (@blank_variant $V:ident $P:ty) => { Self::$V(<$P as $crate::decode::Describe>::blank()) };
 
+    (@bare $V:ident) => { Some(Self::$V) };
+    (@bare $V:ident $P:ty) => {
+        <$P as $crate::decode::Describe>::may_be_empty()
+            .then(|| Self::$V(<$P as $crate::decode::Describe>::blank()))
+    };
+
     (@pattern $inner:ident $V:ident) => { Self::$V };
     (@pattern $inner:ident $V:ident $P:ty) => { Self::$V($inner) };
 
@@ -275,6 +373,23 @@ macro_rules! describe {
     (@show $inner:ident $visitor:ident) => {{ let _ = $visitor; }};
     (@show $inner:ident $visitor:ident $P:ty) => {
         $crate::decode::Describe::show($inner, $crate::limit::Limit::FINITE, $visitor)
+    };
+
+    (@lead $inner:ident $places:ident) => {{ let _ = $places; }};
+    (@lead $inner:ident $places:ident $P:ty) => { $crate::decode::Describe::lead($inner, $places) };
+
+    (@has $kind:ident) => {{ let _ = $kind; None }};
+    (@has $kind:ident $has:ident) => { Some(&$kind.$has) };
+
+    (@each $T:ident $each:ident $Each:ident { $( $V:ident )+ }) => {
+        impl $T {
+            #[doc = concat!("Its [`", stringify!($Each), "`], which every kind has.")]
+            pub const fn $each(&self) -> &$Each {
+                match self {
+                    $( Self::$V(kind) => &kind.$each, )+
+                }
+            }
+        }
     };
 
     (@choice $choices:ident $defs:ident $key:literal [$($doc:literal),+]) => {

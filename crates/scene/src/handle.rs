@@ -1,4 +1,4 @@
-//! Handles: which of the meshes, or of the pictures, that stand beside a description.
+//! Handles: which of the meshes, pictures or spectra that stand beside a description.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use crate::value::Asset;
 use crate::visit::Visitor;
 
-/// Which mesh, or which picture: its place in the lists of [`crate::Assets`], whether it comes from a file, from a buffer inside of
+/// Which mesh, picture or spectrum: its place in the lists of [`crate::Assets`], whether it comes from a file, from a buffer inside of
 /// one, or from a program.
 pub struct Handle<T> {
     index: u32,
@@ -102,7 +102,7 @@ impl<T, V> Store<T, V> {
 /// Handles by the names that a description gives to what they lead to: the same name leads to the same thing.
 #[derive(Clone, Debug, Default)]
 pub struct Handles {
-    known: [std::collections::BTreeMap<String, u32>; 3],
+    known: [std::collections::BTreeMap<String, u32>; 4],
 }
 
 impl Handles {
@@ -141,6 +141,10 @@ impl Kind for crate::Bitmap {
     fn show<'a>(asset: &'a Asset<Self>, visitor: &mut dyn Visitor<'a>) {
         visitor.bitmap(asset);
     }
+}
+
+impl Kind for straal_color::spectrum::TabulatedSpectrum {
+    const KIND: usize = 3;
 }
 
 #[cfg(test)]

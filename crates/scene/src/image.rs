@@ -12,6 +12,11 @@ pub struct Image {
 }
 
 impl Image {
+    /// Whether it has pixels, and as many as it says.
+    pub fn is_whole(&self) -> bool {
+        !self.pixels.is_empty() && self.width.checked_mul(self.height) == Some(self.pixels.len())
+    }
+
     /// Bytes of its pixels.
     pub fn heap_bytes(&self) -> u64 {
         size_of_val(self.pixels.as_slice()) as u64

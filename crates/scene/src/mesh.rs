@@ -22,6 +22,15 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Whether all indices are in range, and the optional lists are empty or as long as `positions`.
+    pub fn is_whole(&self) -> bool {
+        let n = self.positions.len();
+        let fits = |list: usize| list == 0 || list == n;
+        self.triangles.iter().flatten().all(|&i| (i as usize) < n)
+            && fits(self.normals.len())
+            && fits(self.uvs.len())
+    }
+
     /// Bytes of its lists.
     pub fn heap_bytes(&self) -> u64 {
         let Self { positions, normals, uvs, triangles, attributes, parts } = self;

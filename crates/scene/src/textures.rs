@@ -6,7 +6,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::limit::Limit;
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{Color, Name};
+use crate::value::{Color, Link, Name};
 use crate::visit::Visitor;
 
 /// The most textures that are asked where one is read, each as often as it is asked.
@@ -19,21 +19,21 @@ const DEEPEST: u32 = 32;
 #[derive(Default)]
 struct Uses<'a> {
     /// All that are used, and of those that stand for a value what it must be within and whether it is a number.
-    named: Vec<&'a Name>,
-    values: Vec<(&'a Name, Limit, bool)>,
+    named: Vec<&'a Link<Texture>>,
+    values: Vec<(&'a Link<Texture>, Limit, bool)>,
     inline: u64,
 }
 
 impl<'a> Visitor<'a> for Uses<'a> {
     fn texture(&mut self, texture: &'a TextureOf, limit: Limit, is_number: bool) {
         match texture {
-            TextureOf::Named(name) => self.values.push((name, limit, is_number)),
+            TextureOf::Named(link) => self.values.push((link, limit, is_number)),
             TextureOf::Inline(_) => self.inline += 1,
         }
     }
 
-    fn texture_name(&mut self, name: &'a Name) {
-        self.named.push(name);
+    fn texture_name(&mut self, link: &'a Link<Texture>) {
+        self.named.push(link);
     }
 }
 
@@ -66,12 +66,12 @@ pub(crate) fn validate(scene: &Scene, d: &mut Diagnostics) {
     // What is used in each of them, and what is used elsewhere: a scene shows its own textures as well.
     let uses: Vec<Uses<'_>> = scene.textures.iter().map(|(_, texture)| Uses::of(texture)).collect();
     let all = Uses::of(scene);
-    for name in all.named.iter().filter(|name| scene.textures.get(name).is_none()) {
-        missing(scene, name, d);
+    for link in all.named.iter().filter(|link| link.to().is_none()) {
+        missing(scene, &link.name, d);
     }
-    for (name, limit, is_number) in &all.values {
-        if let Some(texture) = scene.textures.get(name) {
-            fits(texture, name, (*limit, *is_number), d);
+    for (link, limit, is_number) in &all.values {
+        if let Some(texture) = scene.textures.of(link) {
+            fits(texture, &link.name, (*limit, *is_number), d);
         }
     }
     let mut walk = Walk { scene, uses: &uses, states: vec![State::Unseen; uses.len()], d };
@@ -80,8 +80,8 @@ pub(crate) fn validate(scene: &Scene, d: &mut Diagnostics) {
     }
     if !walk.d.has_errors() {
         let states = walk.states;
-        for name in all.named {
-            let known = scene.textures.handle(name).map(|handle| states[handle.index()]);
+        for link in all.named {
+            let (name, known) = (&link.name, link.to().map(|to| states[to.index()]));
             if let Some(State::Known(parts, _)) =
                 known.filter(|s| matches!(s, State::Known(parts, _) if *parts > MOST_PARTS))
             {
@@ -152,8 +152,8 @@ impl Walk<'_> {
         }
         self.states[i] = State::Open;
         let (mut parts, mut inside) = (1 + self.uses[i].inline, 1 + self.uses[i].inline.min(64) as u32);
-        for name in &self.uses[i].named {
-            let Some(to) = self.scene.textures.handle(name).map(|handle| handle.index()) else { continue };
+        for link in &self.uses[i].named {
+            let (name, Some(to)) = (&link.name, link.to().map(|to| to.index())) else { continue };
             if self.states[to] == State::Open {
                 let message = format!("the texture `{}` is made of itself", suggest::brief(name));
                 let complaint = Diagnostic::error(name.span, message);

@@ -1,20 +1,22 @@
 //! What the parts of a whole scene must be to each other: names that lead somewhere, and trees that end.
 
+use straal_color::spectrum::TabulatedSpectrum;
 use straal_math::{Affine, Transform as Rounded};
 
 use crate::alias::{self, Here};
 use crate::css;
+use crate::decode::Describe;
 use crate::desc::{
-    Environment, Group, Instance, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Surface,
-    Transform,
+    Environment, Group, Instance, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Transform,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::handle::Handle;
 use crate::limit::Limit;
+use crate::link::Places;
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{Asset, Color, FileRef, Link, Name, Places};
-use crate::{Image, Mesh, textures};
+use crate::value::{Asset, Color, Link, Name};
+use crate::{Image, Mesh, materials, textures};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -28,31 +30,15 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
         walk.placement(node, &Affine::IDENTITY);
     }
     for part in scene.materials.iter().flat_map(|(_, material)| material.parts()) {
-        part.names(&mut |link| walk.material(link));
+        part.names(&mut |link, _| walk.material(link));
     }
-    walk.circles();
+    materials::validate(scene, walk.d);
     walk.nesting();
     walk.focus();
     textures::validate(scene, d);
 }
 
 impl Node {
-    /// What all surfaces share, for nodes that are one.
-    pub fn surface(&self) -> Option<&Surface> {
-        match self {
-            Self::Sphere(s) => Some(&s.surface),
-            Self::Plane(s) => Some(&s.surface),
-            Self::Disc(s) => Some(&s.surface),
-            Self::Rectangle(s) => Some(&s.surface),
-            Self::Box(s) => Some(&s.surface),
-            Self::Cylinder(s) => Some(&s.surface),
-            Self::Triangle(s) => Some(&s.surface),
-            Self::Mesh(s) => Some(&s.surface),
-            Self::Bezier(s) => Some(&s.surface),
-            Self::Group(_) | Self::Instance(_) => None,
-        }
-    }
-
     /// Where the node is placed.
     pub fn transform(&self) -> &Transform {
         static NOWHERE: Transform = Transform { steps: Vec::new(), span: Span::NONE };
@@ -104,41 +90,6 @@ impl Node {
     }
 }
 
-impl Node {
-    /// See [`Scene::link`].
-    fn link(&mut self, objects: Places<'_, Node>, materials: Places<'_, Material>) {
-        let material = match self {
-            Self::Group(g) => {
-                g.children.iter_mut().for_each(|child| child.link(objects, materials));
-                g.material.as_mut()
-            }
-            Self::Instance(i) => {
-                i.of.find(objects);
-                i.material.as_mut()
-            }
-            _ => self.surface_mut().and_then(|s| s.material.as_mut()),
-        };
-        if let Some(material) = material {
-            material.names_mut(&mut |link| link.find(materials));
-        }
-    }
-
-    fn surface_mut(&mut self) -> Option<&mut Surface> {
-        match self {
-            Self::Sphere(s) => Some(&mut s.surface),
-            Self::Plane(s) => Some(&mut s.surface),
-            Self::Disc(s) => Some(&mut s.surface),
-            Self::Rectangle(s) => Some(&mut s.surface),
-            Self::Box(s) => Some(&mut s.surface),
-            Self::Cylinder(s) => Some(&mut s.surface),
-            Self::Triangle(s) => Some(&mut s.surface),
-            Self::Mesh(s) => Some(&mut s.surface),
-            Self::Bezier(s) => Some(&mut s.surface),
-            Self::Group(_) | Self::Instance(_) => None,
-        }
-    }
-}
-
 impl Scene {
     /// What stands at the top of the world: its nodes, or, where all of it is one group, the nodes of that.
     pub fn top_level(&self) -> &[Node] {
@@ -149,18 +100,11 @@ impl Scene {
         nodes
     }
 
-    /// Finds out where all names of objects and materials lead. Whoever reads a scene has done so; a program that makes or changes one
-    /// does it when that is done.
+    /// Finds out where all names of objects, materials and textures lead. Whoever reads a scene has done so; a program that makes or
+    /// changes one does it when that is done.
     pub fn link(&mut self) {
-        let (materials, all) = self.materials.parts_mut();
-        for part in all.flat_map(Material::parts_mut) {
-            part.names_mut(&mut |link| link.find(materials));
-        }
-        let (materials, _) = self.materials.parts_mut();
-        let (objects, nodes) = self.objects.parts_mut();
-        for node in nodes.chain(&mut self.world) {
-            node.link(objects, materials);
-        }
+        let places = Places::of(self);
+        self.lead(&places);
     }
 
     /// Calls `f` with every node of the world and of the objects, once each.
@@ -182,17 +126,17 @@ impl Scene {
     }
 
     /// The files of spectra that are named, with repetitions.
-    pub fn spectrum_files(&self) -> Vec<&FileRef> {
+    pub fn spectrum_files(&self) -> Vec<&Asset<TabulatedSpectrum>> {
         self.spectra_of_files().into_iter().map(|(file, _)| file).collect()
     }
 
     /// The spectra that are in files, and these.
-    pub fn spectra_of_files(&self) -> Vec<(&FileRef, &Measured)> {
+    pub(crate) fn spectra_of_files(&self) -> Vec<(&Asset<TabulatedSpectrum>, &Measured)> {
         self.spectra().into_iter().filter_map(|(spectrum, _)| spectrum.in_file()).collect()
     }
 
     /// The colours that are parts of the light that arrives.
-    pub fn reflectances(&self) -> Vec<&Spectrum> {
+    pub(crate) fn reflectances(&self) -> Vec<&Spectrum> {
         self.spectra().into_iter().filter(|(_, limit)| *limit == Limit::UNIT).map(|(s, _)| s).collect()
     }
 
@@ -232,7 +176,7 @@ impl Walk<'_> {
     fn names(&mut self, node: &Node) {
         node.visit(&mut |n| {
             if let Some(material) = n.material() {
-                material.names(&mut |link| self.material(link));
+                material.names(&mut |link, _| self.material(link));
             }
             if let Node::Instance(Instance { of, .. }) = n {
                 self.instance(of);
@@ -324,47 +268,6 @@ impl Walk<'_> {
             })
         };
         self.d.push(Diagnostic::error(name.span, message).help(help));
-    }
-
-    /// Materials must not be made of themselves. Kept on a stack of its own: a scene may chain as many as it likes.
-    fn circles(&mut self) {
-        let parts = |material: &Material| {
-            let mut links = Vec::new();
-            for part in material.parts() {
-                part.names(&mut |link| links.extend(link.to().map(|to| (to, link.name.span))));
-            }
-            links
-        };
-        let links: Vec<_> = self.scene.materials.iter().map(|(_, m)| parts(m)).collect();
-        // 0 for what wasn't seen, 1 for what is open, 2 for what is known.
-        let mut seen = vec![0_u8; links.len()];
-        for root in 0..links.len() {
-            if seen[root] != 0 {
-                continue;
-            }
-            seen[root] = 1;
-            let mut open = vec![(root, 0)];
-            while let Some((material, done)) = open.last_mut() {
-                let Some(&(to, span)) = links[*material].get(*done) else {
-                    seen[*material] = 2;
-                    open.pop();
-                    continue;
-                };
-                *done += 1;
-                match seen.get(to.index()) {
-                    Some(0) => {
-                        seen[to.index()] = 1;
-                        open.push((to.index(), 0));
-                    }
-                    Some(1) => {
-                        let name = self.scene.materials.iter().nth(to.index()).map_or("", |(n, _)| &n.value);
-                        let message = format!("the material `{}` is made of itself", suggest::brief(name));
-                        self.d.push(Diagnostic::error(span, message));
-                    }
-                    _ => {}
-                }
-            }
-        }
     }
 
     fn edges(&self, node: &Node) -> Vec<Edge> {

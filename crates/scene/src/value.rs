@@ -1,12 +1,11 @@
 //! The small values that descriptions are made of.
 
-use std::collections::BTreeMap;
 use std::fmt;
-use std::marker::PhantomData;
 
 use straal_math::{Affine, DVec3};
 
 use crate::handle::Handle;
+pub use crate::link::{Known, Link, Named};
 use crate::span::Spanned;
 
 /// A name said in the scene; equal to another when the text is.
@@ -45,49 +44,6 @@ impl<T> PartialEq for Asset<T> {
 impl<T> fmt::Debug for Asset<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?} {:?}", self.handle, self.file.value)
-    }
-}
-
-/// A name that leads to one of the scene's objects or materials.
-pub struct Link<T> {
-    /// As the scene says it.
-    pub name: Name,
-    to: Option<Handle<T>>,
-}
-
-impl<T> Link<T> {
-    /// A name; where it leads is known when the scene is linked ([`crate::Scene::link`]).
-    pub fn new(name: impl Into<Name>) -> Self {
-        Self { name: name.into(), to: None }
-    }
-
-    /// Where it leads. In a scene that is linked and without errors, each leads somewhere.
-    pub const fn to(&self) -> Option<Handle<T>> {
-        self.to
-    }
-
-    /// Leads it to what goes by its name.
-    pub(crate) fn find(&mut self, places: Places<'_, T>) {
-        self.to = places.get(&self.name);
-    }
-}
-
-impl<T> Clone for Link<T> {
-    fn clone(&self) -> Self {
-        Self { name: self.name.clone(), to: self.to }
-    }
-}
-
-/// Equal when the names are.
-impl<T> PartialEq for Link<T> {
-    fn eq(&self, o: &Self) -> bool {
-        self.name == o.name
-    }
-}
-
-impl<T> fmt::Debug for Link<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} {:?}", self.to, self.name.value)
     }
 }
 
@@ -151,103 +107,6 @@ pub enum Depth {
     Unlimited,
     /// At most so many, the camera's edge included: 1 sees emitters, 2 is direct light.
     Edges(u32),
-}
-
-/// Things by name, in the order of the file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Named<T> {
-    entries: Vec<(Name, T)>,
-    index: BTreeMap<String, usize>,
-    unreadable: bool,
-}
-
-/// Where named things are.
-pub(crate) struct Places<'a, T> {
-    index: &'a BTreeMap<String, usize>,
-    of: PhantomData<fn() -> T>,
-}
-
-impl<T> Clone for Places<'_, T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Places<'_, T> {}
-
-impl<T> Places<'_, T> {
-    fn get(self, name: &str) -> Option<Handle<T>> {
-        self.index.get(name).map(|&i| Handle::new(i as u32))
-    }
-}
-
-impl<T> Default for Named<T> {
-    fn default() -> Self {
-        Self { entries: Vec::new(), index: BTreeMap::new(), unreadable: false }
-    }
-}
-
-impl<T> Named<T> {
-    /// What stands in for things that were complained of as a whole: that one isn't there is no complaint of its own.
-    pub(crate) fn unreadable() -> Self {
-        Self { unreadable: true, ..Self::default() }
-    }
-
-    /// Whether it stands in for things that couldn't be read.
-    pub(crate) fn is_unreadable(&self) -> bool {
-        self.unreadable
-    }
-
-    /// Adds a thing; one of the same name is replaced.
-    pub fn insert(&mut self, name: Name, thing: T) {
-        if let Some(&i) = self.index.get(&name.value) {
-            self.entries[i] = (name, thing);
-        } else {
-            self.index.insert(name.value.clone(), self.entries.len());
-            self.entries.push((name, thing));
-        }
-    }
-
-    /// The thing of that name.
-    pub fn get(&self, name: &str) -> Option<&T> {
-        self.index.get(name).map(|&i| &self.entries[i].1)
-    }
-
-    /// The handle of the thing of that name: its place in the order of the file.
-    pub fn handle(&self, name: &str) -> Option<Handle<T>> {
-        Places { index: &self.index, of: PhantomData }.get(name)
-    }
-
-    /// A thing and its name.
-    pub fn at(&self, handle: Handle<T>) -> Option<(&Name, &T)> {
-        self.entries.get(handle.index()).map(|(n, t)| (n, t))
-    }
-
-    /// What a name leads to.
-    pub fn of(&self, link: &Link<T>) -> Option<&T> {
-        self.at(link.to()?).map(|(_, thing)| thing)
-    }
-
-    /// All, in the order of the file.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = (&Name, &T)> {
-        self.entries.iter().map(|(n, t)| (n, t))
-    }
-
-    /// Where the things are, by name, and the things themselves, to be changed.
-    pub(crate) fn parts_mut(&mut self) -> (Places<'_, T>, impl Iterator<Item = &mut T>) {
-        let places = Places { index: &self.index, of: PhantomData };
-        (places, self.entries.iter_mut().map(|(_, thing)| thing))
-    }
-
-    /// How many.
-    pub fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
 }
 
 #[cfg(test)]

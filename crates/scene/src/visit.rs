@@ -5,9 +5,9 @@
 
 use crate::Bitmap;
 use crate::decode::Describe;
-use crate::desc::{Scene, Spectrum, TextureOf};
+use crate::desc::{MaterialRef, Scene, Spectrum, Texture, TextureOf};
 use crate::limit::Limit;
-use crate::value::{Asset, Name};
+use crate::value::{Asset, Link, Name};
 
 /// Is shown the values of a description, in the order of its keys.
 pub trait Visitor<'a> {
@@ -17,8 +17,16 @@ pub trait Visitor<'a> {
     /// What a value is read off, which is shown next; what its numbers must be within, and whether one number is wanted and no colour.
     fn texture(&mut self, _texture: &'a TextureOf, _limit: Limit, _is_number: bool) {}
 
+    /// After what was shown of it.
+    fn end_of_texture(&mut self) {}
+
     /// The name of a texture that is used.
-    fn texture_name(&mut self, _name: &'a Name) {}
+    fn texture_name(&mut self, _name: &'a Link<Texture>) {}
+
+    /// A material that is used or that one is made of; whether what is written there is shown as well.
+    fn material(&mut self, _material: &'a MaterialRef) -> bool {
+        true
+    }
 
     /// The name of what meshes have at their vertices or on their faces, and a texture reads.
     fn attribute(&mut self, _name: &'a Name) {}

@@ -1,5 +1,6 @@
 //! A picture file developed again, without rendering: as a render with the same settings would have written it.
 
+use crate::denoise;
 use crate::development::{Bits, Development, Gamma, Undeveloped, to_screen};
 use crate::focus::{self, Blur, NoBlur};
 use crate::picture::{DEVELOPMENT, ERROR, Format, Picture, SaveError, with_development, write_png};
@@ -16,9 +17,9 @@ use straal_scene::Image;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureFile {
     /// All that an EXR of it has; of another file its pixels.
-    picture: exr::Picture,
+    pub(crate) picture: exr::Picture,
     /// Its colours.
-    photo: Photo,
+    pub(crate) photo: Photo,
 }
 
 /// The key of the metadata under which a picture that was developed before tells how.
@@ -130,7 +131,7 @@ impl PictureFile {
         [self.picture.display_window.width, self.picture.display_window.height]
     }
 
-    fn told(&self, key: &str) -> Option<&str> {
+    pub(crate) fn told(&self, key: &str) -> Option<&str> {
         self.picture.metadata.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str())
     }
 
@@ -166,6 +167,37 @@ impl PictureFile {
         self.picture.metadata.retain(|(key, _)| key != FILM_HASH && key != ERROR);
         self.picture.metadata.push(("straal.depth_of_field".into(), blur.to_string()));
         Ok(())
+    }
+
+    /// Puts clean light in the place of the noisy, which stays as a layer of its own; whether light by wavelengths had to go.
+    pub(crate) fn replace_light(&mut self, clean: Vec<[f32; 3]>, noisy: &[[f32; 3]]) -> bool {
+        let beauty = self.photo.layer.clone();
+        let is_spectral = self.picture.layers.iter().any(exr::is_spectral_layer);
+        if is_spectral {
+            if self.picture.layer(&beauty).is_some_and(exr::is_spectral_layer) {
+                self.photo.layer.clear();
+                self.picture.space = self.photo.space;
+            }
+            self.picture.layers.retain(|l| !exr::is_spectral_layer(l));
+            self.picture.metadata.retain(|(key, _)| !exr::is_spectral_attribute(key));
+        }
+        let new = Layer::from_rgb(&self.photo.layer, &clean);
+        match self.picture.layers.iter_mut().find(|l| l.name == self.photo.layer) {
+            // Alpha, and whatever else stands in the same layer, stays.
+            Some(layer) => {
+                layer
+                    .channels
+                    .retain(|c| !["R", "G", "B", "X", "Y", "Z", "RY", "BY"].contains(&c.name.as_str()));
+                let others = std::mem::replace(&mut layer.channels, new.channels);
+                layer.channels.extend(others);
+            }
+            None => self.picture.layers.insert(0, new),
+        }
+        self.picture.layers.retain(|l| !["variance", "error", denoise::NOISY].contains(&l.name.as_str()));
+        self.picture.layers.push(Layer::from_rgb(denoise::NOISY, noisy));
+        self.picture.metadata.retain(|(key, _)| key != FILM_HASH && key != ERROR);
+        self.photo.pixels = clean;
+        is_spectral
     }
 
     /// Writes the picture, whole or not at all, in the format that the name's extension says: a PNG is developed, an EXR

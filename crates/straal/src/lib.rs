@@ -15,6 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub mod compare;
+pub mod denoise;
 pub mod develop;
 pub mod development;
 pub mod focus;

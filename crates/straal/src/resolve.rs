@@ -3,18 +3,18 @@
 //! All that can be known to be wrong before a world is made is found here.
 
 use crate::search;
-use straal_accel::{Build, BvhParams, Isa, Structure};
+use straal_accel::{Build, BuildError, BvhParams, Isa, Structure};
 use straal_color::Space;
 use straal_formats::load::Loaded;
 use straal_math::lowdisc::{Pattern, PatternKind};
-use straal_render::compile::CompileError;
+use straal_render::compile::Custom;
 use straal_render::driver::RenderError;
 use straal_render::film::Region;
 use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
 use straal_render::integrator::AnyIntegrator;
 use straal_render::settings::Settings;
-use straal_scene::desc;
 use straal_scene::memory::Shortage;
+use straal_scene::{Diagnostic, Span, desc};
 
 /// What a caller wants otherwise than the scene says; `None` leaves it to the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,6 +33,8 @@ pub struct Overrides {
     pub noise: Option<f64>,
     /// Which pattern they follow.
     pub pattern: Option<PatternKind>,
+    /// How light is computed.
+    pub integrator: Option<desc::Integrator>,
     /// Largest number of edges of a path.
     pub max_depth: Option<u32>,
     /// Worker threads; all cores when absent.
@@ -73,12 +75,30 @@ pub enum Error {
     /// It takes more memory than may be used.
     #[error(transparent)]
     Memory(#[from] Shortage),
-    /// The description has no world.
+    /// The scene can't be rendered so.
+    #[error("{}", .0.message)]
+    Scene(Box<Diagnostic>),
+    /// Rays can't be searched so.
     #[error(transparent)]
-    Compile(#[from] CompileError),
+    Search(#[from] BuildError),
     /// The render couldn't start.
     #[error(transparent)]
     Render(#[from] RenderError),
+}
+
+impl Error {
+    /// What is wrong with a scene, and where.
+    pub(crate) fn scene(span: Span, message: String) -> Self {
+        Self::Scene(Box::new(Diagnostic::error(span, message)))
+    }
+}
+
+/// Whether all materials are there that a program's own shapes name.
+pub(crate) fn check_custom(custom: &Custom, scene: &desc::Scene) -> Result<(), Error> {
+    match custom.unknown_material(scene) {
+        Some(name) => Err(Error::Request(format!("there is no material `{name}`"))),
+        None => Ok(()),
+    }
 }
 
 /// Largest picture or crop in pixels: its film takes 15 GB if it tells its error by batches.
@@ -162,9 +182,12 @@ impl Plan {
             shuffle_tiles: wish.shuffle_tiles,
             cost: wish.cost.unwrap_or(scene.accel.cost),
         };
+        if let Some(reason) = scene.camera.misfit(scene.film.size, size) {
+            return Err(Error::scene(Span::NONE, reason));
+        }
         let filter_radius = scene.film.filter.radius();
         check_size(&settings, &settings.extent(recording, filter_radius))?;
-        let integrator = integrator(&scene.integrator, wish.max_depth);
+        let integrator = integrator(wish.integrator.as_ref().unwrap_or(&scene.integrator), wish.max_depth);
         Ok(Self {
             settings,
             first,

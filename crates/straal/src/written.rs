@@ -61,8 +61,13 @@ fn apply(scene: &mut desc::Scene, wish: &Overrides) -> Result<(), Error> {
         sampler.seed = seed;
     }
     scene.spectral = wish.spectral.unwrap_or(scene.spectral);
-    if let (Some(depth), desc::Integrator::Path(path)) = (wish.max_depth, &mut scene.integrator) {
-        path.max_depth = Depth::Edges(depth);
+    if let Some(integrator) = &wish.integrator {
+        scene.integrator = integrator.clone();
+    }
+    match (wish.max_depth, &mut scene.integrator) {
+        (Some(depth), desc::Integrator::Path(path)) => path.max_depth = Depth::Edges(depth),
+        (Some(depth), desc::Integrator::Whitted(whitted)) => whitted.max_depth = depth,
+        _ => {}
     }
     Ok(())
 }

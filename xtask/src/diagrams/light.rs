@@ -2,8 +2,8 @@
 
 use super::Diagram;
 use crate::draw::*;
-use straal_color::spectrum::refraction::metal;
-use straal_color::spectrum::{FIRST, Observer, Quantity, illuminant, metamer, uplift};
+use straal_color::spectrum::refraction::Metal;
+use straal_color::spectrum::{FIRST, Illuminant, Observer, Quantity, illuminant, metamer, uplift};
 use straal_color::{Space, srgb};
 use straal_math::ops;
 
@@ -317,7 +317,7 @@ fn mirrored() -> String {
     for (i, (name, colour)) in
         [("silver", FAINT), ("aluminium", RAY), ("copper", HOT), ("gold", "#c78a00")].into_iter().enumerate()
     {
-        let Some([n, k]) = metal(name) else { continue };
+        let Some([n, k]) = Metal::named(name).map(Metal::index) else { continue };
         let (n, k) = (n.at(450.0, Quantity::Index) as f32, k.at(450.0, Quantity::Index) as f32);
         d.path(&panel.curve(|x: f32| conductor(ops::cos(x.to_radians()), n, k)), colour, 2.0);
         let y = 60.0 + 24.0 * i as f32;
@@ -464,7 +464,7 @@ fn spectra() -> String {
             .into_iter()
             .enumerate()
     {
-        let Some(light) = illuminant::by_name(name) else { continue };
+        let Some(light) = Illuminant::named(name).map(Illuminant::spectrum) else { continue };
         let light = illuminant::of_unit_luminance(&light);
         d.path(
             &lamps.curve(|nm| ops::min(light.at(f64::from(nm), Quantity::Emission) as f32, 2.5)),

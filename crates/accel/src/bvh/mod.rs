@@ -7,6 +7,7 @@ mod batch;
 mod build;
 mod collapse;
 mod few;
+mod few_triangles;
 mod layout;
 pub(crate) mod many;
 pub(crate) mod near;
@@ -28,6 +29,7 @@ use crate::{
     prim::Prim,
     stage::{GroupData, Stage},
 };
+use few_triangles::FewTriangles;
 use params::BvhParams;
 use straal_math::Vec3;
 
@@ -59,6 +61,8 @@ pub(crate) struct Bvh {
     shapes: Blocks,
     /// Shapes that stand beside the tree.
     few: Blocks,
+    /// All that is in the tree, where that is but a few triangles.
+    triangles: FewTriangles,
 }
 
 impl Bvh {
@@ -68,6 +72,7 @@ impl Bvh {
         outlines: Vec::new(),
         shapes: Blocks::EMPTY,
         few: Blocks::EMPTY,
+        triangles: FewTriangles::EMPTY,
     };
 
     /// How long nodes are likely to be waited for.
@@ -87,6 +92,7 @@ impl Bvh {
             + size_of_val(self.outlines.as_slice())
             + self.shapes.bytes()
             + self.few.bytes()
+            + self.triangles.bytes()
     }
 
     /// A leaf's block; `room` is for one that has to be put together.
@@ -118,14 +124,19 @@ impl Bvh {
     }
 
     /// Builds the tree over primitives and shapes that are formulas; `vertices` gives a triangle's by its number in the group.
-    /// `None` if it takes more than 64 GiB.
+    /// `locate` where it is found. `None` if it takes more than 64 GiB.
     pub fn build(
         prims: &[Prim],
         shapes: Vec<Member>,
         params: &BvhParams,
         vertices: impl Fn(u32) -> [Vec3; 3] + Sync,
+        locate: impl Fn(u32) -> (u32, u32),
     ) -> Option<Self> {
         let (few, many) = few::part(shapes);
-        Some(Self { few, ..build::build(prims, &many, params, &vertices)? })
+        let mut triangles = FewTriangles::EMPTY;
+        if many.is_empty() {
+            triangles = FewTriangles::of(prims, &vertices, locate);
+        }
+        Some(Self { few, triangles, ..build::build(prims, &many, params, &vertices)? })
     }
 }

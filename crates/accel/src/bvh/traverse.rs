@@ -3,6 +3,7 @@
 use super::{
     Bvh, Distance,
     answers::Answers,
+    few_triangles::Among,
     many::{FLIGHT, REMOTE_FLIGHT},
     near::Near,
 };
@@ -19,7 +20,7 @@ use crate::{
     stage::GroupData,
     triangle,
 };
-use straal_math::Ray;
+use straal_math::{Ray, simd::Simd};
 
 impl Bvh {
     /// Offers what a block has to the nearest hit; tells whether that moved.
@@ -136,6 +137,12 @@ impl Bvh {
             if self.root.is_none() && group.unbounded.is_empty() {
                 return;
             }
+        }
+        let simd = q.kernel.simd();
+        if !self.triangles.is_empty() && group.unbounded.is_empty() && simd != Simd::PLAIN {
+            let (stage, after_shapes) = (q.scene, !self.few.is_empty());
+            simd.run(Among::<_, _, ANY> { few: &self.triangles, stage, group, rays, out, after_shapes });
+            return;
         }
         // From here on nothing is done.
         let mut rest = 0;

@@ -66,7 +66,7 @@ pub(super) fn join(upper: &[Twig], trees: &[Binary]) -> Option<Bvh> {
     let (root, lines) = lay_out(root, &parts, &blocks, MOST_LINES)?;
     let mut outlines = Vec::with_capacity(trees.iter().map(|t| t.outlines.len()).sum());
     trees.iter().for_each(|t| outlines.extend_from_slice(&t.outlines));
-    Some(Bvh { root: Some(root), lines, outlines, shapes, few: Blocks::EMPTY })
+    Some(Bvh { root: Some(root), lines, outlines, shapes, ..Bvh::EMPTY })
 }
 
 /// The wide tree's upper nodes under way.

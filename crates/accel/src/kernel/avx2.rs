@@ -17,7 +17,7 @@ use crate::{
     node::{Block, Child, Node, bundle::Bundle},
 };
 use std::arch::x86_64::*;
-use straal_math::Ray;
+use straal_math::{Ray, simd::Simd};
 
 /// The proof that the processor has AVX2.
 #[derive(Clone, Copy)]
@@ -30,6 +30,11 @@ impl Avx2 {
 }
 
 impl Kernel for Avx2 {
+    #[inline(always)]
+    fn simd(self) -> Simd {
+        Simd::new(crate::Isa::Avx2).unwrap_or(Simd::PLAIN)
+    }
+
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;

@@ -24,7 +24,7 @@ use crate::{
     slab::EXIT,
 };
 use std::arch::x86_64::*;
-use straal_math::Ray;
+use straal_math::{Ray, simd::Simd};
 
 /// The proof that the processor has AVX-512.
 #[derive(Clone, Copy)]
@@ -37,6 +37,11 @@ impl Avx512 {
 }
 
 impl Kernel for Avx512 {
+    #[inline(always)]
+    fn simd(self) -> Simd {
+        Simd::new(crate::Isa::Avx512).unwrap_or(Simd::PLAIN)
+    }
+
     #[inline(always)]
     fn prepare(self, ray: &Ray, out: &mut LocalRay) -> bool {
         // SAFETY: see the head of the file.

@@ -40,7 +40,7 @@ use crate::{
 };
 use descent::Descent;
 use lines::Lines;
-use straal_math::Ray;
+use straal_math::{Ray, simd::Simd};
 
 /// What each ray of a slice visits next.
 #[repr(C, align(64))]
@@ -292,6 +292,12 @@ pub(crate) trait Kernel: Wide {
     /// Starts to load what a child names, where the instruction set can: to [`prefetch::TO_FIRST`] or [`prefetch::TO_SECOND`].
     #[inline(always)]
     fn prefetch<const HOW: u8>(self, _lines: &Lines, _child: Child) {}
+
+    /// The same instruction set for what is written for any number of lanes; plain where it has none for that.
+    #[inline(always)]
+    fn simd(self) -> Simd {
+        Simd::PLAIN
+    }
 
     /// `ShapeBlock::meet`, compiled for the instruction set.
     fn meet(self, r: &LocalRay, block: ShapeBlock<'_>, limit: f32) -> Found;

@@ -12,6 +12,7 @@ use crate::{
     triangle::{FLAT, LEAST_DETERMINANT},
 };
 use std::arch::aarch64::*;
+use straal_math::simd::Simd;
 
 /// The proof that the processor has NEON.
 #[derive(Clone, Copy)]
@@ -24,6 +25,11 @@ impl Neon {
 }
 
 impl Kernel for Neon {
+    #[inline(always)]
+    fn simd(self) -> Simd {
+        Simd::new(crate::Isa::Neon).unwrap_or(Simd::PLAIN)
+    }
+
     #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;

@@ -6,6 +6,7 @@
 mod accel;
 mod check;
 mod completions;
+mod denoise;
 mod develop;
 mod development;
 mod diff;
@@ -24,6 +25,7 @@ mod unknown;
 pub use accel::AccelArgs;
 pub use check::CheckArgs;
 pub use completions::CompletionsArgs;
+pub use denoise::DenoiseArgs;
 pub use develop::DevelopArgs;
 pub use development::DevelopmentArgs;
 pub use diff::DiffArgs;
@@ -113,6 +115,9 @@ pub enum Command {
     /// Develop a picture again without rendering
     #[command(long_about = develop::DEVELOP_ABOUT)]
     Develop(DevelopArgs),
+    /// Make a clean picture of a noisy one
+    #[command(long_about = denoise::DENOISE_ABOUT)]
+    Denoise(DenoiseArgs),
     /// Make the picture by which a screen's gamma is found
     #[command(long_about = gamma_chart::GAMMA_CHART_ABOUT)]
     GammaChart(GammaChartArgs),

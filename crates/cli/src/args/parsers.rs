@@ -3,11 +3,13 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::marker::PhantomData;
 use std::str::FromStr;
+use straal::denoise::Effort;
 use straal::picture::Format;
 use straal::search;
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::Observer;
 use straal_math::lowdisc::PatternKind;
+use straal_scene::desc::Integrator;
 use straal_study::cost;
 
 /// A parser of names that lists them in the help and, for a wrong one, suggests the nearest.
@@ -23,6 +25,10 @@ pub(super) fn named<T: Clone + Send + Sync + 'static>(
 
 pub(super) fn observer() -> impl TypedValueParser<Value = Observer> {
     named(vec![("2", Observer::Cie1931), ("10", Observer::Cie1964)])
+}
+
+pub(super) fn integrator() -> impl TypedValueParser<Value = Integrator> {
+    named(Integrator::KINDS.iter().filter_map(|kind| Some((*kind, Integrator::bare(kind)?))).collect())
 }
 
 pub(super) fn pattern() -> impl TypedValueParser<Value = PatternKind> {
@@ -97,6 +103,10 @@ pub(super) fn measure() -> impl TypedValueParser<Value = cost::Measure> {
 
 pub(super) fn picture_format() -> impl TypedValueParser<Value = Format> {
     named(Format::ALL.map(|f| (f.name(), f)).to_vec())
+}
+
+pub(super) fn effort() -> impl TypedValueParser<Value = Effort> {
+    named(Effort::ALL.map(|e| (e.name(), e)).to_vec())
 }
 
 pub(super) fn isa() -> impl TypedValueParser<Value = Isa> {

@@ -1,7 +1,7 @@
 //! What `straal render` takes.
 
 use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
-use super::parsers::{StructureParser, build, isa, measure, pattern, picture_format};
+use super::parsers::{StructureParser, build, integrator, isa, measure, pattern, picture_format};
 use super::{DevelopmentArgs, ReadingArgs, StudioArgs};
 use crate::exit;
 use crate::quantity::{self, Crop, Every, Samples, Size};
@@ -12,6 +12,7 @@ use straal::Recording;
 use straal::picture::Format;
 use straal_accel::{Build, Isa, Structure};
 use straal_math::lowdisc::PatternKind;
+use straal_scene::desc::Integrator;
 use straal_study::cost;
 
 pub(super) const RENDER_ABOUT: &str = "\
@@ -125,6 +126,10 @@ pub struct RenderArgs {
         help_heading = SAMPLING
     )]
     pub replicates: Option<u32>,
+
+    /// How light is computed, with its usual settings; see `integrator` in the scene language for others
+    #[arg(long, value_name = "INTEGRATOR", value_parser = integrator(), help_heading = LIGHT)]
+    pub integrator: Option<Integrator>,
 
     /// Largest number of edges of a path: 1 sees emitters, 2 is direct light
     #[arg(long, value_name = "N", value_parser = quantity::depth, help_heading = LIGHT)]

@@ -93,10 +93,6 @@ const OPTIONS: &[(&[&str], Here)] = &[
         Not("progress and complaints are told without asking; --json tells the most"),
     ),
     (
-        &["integrator", "i"],
-        Not("the integrator is chosen in the scene: `integrator: { path: { max_depth: 8 } }`"),
-    ),
-    (
         &["camera", "fov", "lookat", "eye"],
         Not(
             "the camera stands in the scene: `camera: { perspective: { eye: [0, 1, 4], look_at: [0, 0, 0] } }`",
@@ -124,7 +120,7 @@ const COMMANDS: &[(&[&str], &str)] = &[
     (&["compare", "cmp"], "it is called `straal diff A B`"),
     (&["tonemap", "postprocess", "post"], "it is called `straal develop PICTURE -o PICTURE.png`"),
     (&["bench", "benchmark"], "`straal accel SCENE` times the search structures"),
-    (&["denoise"], "there is no denoiser yet: more samples (--spp), or --noise 2%, make less noise"),
+    (&["clean", "oidn", "filter"], "it is called `straal denoise PICTURE -o CLEAN.exr`"),
     (&["complete", "completion"], "it is called `straal completions`"),
     (&["manual", "manpage", "mangen"], "it is called `straal man`"),
     (&["trace", "run", "start", "draw"], "it is called `straal render SCENE`"),

@@ -7,7 +7,8 @@ use crate::places::refuse_inputs;
 use serde_json::{Map, Value as Json, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use straal_color::spectrum::{Bins, FIRST, Quantity, illuminant, metamer, refraction, uplift::Uplift};
+use straal_color::spectrum::refraction::{self, Metal};
+use straal_color::spectrum::{Bins, FIRST, Illuminant, Quantity, illuminant, metamer, uplift::Uplift};
 use straal_formats::{atomic, files, spd};
 use straal_scene::suggest::{did_you_mean, list};
 use straal_scene::value::Color;
@@ -26,7 +27,7 @@ pub fn run(args: &MetamerArgs) -> Result<Exit, Failure> {
     let rows: Vec<(&str, f64)> = illuminant::NAMES
         .iter()
         .filter_map(|name| {
-            let light = illuminant::by_name(name)?.bins(Quantity::Emission);
+            let light = Illuminant::named(name)?.spectrum().bins(Quantity::Emission);
             Some((*name, metamer::difference(&a, &b, &light, args.observer)))
         })
         .collect();
@@ -66,14 +67,14 @@ fn surface(typed: &str) -> Result<Bins, Failure> {
     }
     let path = Path::new(typed);
     if !path.exists() {
-        if let Some([eta, k]) = refraction::metal(typed) {
+        if let Some([eta, k]) = Metal::named(typed).map(Metal::index) {
             return Ok(refraction::facing(&eta.bins(Quantity::Index), &k.bins(Quantity::Index)));
         }
-        if illuminant::by_name(typed).is_some() {
+        if Illuminant::named(typed).is_some() {
             let help = "--under says under which light a metamer is made";
             return Err(Failure::input(format!("{typed} is a light, and surfaces are compared")).help(help));
         }
-        let metals: Vec<&str> = refraction::metal_names().collect();
+        let metals: Vec<&str> = Metal::all().map(Metal::name).collect();
         let near = did_you_mean(typed, metals.iter().copied());
         let forms = format!(
             "it is a file, a colour such as '#b0a090', a grey from 0 to 1, or a metal: {}",
@@ -97,8 +98,9 @@ fn make(a: &Bins, args: &MetamerArgs, path: &Path) -> Result<Bins, Failure> {
     if Path::new(&args.a).is_file() {
         refuse_inputs([path], &[PathBuf::from(&args.a)])?;
     }
-    let light = illuminant::by_name(&args.under)
+    let light = Illuminant::named(&args.under)
         .ok_or_else(|| Failure::input(format!("there is no illuminant {}", args.under)))?
+        .spectrum()
         .bins(Quantity::Emission);
     let twin = metamer::of(a, &light, args.observer).ok_or_else(|| {
         Failure::input(format!(

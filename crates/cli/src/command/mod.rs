@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod check;
 pub mod completions;
+pub mod denoise;
 pub mod develop;
 pub mod diff;
 pub mod gamma_chart;
@@ -136,10 +137,10 @@ fn refused(error: straal::Error, read: &Diagnostics) -> Failure {
     match error {
         straal::Error::Memory(shortage) => Failure::memory(&shortage),
         straal::Error::Render(e) => Failure::system(e.to_string()),
-        straal::Error::Compile(e) => {
+        straal::Error::Scene(complaint) => {
             let mut complaints = Diagnostics::default();
             complaints.sources = read.sources.clone();
-            complaints.push(Diagnostic::error(e.span, e.message));
+            complaints.push(*complaint);
             Failure::scene(complaints)
         }
         other => Failure::input(other.to_string()),

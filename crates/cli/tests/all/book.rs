@@ -20,6 +20,7 @@ fn the_page_knows_every_option() {
         "diff",
         "info",
         "develop",
+        "denoise",
         "gamma-chart",
         "metamer",
         "completions",

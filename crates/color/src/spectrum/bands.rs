@@ -100,7 +100,7 @@ pub fn xyz_of_samples(wavelengths: &[f64]) -> Vec<[f64; 3]> {
 
 /// What a reflectance of 1 at each of some wavelengths adds to X, Y and Z under a light, in the units of
 /// [`Observer::surface`]: the weights that ASTM E308 tabulates for wavelengths in equal steps. Between the wavelengths lies what
-/// [`Spectrum::new`](super::Spectrum::new) takes to lie there, but that curves may leave what can be. The wavelengths, in nm, rise.
+/// [`TabulatedSpectrum::new`](super::TabulatedSpectrum::new) takes to lie there, but that curves may leave what can be. The wavelengths, in nm, rise.
 /// Empty where none of them is seen.
 pub fn xyz_of_reflectances(wavelengths: &[f64], light: &Bins) -> Vec<[f64; 3]> {
     if !wavelengths.iter().any(|nm| (FIRST as f64..=LAST as f64).contains(nm)) {
@@ -121,7 +121,7 @@ pub fn xyz_of_reflectances(wavelengths: &[f64], light: &Bins) -> Vec<[f64; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Quantity, Spectrum, illuminant};
+    use super::super::{Quantity, TabulatedSpectrum, illuminant};
     use super::*;
 
     #[test]
@@ -186,7 +186,7 @@ mod tests {
             let values: Vec<f64> = wavelengths.iter().map(value).collect();
             let weights = xyz_of_reflectances(&wavelengths, &light);
             let sum = |c: usize| weights.iter().zip(&values).map(|(w, v)| w[c] * v).sum::<f64>();
-            let spectrum = Spectrum::new(wavelengths.clone(), values.clone()).unwrap();
+            let spectrum = TabulatedSpectrum::new(wavelengths.clone(), values.clone()).unwrap();
             let want = Observer::Cie1931.surface(&spectrum.bins(Quantity::Reflectance), &light);
             for (c, want) in want.into_iter().enumerate() {
                 assert!((sum(c) - want).abs() < 1e-12, "{wavelengths:?}: {} {want}", sum(c));

@@ -112,7 +112,7 @@ fn fitted(facing: f64, seen: &[(f64, f64); ANGLES]) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Quantity, refraction};
+    use super::super::{Quantity, refraction::Metal};
     use super::*;
 
     fn delta_e(a: [f64; 3], b: [f64; 3], space: Space) -> f64 {
@@ -125,8 +125,9 @@ mod tests {
     #[test]
     fn metals_have_their_colour_at_every_angle() {
         for space in [Space::Srgb, Space::AcesCg] {
-            for name in refraction::metal_names() {
-                let [eta, k] = refraction::metal(name).unwrap().map(|s| s.bins(Quantity::Index));
+            for metal in Metal::all() {
+                let name = metal.name();
+                let [eta, k] = metal.index().map(|s| s.bins(Quantity::Index));
                 let fit = in_rgb(&eta, &k, space);
                 let to_rgb = uplift::rgb_from_xyz(space);
                 for cos in [1.0, 0.9, 0.7, 0.5, 0.3, 0.2, 0.1, 0.05] {
@@ -151,7 +152,7 @@ mod tests {
     #[test]
     fn gold_and_copper_are_those_of_the_wavelengths() {
         for (name, want) in [("gold", [1.038, 0.728, 0.365]), ("copper", [0.932, 0.623, 0.522])] {
-            let [eta, k] = refraction::metal(name).unwrap().map(|s| s.bins(Quantity::Index));
+            let [eta, k] = Metal::named(name).unwrap().index().map(|s| s.bins(Quantity::Index));
             let fit = in_rgb(&eta, &k, Space::Srgb);
             for (c, want) in want.into_iter().enumerate() {
                 assert!((fit.facing[c] - want).abs() < 2e-3, "{name}: {:.4?}", fit.facing);

@@ -2,7 +2,7 @@
 
 use straal_math::ops;
 
-use super::{Bins, COUNT, FIRST, Observer, Quantity, illuminant};
+use super::{Bins, COUNT, FIRST, Illuminant, Observer, Quantity};
 use crate::{Lab, Xyz};
 
 /// The colour difference CIEDE2000 of two surfaces under a light, to eyes that have taken the light for white.
@@ -49,11 +49,7 @@ pub fn black(spectrum: &Bins, light: &Bins, observer: Observer) -> Bins {
 /// (or, where that is the light, under daylight), among metameric blacks made of waves of a few periods and phases. `None`
 /// where there is no room: a perfect black or white has no metamer.
 pub fn of(surface: &Bins, light: &Bins, observer: Observer) -> Option<Bins> {
-    let judges: Vec<Bins> = ["A", "D65"]
-        .iter()
-        .filter_map(|name| illuminant::by_name(name))
-        .map(|s| s.bins(Quantity::Emission))
-        .collect();
+    let judges = [Illuminant::A, Illuminant::D65].map(|light| light.spectrum().bins(Quantity::Emission));
     let mut best: Option<(f64, Bins)> = None;
     for (period, phase) in [70.0, 100.0, 140.0, 200.0].into_iter().flat_map(|p| (0..8).map(move |k| (p, k))) {
         let wave: Bins = std::array::from_fn(|i| {
@@ -95,12 +91,13 @@ pub fn of(surface: &Bins, light: &Bins, observer: Observer) -> Option<Bins> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::uplift::Uplift;
+    use super::super::{illuminant, uplift::Uplift};
     use super::*;
 
     #[test]
     fn metamers_match_under_one_light_only() {
-        let (d65, a) = (illuminant::d65(), illuminant::by_name("A").unwrap().bins(Quantity::Emission));
+        let (d65, a) =
+            (illuminant::d65(), Illuminant::named("A").unwrap().spectrum().bins(Quantity::Emission));
         let uplift = Uplift::new();
         for rgb in [[0.4; 3], [0.45, 0.35, 0.25], [0.2, 0.3, 0.4], [0.3, 0.4, 0.2]] {
             let surface = uplift.fit(rgb).bins();

@@ -17,6 +17,7 @@ pub mod thermal;
 pub mod uplift;
 
 pub use bands::Bands;
+pub use illuminant::Illuminant;
 pub use interpolation::Interpolation;
 pub use observer::Observer;
 
@@ -56,7 +57,7 @@ impl Quantity {
 
 /// A spectrum as it was measured: values at rising wavelengths, and [`Interpolation`] between.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spectrum {
+pub struct TabulatedSpectrum {
     wavelengths: Vec<f64>,
     values: Vec<f64>,
     interpolation: Interpolation,
@@ -128,7 +129,14 @@ pub enum Fault {
     Few(usize),
 }
 
-impl Spectrum {
+/// 1 at all wavelengths.
+impl Default for TabulatedSpectrum {
+    fn default() -> Self {
+        Self { wavelengths: vec![1.0, 1e6], values: vec![1.0; 2], interpolation: Interpolation::Linear }
+    }
+}
+
+impl TabulatedSpectrum {
     /// A spectrum of values, 0 or greater, at wavelengths that rise and overlap with what can be seen. What lies between is
     /// smooth if these are at least 4 in equal steps of at most 20 nm, and on straight lines else.
     pub fn new(wavelengths: Vec<f64>, values: Vec<f64>) -> Result<Self, Fault> {

@@ -1,6 +1,6 @@
 //! Indices of refraction by wavelength: glasses by formula, metals as they were measured.
 
-use super::{Bins, Spectrum};
+use super::{Bins, TabulatedSpectrum};
 
 /// The yellow line of helium, in nm, at which an index without further words is told (n_d).
 pub const MIDDLE: f64 = 587.5618;
@@ -15,7 +15,7 @@ pub enum Index {
     /// n = A + B / l² + C / l⁴ + ..., with l in micrometres (Cauchy 1836).
     Cauchy(Vec<f64>),
     /// Measured; beyond the table its ends go on.
-    Measured(Spectrum),
+    Measured(TabulatedSpectrum),
 }
 
 impl Index {
@@ -48,25 +48,39 @@ fn names_of(text: &'static str) -> impl Iterator<Item = (&'static str, &'static 
 const GLASSES: &str = include_str!("../../data/glasses.txt");
 const METALS: &str = include_str!("../../data/metals.txt");
 
-/// The names of the clear media that [`glass`] knows.
-pub fn glass_names() -> impl Iterator<Item = &'static str> {
-    names_of(GLASSES).map(|(name, _)| name)
+/// A glass or another clear medium whose index of refraction is known; a vacuum by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Glass {
+    name: &'static str,
+    /// What the data file says of it.
+    told: &'static str,
 }
 
-/// A glass or another clear medium by name, in capitals or not; `BK7` does for `N-BK7`.
-pub fn glass(name: &str) -> Option<Index> {
-    let alike = |known: &str| known.eq_ignore_ascii_case(name);
-    let mut exact = names_of(GLASSES).filter(|(known, _)| alike(known));
-    let mut without_n = names_of(GLASSES).filter(|(known, _)| known.strip_prefix("N-").is_some_and(alike));
-    let (_, rest) = exact.next().or_else(|| without_n.next())?;
-    let numbers: Vec<f64> =
-        rest.rsplit(';').next()?.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-    Some(Index::Sellmeier(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()))
-}
+impl Glass {
+    /// By its name, in capitals or not; `BK7` does for `N-BK7`.
+    pub fn named(name: &str) -> Option<Self> {
+        let alike = |known: &str| known.eq_ignore_ascii_case(name);
+        let mut exact = Self::all().filter(|glass| alike(glass.name));
+        let mut without_n = Self::all().filter(|glass| glass.name.strip_prefix("N-").is_some_and(alike));
+        exact.next().or_else(|| without_n.next())
+    }
 
-/// The names of the metals that [`metal`] knows.
-pub fn metal_names() -> impl Iterator<Item = &'static str> {
-    names_of(METALS).map(|(name, _)| name)
+    /// All that there are.
+    pub fn all() -> impl Iterator<Item = Self> {
+        names_of(GLASSES).map(|(name, told)| Self { name, told })
+    }
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        self.name
+    }
+
+    /// Its index of refraction.
+    pub fn index(self) -> Index {
+        let words = self.told.rsplit(';').next().unwrap_or_default().split_whitespace();
+        let numbers: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+        Index::Sellmeier(numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect())
+    }
 }
 
 /// Share of light that a metal reflects when looked at straight, by the parts of its index of refraction (Fresnel).
@@ -77,17 +91,38 @@ pub fn facing(eta: &Bins, k: &Bins) -> Bins {
     })
 }
 
-/// The real and the imaginary part of a metal's index of refraction, by its English name.
-pub fn metal(name: &str) -> Option<[Spectrum; 2]> {
-    let wanted = metal_names().find(|known| known.eq_ignore_ascii_case(name))?;
-    let lines = METALS.lines().skip_while(|l| l.strip_prefix("= ").is_none_or(|l| !l.starts_with(wanted)));
-    let (mut wavelengths, mut n, mut k) = (Vec::new(), Vec::new(), Vec::new());
-    for line in lines.skip(1).take_while(|l| !l.starts_with('=')) {
-        let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
-        let [nm, real, imaginary] = numbers[..] else { continue };
-        wavelengths.push(nm);
-        n.push(real);
-        k.push(imaginary);
+/// A metal whose index of refraction was measured; by default one whose index is 1 + i.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Metal(&'static str);
+
+impl Metal {
+    /// By its English name, in capitals or not.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::all().find(|metal| metal.0.eq_ignore_ascii_case(name))
     }
-    Some([Spectrum::new(wavelengths.clone(), n).ok()?, Spectrum::new(wavelengths, k).ok()?])
+
+    /// All that there are.
+    pub fn all() -> impl Iterator<Item = Self> {
+        names_of(METALS).map(|(name, _)| Self(name))
+    }
+
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        self.0
+    }
+
+    /// The real and the imaginary part of its index of refraction.
+    pub fn index(self) -> [TabulatedSpectrum; 2] {
+        let is_here = |line: &str| line.strip_prefix("= ").is_some_and(|line| line.starts_with(self.0));
+        let (mut wavelengths, mut n, mut k) = (Vec::new(), Vec::new(), Vec::new());
+        for line in METALS.lines().skip_while(|l| !is_here(l)).skip(1).take_while(|l| !l.starts_with('=')) {
+            let numbers: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            let [nm, real, imaginary] = numbers[..] else { continue };
+            wavelengths.push(nm);
+            n.push(real);
+            k.push(imaginary);
+        }
+        // A test reads them all.
+        [n, k].map(|part| TabulatedSpectrum::new(wavelengths.clone(), part).unwrap_or_default())
+    }
 }

@@ -1,5 +1,6 @@
 //! Against the numbers of an independent program, and against what must hold.
 
+use super::refraction::{Glass, Metal};
 use super::*;
 use crate::{Space, srgb};
 use straal_math::ops;
@@ -41,7 +42,7 @@ fn illuminants_are_those_of_the_oracle() {
     let want = expected(&text, "XYZ of perfect reflector under D65 (ASTM E308):");
     assert_near(&white, &want.iter().map(|v| v / 100.0).collect::<Vec<_>>(), "D65");
     for name in ["A", "D50", "D65", "E"] {
-        let light = illuminant::by_name(name).unwrap();
+        let light = Illuminant::named(name).unwrap().spectrum();
         let xy = chromaticity(Observer::Cie1931.light(&light.bins(Quantity::Emission)));
         assert_near(&xy, &expected(&text, &format!("xy of {name}:")), name);
     }
@@ -73,7 +74,7 @@ fn the_color_checker_is_that_of_the_oracle() {
     for (k, name) in names.iter().enumerate() {
         let wavelengths = rows.iter().map(|r| r[0]).collect();
         let values = rows.iter().map(|r| r[k + 1]).collect();
-        let patch = Spectrum::new(wavelengths, values).unwrap().bins(Quantity::Reflectance);
+        let patch = TabulatedSpectrum::new(wavelengths, values).unwrap().bins(Quantity::Reflectance);
         let xyz = Observer::Cie1931.surface(&patch, &white);
         let label = format!("BabelColor Average {name} XYZ under D65 /100:");
         assert_near(&xyz, &expected(&text, &label), name);
@@ -95,7 +96,7 @@ fn tables_are_those_that_were_measured() {
         [("A", "illuminant_A"), ("C", "illuminant_C"), ("D50", "illuminant_D50"), ("D65", "illuminant_D65")]
     {
         let text = std::fs::read_to_string(folder.join(format!("{file}.csv"))).unwrap();
-        let ours = illuminant::by_name(name).unwrap();
+        let ours = Illuminant::named(name).unwrap().spectrum();
         let points: Vec<(f64, f64)> = text
             .lines()
             .filter(|l| !l.starts_with('#'))
@@ -113,7 +114,7 @@ fn tables_are_those_that_were_measured() {
 #[test]
 fn daylight_by_formula_is_that_of_the_tables() {
     for (name, kelvin) in [("D50", 5000.0), ("D65", 6500.0)] {
-        let table = illuminant::by_name(name).unwrap();
+        let table = Illuminant::named(name).unwrap().spectrum();
         let formula = illuminant::of_unit_luminance(&thermal::daylight(kelvin).unwrap());
         for nm in (360..=830).step_by(5) {
             let (a, b) = (table.at(nm as f64, Quantity::Emission), formula.at(nm as f64, Quantity::Emission));
@@ -123,7 +124,7 @@ fn daylight_by_formula_is_that_of_the_tables() {
     assert!(thermal::daylight(3999.0).is_none() && thermal::daylight(f64::NAN).is_none());
     // The CIE's own figures for D55 and D75 (CIE 15:2018, table 3).
     for (name, want) in [("D55", [0.33243, 0.34744]), ("D75", [0.29903, 0.31488])] {
-        let light = illuminant::by_name(name).unwrap().bins(Quantity::Emission);
+        let light = Illuminant::named(name).unwrap().spectrum().bins(Quantity::Emission);
         assert_near(&chromaticity(Observer::Cie1931.light(&light)), &want, name);
     }
 }
@@ -146,18 +147,18 @@ fn fluorescent_lamps_are_the_cies() {
         ("FL12", [0.4370, 0.4042]),
     ];
     for (name, want) in printed {
-        let light = illuminant::by_name(name).unwrap().bins(Quantity::Emission);
+        let light = Illuminant::named(name).unwrap().spectrum().bins(Quantity::Emission);
         let coarse: Bins = std::array::from_fn(|i| if i % 5 == 0 { light[i] } else { 0.0 });
         assert_near(&chromaticity(Observer::Cie1931.light(&coarse)), &want, name);
     }
     let d65 = Observer::Cie1964.light(&illuminant::d65());
     assert_near(&chromaticity(d65), &[0.31382, 0.33100], "D65, 10 degrees");
     for name in illuminant::NAMES {
-        let light = illuminant::by_name(&format!("cie-{}", name.to_lowercase())).unwrap();
+        let light = Illuminant::named(&format!("cie-{}", name.to_lowercase())).unwrap().spectrum();
         let [_, y, _] = Observer::Cie1931.light(&light.bins(Quantity::Emission));
         assert!((y - 1.0).abs() < 1e-12, "{name}");
     }
-    assert!(illuminant::by_name("D64").is_none() && illuminant::by_name("").is_none());
+    assert!(Illuminant::named("D64").is_none() && Illuminant::named("").is_none());
 }
 
 /// The measured Cornell box in RGB, beside the numbers that Mitsuba 3.9.1 makes of the same table (its RGB variant), which
@@ -179,7 +180,7 @@ fn the_cornell_boxes_walls_in_rgb() {
     for (k, want) in theirs.into_iter().enumerate() {
         let column = |c: usize| rows.iter().map(|r| r[c]).collect();
         // Their spectra are 0 outside the table.
-        let bins = Spectrum::new(column(0), column(k + 1)).unwrap().bins(Quantity::Emission);
+        let bins = TabulatedSpectrum::new(column(0), column(k + 1)).unwrap().bins(Quantity::Emission);
         for (ours, theirs) in Uplift::new().rgb_of_reflectance(&bins).into_iter().zip(want) {
             assert!((ours - theirs).abs() < 1.5e-3, "{ours} {theirs}");
         }
@@ -188,7 +189,7 @@ fn the_cornell_boxes_walls_in_rgb() {
 
 #[test]
 fn tables_are_refused_with_the_reason() {
-    let of = |w: &[f64], v: &[f64]| Spectrum::new(w.to_vec(), v.to_vec());
+    let of = |w: &[f64], v: &[f64]| TabulatedSpectrum::new(w.to_vec(), v.to_vec());
     assert_eq!(of(&[], &[]), Err(Fault::Empty));
     assert_eq!(of(&[400.0], &[]), Err(Fault::Lengths { wavelengths: 1, values: 0 }));
     assert_eq!(of(&[400.0, f64::NAN], &[1.0; 2]), Err(Fault::NotFinite(1)));
@@ -212,20 +213,20 @@ fn tables_are_refused_with_the_reason() {
 
 #[test]
 fn between_and_beyond_the_table() {
-    let s = Spectrum::new(vec![400.0, 410.0, 700.0], vec![1.0, 3.0, 2.0]).unwrap();
+    let s = TabulatedSpectrum::new(vec![400.0, 410.0, 700.0], vec![1.0, 3.0, 2.0]).unwrap();
     assert_eq!(
         [399.0, 400.0, 405.0, 700.0, 701.0].map(|nm| s.at(nm, Quantity::Emission)),
         [0.0, 1.0, 2.0, 2.0, 0.0]
     );
     assert_eq!([399.0, 701.0].map(|nm| s.at(nm, Quantity::Index)), [1.0, 2.0]);
     // A line half a nanometre wide between two nanometres loses nothing.
-    let line = Spectrum::new(vec![546.2, 546.4, 546.7], vec![0.0, 10.0, 0.0]).unwrap();
+    let line = TabulatedSpectrum::new(vec![546.2, 546.4, 546.7], vec![0.0, 10.0, 0.0]).unwrap();
     let sum = |bins: Bins| bins.iter().sum::<f64>();
     assert!((sum(line.means(Quantity::Emission)) - 2.5).abs() < 1e-12);
     assert_eq!(sum(line.bins(Quantity::Emission)), 0.0);
     assert_eq!(s.above_one().map(|(nm, _)| nm), Some(400));
     assert_eq!(s.scaled(0.3).above_one(), None);
-    let flat = Spectrum::new(vec![400.0], vec![0.25]).unwrap();
+    let flat = TabulatedSpectrum::new(vec![400.0], vec![0.25]).unwrap();
     assert!(flat.means(Quantity::Index).iter().all(|v| (v - 0.25).abs() < 1e-12));
 }
 
@@ -234,7 +235,7 @@ fn smooth_curves_meet_their_points_and_parabolas() {
     let parabola = |nm: f64| 0.1 + 1e-5 * (nm - 500.0) * (nm - 500.0);
     let wavelengths: Vec<f64> = (36..=83).map(|k| 10.0 * f64::from(k)).collect();
     let values = wavelengths.iter().map(|&nm| parabola(nm)).collect();
-    let bins = Spectrum::new(wavelengths, values).unwrap().bins(Quantity::Index);
+    let bins = TabulatedSpectrum::new(wavelengths, values).unwrap().bins(Quantity::Index);
     for (i, v) in bins.iter().enumerate() {
         assert!((v - parabola((FIRST + i) as f64)).abs() < 1e-12, "{i}");
     }
@@ -242,9 +243,11 @@ fn smooth_curves_meet_their_points_and_parabolas() {
 
 #[test]
 fn curves_are_for_tables_in_equal_steps_no_wider_than_20_nm() {
-    let of = |w: &[f64]| Spectrum::new(w.to_vec(), (0..w.len()).map(|i| (i * i) as f64).collect()).unwrap();
+    let of = |w: &[f64]| {
+        TabulatedSpectrum::new(w.to_vec(), (0..w.len()).map(|i| (i * i) as f64).collect()).unwrap()
+    };
     // Half a step on from the second of the squares 0, 1, 4, 9: 2.25 by the parabola, 2.5 by the line.
-    let middle = |s: &Spectrum| {
+    let middle = |s: &TabulatedSpectrum| {
         let w: Vec<f64> = s.points().map(|p| p.0).collect();
         s.at(0.5 * (w[1] + w[2]), Quantity::Index)
     };
@@ -264,7 +267,7 @@ fn curves_are_for_tables_in_equal_steps_no_wider_than_20_nm() {
 fn curves_neither_ring_below_black_nor_above_white() {
     let wavelengths: Vec<f64> = (36..=83).map(|k| 10.0 * f64::from(k)).collect();
     let of = |f: &dyn Fn(f64) -> f64| {
-        Spectrum::new(wavelengths.clone(), wavelengths.iter().map(|&nm| f(nm)).collect()).unwrap()
+        TabulatedSpectrum::new(wavelengths.clone(), wavelengths.iter().map(|&nm| f(nm)).collect()).unwrap()
     };
     let edge = of(&|nm| if nm < 555.0 { 0.0 } else { 1.0 });
     for tenth in 3600..=8300 {
@@ -349,27 +352,27 @@ fn glasses_are_schotts() {
         ("SF11", 1.78472, 25.76),
         ("N-SF11", 1.78472, 25.68),
     ] {
-        let glass = refraction::glass(name).unwrap();
+        let glass = Glass::named(name).unwrap().index();
         assert!((glass.at(587.5618) - n).abs() < 1e-5, "{name}: {}", glass.at(587.5618));
         assert!((glass.abbe_number() - v).abs() < 0.01, "{name}: {}", glass.abbe_number());
     }
-    for name in refraction::glass_names() {
-        let glass = refraction::glass(name).unwrap();
+    for glass in Glass::all() {
+        let (name, glass) = (glass.name(), glass.index());
         assert!((FIRST..=LAST).all(|nm| (1.2..2.6).contains(&glass.at(nm as f64))), "{name}");
         assert!(glass.at(400.0) > glass.at(700.0), "{name}");
     }
     let cauchy = refraction::Index::Cauchy(vec![1.5, 0.004]);
-    assert!((cauchy.at(500.0) - 1.516).abs() < 1e-12 && refraction::glass("BK8").is_none());
+    assert!((cauchy.at(500.0) - 1.516).abs() < 1e-12 && Glass::named("BK8").is_none());
 }
 
 #[test]
 fn metals_have_their_colours() {
-    for name in refraction::metal_names() {
-        let [n, k] = refraction::metal(name).unwrap();
+    for metal in Metal::all() {
+        let (name, [n, k]) = (metal.name(), metal.index());
         assert!(n.points().len() >= 10 && k.points().len() == n.points().len(), "{name}");
     }
     let reflected = |name: &str, nm: f64| {
-        let [n, k] = refraction::metal(name).unwrap().map(|s| s.at(nm, Quantity::Index));
+        let [n, k] = Metal::named(name).unwrap().index().map(|s| s.at(nm, Quantity::Index));
         ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
     };
     assert!(reflected("gold", 650.0) > 0.95 && reflected("Gold", 450.0) < 0.45);
@@ -377,7 +380,7 @@ fn metals_have_their_colours() {
     // By optical constants: electron-loss data have tungsten as bright as silver.
     assert!((reflected("tungsten", 589.0) - 0.51).abs() < 0.01);
     assert!((reflected("platinum", 589.0) - 0.74).abs() < 0.01);
-    assert!(refraction::metal("unobtainium").is_none());
+    assert!(Metal::named("unobtainium").is_none());
 }
 
 /// Single values of CIE 15:2018, table 6, which other tables that go round have otherwise.
@@ -391,7 +394,7 @@ fn fluorescent_lamps_have_the_values_of_the_cie() {
         ("FL9", 530.0, 10.78),
         ("FL12", 390.0, 0.40),
     ] {
-        let lamp = illuminant::by_name(name).unwrap();
+        let lamp = Illuminant::named(name).unwrap().spectrum();
         // Scaled to a luminance of 1: the table is told by a value beside it.
         let scale = at_400(name) / lamp.at(400.0, Quantity::Emission);
         let got = lamp.at(nm, Quantity::Emission) * scale;

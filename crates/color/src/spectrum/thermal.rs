@@ -2,11 +2,11 @@
 
 use straal_math::ops;
 
-use super::{FIRST, Interpolation, LAST, Spectrum, rows};
+use super::{FIRST, Interpolation, LAST, TabulatedSpectrum, rows};
 
 /// A black body (Planck 1901) of a temperature in kelvins; relative, largest value 1. The second radiation constant is
 /// that of CODATA 2018, 0.01438776877 m K.
-pub fn black_body(kelvin: f64) -> Spectrum {
+pub fn black_body(kelvin: f64) -> TabulatedSpectrum {
     // By its logarithm: a cold body's light leaves the range of numbers.
     let log = |nm: f64| {
         let x = 1.438_776_877e7 / (nm * kelvin);
@@ -20,7 +20,7 @@ pub fn black_body(kelvin: f64) -> Spectrum {
 /// Daylight of a correlated colour temperature from 4000 to 25000 K, relative, 100 at 560 nm: the CIE's D series (CIE
 /// 15:2018, 4.1.2). `D65` is 6500 by its name and 6504 K by today's second radiation constant; here names count, as in the
 /// CIE's tables. `None` beyond that range.
-pub fn daylight(kelvin: f64) -> Option<Spectrum> {
+pub fn daylight(kelvin: f64) -> Option<TabulatedSpectrum> {
     if !(4000.0..=25000.0).contains(&kelvin) {
         return None;
     }
@@ -44,10 +44,10 @@ pub fn daylight(kelvin: f64) -> Option<Spectrum> {
         values.push(if value > 0.0 { value } else { 0.0 });
     }
     // The CIE's daylight lies on straight lines between the rows of this table.
-    Spectrum::new(wavelengths, values).ok()?.interpolated(Interpolation::Linear).ok()
+    TabulatedSpectrum::new(wavelengths, values).ok()?.interpolated(Interpolation::Linear).ok()
 }
 
 /// A formula at each nanometre.
-pub(super) fn sampled(power: impl Fn(f64) -> f64) -> Spectrum {
-    Spectrum::of_bins(&std::array::from_fn(|i| power((FIRST + i) as f64)))
+pub(super) fn sampled(power: impl Fn(f64) -> f64) -> TabulatedSpectrum {
+    TabulatedSpectrum::of_bins(&std::array::from_fn(|i| power((FIRST + i) as f64)))
 }

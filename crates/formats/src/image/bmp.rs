@@ -1,10 +1,8 @@
 //! BMP of Windows and OS/2: palettes, 16, 24 and 32 bits, runs, and bits by masks (Microsoft, *Bitmap Storage*).
 
 use straal_scene::Image;
-use straal_scene::bitmap::Number;
 
-use super::coded::{Coded, zeros};
-use super::header::PIXEL;
+use super::coded::{Coded, Codes, zeros};
 use super::light::Light;
 use super::{Format, Header};
 use crate::{Limits, ReadError};
@@ -240,17 +238,8 @@ fn runs(bmp: &Bmp, data: &[u8], mut put: impl FnMut(usize, usize, u8)) -> Result
 /// What its header promises.
 pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
     let bmp = Bmp::parse(bytes)?;
-    let pixels = limits.check_size(bmp.width as u64, bmp.height as u64)? as u64;
     let channels = bmp.channels();
-    let decoded_bytes = pixels.saturating_mul(PIXEL + channels as u64);
-    Ok(Header {
-        format: Format::Bmp,
-        width: bmp.width,
-        height: bmp.height,
-        channels,
-        decoded_bytes,
-        texel: Header::texel(Number::Byte, channels),
-    })
+    Codes { format: Format::Bmp, size: [bmp.width, bmp.height], channels, passing: channels }.header(limits)
 }
 
 fn missing() -> ReadError {
@@ -258,5 +247,5 @@ fn missing() -> ReadError {
 }
 
 fn damaged(problem: &str) -> ReadError {
-    ReadError::file(format!("the BMP file is damaged: {problem}"))
+    ReadError::damaged("BMP", problem)
 }

@@ -3,9 +3,10 @@
 use straal_scene::Image;
 use straal_scene::bitmap::{Bitmap, Number, TexelFormat, Texels};
 
+use super::header::PIXEL;
 use super::light::Light;
-use super::{Format, Photo};
-use crate::ReadError;
+use super::{Format, Header, Photo};
+use crate::{Limits, ReadError};
 
 /// A picture of 8-bit codes.
 #[derive(Clone, Debug)]
@@ -19,6 +20,28 @@ pub(super) struct Coded {
     pub bytes: Vec<u8>,
     /// How codes become light.
     pub light: Light,
+}
+
+/// What a header says of such a picture.
+pub(super) struct Codes {
+    pub format: Format,
+    /// Width and height.
+    pub size: [usize; 2],
+    /// Bytes of a pixel.
+    pub channels: usize,
+    /// Bytes that a pixel takes while it is decoded.
+    pub passing: usize,
+}
+
+impl Codes {
+    /// What it promises, if that is within the limits.
+    pub fn header(self, limits: &Limits) -> Result<Header, ReadError> {
+        let Self { format, size: [width, height], channels, passing } = self;
+        let pixels = limits.check_size(width as u64, height as u64)? as u64;
+        let decoded_bytes = pixels.saturating_mul(PIXEL + passing as u64);
+        let texel = Header::texel(Number::Byte, channels);
+        Ok(Header { format, width, height, channels, decoded_bytes, texel })
+    }
 }
 
 /// What is said where a picture is too large for the memory that there is.

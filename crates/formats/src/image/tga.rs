@@ -1,10 +1,8 @@
 //! Truevision TGA: grey, colours and palettes, plain or with runs (Truevision, *TGA File Format Specification*, version 2.0, 1991).
 
 use straal_scene::Image;
-use straal_scene::bitmap::Number;
 
-use super::coded::{Coded, zeros};
-use super::header::PIXEL;
+use super::coded::{Coded, Codes, zeros};
 use super::light::Light;
 use super::{Format, Header};
 use crate::{Limits, ReadError};
@@ -178,17 +176,8 @@ fn rgba(pixel: &[u8]) -> [u8; 4] {
 /// What its header promises.
 pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
     let tga = Tga::parse(bytes)?;
-    let pixels = limits.check_size(tga.width as u64, tga.height as u64)? as u64;
     let channels = tga.channels();
-    let decoded_bytes = pixels.saturating_mul(PIXEL + channels as u64);
-    Ok(Header {
-        format: Format::Tga,
-        width: tga.width,
-        height: tga.height,
-        channels,
-        decoded_bytes,
-        texel: Header::texel(Number::Byte, channels),
-    })
+    Codes { format: Format::Tga, size: [tga.width, tga.height], channels, passing: channels }.header(limits)
 }
 
 fn missing() -> ReadError {
@@ -196,5 +185,5 @@ fn missing() -> ReadError {
 }
 
 fn damaged(problem: &str) -> ReadError {
-    ReadError::file(format!("the TGA file is damaged: {problem}"))
+    ReadError::damaged("TGA", problem)
 }

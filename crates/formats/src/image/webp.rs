@@ -4,10 +4,8 @@ use std::io::Cursor;
 
 use image_webp::WebPDecoder;
 use straal_scene::Image;
-use straal_scene::bitmap::Number;
 
-use super::coded::{Coded, zeros};
-use super::header::PIXEL;
+use super::coded::{Coded, Codes, zeros};
 use super::light::Light;
 use super::{Format, Header};
 use crate::{Limits, ReadError};
@@ -54,17 +52,8 @@ pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError>
         _ => None,
     };
     let (width, height, channels) = found.ok_or_else(|| damaged("it doesn't begin with its size"))?;
-    let pixels = limits.check_size(width as u64, height as u64)? as u64;
     // Codes twice, as decoded and as given.
-    let decoded_bytes = pixels.saturating_mul(PIXEL + 8);
-    Ok(Header {
-        format: Format::Webp,
-        width,
-        height,
-        channels,
-        decoded_bytes,
-        texel: Header::texel(Number::Byte, channels),
-    })
+    Codes { format: Format::Webp, size: [width, height], channels, passing: 8 }.header(limits)
 }
 
 fn open(bytes: &[u8]) -> Result<WebPDecoder<Cursor<&[u8]>>, ReadError> {
@@ -72,5 +61,5 @@ fn open(bytes: &[u8]) -> Result<WebPDecoder<Cursor<&[u8]>>, ReadError> {
 }
 
 fn damaged(problem: &str) -> ReadError {
-    ReadError::file(format!("the WebP file is damaged: {problem}"))
+    ReadError::damaged("WebP", problem)
 }

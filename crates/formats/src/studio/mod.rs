@@ -14,7 +14,7 @@ use straal_scene::desc::{
     Integrator, Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing,
     Spectrum, Step, Surface, Texture, TextureOf, Transform, TriangleMesh, Varying, Viewpoint,
 };
-use straal_scene::value::{Asset, Axis, Color, Factors, Link, Named};
+use straal_scene::value::{Asset, Axis, Color, Factors, Known, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
 
 pub use frame::View;
@@ -78,7 +78,7 @@ impl Finish {
     fn material(self) -> Material {
         let metal = |metal: &str, roughness: f64| {
             Material::Conductor(Conductor {
-                metal: Some(metal.to_owned().into()),
+                metal: Known::new(metal.to_owned()),
                 roughness: Varying::Constant(roughness),
                 ..Conductor::default()
             })

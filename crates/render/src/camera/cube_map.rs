@@ -2,7 +2,6 @@
 
 use super::view::Axes;
 use super::{Camera, Facts, FilmPoint, Sees, Setup, View, turned};
-use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::{DVec3, Ray, Vec3};
 use straal_scene::desc;
@@ -65,15 +64,14 @@ pub struct CubeMap {
 }
 
 impl CubeMap {
-    /// Faces as large as whole pixels allow; the rest of the picture, to the right and below, stays black. `None` when there
-    /// is no room for faces.
-    pub fn new(view: &View, layout: CubeLayout, size: [u32; 2]) -> Option<Self> {
+    /// Faces as large as whole pixels allow, of a pixel at least; the rest of the picture, to the right and below, stays black.
+    pub fn new(view: &View, layout: CubeLayout, size: [u32; 2]) -> Self {
         let [columns, rows] = layout.faces();
-        let side = (size[0] / columns).min(size[1] / rows);
+        let side = (size[0] / columns).min(size[1] / rows).max(1);
         let View { right, up, forward, .. } = *view;
         let faces = face_axes(right, up, forward)
             .map(|[right, up, forward]| Axes::from(&View { right, up, forward, eye: view.eye }));
-        (side > 0).then_some(Self { eye: view.eye.as_vec3(), faces, layout, side })
+        Self { eye: view.eye.as_vec3(), faces, layout, side }
     }
 
     /// The face that is looked through, and the direction, not of unit length.
@@ -89,19 +87,12 @@ impl CubeMap {
     }
 
     /// Of what a scene says.
-    pub(super) fn of(c: &desc::CubeMap, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+    pub(super) fn of(c: &desc::CubeMap, setup: &Setup<'_>) -> Camera {
         let layout = match c.layout {
             desc::CubeLayout::Cross => CubeLayout::Cross,
             desc::CubeLayout::Row => CubeLayout::Row,
         };
-        let [columns, rows] = layout.faces();
-        let map = Self::new(&setup.view, layout, setup.size).map(Camera::CubeMap);
-        map.ok_or_else(|| {
-            let [w, h] = setup.size;
-            CompileError::new(format!(
-                "a picture of {w} x {h} pixels has no room for {columns} x {rows} faces"
-            ))
-        })
+        Camera::CubeMap(Self::new(&setup.view, layout, setup.size))
     }
 }
 
@@ -124,7 +115,7 @@ impl Sees for CubeMap {
 
     #[cfg(test)]
     fn examples(view: &View, size: [u32; 2]) -> Vec<(&'static str, Camera)> {
-        let cube = |layout| Camera::CubeMap(Self::new(view, layout, size).expect("room for faces"));
+        let cube = |layout| Camera::CubeMap(Self::new(view, layout, size));
         vec![("cross", cube(CubeLayout::Cross)), ("row", cube(CubeLayout::Row))]
     }
 }

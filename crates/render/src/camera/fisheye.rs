@@ -2,7 +2,6 @@
 
 use super::view::Axes;
 use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, View};
-use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::simd::Float;
 use straal_math::{Vec3, ops};
@@ -53,7 +52,7 @@ impl Fisheye {
     }
 
     /// Of what a scene says.
-    pub(super) fn of(c: &desc::Fisheye, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+    pub(super) fn of(c: &desc::Fisheye, setup: &Setup<'_>) -> Camera {
         let projection = match c.projection {
             desc::FisheyeProjection::Equidistant => Projection::Equidistant,
             desc::FisheyeProjection::Equisolid => Projection::Equisolid,
@@ -61,7 +60,7 @@ impl Fisheye {
             desc::FisheyeProjection::Stereographic => Projection::Stereographic,
         };
         let diameter = c.fov_axis.extent(setup.size.map(f64::from));
-        Ok(Camera::Fisheye(Self::new(&setup.view, (projection, c.fov), diameter, setup.size)))
+        Camera::Fisheye(Self::new(&setup.view, (projection, c.fov), diameter, setup.size))
     }
 }
 

@@ -13,7 +13,7 @@ macro_rules! cameras {
 
         impl Camera {
             /// Of what a scene says, standing still.
-            pub(crate) fn of(camera: &desc::Camera, setup: &Setup<'_>) -> Result<Self, CompileError> {
+            pub(crate) fn of(camera: &desc::Camera, setup: &Setup<'_>) -> Self {
                 match camera {
                     $( $( desc::Camera::$Described(c) => $Kind::of(c, setup), )? )+
                 }

@@ -46,7 +46,6 @@ pub use stereo::{Eyes, Stereo, StereoLayout};
 pub use thin_lens::ThinLens;
 pub use view::View;
 
-use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::simd::{Float, Mask, Uint};
 use straal_math::{Ray, Vec3};
@@ -239,5 +238,5 @@ pub(crate) struct Setup<'a> {
     /// Those of the picture that is made.
     pub size: [u32; 2],
     /// Distance along a view to what goes by a name.
-    pub distance: &'a dyn Fn(&Name, &View) -> Result<f64, CompileError>,
+    pub distance: &'a dyn Fn(&Name, &View) -> f64,
 }

@@ -1,7 +1,6 @@
 //! A camera at infinity.
 
 use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, View};
-use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
@@ -30,8 +29,8 @@ impl Orthographic {
     }
 
     /// Of what a scene says.
-    pub(super) fn of(c: &desc::Orthographic, setup: &Setup<'_>) -> Result<Camera, CompileError> {
-        Ok(Camera::Orthographic(Self::new(&setup.view, c.width, setup.size)))
+    pub(super) fn of(c: &desc::Orthographic, setup: &Setup<'_>) -> Camera {
+        Camera::Orthographic(Self::new(&setup.view, c.width, setup.size))
     }
 }
 

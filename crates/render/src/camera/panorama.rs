@@ -2,7 +2,6 @@
 
 use super::view::Axes;
 use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, View};
-use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::simd::{Float, Mask};
 use straal_math::{Vec3, ops};
@@ -51,12 +50,12 @@ impl Panorama {
     }
 
     /// Of what a scene says.
-    pub(super) fn of(c: &desc::Panorama, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+    pub(super) fn of(c: &desc::Panorama, setup: &Setup<'_>) -> Camera {
         let rows = match c.rows {
             desc::PanoramaRows::Even => Rows::Even,
             desc::PanoramaRows::Centered => Rows::Centered,
         };
-        Ok(Camera::Panorama(Self::new(&setup.view, c.longitude, (c.latitude, rows), setup.size)))
+        Camera::Panorama(Self::new(&setup.view, c.longitude, (c.latitude, rows), setup.size))
     }
 }
 

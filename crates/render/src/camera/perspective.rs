@@ -4,7 +4,6 @@ use super::facts::degrees;
 use super::{
     Camera, CameraRays, Facts, FilmPoint, FilmPoints, Iris, Sees, Setup, Stereo, ThinLens, View, turned,
 };
-use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
@@ -88,12 +87,12 @@ impl Perspective {
     }
 
     /// Of what a scene says: this, one with a lens, or two.
-    pub(super) fn of(c: &desc::Perspective, setup: &Setup<'_>) -> Result<Camera, CompileError> {
+    pub(super) fn of(c: &desc::Perspective, setup: &Setup<'_>) -> Camera {
         if let Some(pair) = &c.stereo {
             return Stereo::of(c, pair, setup);
         }
         let window = Window::new(c.tan_x(setup.film, setup.size), setup.size).shifted(c.shift);
-        one_eye(&setup.view, &window, lens(c, setup)?)
+        one_eye(&setup.view, &window, lens(c, setup))
     }
 }
 
@@ -124,40 +123,19 @@ impl Sees for Perspective {
     }
 }
 
-/// Beyond these, single precision has no room for rays.
-const PLANE: std::ops::Range<f64> = 1e-12..1e12;
-
 /// A pinhole, or a lens.
-pub(super) fn one_eye(
-    view: &View,
-    window: &Window,
-    lens: Option<(Iris, f64)>,
-) -> Result<Camera, CompileError> {
-    let aside = |v: f64| v.abs() < PLANE.end;
-    if !(PLANE.contains(&window.tan_x)
-        && PLANE.contains(&window.tan_y())
-        && window.middle.into_iter().all(aside))
-    {
-        let message = format!(
-            "the camera's angle is beyond the range of numbers: its half has a tangent of {:e}",
-            window.tan_x
-        );
-        return Err(CompileError::new(message));
-    }
-    Ok(match lens {
+pub(super) fn one_eye(view: &View, window: &Window, lens: Option<(Iris, f64)>) -> Camera {
+    match lens {
         None => Camera::Perspective(Perspective::new(view, window)),
-        Some((iris, _)) if !iris.radius().is_finite() => {
-            return Err(CompileError::new("the camera's lens is too wide for numbers"));
-        }
         Some((iris, focus)) => Camera::ThinLens(ThinLens::new(view, window, iris, focus)),
-    })
+    }
 }
 
 /// The opening, and the distance that is in focus.
-pub(super) fn lens(c: &desc::Perspective, setup: &Setup<'_>) -> Result<Option<(Iris, f64)>, CompileError> {
-    let Some(lens) = &c.lens else { return Ok(None) };
+pub(super) fn lens(c: &desc::Perspective, setup: &Setup<'_>) -> Option<(Iris, f64)> {
+    let Some(lens) = &c.lens else { return None };
     let focus = match (&lens.focus_on, lens.focus_distance) {
-        (Some(name), _) => (setup.distance)(name, &setup.at_start)?,
+        (Some(name), _) => (setup.distance)(name, &setup.at_start),
         (None, Some(distance)) => distance,
         (None, None) => c.observer.distance(),
     };
@@ -167,5 +145,5 @@ pub(super) fn lens(c: &desc::Perspective, setup: &Setup<'_>) -> Result<Option<(I
         (None, desc::LensProfile::Uniform) => Iris::round(radius),
         (None, desc::LensProfile::Gaussian(g)) => Iris::gaussian(radius, g.sigma),
     };
-    Ok(Some((iris, focus)))
+    Some((iris, focus))
 }

@@ -2,7 +2,6 @@
 
 use super::perspective::{lens, one_eye};
 use super::{Camera, Facts, FilmPoint, Needs, Sees, Setup, View, Window};
-use crate::error::CompileError;
 use crate::footprint::Footprint;
 use straal_math::Ray;
 use straal_scene::desc;
@@ -86,11 +85,7 @@ impl Stereo {
     }
 
     /// Of what a scene says of a pair of eyes.
-    pub(super) fn of(
-        c: &desc::Perspective,
-        pair: &desc::Stereo,
-        setup: &Setup<'_>,
-    ) -> Result<Camera, CompileError> {
+    pub(super) fn of(c: &desc::Perspective, pair: &desc::Stereo, setup: &Setup<'_>) -> Camera {
         let layout = match pair.layout {
             desc::StereoLayout::Parallel => StereoLayout::Parallel,
             desc::StereoLayout::Crossed => StereoLayout::Crossed,
@@ -100,22 +95,19 @@ impl Stereo {
             }
         };
         let (film, own) = (Self::picture(layout, setup.film), Self::picture(layout, setup.size));
-        if own[0] == 0 {
-            return Err(CompileError::new("a picture one pixel wide has no room for two eyes"));
-        }
         let window = Window::new(c.tan_x(film, own), own).shifted(c.shift);
-        let lens = lens(c, &Setup { film, size: own, ..*setup })?;
+        let lens = lens(c, &Setup { film, size: own, ..*setup });
         let convergence = pair.convergence.unwrap_or_else(|| c.observer.distance());
         let eyes = Eyes { separation: pair.separation, convergence };
         let eye = |i: usize| {
             let (view, window) = eyes.eye(i, &setup.view, &window);
             one_eye(&view, &window, lens.clone())
         };
-        Ok(match pair.layout {
-            desc::StereoLayout::Left => eye(0)?,
-            desc::StereoLayout::Right => eye(1)?,
-            _ => Camera::Stereo(Self::new([eye(0)?, eye(1)?], layout, own[0])),
-        })
+        match pair.layout {
+            desc::StereoLayout::Left => eye(0),
+            desc::StereoLayout::Right => eye(1),
+            _ => Camera::Stereo(Self::new([eye(0), eye(1)], layout, own[0].max(1))),
+        }
     }
 }
 

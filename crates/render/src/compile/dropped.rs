@@ -7,13 +7,18 @@ use straal_scene::Span;
 use straal_scene::desc::Node;
 
 /// What is told of all that was left out, a line for each file, kind of shape and object. `nodes` are those of the
-/// geometries, `objects` the names of the groups.
+/// geometries, `left_out` those that never became any, `objects` the names of the groups.
 pub(super) fn tell(
     dropped: &[accel::Dropped],
     nodes: &[Option<&Node>],
+    left_out: &[&Node],
     objects: &BTreeMap<u32, &str>,
 ) -> Vec<Dropped> {
     let mut sums: BTreeMap<Source, (Span, [usize; 2])> = BTreeMap::new();
+    for node in left_out {
+        let (source, span) = source(Some(node));
+        sums.entry(source).or_insert((span, [0, 0])).1[0] += 1;
+    }
     for d in dropped {
         let node = match d.from {
             DroppedFrom::Geometry(geometry) => nodes.get(geometry as usize).copied().flatten(),
@@ -90,7 +95,7 @@ mod tests {
             lost(DroppedFrom::Instance { group: 3 }, 1, 0),
             lost(DroppedFrom::Instance { group: 3 }, 1, 0),
         ];
-        let told = tell(&dropped, &[], &BTreeMap::from([(3, "pot"), (1, "pan")]));
+        let told = tell(&dropped, &[], &[], &BTreeMap::from([(3, "pot"), (1, "pan")]));
         let told: Vec<_> = told.iter().map(|d| (d.count, d.message.as_str())).collect();
         assert_eq!(
             told,

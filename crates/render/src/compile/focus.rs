@@ -1,6 +1,6 @@
 //! What the camera is focused on, by name.
 
-use super::CompileError;
+use super::OutOfFocus;
 use crate::camera::View;
 use crate::shape::Geometry;
 use crate::world::TopLevel;
@@ -21,12 +21,10 @@ type Extent = Option<Bounds>;
 
 impl Seen<'_> {
     /// Distance along the view to the middle of what goes by that name: of several, the nearest in front of the camera.
-    pub fn distance(&self, name: &Name, view: &View) -> Result<f64, CompileError> {
+    pub fn distance(&self, name: &Name, view: &View) -> Result<f64, OutOfFocus> {
         let mut groups: Vec<Option<Extent>> = vec![None; self.input.groups.len()];
-        let shown = suggest::brief(name);
-        let fail = |why: &str| {
-            CompileError::at(format!("the camera can't be focused on `{shown}`: {why}"), name.span)
-        };
+        let fail =
+            |unbounded| OutOfFocus { name: suggest::brief(name).into_owned(), span: name.span, unbounded };
         let mut nearest: Option<f64> = None;
         let mut unbounded = false;
         for part in self.named {
@@ -43,8 +41,7 @@ impl Seen<'_> {
         match nearest {
             // The lens is told in single precision.
             Some(distance) if distance as f32 > 0.0 && (distance as f32).is_finite() => Ok(distance),
-            _ if unbounded => Err(fail("it is unbounded and has no middle")),
-            _ => Err(fail("its middle is not in front of it")),
+            _ => Err(fail(unbounded)),
         }
     }
 

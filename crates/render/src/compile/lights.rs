@@ -1,6 +1,5 @@
 //! Lights: those of the scene's list, and the surfaces that glow.
 
-use super::CompileError;
 use super::place::Glowing;
 use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Sides};
 use crate::paint::Paint;
@@ -32,14 +31,14 @@ pub(super) fn gather(
     paint: &mut Paint<'_>,
     around: Around<'_>,
     glowing: Vec<Glowing>,
-) -> Result<Lights, CompileError> {
+) -> Lights {
     let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
     for g in &glowing {
         emitters.push(area(g, geometry));
     }
     for light in &scene.lights {
-        emitters.push(Emitter::of(light, paint, centre)?);
+        emitters.push(Emitter::of(light, paint, centre));
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
@@ -52,7 +51,7 @@ pub(super) fn gather(
         _ => None,
     });
     let ambient = ambient.collect();
-    Ok(Lights { emitters, table, environments, ambient })
+    Lights { emitters, table, environments, ambient }
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {

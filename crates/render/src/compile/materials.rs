@@ -1,6 +1,6 @@
 //! Materials: from names and descriptions to an array.
 
-use super::{CompileError, Custom};
+use super::Custom;
 use crate::lanes::Colour;
 use crate::material::{self, Emission, Material};
 use crate::paint::Paint;
@@ -25,11 +25,11 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    pub fn new(scene: &'a Scene, custom: &Custom, paint: Paint<'a>) -> Result<Self, CompileError> {
+    pub fn new(scene: &'a Scene, custom: &Custom, paint: Paint<'a>) -> Self {
         let list = material::Materials::default();
         let mut all =
             Self { scene, paint, list, known: HashMap::new(), custom: HashMap::new(), scenes: Vec::new() };
-        all.push(&desc::Material::Diffuse(desc::Diffuse::default()))?;
+        all.push(&desc::Material::Diffuse(desc::Diffuse::default()));
         for (_, m) in scene.materials.iter() {
             // They may be made of each other: first each gets its place.
             let index = all.list.push(Material::default());
@@ -44,32 +44,25 @@ impl<'a> Materials<'a> {
             }
         }
         for (place, (_, m)) in scene.materials.iter().enumerate() {
-            let made = all.make(m)?;
+            let made = all.make(m);
             all.list.replace(place as u32 + 1, made);
-            all.pretend(place as u32 + 1, m)?;
+            all.pretend(place as u32 + 1, m);
         }
-        Ok(all)
+        all
     }
 
-    pub fn finish(mut self) -> Result<(material::Materials, Paint<'a>), CompileError> {
-        if !self.list.settle() {
-            let message = format!("materials are made of one another, more than {} deep", material::DEEPEST);
-            return Err(CompileError::new(message));
-        }
-        Ok((self.list, self.paint))
+    pub fn finish(mut self) -> (material::Materials, Paint<'a>) {
+        self.list.settle();
+        (self.list, self.paint)
     }
 
     /// The share of light that meets a surface that glows, if that isn't all.
-    pub fn opacity(&mut self, material: u32) -> Result<Option<Value<f32>>, CompileError> {
+    pub fn opacity(&mut self, material: u32) -> Option<Value<f32>> {
         if !self.list.any_may_pass() {
-            return Ok(None);
+            return None;
         }
         self.list.settle();
-        self.list.plain_opacity(material).map_err(|()| {
-            CompileError::new(
-                "a surface that glows may have a `mask` for its material, but none with a mask inside of another material",
-            )
-        })
+        self.list.plain_opacity(material)
     }
 
     /// What a material sends out by itself, and the material.
@@ -79,17 +72,17 @@ impl<'a> Materials<'a> {
     }
 
     /// Light that a surface sends out.
-    pub fn emission(&mut self, s: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+    pub fn emission(&mut self, s: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
         self.paint.emission(s)
     }
 
     /// The index of the material that a node names or describes; `default` when it does neither.
-    pub fn of(&mut self, given: Option<&MaterialRef>, default: u32) -> Result<u32, CompileError> {
+    pub fn of(&mut self, given: Option<&MaterialRef>, default: u32) -> u32 {
         match given {
-            None => Ok(default),
+            None => default,
             // A scene without errors leads everywhere.
             Some(MaterialRef::Named(link)) => {
-                Ok(link.to().and_then(|m| self.scenes.get(m.index())).copied().unwrap_or(default))
+                link.to().and_then(|m| self.scenes.get(m.index())).copied().unwrap_or(default)
             }
             Some(MaterialRef::Inline(m)) => self.add(m),
         }
@@ -110,45 +103,43 @@ impl<'a> Materials<'a> {
         self.list.wants(material).point || self.list.is_made_of_others(material)
     }
 
-    pub fn named(&self, name: &str) -> Result<u32, CompileError> {
+    /// The material that a program's own shape names; that of surfaces without one where there is none of that name.
+    pub fn named(&self, name: &str) -> u32 {
         let custom = self.custom.get(name).copied();
-        custom
-            .or_else(|| self.scene.materials.handle(name).map(|m| m.index() as u32 + 1))
-            .ok_or_else(|| CompileError::new(format!("there is no material `{name}`")))
+        custom.or_else(|| self.scene.materials.handle(name).map(|m| m.index() as u32 + 1)).unwrap_or(0)
     }
 
     /// A material that has no name here; those that are written alike share a place.
-    pub fn add(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
+    pub fn add(&mut self, m: &desc::Material) -> u32 {
         match self.known.get(&key(m)) {
-            Some(&index) => Ok(index),
+            Some(&index) => index,
             None => self.push(m),
         }
     }
 
     /// A material, and those that it is made of.
-    fn make(&mut self, m: &desc::Material) -> Result<Material, CompileError> {
-        let parts =
-            m.parts().into_iter().map(|part| self.of(Some(part), 0)).collect::<Result<Vec<_>, _>>()?;
-        let mut made = Material::of(m, &mut self.paint)?;
+    fn make(&mut self, m: &desc::Material) -> Material {
+        let parts = m.parts().into_iter().map(|part| self.of(Some(part), 0)).collect::<Vec<_>>();
+        let mut made = Material::of(m, &mut self.paint);
         made.link(&parts);
-        Ok(made)
+        made
     }
 
     /// A new place in the list; of several that are written alike the first is known.
-    fn push(&mut self, m: &desc::Material) -> Result<u32, CompileError> {
-        let made = self.make(m)?;
+    fn push(&mut self, m: &desc::Material) -> u32 {
+        let made = self.make(m);
         let index = self.list.push(made);
-        self.pretend(index, m)?;
+        self.pretend(index, m);
         self.known.entry(key(m)).or_insert(index);
-        Ok(index)
+        index
     }
 
     /// Gives a material the relief that is said of it.
-    fn pretend(&mut self, index: u32, m: &desc::Material) -> Result<(), CompileError> {
-        if let Some(relief) = Relief::of(m.relief(), &mut self.paint)? {
+    fn pretend(&mut self, index: u32, m: &desc::Material) {
+        if let Some(relief) = Relief::of(m.relief(), &mut self.paint) {
             self.list.pretend(index, relief);
         }
-        Ok(())
+        ()
     }
 }
 

@@ -14,7 +14,6 @@ mod place;
 
 pub use place::GLOWING_BYTES;
 
-pub use crate::error::CompileError;
 use crate::film::{Recording, Sensor};
 use crate::filter::{Filter, Profile, Separable};
 use crate::material::CustomMaterial;
@@ -22,10 +21,10 @@ use crate::shape::CustomShape;
 use crate::texture::Texture;
 use crate::world::World;
 use std::sync::Arc;
-use straal_accel as accel;
+use straal_accel::{self as accel, BuildError};
 use straal_math::DVec3;
 use straal_scene::desc;
-use straal_scene::{Assets, Scene};
+use straal_scene::{Assets, Scene, Span};
 
 /// What a program adds to a description.
 #[derive(Clone, Debug, Default)]
@@ -34,6 +33,31 @@ pub struct Custom {
     pub shapes: Vec<(Arc<dyn CustomShape>, String)>,
     /// Materials by name, for `shapes` and for what the description makes of the material it has by that name.
     pub materials: Vec<(String, Arc<dyn CustomMaterial>)>,
+}
+
+impl Custom {
+    /// The first name of a material that a shape has and nothing goes by.
+    pub fn unknown_material(&self, scene: &Scene) -> Option<&str> {
+        let is_known = |name: &str| {
+            scene.materials.get(name).is_some() || self.materials.iter().any(|(known, _)| known == name)
+        };
+        self.shapes.iter().map(|(_, name)| name.as_str()).find(|name| !is_known(name))
+    }
+}
+
+/// Why the camera is not focused on what it should be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the camera can't be focused on `{name}`: {}",
+    if *unbounded { "it is unbounded and has no middle" } else { "its middle is not in front of it" }
+)]
+pub struct OutOfFocus {
+    /// What the scene calls it.
+    pub name: String,
+    /// Where.
+    pub span: Span,
+    /// Whether it has no middle; else that isn't in front of the camera.
+    pub unbounded: bool,
 }
 
 /// What a world is made of.
@@ -67,8 +91,8 @@ pub enum Detail {
     Draft,
 }
 
-/// Makes the world of a description.
-pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
+/// Makes the world of a description, which can't fail where that has been validated; only the search structure may be refused.
+pub fn compile(request: &Request<'_>) -> Result<World, BuildError> {
     let mut world = compile_about(request, DVec3::ZERO)?;
     // A program's own shapes stand where they stand.
     if let Some(centre) = doubts::far_away(world.accel.bounds()).filter(|_| request.custom.shapes.is_empty())
@@ -85,16 +109,17 @@ pub fn compile(request: &Request<'_>) -> Result<World, CompileError> {
 }
 
 /// The same with a place of the description at the origin.
-fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileError> {
+fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, BuildError> {
     let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
-    let mut build = place::Build::new(scene, assets, custom, (spectral, detail), centre)?;
-    build.world()?;
-    build.custom_shapes(custom)?;
+    let mut build = place::Build::new(scene, assets, custom, (spectral, detail), centre);
+    build.world();
+    build.custom_shapes(custom);
     let place::Built {
         input,
         geometry,
         geometries,
         nodes,
+        left_out,
         objects,
         instance_materials,
         top_level,
@@ -103,23 +128,23 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
         materials,
         placements,
         mut paint,
-    } = build.finish()?;
+    } = build.finish();
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
-    let camera = camera::camera(scene, size, &seen, centre)?;
-    let accel =
-        accel::Scene::build(input, &geometry, search).map_err(|e| CompileError::new(e.to_string()))?;
-    let dropped = dropped::tell(accel.dropped(), &nodes, &objects);
+    let (camera, out_of_focus) = camera::camera(scene, size, &seen, centre);
+    let accel = accel::Scene::build(input, &geometry, search)?;
+    let dropped = dropped::tell(accel.dropped(), &nodes, &left_out, &objects);
     let lights = lights::gather(
         scene,
         &mut paint,
         lights::Around { geometry: &geometry, search: &accel, centre },
         glowing,
-    )?;
+    );
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
         camera,
-        filter: filter(&scene.film.filter)?,
+        out_of_focus,
+        filter: filter(&scene.film.filter),
         geometry,
         accel,
         materials,
@@ -141,17 +166,15 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, CompileE
     })
 }
 
-fn filter(filter: &desc::Filter) -> Result<Filter, CompileError> {
+fn filter(filter: &desc::Filter) -> Filter {
     let (profile, radius) = match filter {
-        desc::Filter::Box => return Ok(Filter::Box),
+        desc::Filter::Box => return Filter::Box,
         desc::Filter::Tent(f) => (Profile::Tent, f.radius),
         desc::Filter::Gaussian(f) => (Profile::Gaussian { sigma: f.sigma }, f.radius),
         desc::Filter::Mitchell(f) => (Profile::Mitchell { b: f.b, c: f.c }, f.radius),
         desc::Filter::BlackmanHarris(f) => (Profile::BlackmanHarris, f.radius),
         desc::Filter::Lanczos(f) => (Profile::Lanczos, f.radius),
     };
-    Separable::new(profile, radius).map(Filter::Separable).ok_or_else(|| {
-        let name = filter.kind();
-        CompileError::new(format!("the filter `{name}` is empty: nothing of it is above 0 within its radius"))
-    })
+    // Validation has seen that it isn't empty.
+    Separable::new(profile, radius).map_or(Filter::Box, Filter::Separable)
 }

@@ -1,7 +1,7 @@
 //! The walk over the tree of the world.
 
 use super::materials::Materials;
-use super::{CompileError, Custom, Detail};
+use super::{Custom, Detail};
 use crate::lanes::Colour;
 use crate::light::LightTable;
 use crate::material::{self, Material};
@@ -15,15 +15,13 @@ use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Transform, Vec3};
 use straal_scene::count::{self, Tally};
-use straal_scene::desc::{self, MaterialRef, MeshSource, Node, Shading};
+use straal_scene::desc::{self, MeshSource, Node, Shading};
+use straal_scene::glow::{self, MOST_COPIES};
 use straal_scene::mesh::Per;
 use straal_scene::{Assets, Handle, Mesh, Part, PartMaterial, Scene};
 
 /// Quads along a patch's edge in a draft.
 const DRAFT: u32 = 4;
-
-/// Dissolving instances of what glows stops here, before it eats the machine.
-const MAX_DISSOLVED: usize = 1_000_000;
 
 /// A surface that glows.
 pub(super) struct Glowing {
@@ -72,12 +70,16 @@ pub(super) struct Build<'a> {
     nodes: Vec<Option<&'a Node>>,
     /// The node that the walk is at.
     node: Option<&'a Node>,
+    /// Nodes that can't be made.
+    left_out: Vec<&'a Node>,
     /// Materials of each group's instances, by group.
     group_materials: Vec<Vec<u32>>,
     /// Groups of the objects met so far, and their names.
     objects: BTreeMap<Handle<Node>, (u32, &'a str)>,
+    /// What of the scene glows.
+    glow: glow::Glow<'a>,
     glowing: Vec<Glowing>,
-    dissolved: usize,
+    dissolved: u64,
     top_level: Vec<TopLevel>,
     /// What the camera is to be focused on, if that has a name.
     focus: Option<&'a str>,
@@ -94,7 +96,7 @@ pub(super) struct Build<'a> {
 /// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
 /// of an object that glows.
 fn room(t: &Tally) -> (Geometry, accel::Input, Vec<GeometryRecord>, Vec<Glowing>) {
-    let of = |count: u64| count.min(4 * MAX_DISSOLVED as u64) as usize;
+    let of = |count: u64| count.min(4 * MOST_COPIES) as usize;
     let geometry = Geometry {
         shapes: Vec::with_capacity(of(t.shapes)),
         meshes: Vec::with_capacity(of(t.meshes)),
@@ -113,6 +115,8 @@ pub(super) struct Built<'a> {
     pub geometries: Vec<GeometryRecord>,
     /// The node that each geometry comes from; none of a program's own.
     pub nodes: Vec<Option<&'a Node>>,
+    /// Nodes that can't be made.
+    pub left_out: Vec<&'a Node>,
     /// Names of objects, by their groups.
     pub objects: BTreeMap<u32, &'a str>,
     pub instance_materials: Vec<u32>,
@@ -133,19 +137,21 @@ impl<'a> Build<'a> {
         custom: &Custom,
         (spectral, detail): (bool, Detail),
         centre: DVec3,
-    ) -> Result<Self, CompileError> {
+    ) -> Self {
         let (geometry, input, geometries, glowing) = room(&count::count(scene, assets).kept);
-        Ok(Self {
+        Self {
             detail,
             in_focus: false,
             scene,
             assets,
-            materials: Materials::new(scene, custom, Paint::new(scene, assets, (spectral, centre)))?,
+            materials: Materials::new(scene, custom, Paint::new(scene, assets, (spectral, centre))),
             geometry,
             input,
             geometries,
             nodes: Vec::new(),
             node: None,
+            left_out: Vec::new(),
+            glow: glow::Glow::of(scene, assets),
             group_materials: vec![Vec::new()],
             objects: BTreeMap::new(),
             glowing,
@@ -155,28 +161,27 @@ impl<'a> Build<'a> {
             named: Vec::new(),
             to_world: if centre == DVec3::ZERO { Affine::IDENTITY } else { Affine::translate(-centre) },
             placements: Vec::new(),
-        })
+        }
     }
 
-    pub fn world(&mut self) -> Result<(), CompileError> {
+    pub fn world(&mut self) {
         let mut place = Place { transform: self.to_world, material: 0, group: 0, dissolved: false };
         // Down to what `Scene::top_level` gives.
         let mut nodes = self.scene.world.as_slice();
         let mut is_all_named = false;
         while let [node @ Node::Group(g)] = nodes {
             is_all_named |= self.focus.is_some_and(|name| node.goes_by(name));
-            place = self.step_into(node, g.material.as_ref(), place)?;
+            place = self.step_into(node, g.material.as_ref(), place);
             nodes = &g.children;
         }
         for node in nodes {
             let before = self.in_world();
-            self.node(node, place)?;
+            self.node(node, place);
             self.top_level.push(self.since(before));
         }
         if is_all_named {
             self.named.push(self.since([0, 0]));
         }
-        Ok(())
     }
 
     /// Geometries and instances that stand in the world's own group.
@@ -191,25 +196,25 @@ impl<'a> Build<'a> {
         TopLevel { geometries: before[0]..after[0], instances: before[1]..after[1] }
     }
 
-    pub fn custom_shapes(&mut self, custom: &Custom) -> Result<(), CompileError> {
+    pub fn custom_shapes(&mut self, custom: &Custom) {
         self.node = None;
         for (i, (shape, material)) in custom.shapes.iter().enumerate() {
-            let material = self.materials.named(material)?;
+            let material = self.materials.named(material);
             self.geometry.custom.push(shape.clone());
             let place = Place { transform: Affine::IDENTITY, material, group: 0, dissolved: false };
             let look = self.add_shape(Shape::Custom(i as u32), place, material, false);
             self.geometries.push(look);
         }
-        Ok(())
     }
 
-    pub fn finish(self) -> Result<Built<'a>, CompileError> {
-        let (materials, paint) = self.materials.finish()?;
-        Ok(Built {
+    pub fn finish(self) -> Built<'a> {
+        let (materials, paint) = self.materials.finish();
+        Built {
             input: self.input,
             geometry: self.geometry,
             geometries: self.geometries,
             nodes: self.nodes,
+            left_out: self.left_out,
             objects: self.objects.into_values().collect(),
             // The search structure numbers instances group by group, in this order.
             instance_materials: self.group_materials.concat(),
@@ -219,59 +224,65 @@ impl<'a> Build<'a> {
             materials,
             placements: self.placements,
             paint,
-        })
+        }
     }
 
-    fn node(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
+    /// What leaves the range of numbers only where it stands, or lacks something, isn't there, which is told.
+    fn leave_out(&mut self) {
+        self.left_out.extend(self.node);
+    }
+
+    fn node(&mut self, node: &'a Node, place: Place) {
         let is_for_camera = place.group == 0 && !place.dissolved;
         if !(is_for_camera && self.focus.is_some_and(|name| node.goes_by(name))) {
             return self.kind_of_node(node, place);
         }
         let before = self.in_world();
         let outside = std::mem::replace(&mut self.in_focus, true);
-        self.kind_of_node(node, place)?;
+        self.kind_of_node(node, place);
         self.in_focus = outside;
         self.named.push(self.since(before));
-        Ok(())
+        ()
     }
 
-    fn kind_of_node(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
+    fn kind_of_node(&mut self, node: &'a Node, place: Place) {
         self.node = Some(node);
         match node {
             Node::Group(g) => {
-                let inner = self.step_into(node, g.material.as_ref(), place)?;
-                g.children.iter().try_for_each(|child| self.node(child, inner))
+                let inner = self.step_into(node, g.material.as_ref(), place);
+                g.children.iter().for_each(|child| self.node(child, inner));
             }
             Node::Instance(i) => {
-                let inner = self.step_into(node, i.material.as_ref(), place)?;
+                let inner = self.step_into(node, i.material.as_ref(), place);
                 self.instance(i, place.group, inner)
             }
-            shape => self.one_shape(shape, Place { transform: placed(shape, place)?, ..place }),
+            shape => self.one_shape(shape, Place { transform: placed(shape, place), ..place }),
         }
     }
 
     /// A node that is a shape; `place` is that of its own coordinates.
-    fn one_shape(&mut self, node: &'a Node, place: Place) -> Result<(), CompileError> {
+    fn one_shape(&mut self, node: &'a Node, place: Place) {
         let m = place.transform;
         match node {
-            Node::Group(_) | Node::Instance(_) => Ok(()),
+            Node::Group(_) | Node::Instance(_) => (),
             Node::Sphere(s) => {
-                let material = self.materials.of(s.surface.material.as_ref(), place.material)?;
+                let material = self.materials.of(s.surface.material.as_ref(), place.material);
                 // What is brushed must know which way it was turned.
                 let ball =
                     if self.materials.wants_tangent(material) { ellipsoid(s, &m) } else { sphere(s, &m) };
-                self.shape(&s.surface, place, ball?, s.surface.flip)
+                let Some(ball) = ball else { return self.leave_out() };
+                self.shape(&s.surface, place, ball, s.surface.flip)
             }
             Node::Plane(s) => {
-                let inverse = m.inverse().ok_or_else(singular)?;
-                let normal = unit(inverse.normal_by_inverse(s.normal))?;
+                let Some(inverse) = m.inverse() else { return self.leave_out() };
+                let normal = unit(inverse.normal_by_inverse(s.normal));
                 let normal = if s.surface.flip { -normal } else { normal };
                 let plane =
                     Shape::Plane(Plane { point: m.point(s.point).as_vec3(), normal: normal.as_vec3() });
                 self.shape(&s.surface, place, plane, false)
             }
             Node::Disc(s) => {
-                let (a, b) = tangents(unit(s.normal)?);
+                let (a, b) = tangents(unit(s.normal));
                 let (mut a, mut b) = (m.vector(a * s.radius), m.vector(b * s.radius));
                 if s.surface.flip != (m.determinant() < 0.0) {
                     (a, b) = (b, a);
@@ -302,43 +313,34 @@ impl<'a> Build<'a> {
             Node::Bezier(b) => {
                 let is_draft = self.detail == Detail::Draft && !self.in_focus;
                 let resolution = if is_draft { b.resolution.min(DRAFT) } else { b.resolution };
-                let mesh = shaded(bezier_mesh(b, resolution)?, &b.shading);
+                let mesh = shaded(bezier_mesh(b, resolution), &b.shading);
                 self.whole_mesh(mesh, &b.surface, place)
             }
         }
     }
 
-    fn step_into(
-        &mut self,
-        node: &Node,
-        material: Option<&'a desc::MaterialRef>,
-        place: Place,
-    ) -> Result<Place, CompileError> {
-        Ok(Place {
-            transform: placed(node, place)?,
-            material: self.materials.of(material, place.material)?,
+    fn step_into(&mut self, node: &Node, material: Option<&'a desc::MaterialRef>, place: Place) -> Place {
+        Place {
+            transform: placed(node, place),
+            material: self.materials.of(material, place.material),
             ..place
-        })
+        }
     }
 
     /// An instance in a group; `inner` is the place of the object's own coordinates.
-    fn instance(&mut self, i: &'a desc::Instance, outer: u32, inner: Place) -> Result<(), CompileError> {
+    fn instance(&mut self, i: &'a desc::Instance, outer: u32, inner: Place) {
         // A scene without errors leads everywhere.
         let objects = &self.scene.objects;
         let Some((id, (name, object))) = i.of.to().and_then(|id| Some((id, objects.at(id)?))) else {
-            return Ok(());
+            return ();
         };
-        if self.glows(object, 0) || self.materials.shining(inner.material).is_some() {
+        if self.glow.object(&i.of) || self.materials.shining(inner.material).is_some() {
+            // Validation has counted them.
             self.dissolved += 1;
-            if self.dissolved > MAX_DISSOLVED {
-                return Err(CompileError::at(
-                    format!(
-                        "more than {MAX_DISSOLVED} instances of objects that glow: each becomes a light of its own"
-                    ),
-                    i.of.name.span,
-                ));
+            if self.dissolved <= MOST_COPIES {
+                self.node(object, Place { dissolved: true, ..inner });
             }
-            return self.node(object, Place { dissolved: true, ..inner });
+            return;
         }
 
         let group = match self.objects.get(&id) {
@@ -349,72 +351,31 @@ impl<'a> Build<'a> {
                 self.group_materials.push(Vec::new());
                 self.objects.insert(id, (group, name));
                 let place = Place { transform: Affine::IDENTITY, material: INHERIT, group, dissolved: false };
-                self.node(object, place)?;
+                self.node(object, place);
                 group
             }
         };
-        let transform = Transform::new(&inner.transform).ok_or_else(singular)?;
+        let Some(transform) = Transform::new(&inner.transform) else { return self.leave_out() };
         self.input.groups[outer as usize].instances.push(accel::Instance {
             group,
             transform,
             mask: u32::MAX,
         });
         self.group_materials[outer as usize].push(inner.material);
-        Ok(())
+        ()
     }
 
-    /// Whether anything in the node glows. Validation has bounded the nesting; the count is a second bound.
-    fn glows(&self, node: &Node, depth: usize) -> bool {
-        let surface = match node {
-            Node::Group(g) => {
-                return self.shines(g.material.as_ref()) || g.children.iter().any(|c| self.glows(c, depth));
-            }
-            Node::Instance(i) => {
-                let object = self.scene.objects.of(&i.of);
-                return self.shines(i.material.as_ref())
-                    || depth < accel::MAX_DEPTH && object.is_some_and(|o| self.glows(o, depth + 1));
-            }
-            Node::Sphere(s) => &s.surface,
-            Node::Plane(s) => &s.surface,
-            Node::Disc(s) => &s.surface,
-            Node::Rectangle(s) => &s.surface,
-            Node::Box(s) => &s.surface,
-            Node::Cylinder(s) => &s.surface,
-            Node::Triangle(s) => &s.surface,
-            Node::Bezier(s) => &s.surface,
-            Node::Mesh(m) => {
-                let asset = m.file.as_ref().map(|asset| self.assets.mesh(asset.handle));
-                if asset.is_some_and(|a| a.materials.values().any(|p| p.emission.is_some())) {
-                    return true;
-                }
-                &m.surface
-            }
-        };
-        surface.emission.is_some() || self.shines(surface.material.as_ref())
-    }
-
-    /// Whether a material shines by itself.
-    fn shines(&self, material: Option<&MaterialRef>) -> bool {
-        match material {
-            None => false,
-            Some(MaterialRef::Inline(m)) => m.shines(),
-            Some(MaterialRef::Named(link)) => {
-                self.scene.materials.of(link).is_some_and(desc::Material::shines)
-            }
-        }
-    }
-
-    fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) -> Result<(), CompileError> {
+    fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) {
         let m = place.transform;
         let axis = s.to - s.from;
-        let (a, b) = tangents(unit(axis)?);
+        let (a, b) = tangents(unit(axis));
         let (a, b) = (a * s.radius, b * s.radius);
         // The unit cylinder stands along y.
         let unit_to_local = Affine {
             rows: [[b.x, axis.x, a.x, s.from.x], [b.y, axis.y, a.y, s.from.y], [b.z, axis.z, a.z, s.from.z]],
         };
-        let wall = Cylinder::new(unit_to_local.then(&m)).ok_or_else(singular)?;
-        self.shape(&s.surface, place, Shape::Cylinder(Box::new(wall)), s.surface.flip)?;
+        let Some(wall) = Cylinder::new(unit_to_local.then(&m)) else { return self.leave_out() };
+        self.shape(&s.surface, place, Shape::Cylinder(Box::new(wall)), s.surface.flip);
         if s.caps {
             for (center, a, b) in [(s.from, b, a), (s.to, a, b)] {
                 let (mut a, mut b) = (m.vector(a), m.vector(b));
@@ -422,25 +383,18 @@ impl<'a> Build<'a> {
                     (a, b) = (b, a);
                 }
                 let cap = Disc::new(m.point(center).as_vec3(), a.as_vec3(), b.as_vec3());
-                self.shape(&s.surface, place, Shape::Disc(Box::new(cap)), false)?;
+                self.shape(&s.surface, place, Shape::Disc(Box::new(cap)), false);
             }
         }
-        Ok(())
     }
 
     /// Adds a shape that stands in its group's space.
-    fn shape(
-        &mut self,
-        surface: &'a desc::Surface,
-        place: Place,
-        shape: Shape,
-        flip: bool,
-    ) -> Result<(), CompileError> {
-        let material = self.materials.of(surface.material.as_ref(), place.material)?;
+    fn shape(&mut self, surface: &'a desc::Surface, place: Place, shape: Shape, flip: bool) {
+        let material = self.materials.of(surface.material.as_ref(), place.material);
         let mut look = self.add_shape(shape, place, material, flip);
-        let own = surface.emission.as_ref().map(|e| self.materials.emission(e)).transpose()?;
+        let own = surface.emission.as_ref().map(|e| self.materials.emission(e));
         if let Some(glow) = self.glow_of(own, material) {
-            let opacity = self.materials.opacity(material)?;
+            let opacity = self.materials.opacity(material);
             let two_sided = surface.two_sided_emission || glow.both_sides;
             look.emission_varies = glow.radiance.varies() || glow.below.is_some();
             let placement = glowing_place(&place.transform, &glow.radiance);
@@ -449,7 +403,7 @@ impl<'a> Build<'a> {
             look.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(look);
-        Ok(())
+        ()
     }
 
     fn add_shape(&mut self, shape: Shape, place: Place, material: u32, flip: bool) -> GeometryRecord {
@@ -496,7 +450,7 @@ impl<'a> Build<'a> {
         (self.glowing.len() - 1) as u32
     }
 
-    fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) -> Result<(), CompileError> {
+    fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) {
         if let MeshSource::Asset(asset) = m.source() {
             let asset = self.assets.mesh(asset.handle);
             let attributes = self.materials.attributes(&asset.mesh);
@@ -515,45 +469,32 @@ impl<'a> Build<'a> {
         self.whole_mesh(shaded(TriangleMesh::from(&mesh), &m.shading), &m.surface, place)
     }
 
-    fn whole_mesh(
-        &mut self,
-        mesh: TriangleMesh,
-        surface: &'a desc::Surface,
-        place: Place,
-    ) -> Result<(), CompileError> {
+    fn whole_mesh(&mut self, mesh: TriangleMesh, surface: &'a desc::Surface, place: Place) {
         let all = Run { material: None, triangles: mesh.indices.clone(), numbers: Vec::new() };
         self.mesh(mesh, &[all], surface, place)
     }
 
     /// Moves a mesh to its group's space and adds it, a geometry for each run.
-    fn mesh(
-        &mut self,
-        mesh: TriangleMesh,
-        runs: &[Run<'a>],
-        surface: &'a desc::Surface,
-        place: Place,
-    ) -> Result<(), CompileError> {
-        if !mesh.is_whole() {
-            return Err(CompileError::new("a triangle names a vertex that isn't there"));
-        }
+    fn mesh(&mut self, mesh: TriangleMesh, runs: &[Run<'a>], surface: &'a desc::Surface, place: Place) {
         let m = place.transform;
-        let mut mesh = if m.is_identity() { mesh } else { mesh.transformed(&m).ok_or_else(singular)? };
+        let moved = if m.is_identity() { Some(mesh) } else { mesh.transformed(&m) };
+        let Some(mut mesh) = moved.filter(TriangleMesh::is_whole) else { return self.leave_out() };
         if surface.flip {
             mesh.flip = !mesh.flip;
             mesh.normals.iter_mut().for_each(|n| *n = -*n);
         }
-        let default = self.materials.of(surface.material.as_ref(), place.material)?;
-        let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e)).transpose()?;
+        let default = self.materials.of(surface.material.as_ref(), place.material);
+        let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e));
         let mut known = Vec::new();
         for run in runs {
             let material = match run.material {
-                Some(part) => self.materials.add(&part.material)?,
+                Some(part) => self.materials.add(&part.material),
                 None => default,
             };
             let part_glow = run.material.and_then(|part| part.emission.as_ref());
             let radiance = match (own_glow, part_glow) {
                 (Some(own), _) => Some(own),
-                (None, Some(part)) => Some(self.materials.emission(part)?),
+                (None, Some(part)) => Some(self.materials.emission(part)),
                 (None, None) => None,
             };
             let id = self.geometry.meshes.len() as u32;
@@ -569,7 +510,7 @@ impl<'a> Build<'a> {
             let emission_varies = glow.as_ref().is_some_and(|g| g.radiance.varies() || g.below.is_some());
             let emitter = match glow {
                 Some(Glow { radiance, below, both_sides }) => {
-                    let opacity = self.materials.opacity(material)?;
+                    let opacity = self.materials.opacity(material);
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
                     let flip = false;
@@ -581,7 +522,6 @@ impl<'a> Build<'a> {
             let record = GeometryRecord { kind, material, emitter, emission_varies, flip: false, placement };
             self.geometries.push(record);
         }
-        Ok(())
     }
 }
 
@@ -676,18 +616,14 @@ fn shaded(mut out: TriangleMesh, shading: &Shading) -> TriangleMesh {
     out
 }
 
-fn singular() -> CompileError {
-    CompileError::new("a transform is singular, or leaves the range of single precision")
+/// Validation has seen that it has a length.
+fn unit(v: DVec3) -> DVec3 {
+    v.try_normalize().unwrap_or(DVec3::Y)
 }
 
-fn unit(v: DVec3) -> Result<DVec3, CompileError> {
-    v.try_normalize().ok_or_else(|| CompileError::new("a direction has no length"))
-}
-
-/// The place of a node's own coordinates.
-fn placed(node: &Node, place: Place) -> Result<Affine, CompileError> {
-    let singular = || CompileError::at("this transform is singular", node.transform().span);
-    Ok(node.placement().ok_or_else(singular)?.then(&place.transform))
+/// The place of a node's own coordinates, which validation has seen.
+fn placed(node: &Node, place: Place) -> Affine {
+    node.placement().map_or(place.transform, |own| own.then(&place.transform))
 }
 
 /// Two unit vectors that make a right-handed frame with `n`.
@@ -700,7 +636,7 @@ fn tangents(n: DVec3) -> (DVec3, DVec3) {
 }
 
 /// A sphere stays one under rotations and uniform scaling.
-fn sphere(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
+fn sphere(s: &desc::Sphere, m: &Affine) -> Option<Shape> {
     let column = |j: usize| DVec3::new(m.rows[0][j], m.rows[1][j], m.rows[2][j]);
     let (a, b, c) = (column(0), column(1), column(2));
     let scale = a.length();
@@ -712,37 +648,25 @@ fn sphere(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
         && near(c.length_squared() - scale * scale);
     let center = m.point(s.center);
     if similar {
-        return Ok(Shape::Sphere(Sphere { center: center.as_vec3(), radius: (scale * s.radius) as f32 }));
+        return Some(Shape::Sphere(Sphere { center: center.as_vec3(), radius: (scale * s.radius) as f32 }));
     }
     ellipsoid(s, m)
 }
 
-/// It knows where its pole is.
-fn ellipsoid(s: &desc::Sphere, m: &Affine) -> Result<Shape, CompileError> {
+/// It knows where its pole is. `None` where it leaves the range of numbers.
+fn ellipsoid(s: &desc::Sphere, m: &Affine) -> Option<Shape> {
     let unit_to_local = Affine::scale(DVec3::splat(s.radius)).then(&Affine::translate(s.center));
-    Ok(Shape::Ellipsoid(Box::new(Ellipsoid::new(unit_to_local.then(m)).ok_or_else(singular)?)))
+    Some(Shape::Ellipsoid(Box::new(Ellipsoid::new(unit_to_local.then(m))?)))
 }
 
-fn bezier_mesh(b: &desc::Bezier, resolution: u32) -> Result<TriangleMesh, CompileError> {
+/// Validation has seen that patches name points that are there.
+fn bezier_mesh(b: &desc::Bezier, resolution: u32) -> TriangleMesh {
     let patches = match b.source() {
-        desc::BezierPatches::Builtin("teapot") => bezier::teapot(),
-        desc::BezierPatches::Builtin(name) => {
-            return Err(CompileError::new(format!(
-                "there are no built-in patches `{name}`; there is `teapot`"
-            )));
-        }
+        desc::BezierPatches::Builtin(desc::Patches::Teapot) => bezier::teapot(),
         desc::BezierPatches::Inline => {
-            let point = |&i: &u32| b.points.get(i as usize).map(|p| p.as_vec3());
-            let patch = |ids: &[u32; 16]| -> Option<bezier::Patch> {
-                let points: Vec<Vec3> = ids.iter().map(point).collect::<Option<_>>()?;
-                points.try_into().ok()
-            };
-            b.patches
-                .iter()
-                .map(patch)
-                .collect::<Option<_>>()
-                .ok_or_else(|| CompileError::new("a patch names a control point that isn't there"))?
+            let point = |i: u32| b.points.get(i as usize).map_or(Vec3::ZERO, |p| p.as_vec3());
+            b.patches.iter().map(|ids| ids.map(point)).collect()
         }
     };
-    Ok(bezier::tessellate(&patches, resolution))
+    bezier::tessellate(&patches, resolution)
 }

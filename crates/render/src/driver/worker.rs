@@ -13,7 +13,9 @@ use crate::film::channel::{FirstHit, Seen, see};
 use crate::film::{BandSample, FilmTile, Flying, LightSum, Sample, TILE};
 use crate::filter::Filter;
 use crate::footprint::PackedFootprint;
-use crate::integrator::{Contribution, Integrator, Origin, Out, Path, PathTracer, Queue, Start, Target};
+use crate::integrator::{
+    Contribution, Integrator, Origin, Out, Path, PathTracer, Queue, Scratch, Start, Target,
+};
 use crate::lanes::{Lanes, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, Probe};
 use crate::settings::Settings;
@@ -104,6 +106,7 @@ pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
     shadow_rays: Vec<Ray>,
     shadows: Vec<Contribution>,
     splats: Vec<Contribution>,
+    scratch: Option<Box<Scratch>>,
     transmittance: Vec<Light>,
     blocked: Vec<bool>,
     /// What the sample that the film takes adds to bands of wavelengths.
@@ -144,6 +147,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             shadow_rays: Vec::new(),
             shadows: Vec::new(),
             splats: Vec::new(),
+            scratch: None,
             transmittance: Vec::new(),
             blocked: Vec::new(),
             bands: Vec::new(),
@@ -297,6 +301,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 shadow_rays: &mut self.shadow_rays,
                 shadows: &mut self.shadows,
                 splats: &mut self.splats,
+                scratch: &mut self.scratch,
                 stopwatch: &mut self.stopwatch,
             };
             self.integrator.step(world, &queue, &mut out);
@@ -314,20 +319,29 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         let asked = AskedShadows { shadows: &self.shadows, rays: &self.shadow_rays };
         let answer = Answer { blocked: &mut self.blocked, light: &mut self.transmittance };
         self.probe.transmittance(self.world, &asked, answer);
-        for (shadow, &t) in self.shadows.iter().zip(&self.transmittance) {
-            if t == Light::ZERO {
-                continue;
-            }
-            let arrived = Contribution { light: shadow.light * t, ..*shadow };
+        if !self.transmittance.is_empty() {
+            self.dim_shadows();
+        }
+        for (shadow, _) in self.shadows.iter().zip(&self.blocked).filter(|(_, blocked)| !**blocked) {
             match shadow.target {
-                Target::Sample => self.samples.sums[shadow.sample as usize].add(arrived.light),
-                Target::Film(_) => self.splats.push(arrived),
+                Target::Sample => self.samples.sums[shadow.sample as usize].add(shadow.light),
+                Target::Film(_) => self.splats.push(*shadow),
             }
         }
         self.stopwatch.times.shadow_rays += self.shadow_rays.len() as u64;
         self.shadow_rays.clear();
         self.shadows.clear();
         self.stopwatch.lap(Phase::Search);
+    }
+
+    /// Multiplies what shadow rays bring by the share that passes.
+    #[cold]
+    fn dim_shadows(&mut self) {
+        let all = self.shadows.iter_mut().zip(&self.transmittance).zip(&mut self.blocked);
+        for ((shadow, &t), blocked) in all {
+            shadow.light *= t;
+            *blocked = t == Light::ZERO;
+        }
     }
 
     /// Brings light to the pixels whose filter reaches where it came down on the film.

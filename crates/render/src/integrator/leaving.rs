@@ -1,6 +1,6 @@
 //! What rays see that leave the scene, for a block of them.
 
-use super::lighting::power_heuristic;
+use super::technique::Technique;
 use super::vertices::{BLOCK, Bits, Lights, ROOM};
 use crate::lanes::Lanes;
 use crate::light::Receiver;
@@ -74,6 +74,7 @@ pub(super) struct LookUp<'a, L> {
     pub world: &'a World,
     pub leaving: &'a Leaving<L>,
     pub emitter: u32,
+    pub technique: Technique,
     pub out: &'a mut [Light; BLOCK],
 }
 
@@ -82,7 +83,7 @@ impl<L: Lanes> Kernel for LookUp<'_, L> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Self { world, leaving, emitter, out } = self;
+        let Self { world, leaving, emitter, technique, out } = self;
         let environment = &world.emitters[emitter as usize];
         let readings = world.readings(&leaving.lanes);
         for first in (0..leaving.count.min(BLOCK)).step_by(F::WIDTH) {
@@ -96,7 +97,7 @@ impl<L: Lanes> Kernel for LookUp<'_, L> {
                 let from = Receiver { p: leaving.from.load(first), n: leaving.from_n.load(first) };
                 let (radiance, pdf) = environment.radiance_pdf_from_many(from.n, d, &readings);
                 let by_light = world.lights.pmfs(emitter, &from) * pdf;
-                let weight = power_heuristic(leaving.pdf.load(first), by_light);
+                let weight = technique.of_bsdf(leaving.pdf.load(first), by_light);
                 beta * radiance * F::select(delta, F::ONE, weight)
             };
             light.for_each(

@@ -1,6 +1,7 @@
 //! Next-event estimation for a block of vertices: points on lights, and what they bring.
 
 use super::numbers::Numbers;
+use super::technique::Technique;
 use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Vertices, ends, frames, ray};
 use crate::lanes::Lanes;
 use crate::light::LightSample;
@@ -115,6 +116,7 @@ pub(super) struct Weigh<'a, 'w> {
     pub surfaces: &'a Surfaces,
     pub vertices: &'a Vertices<'w>,
     pub lit: &'a Lit,
+    pub technique: Technique,
     pub out: &'a mut Brought,
 }
 
@@ -135,7 +137,11 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Weigh { surfaces, vertices, lit, out, .. } = self.of;
+        // See `Vertices::by_kind`.
+        if F::WIDTH == 1 && !K::IS_ANY {
+            return;
+        }
+        let Weigh { surfaces, vertices, lit, technique, out, .. } = self.of;
         out.bright = Bits::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let there = lit.there.load::<F>(first);
@@ -147,7 +153,7 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
             let wi = frames::<F>(surfaces, first).to_local(light.wi);
             let (leaning, wo) = (surfaces.leaning.load(first), surfaces.wo.load(first));
             let (value, pdf) = shaded::eval_pdf_many(bsdfs, leaning, [wo, wi], Transport::Radiance);
-            let weight = F::select(light.delta, F::ONE, power_heuristic(light.pdf, pdf));
+            let weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
             let beta = vertices.beta.load(first);
             let brought = beta * value * light.radiance * (weight / light.pdf);
 

@@ -8,6 +8,8 @@
 //! To add an integrator, write its file: a state, where its paths start, and a step; its line in the list below; its keys in the
 //! description.
 
+mod ambient_occlusion;
+mod direct;
 mod leaving;
 mod lighting;
 mod list;
@@ -17,12 +19,20 @@ mod path;
 mod queue;
 mod scattering;
 mod sine_product;
+mod technique;
+mod vertex;
 mod vertices;
+mod whitted;
 
+pub use ambient_occlusion::{AmbientOcclusion, Falloff, Warp};
+pub use direct::DirectLight;
 pub use out::{Contribution, Out, Target};
-pub use path::PathTracer;
+pub(crate) use path::Scratch;
+pub use path::{PathTracer, Roulette};
 pub use queue::{Arrival, Kind, Queue};
 pub use sine_product::SineProduct;
+pub use technique::Technique;
+pub use whitted::Whitted;
 
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
@@ -34,6 +44,12 @@ use straal_scene::desc;
 list::integrators! {
     /// Path tracing with next-event estimation.
     Path(PathTracer),
+    /// Direct light alone.
+    Direct(DirectLight),
+    /// How much of an even sky is seen.
+    Ao(AmbientOcclusion),
+    /// The textbook's recursive ray tracer.
+    Whitted(Whitted),
     /// A function in place of light.
     SineProduct(SineProduct),
 }

@@ -23,7 +23,9 @@ pub(super) struct Numbers {
 pub(super) struct Wanted {
     /// [`Numbers::light`].
     pub light: bool,
-    /// The third of [`Numbers::direction`].
+    /// [`Numbers::direction`].
+    pub direction: bool,
+    /// The third of them.
     pub lobe: bool,
     /// [`Numbers::roulette`].
     pub roulette: bool,
@@ -79,11 +81,14 @@ impl Kernel for Draw<'_> {
             if wanted.light {
                 store(pattern.d2(&name, Purpose::LightPoint), &mut numbers.light, first);
             }
-            if wanted.lobe {
-                store(pattern.d3(&name, Purpose::Direction), &mut numbers.direction, first);
-            } else {
-                let [u, v] = pattern.d2(&name, Purpose::Direction);
-                store([u, v, F::ZERO], &mut numbers.direction, first);
+            if wanted.direction {
+                let drawn = if wanted.lobe {
+                    pattern.d3(&name, Purpose::Direction)
+                } else {
+                    let [u, v] = pattern.d2(&name, Purpose::Direction);
+                    [u, v, F::ZERO]
+                };
+                store(drawn, &mut numbers.direction, first);
             }
             if wanted.roulette {
                 store(
@@ -119,7 +124,7 @@ mod tests {
             let Some(simd) = Simd::new(isa) else { continue };
             for count in [1, 7, 16, 17, 31, 32] {
                 let mut numbers = Numbers::default();
-                let wanted = Wanted { light: true, lobe: count % 2 == 1, roulette: true };
+                let wanted = Wanted { light: true, direction: true, lobe: count % 2 == 1, roulette: true };
                 numbers.draw(simd, pattern, &names[..count], wanted);
                 for (i, name) in names[..count].iter().enumerate() {
                     let [lobe, u, v] = numbers.direction::<f32>(i);

@@ -1,6 +1,6 @@
 //! What a step emits.
 
-use super::Path;
+use super::{Path, Scratch};
 use crate::film::LightSum;
 use crate::stopwatch::Stopwatch;
 use straal_color::Light;
@@ -62,6 +62,8 @@ pub struct Out<'a, S> {
     pub(crate) shadows: &'a mut Vec<Contribution>,
     /// Light for other places than the sample's own.
     pub(crate) splats: &'a mut Vec<Contribution>,
+    /// What the path tracer works in, between steps; made by the first.
+    pub(crate) scratch: &'a mut Option<Box<Scratch>>,
     /// Tells how long each part took.
     pub stopwatch: &'a mut Stopwatch,
 }
@@ -93,7 +95,7 @@ impl<S> Out<'_, S> {
 
 impl<S: Copy> Out<'_, S> {
     /// [`Self::go_on`] with the state that the path has; gives what goes on, to be changed where it lies.
-    #[inline(always)]
+    #[inline]
     pub fn go_on_as(&mut self, path: &Path<S>, branch: u32, ray: Ray) -> &mut S {
         self.go_on(path, branch, ray, path.state);
         let last = self.next.len() - 1;

@@ -1,9 +1,11 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
 use super::leaving::{Leaver, Leaving, LookUp};
-use super::lighting::{Brought, Illuminate, Lit, Weigh, power_heuristic};
+use super::lighting::{Brought, Illuminate, Lit, Weigh};
 use super::numbers::{Numbers, Wanted};
 use super::scattering::{Onward, SendOn};
+use super::technique::Technique;
+use super::vertex::left_on_way;
 use super::vertices::{Arriving, BLOCK, ROOM, Vertices};
 use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
@@ -31,11 +33,27 @@ pub struct PathTracer {
     pub max_depth: u32,
     /// Paths of this many edges and more may be ended by roulette; of 1000 and more in any case.
     pub roulette_depth: u32,
+    /// By which chance they go on.
+    pub roulette: Roulette,
+    /// How the light that falls on a vertex is found.
+    pub technique: Technique,
+}
+
+/// By which chance roulette lets a path go on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Roulette {
+    /// The root of what it carries.
+    #[default]
+    Root,
+    /// What it carries.
+    Throughput,
+    /// It isn't played before a path has 1000 edges.
+    Off,
 }
 
 impl Default for PathTracer {
     fn default() -> Self {
-        Self { max_depth: u32::MAX, roulette_depth: 5 }
+        Self { max_depth: u32::MAX, roulette_depth: 5, roulette: Roulette::Root, technique: Technique::Mis }
     }
 }
 
@@ -49,7 +67,13 @@ impl PathTracer {
             Depth::Unlimited => u32::MAX,
             Depth::Edges(n) => n,
         };
-        Self { max_depth, roulette_depth: path.roulette_depth }
+        let roulette = match path.roulette {
+            desc::Roulette::Root => Roulette::Root,
+            desc::Roulette::Throughput => Roulette::Throughput,
+            desc::Roulette::Off => Roulette::Off,
+        };
+        let technique = Technique::of(&path.technique);
+        Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique }
     }
 }
 
@@ -81,7 +105,14 @@ impl Integrator for PathTracer {
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         let depth = if self.max_depth == u32::MAX { "unlimited".into() } else { self.max_depth.to_string() };
-        vec![("max_depth", depth), ("roulette_depth", self.roulette_depth.to_string())]
+        let mut facts = vec![("max_depth", depth), ("roulette_depth", self.roulette_depth.to_string())];
+        if self.technique != Technique::Mis {
+            facts.push(("technique", self.technique.name().into()));
+        }
+        if self.roulette != Roulette::Root {
+            facts.push(("roulette", format!("{:?}", self.roulette).to_lowercase()));
+        }
+        facts
     }
 
     fn limit_depth(&mut self, edges: u32) {
@@ -106,27 +137,33 @@ impl Integrator for PathTracer {
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let dimmed = world.materials.interiors().matter().then(|| dimmed(world, queue));
         let queue = &Queue { paths: dimmed.as_deref().unwrap_or(queue.paths), ..*queue };
+        let mut scratch = out.scratch.take().unwrap_or_default();
         match queue.kind {
-            Kind::Missed => miss(world, queue, out),
+            Kind::Missed => self.miss(world, queue, out),
             Kind::Dark => {
-                let mut surfaces = Box::<Surfaces>::default();
                 for paths in queue.order.chunks(BLOCK) {
-                    meet(world, queue, paths, &mut surfaces, out);
+                    self.meet(world, queue, paths, &mut scratch.surfaces, out);
                 }
             }
-            Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, out),
+            Kind::Scattering(_) | Kind::Varying => self.scatter_all(world, queue, &mut scratch, out),
         }
+        *out.scratch = Some(scratch);
     }
 }
 
 impl PathTracer {
     /// Blocks of vertices: where they lie and what scatters there, then light from lights, then the next ray.
-    fn scatter_all<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+    fn scatter_all<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        scratch: &mut Scratch,
+        out: &mut Out<'_, State<L>>,
+    ) {
         let Some(&first) = queue.order.first() else { return };
         let first = &queue.paths[first as usize];
         let (mut names, mut lanes) = ([first.name; BLOCK], [first.state.lanes; ROOM]);
         let mut vertices = Vertices::new();
-        let mut scratch = Box::<Scratch>::default();
         for paths in queue.order.chunks(BLOCK) {
             out.stopwatch.begin_block();
             // Ahead of the rest: paths lie far apart, and the memory has all of them to fetch at once.
@@ -134,24 +171,35 @@ impl PathTracer {
                 let path = &queue.paths[path as usize];
                 (names[i], lanes[i]) = (path.name, path.state.lanes);
             }
-            meet(world, queue, paths, &mut scratch.surfaces, out);
-            self.arrive(world, queue, (paths, &mut scratch), &mut vertices, out);
+            self.meet(world, queue, paths, &mut scratch.surfaces, out);
+            self.arrive(world, queue, (paths, &mut *scratch), &mut vertices, out);
             let names = &names[..paths.len()];
             let block = Block { paths, names, lanes: &lanes, vertices: &vertices };
             draw_numbers(queue, block, &mut scratch.numbers);
             out.stopwatch.part(Phase::Shading);
-            light(world, queue, block, &mut scratch, out);
+            self.light(world, queue, block, scratch, out);
             out.stopwatch.part(Phase::Lights);
-            scatter(world, queue, block, &mut scratch, out);
+            self.scatter(world, queue, block, scratch, out);
             out.stopwatch.part(Phase::Shading);
         }
         out.stopwatch.lap_of_blocks();
     }
 
+    /// Paths of so many edges don't go on: one edge more would be too many, or would be the last, of use only where there is light to
+    /// be met.
+    #[inline]
+    fn ends(&self, world: &World) -> u32 {
+        match self.max_depth {
+            u32::MAX => u32::MAX,
+            most if world.shows_lights() => most,
+            most => most.saturating_sub(1),
+        }
+    }
+
     /// Whether a path of so many edges may be ended by chance.
     #[inline(always)]
     fn plays_roulette(&self, depth: u32) -> bool {
-        depth >= self.roulette_depth || depth >= PATIENCE
+        depth >= self.roulette_depth && self.roulette != Roulette::Off || depth >= PATIENCE
     }
 
     /// The vertices of a block: the surfaces from which paths may go on, and how they scatter.
@@ -166,6 +214,7 @@ impl PathTracer {
     ) {
         vertices.begin(paths.len());
         let special = world.materials.interiors().matter() || world.has_ambient_light();
+        let end = self.ends(world);
         let mut last = None;
         for (i, &path) in paths.iter().enumerate() {
             let &State { lanes, beta, eta_squared, depth, .. } = &queue.paths[path as usize].state;
@@ -197,7 +246,7 @@ impl PathTracer {
                 vertices.replace(bsdf);
             }
             let plays_roulette = self.plays_roulette(depth);
-            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette });
+            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette, goes_on: depth < end });
         }
     }
 }
@@ -231,7 +280,7 @@ fn left_of_light<L: Lanes>(
     let wo = surfaces.wo.at(i).z;
     let crosses = surfaces.frame[2].at(i).dot(ray.d) * wo < 0.0;
     let inside = if crosses { state.inside.crossed(interior, wo > 0.0) } else { state.inside };
-    world.materials.interiors().left_after(inside, ray.t_max, &world.reading(state.lanes))
+    left_on_way(world, ray, inside, state.lanes)
 }
 
 /// Adds ambient light; gives what scatters at the boundary of a clear material, which depends on what is on the other side. Nothing where
@@ -264,63 +313,73 @@ fn scatters_specially<'w, L: Lanes>(
     Some(bsdf)
 }
 
-/// Where the rays of a block arrived; adds the light that is emitted there.
-fn meet<L: Lanes>(
-    world: &World,
-    queue: &Queue<'_, State<L>>,
-    paths: &[u32],
-    surfaces: &mut Surfaces,
-    out: &mut Out<'_, State<L>>,
-) {
-    let met = Met { order: paths, rays: queue.rays, hits: queue.hits };
-    surfaces.meet(world, queue.simd, &met, |path| queue.paths[path as usize].state.footprint);
-    for (i, &path) in paths.iter().enumerate() {
-        if let Some(emitter) = surfaces.emitter[i] {
-            meet_light(world, &queue.arrival(path), (emitter, &surfaces.point(i)), out);
-        }
-    }
-}
-
-/// Light from the surroundings, for rays that leave the scene.
-fn miss<L: Lanes>(world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
-    let Some(&first) = queue.order.first() else { return };
-    let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
-    let mut light = [Light::ZERO; BLOCK];
-    for paths in queue.order.chunks(BLOCK) {
-        leaving.clear();
-        for &path in paths {
-            let Arrival { path, ray, .. } = queue.arrival(path);
-            let &State { lanes, beta, from, pdf, delta, .. } = &path.state;
-            leaving.push(&Leaver { d: ray.d, beta, pdf, delta, from, lanes });
-        }
-        for (emitter, _) in world.environments() {
-            queue.simd.run(LookUp { world, leaving: &leaving, emitter, out: &mut light });
-            for (&path, &light) in paths.iter().zip(&light) {
-                out.add(Contribution::own(&queue.paths[path as usize], light));
+impl PathTracer {
+    /// Where the rays of a block arrived; adds the light that is emitted there.
+    fn meet<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        paths: &[u32],
+        surfaces: &mut Surfaces,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let met = Met { order: paths, rays: queue.rays, hits: queue.hits };
+        surfaces.meet(world, queue.simd, &met, |path| queue.paths[path as usize].state.footprint);
+        for (i, &path) in paths.iter().enumerate() {
+            if let Some(emitter) = surfaces.emitter[i] {
+                self.meet_light(world, &queue.arrival(path), (emitter, &surfaces.point(i)), out);
             }
         }
     }
-}
 
-/// Light that a glowing surface emits.
-#[inline]
-fn meet_light<L: Lanes>(
-    world: &World,
-    arrival: &Arrival<'_, State<L>>,
-    (emitter, point): (u32, &SurfacePoint),
-    out: &mut Out<'_, State<L>>,
-) {
-    let (state, d) = (&arrival.path.state, arrival.ray.d);
-    let radiance = world.emitters[emitter as usize].radiance_at(point, -d, &world.reading(state.lanes));
-    if radiance.is_black() {
-        return;
+    /// Light from the surroundings, for rays that leave the scene.
+    fn miss<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+        let Some(&first) = queue.order.first().filter(|_| world.has_environment()) else { return };
+        let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
+        let mut light = [Light::ZERO; BLOCK];
+        for paths in queue.order.chunks(BLOCK) {
+            leaving.clear();
+            for &path in paths {
+                let Arrival { path, ray, .. } = queue.arrival(path);
+                let &State { lanes, beta, from, pdf, delta, .. } = &path.state;
+                leaving.push(&Leaver { d: ray.d, beta, pdf, delta, from, lanes });
+            }
+            for (emitter, _) in world.environments() {
+                queue.simd.run(LookUp {
+                    world,
+                    leaving: &leaving,
+                    emitter,
+                    technique: self.technique,
+                    out: &mut light,
+                });
+                for (&path, &light) in paths.iter().zip(&light) {
+                    out.add(Contribution::own(&queue.paths[path as usize], light));
+                }
+            }
+        }
     }
-    let weight = if state.delta {
-        1.0
-    } else {
-        power_heuristic(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, point))
-    };
-    out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
+
+    /// Light that a glowing surface emits.
+    #[inline]
+    fn meet_light<L: Lanes>(
+        &self,
+        world: &World,
+        arrival: &Arrival<'_, State<L>>,
+        (emitter, point): (u32, &SurfacePoint),
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let (state, d) = (&arrival.path.state, arrival.ray.d);
+        let radiance = world.emitters[emitter as usize].radiance_at(point, -d, &world.reading(state.lanes));
+        if radiance.is_black() {
+            return;
+        }
+        let weight = if state.delta {
+            1.0
+        } else {
+            self.technique.of_bsdf(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, point))
+        };
+        out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
+    }
 }
 
 /// Paths whose vertices are worked on together.
@@ -337,7 +396,7 @@ struct Block<'a, 'w, L> {
 
 /// What the paragraphs of a step leave for one another.
 #[derive(Default)]
-struct Scratch {
+pub(crate) struct Scratch {
     surfaces: Surfaces,
     /// What each surface is filled with, by its number, in a world where that matters.
     interior: [u16; BLOCK],
@@ -351,65 +410,78 @@ struct Scratch {
 fn draw_numbers<L: Lanes>(queue: &Queue<'_, State<L>>, block: Block<'_, '_, L>, numbers: &mut Numbers) {
     let wanted = Wanted {
         light: block.vertices.asks_lights.any(),
+        direction: block.vertices.goes_on.any(),
         lobe: block.vertices.chooses_lobe,
         roulette: block.vertices.plays_roulette.any(),
     };
     numbers.draw(queue.simd, queue.pattern, block.names, wanted);
 }
 
-/// Next-event estimation: asks for a shadow ray from each vertex to a point on a light.
-fn light<L: Lanes>(
-    world: &World,
-    queue: &Queue<'_, State<L>>,
-    block: Block<'_, '_, L>,
-    Scratch { surfaces, interior, numbers, lit, brought, .. }: &mut Scratch,
-    out: &mut Out<'_, State<L>>,
-) {
-    let Block { vertices, lanes, .. } = block;
-    let simd = queue.simd;
-    if !vertices.asks_lights.any() {
-        return;
-    }
-    simd.run(Illuminate { world, surfaces, vertices, lanes, numbers, out: lit });
-    vertices.by_kind(Weigh { simd, surfaces, vertices, lit, out: brought });
-    for i in brought.bright.each() {
-        let path = block.paths[i] as usize;
-        let (ray, mut light) = brought.get(i, &queue.rays[path]);
-        if world.materials.interiors().matter() {
-            light *= left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
+impl PathTracer {
+    /// Next-event estimation: asks for a shadow ray from each vertex to a point on a light.
+    fn light<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        block: Block<'_, '_, L>,
+        Scratch { surfaces, interior, numbers, lit, brought, .. }: &mut Scratch,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let Block { vertices, lanes, .. } = block;
+        let simd = queue.simd;
+        if !vertices.asks_lights.any() {
+            return;
         }
-        out.shadow(ray, Contribution::own(&queue.paths[path], light));
+        simd.run(Illuminate { world, surfaces, vertices, lanes, numbers, out: lit });
+        vertices
+            .by_kind(simd, Weigh { simd, surfaces, vertices, lit, technique: self.technique, out: brought });
+        for i in brought.bright.each() {
+            let path = block.paths[i] as usize;
+            let (ray, mut light) = brought.get(i, &queue.rays[path]);
+            if world.materials.interiors().matter() {
+                light *= left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
+            }
+            out.shadow(ray, Contribution::own(&queue.paths[path], light));
+        }
     }
-}
 
-/// Draws the next directions, or ends paths.
-fn scatter<L: Lanes>(
-    world: &World,
-    queue: &Queue<'_, State<L>>,
-    block: Block<'_, '_, L>,
-    Scratch { surfaces, interior, numbers, onward, .. }: &mut Scratch,
-    out: &mut Out<'_, State<L>>,
-) {
-    let (vertices, simd) = (block.vertices, queue.simd);
-    vertices.by_kind(SendOn { simd, surfaces, vertices, numbers, out: onward });
-    for i in onward.alive.each() {
-        let index = block.paths[i] as usize;
-        let (path, ray) = (&queue.paths[index], &queue.rays[index]);
-        let state = out.go_on_as(path, 0, onward.ray(i, ray));
-        (state.beta, state.eta_squared) = onward.carried(i);
-        (state.from, state.pdf) = onward.from(i, surfaces);
-        state.delta = onward.delta(i);
-        state.depth += 1;
-        if onward.wavelength(i) > 0.0 {
-            // A direction of a single wavelength: the others end here, and their lanes are 0.
-            state.lanes = state.lanes.only(onward.wavelength(i));
+    /// Draws the next directions, or ends paths.
+    fn scatter<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        block: Block<'_, '_, L>,
+        Scratch { surfaces, interior, numbers, onward, .. }: &mut Scratch,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let (vertices, simd) = (block.vertices, queue.simd);
+        if !vertices.goes_on.any() {
+            return;
         }
-        if world.materials.vary() {
-            let arrived = (ray, &queue.hits[index]);
-            state.footprint = world.footprint_beyond(&path.state.footprint, arrived, &onward.sample(i));
-        }
-        if world.materials.interiors().matter() && onward.sample(i).transmitted {
-            state.inside = state.inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
+        vertices.by_kind(
+            simd,
+            SendOn { simd, surfaces, vertices, numbers, roulette: self.roulette, out: onward },
+        );
+        for i in onward.alive.each() {
+            let index = block.paths[i] as usize;
+            let (path, ray) = (&queue.paths[index], &queue.rays[index]);
+            let State { mut lanes, mut footprint, depth, mut inside, .. } = path.state;
+            let (beta, eta_squared) = onward.carried(i);
+            let (from, pdf) = onward.from(i, surfaces);
+            if onward.wavelength(i) > 0.0 {
+                // A direction of a single wavelength: the others end here, and their lanes are 0.
+                lanes = lanes.only(onward.wavelength(i));
+            }
+            if world.materials.vary() {
+                let arrived = (ray, &queue.hits[index]);
+                footprint = world.footprint_beyond(&footprint, arrived, &onward.sample(i));
+            }
+            if world.materials.interiors().matter() && onward.sample(i).transmitted {
+                inside = inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
+            }
+            let (delta, depth) = (onward.delta(i), depth + 1);
+            let state = State { lanes, footprint, beta, from, pdf, delta, depth, eta_squared, inside };
+            out.go_on(path, 0, onward.ray(i, ray), state);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Where the paths of a block of vertices go on.
 
 use super::numbers::Numbers;
+use super::path::Roulette;
 use super::vertices::{BLOCK, Bits, Row, Vertices, ends, frames, ray, vector};
 use crate::light::Receiver;
 use crate::material::many::{OfKind, WithKind};
@@ -79,6 +80,7 @@ pub(super) struct SendOn<'a, 'w> {
     pub surfaces: &'a Surfaces,
     pub vertices: &'a Vertices<'w>,
     pub numbers: &'a Numbers,
+    pub roulette: Roulette,
     pub out: &'a mut Onward,
 }
 
@@ -99,10 +101,14 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let SendOn { surfaces, vertices, numbers, out, .. } = self.of;
+        // See `Vertices::by_kind`.
+        if F::WIDTH == 1 && !K::IS_ANY {
+            return;
+        }
+        let SendOn { surfaces, vertices, numbers, roulette, out, .. } = self.of;
         (out.alive, out.delta, out.transmitted) = Default::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
-            let alive = vertices.alive.load::<F>(first);
+            let alive = vertices.goes_on.load::<F>(first);
             let Some(bsdfs) = vertices.bsdfs::<K>(first) else { break };
             if !alive.any() {
                 continue;
@@ -114,13 +120,15 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             let mut beta = vertices.beta.load::<F>(first) * s.weight;
             let eta_squared = vertices.eta_squared.load::<F>(first) * s.eta * s.eta;
 
-            // Roulette: paths that carry little end with a chance that keeps the mean. They go on by the root of what they carry: by
-            // the whole, survivors would be multiplied by so much that the noise costs more than the time saved (in `box-diffuse`
-            // 12 % less variance for 3 % more time). Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting", whose
-            // optimum is a root as well.
+            // Roulette: paths that carry little end with a chance that keeps the mean. They go on by the root of what they carry, unless the scene
+            // says otherwise: by the whole, survivors would be multiplied by so much that the noise costs more than the time saved (in
+            // `box-diffuse` 12 % less variance for 3 % more time). Rath et al. 2022, "EARS: Efficiency-Aware Russian Roulette and Splitting",
+            // whose optimum is a root as well.
             let plays = vertices.plays_roulette.load::<F>(first);
             if plays.any() {
-                let survive = (beta.max_lane() * eta_squared).sqrt().min(F::splat(0.95));
+                let carried = beta.max_lane() * eta_squared;
+                let chance = if roulette == Roulette::Throughput { carried } else { carried.sqrt() };
+                let survive = chance.min(F::splat(0.95));
                 alive = alive & !(plays & numbers.roulette::<F>(first).ge(survive));
                 beta *= F::select(plays, F::ONE / survive, F::ONE);
             }

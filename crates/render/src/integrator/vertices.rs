@@ -6,7 +6,7 @@ use crate::material::{Black, Bsdf, BsdfKind};
 use crate::shape::offset::End;
 use crate::surface::{Column, Surfaces};
 use straal_color::Light;
-use straal_math::simd::{self, Float, Mask};
+use straal_math::simd::{self, Float, Mask, Simd};
 use straal_math::{Frame, Ray, Vec3};
 
 pub(super) use crate::surface::BLOCK;
@@ -97,6 +97,8 @@ pub(super) struct Vertices<'w> {
     pub asks_lights: Bits,
     /// Those whose path may be ended by chance.
     pub plays_roulette: Bits,
+    /// Those from which paths go on.
+    pub goes_on: Bits,
     /// Those to which light may come from all around, and not from the side that is seen alone.
     pub is_open: Bits,
     /// Whether any chooses between lobes.
@@ -141,6 +143,7 @@ pub(super) struct Arriving {
     pub beta: Light,
     pub eta_squared: f32,
     pub plays_roulette: bool,
+    pub goes_on: bool,
 }
 
 impl<'w> Vertices<'w> {
@@ -151,6 +154,7 @@ impl<'w> Vertices<'w> {
             alive: Bits::default(),
             asks_lights: Bits::default(),
             plays_roulette: Bits::default(),
+            goes_on: Bits::default(),
             is_open: Bits::default(),
             chooses_lobe: false,
             beta: Lights::default(),
@@ -168,9 +172,10 @@ impl<'w> Vertices<'w> {
     #[inline]
     pub fn begin(&mut self, count: usize) {
         self.count = count;
-        for bits in [&mut self.alive, &mut self.asks_lights, &mut self.plays_roulette, &mut self.is_open] {
+        for bits in [&mut self.alive, &mut self.asks_lights, &mut self.plays_roulette] {
             *bits = Bits::default();
         }
+        (self.goes_on, self.is_open) = Default::default();
         (self.chooses_lobe, self.kind, self.is_mixed) = (false, None, false);
         (self.read, self.which) = (0, [0; ROOM]);
     }
@@ -205,6 +210,7 @@ impl<'w> Vertices<'w> {
         self.alive.set(i, true);
         self.asks_lights.set(i, asks_lights);
         self.plays_roulette.set(i, arriving.plays_roulette);
+        self.goes_on.set(i, arriving.goes_on);
         self.is_open.set(i, is_open);
         self.chooses_lobe |= chooses_lobe;
         self.beta.set(i, arriving.beta);
@@ -212,11 +218,12 @@ impl<'w> Vertices<'w> {
         self.which[i] = self.read.saturating_sub(1) as u8;
     }
 
-    /// Hands the kind of their BSDFs to who works with any.
+    /// Hands the kind of their BSDFs to who works with any by an instruction set. What has a single lane takes all as of any kind: it
+    /// would gain nothing, and everybody who builds straal would compile it.
     #[inline]
-    pub fn by_kind(&self, worker: impl WithKind<'w>) {
+    pub fn by_kind(&self, simd: Simd, worker: impl WithKind<'w>) {
         match self.kind {
-            Some(kind) if !self.is_mixed => kind.hand_to(worker),
+            Some(kind) if !self.is_mixed && simd.width() > 1 => kind.hand_to(worker),
             _ => worker.with::<Bsdf<'w>>(),
         }
     }

@@ -1,11 +1,13 @@
 //! Spectra of a world's colours, and the tables by which wavelengths are drawn.
 
-use straal_color::spectrum::{COUNT, FIRST, Observer, Quantity, Spectrum, illuminant, refraction, uplift};
+use straal_color::spectrum::{
+    COUNT, FIRST, Observer, Quantity, TabulatedSpectrum, illuminant, refraction, uplift,
+};
 use straal_color::{Light, Matrix3, Space};
 use straal_math::{ops, table::Table1};
 
 /// A colour of the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Colour {
     /// In the work space.
     pub rgb: Light,
@@ -197,6 +199,6 @@ impl EtaTable {
 }
 
 /// The mean over each nanometre in single precision.
-pub(crate) fn table_of(spectrum: &Spectrum, quantity: Quantity) -> [f32; COUNT] {
+pub(crate) fn table_of(spectrum: &TabulatedSpectrum, quantity: Quantity) -> [f32; COUNT] {
     spectrum.means(quantity).map(|v| v as f32)
 }

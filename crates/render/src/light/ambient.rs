@@ -9,7 +9,6 @@ use straal_math::DVec3;
 use straal_scene::desc;
 
 use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine};
-use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
 
@@ -22,12 +21,8 @@ pub struct AmbientLight {
 
 impl AmbientLight {
     /// Of what a scene says.
-    pub(super) fn of(
-        l: &desc::AmbientLight,
-        paint: &mut Paint<'_>,
-        _: DVec3,
-    ) -> Result<Emitter, CompileError> {
-        Ok(Emitter::Ambient(Self { radiance: paint.light(&l.radiance)? }))
+    pub(super) fn of(l: &desc::AmbientLight, paint: &mut Paint<'_>, _: DVec3) -> Emitter {
+        Emitter::Ambient(Self { radiance: paint.light(&l.radiance) })
     }
 }
 

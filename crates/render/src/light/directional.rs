@@ -6,8 +6,7 @@ use straal_math::simd::{Float, Mask};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength};
-use crate::error::CompileError;
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength, unit};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 
@@ -26,14 +25,8 @@ impl DirectionalLight {
     }
 
     /// Of what a scene says.
-    pub(super) fn of(
-        l: &desc::DirectionalLight,
-        paint: &mut Paint<'_>,
-        _: DVec3,
-    ) -> Result<Emitter, CompileError> {
-        Self::new(l.axis().as_vec3(), paint.light(&l.irradiance)?)
-            .map(Emitter::Directional)
-            .ok_or_else(|| CompileError::new("the direction of a directional light has no length"))
+    pub(super) fn of(l: &desc::DirectionalLight, paint: &mut Paint<'_>, _: DVec3) -> Emitter {
+        Emitter::Directional(Self { wi: unit(-l.axis()), irradiance: paint.light(&l.irradiance) })
     }
 }
 

@@ -12,7 +12,6 @@ use super::cube::latitude_longitude;
 use super::facing::Facing;
 use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength};
 use crate::camera::CubeLayout;
-use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
 
@@ -25,18 +24,14 @@ pub struct ConstantEnvironment {
 
 impl ConstantEnvironment {
     /// Of what a scene says of surroundings: this, or a picture.
-    pub(super) fn of(
-        l: &desc::Environment,
-        paint: &mut Paint<'_>,
-        _: DVec3,
-    ) -> Result<Emitter, CompileError> {
+    pub(super) fn of(l: &desc::Environment, paint: &mut Paint<'_>, _: DVec3) -> Emitter {
         if let Some(file) = &l.file {
-            return Ok(Emitter::Image(Box::new(ImageEnvironment::of(l, file, paint)?)));
+            return ImageEnvironment::of(l, file, paint);
         }
         let black = desc::Spectrum::grey(0.0);
         let radiance = l.radiance.as_ref().unwrap_or(&black);
-        let radiance = paint.emission_times(radiance, l.scale)?.into();
-        Ok(Emitter::Constant(Self { radiance }))
+        let radiance = paint.emission_times(radiance, l.scale).into();
+        Emitter::Constant(Self { radiance })
     }
 
     /// By the cosine where a normal is known.
@@ -326,27 +321,24 @@ impl ImageEnvironment {
         Some(Self { width, height, pixels, cells, cosines, bands, axes, total, irradiance })
     }
 
-    fn of(
-        l: &desc::Environment,
-        asset: &value::Asset<Image>,
-        paint: &mut Paint<'_>,
-    ) -> Result<Self, CompileError> {
+    /// Of what a scene says of a picture; black if it has no pixels.
+    fn of(l: &desc::Environment, asset: &value::Asset<Image>, paint: &mut Paint<'_>) -> Emitter {
         let (file, image) = (&asset.file, paint.assets().image(asset.handle));
         let cube = match l.layout {
             desc::EnvironmentLayout::LatitudeLongitude => None,
             desc::EnvironmentLayout::Cross => Some(CubeLayout::Cross),
             desc::EnvironmentLayout::Row => Some(CubeLayout::Row),
         };
-        let unfolded = cube.map(|layout| latitude_longitude(image, layout)).transpose();
-        let unfolded = unfolded.map_err(|message| CompileError::at(message, file.span))?;
+        let side = l.layout.side(image);
+        let unfolded = cube.zip(side).map(|(layout, side)| latitude_longitude(image, layout, side));
         let image = unfolded.as_ref().unwrap_or(image);
         // The scene language has the middle column along -z, the emitter its left edge: half a turn.
         let placed = Affine::rotate(DVec3::Y, 180.0 + l.rotate)
             .zip(l.transform.affine())
-            .map(|(turn, own)| turn.then(&own))
-            .ok_or_else(|| CompileError::at("this transform is singular", l.transform.span))?;
+            .map_or(Affine::IDENTITY, |(turn, own)| turn.then(&own));
         let map = Self::new(&paint.surroundings(file, image), l.scale as f32, &placed);
-        map.ok_or_else(|| CompileError::at(format!("the picture `{}` has no pixels", file.value), file.span))
+        let black = || Emitter::Constant(ConstantEnvironment { radiance: Colour::default().into() });
+        map.map_or_else(black, |map| Emitter::Image(Box::new(map)))
     }
 
     /// See [`super::Emitter::radiance_from`].

@@ -12,7 +12,7 @@ macro_rules! emitters {
 
         impl Emitter {
             /// Of a light that a scene describes; `centre` of the description is the world's origin.
-            pub(crate) fn of(light: &desc::Light, paint: &mut Paint<'_>, centre: DVec3) -> Result<Self, CompileError> {
+            pub(crate) fn of(light: &desc::Light, paint: &mut Paint<'_>, centre: DVec3) -> Self {
                 match light {
                     $( $( desc::Light::$Described(l) => <$Type>::of(l, paint, centre), )? )+
                 }

@@ -22,7 +22,6 @@ use straal_math::simd::{BLOCK, Float, Mask};
 use straal_math::{DVec3, Ray, Vec3};
 use straal_scene::desc;
 
-use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::offset::{End, FAR_END};
 use crate::shape::{Geometry, SurfacePoint};
@@ -64,6 +63,12 @@ list::emitters! {
     Image(Box<ImageEnvironment>),
     /// The same light for every surface, from nowhere.
     Ambient(AmbientLight) of Ambient,
+}
+
+/// A direction of the description; one that single precision doesn't hold the length of as well.
+fn unit(direction: DVec3) -> Vec3 {
+    let single = direction.as_vec3().try_normalize();
+    single.or_else(|| direction.try_normalize().map(DVec3::as_vec3)).unwrap_or(Vec3::Y)
 }
 
 /// How large a kind of light is.

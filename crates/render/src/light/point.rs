@@ -8,7 +8,6 @@ use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
 use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength};
-use crate::error::CompileError;
 use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::shape::offset::End;
@@ -29,13 +28,9 @@ impl PointLight {
     }
 
     /// Of what a scene says.
-    pub(super) fn of(
-        l: &desc::PointLight,
-        paint: &mut Paint<'_>,
-        centre: DVec3,
-    ) -> Result<Emitter, CompileError> {
+    pub(super) fn of(l: &desc::PointLight, paint: &mut Paint<'_>, centre: DVec3) -> Emitter {
         let position = (l.position - centre).as_vec3();
-        Ok(Emitter::Point(Self { position, intensity: paint.light(&l.intensity)? }))
+        Emitter::Point(Self { position, intensity: paint.light(&l.intensity) })
     }
 }
 

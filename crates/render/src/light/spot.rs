@@ -6,8 +6,7 @@ use straal_math::simd::Float;
 use straal_math::{DVec3, Frame, Vec3, ops, warp};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, point::towards, strength};
-use crate::error::CompileError;
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, point::towards, strength, unit};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 
@@ -68,19 +67,23 @@ impl SpotLight {
     /// A spot of an intensity (on its axis, in W/sr); `None` when the axis has no direction. A beam wider than the
     /// cutoff is cut off.
     pub fn new(position: Vec3, intensity: impl Into<Value<Colour>>, cone: &Cone) -> Option<Self> {
-        let axis = cone.axis.try_normalize()?;
+        Some(Self::along(cone.axis.try_normalize()?, position, intensity.into(), cone))
+    }
+
+    /// The same for an axis of unit length, in place of the cone's.
+    fn along(axis: Vec3, position: Vec3, intensity: Value<Colour>, cone: &Cone) -> Self {
         let beam = if cone.beam < cone.cutoff { cone.beam } else { cone.cutoff };
         let cosine = |degrees: f64| ops::sin_cos_degrees(degrees).1 as f32;
-        Some(Self {
+        Self {
             position,
             axis,
-            intensity: intensity.into(),
+            intensity,
             falloff: cone.falloff,
             beam: beam.to_radians() as f32,
             cutoff: cone.cutoff.to_radians() as f32,
             cos_beam: cosine(beam),
             cos_cutoff: cosine(cone.cutoff),
-        })
+        }
     }
 
     /// How much of the full intensity goes in direction `w`, of any length.
@@ -102,11 +105,7 @@ impl SpotLight {
     }
 
     /// Of what a scene says.
-    pub(super) fn of(
-        l: &desc::SpotLight,
-        paint: &mut Paint<'_>,
-        centre: DVec3,
-    ) -> Result<Emitter, CompileError> {
+    pub(super) fn of(l: &desc::SpotLight, paint: &mut Paint<'_>, centre: DVec3) -> Emitter {
         let cone = Cone {
             axis: l.axis().as_vec3(),
             beam: l.full_beam(),
@@ -116,8 +115,8 @@ impl SpotLight {
                 desc::Falloff::Smooth => Falloff::Smooth,
             },
         };
-        let spot = Self::new((l.position - centre).as_vec3(), paint.light(&l.intensity)?, &cone);
-        spot.map(Emitter::Spot).ok_or_else(|| CompileError::new("the axis of a spot light has no length"))
+        let position = (l.position - centre).as_vec3();
+        Emitter::Spot(Self::along(unit(l.axis()), position, paint.light(&l.intensity), &cone))
     }
 }
 

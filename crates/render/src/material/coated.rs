@@ -20,7 +20,6 @@ use straal_scene::desc;
 use super::microfacet::Facets;
 use super::mirror::reflected;
 use super::{Bsdf, BsdfSample, Metal, Recipe, Scatter, Transport, Wants, facing, fresnel};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -51,7 +50,7 @@ pub struct CoatMaterial {
 }
 
 impl CoatMaterial {
-    fn of(d: &desc::Coat, over_metal: bool, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+    fn of(d: &desc::Coat, over_metal: bool, paint: &mut Paint<'_>) -> Self {
         let coat = Coat {
             eta: d.coat_eta as f32,
             thickness: d.thickness as f32,
@@ -60,8 +59,8 @@ impl CoatMaterial {
             two_sided: d.two_sided,
             over_metal,
         };
-        let (roughness, albedo) = (paint.number(&d.coat_roughness)?, paint.reflectance(&d.albedo)?);
-        Ok(Self { coat, roughness, albedo })
+        let (roughness, albedo) = (paint.number(&d.coat_roughness), paint.reflectance(&d.albedo));
+        Self { coat, roughness, albedo }
     }
 
     fn varies(&self) -> bool {
@@ -91,9 +90,9 @@ pub struct CoatedDiffuseMaterial {
 impl Recipe for CoatedDiffuseMaterial {
     type Described = desc::CoatedDiffuse;
 
-    fn of(d: &desc::CoatedDiffuse, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        let coat = CoatMaterial::of(&d.coat, false, paint)?;
-        Ok(Self { reflectance: paint.reflectance(&d.reflectance)?, coat })
+    fn of(d: &desc::CoatedDiffuse, paint: &mut Paint<'_>) -> Self {
+        let coat = CoatMaterial::of(&d.coat, false, paint);
+        Self { reflectance: paint.reflectance(&d.reflectance), coat }
     }
 
     fn wants(&self) -> Wants {
@@ -128,11 +127,11 @@ pub struct CoatedConductorMaterial {
 impl Recipe for CoatedConductorMaterial {
     type Described = desc::CoatedConductor;
 
-    fn of(d: &desc::CoatedConductor, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+    fn of(d: &desc::CoatedConductor, paint: &mut Paint<'_>) -> Self {
         let desc::CoatedConductor { metal, eta, k, .. } = d.clone();
-        let [eta, k] = paint.metal(&desc::Conductor { metal, eta, k, ..desc::Conductor::default() })?;
-        let coat = CoatMaterial::of(&d.coat, true, paint)?;
-        Ok(Self { eta, k, roughness: paint.number(&d.roughness)?, coat })
+        let [eta, k] = paint.metal(&desc::Conductor { metal, eta, k, ..desc::Conductor::default() });
+        let coat = CoatMaterial::of(&d.coat, true, paint);
+        Self { eta, k, roughness: paint.number(&d.roughness), coat }
     }
 
     fn wants(&self) -> Wants {

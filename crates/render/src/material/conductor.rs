@@ -16,7 +16,6 @@ use super::{
     Bsdf, BsdfSample, FacetConductor, Recipe, RoughConductor, Scatter, Transport, Wants, facing_or_zero,
     fresnel,
 };
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -45,18 +44,18 @@ pub struct ConductorMaterial {
 impl Recipe for ConductorMaterial {
     type Described = desc::Conductor;
 
-    fn of(d: &desc::Conductor, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        let [eta, k] = paint.metal(d)?;
-        Ok(Self {
+    fn of(d: &desc::Conductor, paint: &mut Paint<'_>) -> Self {
+        let [eta, k] = paint.metal(d);
+        Self {
             eta,
             k,
-            roughness: paint.number(&d.roughness)?,
-            roughness_v: d.roughness_v.as_ref().map(|v| paint.number(v)).transpose()?,
+            roughness: paint.number(&d.roughness),
+            roughness_v: d.roughness_v.as_ref().map(|v| paint.number(v)),
             distribution: d.distribution.clone(),
             compensated: d.multiple_bounces,
-            reflectance: paint.reflectance(&d.reflectance)?,
+            reflectance: paint.reflectance(&d.reflectance),
             two_sided: d.two_sided,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

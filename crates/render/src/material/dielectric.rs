@@ -18,7 +18,6 @@ use super::{
     Bsdf, BsdfSample, Clear, DispersiveDielectric, Interior, Recipe, RoughDielectric, Scatter, Share,
     Transport, Wants, fresnel,
 };
-use crate::error::CompileError;
 use crate::lanes::{Colour, Eta, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -56,12 +55,12 @@ pub struct Rough {
 
 impl Rough {
     /// Of what the scene says, unless it is smooth everywhere.
-    fn of(d: &desc::Dielectric, eta: &Eta, paint: &mut Paint<'_>) -> Result<Option<Self>, CompileError> {
-        let roughness = paint.number(&d.roughness)?;
-        let across = d.roughness_v.as_ref().map(|v| paint.number(v)).transpose()?;
-        let &Eta::Constant(eta) = eta else { return Ok(None) };
+    fn of(d: &desc::Dielectric, eta: &Eta, paint: &mut Paint<'_>) -> Option<Self> {
+        let roughness = paint.number(&d.roughness);
+        let across = d.roughness_v.as_ref().map(|v| paint.number(v));
+        let &Eta::Constant(eta) = eta else { return None };
         if roughness.most() == 0.0 && across.is_none_or(|v| v.most() == 0.0) {
-            return Ok(None);
+            return None;
         }
         let constant = match (roughness, across) {
             (Value::Constant(alpha), None) => Some(alpha),
@@ -70,7 +69,7 @@ impl Rough {
         let kept = d
             .multiple_bounces
             .then(|| Box::new([eta, 1.0 / eta].map(|eta| energy::kept(constant, &d.distribution, eta))));
-        Ok(Some(Self { roughness, across, distribution: d.distribution.clone(), kept }))
+        Some(Self { roughness, across, distribution: d.distribution.clone(), kept })
     }
 
     /// Alpha along the tangent and across it.
@@ -85,16 +84,16 @@ impl Recipe for DielectricMaterial {
 
     const CLEAR: bool = true;
 
-    fn of(d: &desc::Dielectric, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        let eta = paint.index_of_refraction(&d.eta, &d.eta_outside)?;
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
-            transmittance: paint.reflectance(&d.transmittance)?,
-            rough: Rough::of(d, &eta, paint)?,
+    fn of(d: &desc::Dielectric, paint: &mut Paint<'_>) -> Self {
+        let eta = paint.index_of_refraction(&d.eta, &d.eta_outside);
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
+            transmittance: paint.reflectance(&d.transmittance),
+            rough: Rough::of(d, &eta, paint),
             eta,
             schlick: d.fresnel == desc::Fresnel::Schlick,
-            interior: Interior::of(&d.interior, [&d.eta, &d.eta_outside], paint)?,
-        })
+            interior: Interior::of(&d.interior, [&d.eta, &d.eta_outside], paint),
+        }
     }
 
     fn interior(&self) -> Option<&Interior> {
@@ -143,7 +142,7 @@ impl Recipe for DielectricMaterial {
 
     #[cfg(test)]
     fn examples() -> Vec<(Self, super::BsdfKind)> {
-        use straal_color::spectrum::refraction::{Index, glass};
+        use straal_color::spectrum::refraction::{Glass, Index};
         let white = || super::testing::WHITE.into();
         let of = |eta| Self {
             eta,
@@ -155,7 +154,7 @@ impl Recipe for DielectricMaterial {
         };
         let satin =
             Rough { roughness: 0.2.into(), across: None, distribution: desc::Distribution::Ggx, kept: None };
-        let crown = glass("BK7").expect("a glass");
+        let crown = Glass::named("BK7").expect("a glass").index();
         vec![
             (of(Eta::Constant(1.5)), super::BsdfKind::Dielectric),
             (Self { rough: Some(satin), ..of(Eta::Constant(1.5)) }, super::BsdfKind::RoughDielectric),

@@ -12,7 +12,6 @@ use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
 use super::{Black, Bsdf, BsdfSample, Recipe, RoughDiffuse, Scatter, Transport, Wants, facing_or_zero};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -40,13 +39,13 @@ impl Default for DiffuseMaterial {
 impl Recipe for DiffuseMaterial {
     type Described = desc::Diffuse;
 
-    fn of(d: &desc::Diffuse, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
-            roughness: paint.number(&d.roughness)?,
+    fn of(d: &desc::Diffuse, paint: &mut Paint<'_>) -> Self {
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
+            roughness: paint.number(&d.roughness),
             eon: d.model == desc::RoughDiffuse::Eon,
             two_sided: d.two_sided,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

@@ -12,7 +12,6 @@ use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -29,11 +28,11 @@ pub struct DiffuseTransmissionMaterial {
 impl Recipe for DiffuseTransmissionMaterial {
     type Described = desc::DiffuseTransmission;
 
-    fn of(d: &desc::DiffuseTransmission, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
-            transmittance: paint.reflectance(&d.transmittance)?,
-        })
+    fn of(d: &desc::DiffuseTransmission, paint: &mut Paint<'_>) -> Self {
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
+            transmittance: paint.reflectance(&d.transmittance),
+        }
     }
 
     fn wants(&self) -> Wants {

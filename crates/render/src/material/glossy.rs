@@ -19,7 +19,6 @@ use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -38,12 +37,12 @@ pub struct GlossyMaterial {
 impl Recipe for GlossyMaterial {
     type Described = desc::Glossy;
 
-    fn of(d: &desc::Glossy, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
-            exponent: paint.number(&d.exponent)?,
+    fn of(d: &desc::Glossy, paint: &mut Paint<'_>) -> Self {
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
+            exponent: paint.number(&d.exponent),
             two_sided: d.two_sided,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

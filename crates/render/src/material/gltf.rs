@@ -26,7 +26,6 @@ use straal_scene::desc;
 use super::interior::Absorption;
 use super::open_pbr::{OpenPbr, Params, film_presence, nanometres};
 use super::{Bsdf, Emission, Interior, Recipe, Wants};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -67,37 +66,37 @@ pub struct GltfMaterial {
 impl Recipe for GltfMaterial {
     type Described = desc::Gltf;
 
-    fn of(d: &desc::Gltf, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        let transmission = paint.number(&d.transmission)?;
+    fn of(d: &desc::Gltf, paint: &mut Paint<'_>) -> Self {
+        let transmission = paint.number(&d.transmission);
         let absorption = match &d.attenuation_distance {
-            Some(distance) => Absorption::Colour(paint.share(&d.attenuation_color)?, *distance as f32),
+            Some(distance) => Absorption::Colour(paint.share(&d.attenuation_color), *distance as f32),
             None => Absorption::None,
         };
         let eta = d.ior as f32;
         let has_inside = transmission.most() > 0.0 && d.volume;
-        Ok(Self {
-            base_color: paint.reflectance(&d.base_color)?,
-            metallic: paint.number(&d.metallic)?,
-            roughness: paint.number(&d.roughness)?,
-            emissive: paint.emission(&d.emissive)?,
+        Self {
+            base_color: paint.reflectance(&d.base_color),
+            metallic: paint.number(&d.metallic),
+            roughness: paint.number(&d.roughness),
+            emissive: paint.emission(&d.emissive),
             emissive_strength: d.emissive_strength as f32,
-            alpha: paint.number(&d.alpha)?,
+            alpha: paint.number(&d.alpha),
             ior: eta,
-            specular: paint.number(&d.specular)?,
-            specular_color: paint.reflectance(&d.specular_color)?,
-            clearcoat: paint.number(&d.clearcoat)?,
-            clearcoat_roughness: paint.number(&d.clearcoat_roughness)?,
-            sheen_color: paint.reflectance(&d.sheen_color)?,
-            sheen_roughness: paint.number(&d.sheen_roughness)?,
+            specular: paint.number(&d.specular),
+            specular_color: paint.reflectance(&d.specular_color),
+            clearcoat: paint.number(&d.clearcoat),
+            clearcoat_roughness: paint.number(&d.clearcoat_roughness),
+            sheen_color: paint.reflectance(&d.sheen_color),
+            sheen_roughness: paint.number(&d.sheen_roughness),
             transmission,
             filling: has_inside.then_some(Interior { absorption, priority: 0, eta, outside: 1.0 }),
-            iridescence: paint.number(&d.iridescence)?,
+            iridescence: paint.number(&d.iridescence),
             iridescence_ior: d.iridescence_ior as f32,
-            iridescence_thickness: paint.number(&d.iridescence_thickness)?,
-            anisotropy: paint.number(&d.anisotropy)?,
+            iridescence_thickness: paint.number(&d.iridescence_thickness),
+            anisotropy: paint.number(&d.anisotropy),
             dispersion: d.dispersion as f32,
             double_sided: d.double_sided,
-        })
+        }
     }
 
     fn interior(&self) -> Option<&Interior> {

@@ -16,7 +16,6 @@ use straal_math::ops;
 use straal_scene::desc;
 
 use super::Bsdf;
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::Reading;
@@ -51,21 +50,17 @@ const DARKEST: f32 = 1e-30;
 
 impl Interior {
     /// Of what the scene says; indices of refraction inside and outside.
-    pub(super) fn of(
-        d: &desc::Interior,
-        eta: [&desc::Index; 2],
-        paint: &mut Paint<'_>,
-    ) -> Result<Self, CompileError> {
+    pub(super) fn of(d: &desc::Interior, eta: [&desc::Index; 2], paint: &mut Paint<'_>) -> Self {
         let absorption = match (&d.sigma_a, &d.attenuation_color) {
-            (Some(sigma), _) => Absorption::Sigma(paint.coefficient(sigma)?),
-            (None, Some(colour)) => Absorption::Colour(paint.share(colour)?, d.attenuation_distance as f32),
+            (Some(sigma), _) => Absorption::Sigma(paint.coefficient(sigma)),
+            (None, Some(colour)) => Absorption::Colour(paint.share(colour), d.attenuation_distance as f32),
             (None, None) => Absorption::None,
         };
         let [eta, outside] = eta.map(|index| match index {
             desc::Index::Constant(n) => *n as f32,
             _ => 1.0,
         });
-        Ok(Self { absorption, priority: d.priority, eta, outside })
+        Self { absorption, priority: d.priority, eta, outside }
     }
 
     /// What is left of light after a way in m, which may be endless.

@@ -18,10 +18,13 @@ macro_rules! bsdfs {
         }
 
         impl BsdfKind {
-            /// Hands the kind's own type to who works with any.
+            /// Hands the kind's own type to who works with any; that of all where a type of its own would gain nothing.
             #[inline]
             pub(crate) fn hand_to<'w>(self, worker: impl WithKind<'w>) {
-                match self { $( Self::$Kind => worker.with::<$Type>(), )+ }
+                match self {
+                    $( Self::$Kind if const { <$Type as Scatter>::SIDE_BY_SIDE } => worker.with::<$Type>(), )+
+                    _ => worker.with::<Bsdf<'w>>(),
+                }
             }
 
             /// All kinds, each at the place of its number.
@@ -160,8 +163,8 @@ macro_rules! materials {
 
         impl Material {
             /// Of what the scene says.
-            pub(crate) fn of(described: &desc::Material, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-                Ok(match described { $( desc::Material::$Kind(d) => Self::$Kind(<$Recipe>::of(d, paint)?), )+ })
+            pub(crate) fn of(described: &desc::Material, paint: &mut Paint<'_>) -> Self {
+                match described { $( desc::Material::$Kind(d) => Self::$Kind(<$Recipe>::of(d, paint)), )+ }
             }
 
             /// What it must know of a point; of a user's, his material says it.

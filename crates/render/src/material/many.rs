@@ -70,6 +70,9 @@ impl<'w, K: OfKind<'w>> These<K> for Among<'_, 'w, K> {
 
 /// A kind of BSDF: what a [`Bsdf`] is one of.
 pub(crate) trait OfKind<'w>: Scatter {
+    /// Whether every BSDF is.
+    const IS_ANY: bool = false;
+
     /// The BSDF, if it is of this kind.
     fn of<'a>(bsdf: &'a Bsdf<'w>) -> Option<&'a Self>;
 }
@@ -80,8 +83,10 @@ pub(crate) trait WithKind<'w> {
     fn with<K: OfKind<'w>>(self);
 }
 
-/// Any kind: blocks in which several kinds meet.
+/// Any kind: blocks in which several kinds meet, or one that is asked lane by lane.
 impl<'w> OfKind<'w> for Bsdf<'w> {
+    const IS_ANY: bool = true;
+
     #[inline(always)]
     fn of(bsdf: &Self) -> Option<&Self> {
         Some(bsdf)
@@ -109,6 +114,8 @@ pub(crate) trait Lobe<F: Float>: Copy {
 /// In an `impl Scatter`: that the kind is a [`Lobe`], whose functions serve one and many.
 macro_rules! is_lobe {
     ($Lobe:ident) => {
+        const SIDE_BY_SIDE: bool = true;
+
         #[inline]
         fn eval_pdf(&self, wo: Vec3, wi: Vec3, transport: $crate::material::Transport) -> (Light, f32) {
             use $crate::material::many::Lobe;

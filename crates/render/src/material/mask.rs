@@ -9,7 +9,6 @@
 use straal_scene::desc;
 
 use super::{Black, Bsdf, Choice, Recipe, Wants};
-use crate::error::CompileError;
 use crate::lanes::Lanes;
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -26,8 +25,8 @@ pub struct MaskMaterial {
 impl Recipe for MaskMaterial {
     type Described = desc::Mask;
 
-    fn of(d: &desc::Mask, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self { material: 0, opacity: paint.number(&d.opacity)? })
+    fn of(d: &desc::Mask, paint: &mut Paint<'_>) -> Self {
+        Self { material: 0, opacity: paint.number(&d.opacity) }
     }
 
     fn link(&mut self, parts: &[u32]) {

@@ -10,7 +10,6 @@ use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, SchlickMirror, Transport, Wants, facing_or_zero};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -29,12 +28,12 @@ pub struct MirrorMaterial {
 impl Recipe for MirrorMaterial {
     type Described = desc::Mirror;
 
-    fn of(d: &desc::Mirror, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
+    fn of(d: &desc::Mirror, paint: &mut Paint<'_>) -> Self {
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
             schlick: d.fresnel == desc::MirrorFresnel::Schlick,
             two_sided: d.two_sided,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

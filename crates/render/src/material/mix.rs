@@ -8,7 +8,6 @@
 use straal_scene::desc;
 
 use super::{Black, Bsdf, Choice, Recipe, Wants};
-use crate::error::CompileError;
 use crate::lanes::Lanes;
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -25,8 +24,8 @@ pub struct MixMaterial {
 impl Recipe for MixMaterial {
     type Described = desc::Mix;
 
-    fn of(d: &desc::Mix, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self { parts: [0; 2], weight: paint.number(&d.weight)? })
+    fn of(d: &desc::Mix, paint: &mut Paint<'_>) -> Self {
+        Self { parts: [0; 2], weight: paint.number(&d.weight) }
     }
 
     fn link(&mut self, parts: &[u32]) {

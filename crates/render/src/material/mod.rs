@@ -31,7 +31,6 @@ use straal_math::ops;
 use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::relief::Relief;
@@ -201,7 +200,7 @@ pub(crate) trait Recipe: Sized {
     const CLEAR: bool = false;
 
     /// Of what a scene says.
-    fn of(described: &Self::Described, paint: &mut Paint<'_>) -> Result<Self, CompileError>;
+    fn of(described: &Self::Described, paint: &mut Paint<'_>) -> Self;
 
     /// What it is filled with, if light goes through it into a medium.
     fn interior(&self) -> Option<&Interior> {
@@ -275,8 +274,8 @@ impl<R: Recipe> Recipe for Box<R> {
 
     const CLEAR: bool = R::CLEAR;
 
-    fn of(described: &R::Described, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        R::of(described, paint).map(Self::new)
+    fn of(described: &R::Described, paint: &mut Paint<'_>) -> Self {
+        Self::new(R::of(described, paint))
     }
 
     fn interior(&self) -> Option<&Interior> {
@@ -326,6 +325,9 @@ impl<R: Recipe> Recipe for Box<R> {
 pub(crate) trait Scatter: Copy {
     /// Whether [`Self::sample`] reads the number that chooses a lobe.
     const CHOOSES_LOBE: bool = false;
+
+    /// Whether it is written for any number of lanes ([`many::Lobe`]); else it is asked lane by lane, among all other kinds.
+    const SIDE_BY_SIDE: bool = false;
 
     /// Whether what it would send into the surface is lost; else a mirror on the surface sends it out, see [`shaded`].
     const LOSES_BELOW: bool = false;
@@ -495,7 +497,7 @@ fn facing_or_zero<F: Float>(wo: Vec3<F>, two_sided: F::Mask) -> F {
 }
 
 /// Most materials inside one another.
-pub const DEEPEST: usize = 16;
+pub const DEEPEST: usize = straal_scene::materials::DEEPEST;
 
 /// All materials of a world.
 #[derive(Clone, Debug, Default)]
@@ -591,8 +593,8 @@ impl Materials {
         self.any_may_pass |= self.may_pass[index as usize];
     }
 
-    /// When all are there, hands on what is known of parts to what is made of them; whether none nests deeper than [`DEEPEST`].
-    pub fn settle(&mut self) -> bool {
+    /// When all are there, hands on what is known of parts to what is made of them, up to [`DEEPEST`].
+    pub fn settle(&mut self) {
         for round in 0..=DEEPEST {
             let mut settled = true;
             for i in 0..self.list.len() {
@@ -616,12 +618,6 @@ impl Materials {
         }
         self.vary = self.wants.iter().any(|w| w.point);
         self.any_may_pass = self.may_pass.contains(&true);
-        (0..self.list.len()).all(|i| !self.made_of[i] || self.nests_within(i as u32, DEEPEST))
-    }
-
-    fn nests_within(&self, index: u32, levels: usize) -> bool {
-        let parts = self.list.get(index as usize).map_or(&[][..], Material::parts);
-        parts.is_empty() || levels > 0 && parts.iter().all(|&part| self.nests_within(part, levels - 1))
     }
 
     /// Whether material `index` is made of others, one of which it is by chance or by side.
@@ -648,13 +644,12 @@ impl Materials {
         self.any_may_pass
     }
 
-    /// The opacity of a material that is a mask over one that isn't; `None` where all light meets it. An error where a mask is a part of
-    /// something else.
-    pub(crate) fn plain_opacity(&self, index: u32) -> Result<Option<Value<f32>>, ()> {
+    /// The opacity of a material that is a mask over one that isn't; `None` where all light meets it. Validation has seen that no mask
+    /// is a part of something else where this is asked.
+    pub(crate) fn plain_opacity(&self, index: u32) -> Option<Value<f32>> {
         match self.list.get(index as usize) {
-            Some(Material::Mask(mask)) if !self.may_pass(mask.material) => Ok(mask.opacity()),
-            _ if self.may_pass(index) => Err(()),
-            _ => Ok(None),
+            Some(Material::Mask(mask)) => mask.opacity(),
+            _ => None,
         }
     }
 

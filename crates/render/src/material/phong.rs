@@ -23,7 +23,6 @@ use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -68,20 +67,20 @@ pub enum Scale {
 impl Recipe for PhongMaterial {
     type Described = desc::Phong;
 
-    fn of(d: &desc::Phong, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+    fn of(d: &desc::Phong, paint: &mut Paint<'_>) -> Self {
         let scale = match d.form {
             desc::HighlightForm::Normalised => Scale::Normalised,
             desc::HighlightForm::Textbook => Scale::Textbook,
             desc::HighlightForm::Classic => Scale::Classic,
         };
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
-            ambient: paint.reflectance(d.ambient.as_ref().unwrap_or(&d.reflectance))?,
-            specular: paint.reflectance(&d.specular)?,
-            exponent: paint.number(&d.exponent)?,
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
+            ambient: paint.reflectance(d.ambient.as_ref().unwrap_or(&d.reflectance)),
+            specular: paint.reflectance(&d.specular),
+            exponent: paint.number(&d.exponent),
             form: Form { blinn: d.highlight == desc::Highlight::Blinn, scale },
             two_sided: d.two_sided,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

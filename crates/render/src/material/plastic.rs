@@ -20,7 +20,6 @@ use straal_scene::desc;
 use super::energy::{self, Shares};
 use super::microfacet::Facets;
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing, fresnel, mirror::reflected};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -61,13 +60,13 @@ impl PlasticMaterial {
 impl Recipe for PlasticMaterial {
     type Described = desc::Plastic;
 
-    fn of(d: &desc::Plastic, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+    fn of(d: &desc::Plastic, paint: &mut Paint<'_>) -> Self {
         let eta = d.eta as f32 / d.eta_outside as f32;
-        let roughness = paint.number(&d.roughness)?;
+        let roughness = paint.number(&d.roughness);
         let [through, within] = Self::tables(roughness, &d.distribution, eta);
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
-            specular: paint.reflectance(&d.specular)?,
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
+            specular: paint.reflectance(&d.specular),
             eta,
             roughness,
             distribution: d.distribution.clone(),
@@ -75,7 +74,7 @@ impl Recipe for PlasticMaterial {
             two_sided: d.two_sided,
             through,
             within,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

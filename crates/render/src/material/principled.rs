@@ -22,7 +22,6 @@ use super::many::{self, These};
 use super::microfacet::Facets;
 use super::open_pbr::{ggx, interface};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -61,8 +60,8 @@ pub struct PrincipledMaterial {
 impl Recipe for PrincipledMaterial {
     type Described = desc::Principled;
 
-    fn of(d: &desc::Principled, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        let spec_trans = paint.number(&d.spec_trans)?;
+    fn of(d: &desc::Principled, paint: &mut Paint<'_>) -> Self {
+        let spec_trans = paint.number(&d.spec_trans);
         // Glass must bend light.
         let bends = spec_trans.most() > 0.0;
         let eta = d.eta.unwrap_or_else(|| {
@@ -71,21 +70,21 @@ impl Recipe for PrincipledMaterial {
             2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0
         });
         let eta = if bends && eta == 1.0 { 1.001 } else { eta };
-        Ok(Self {
-            base_color: paint.reflectance(&d.base_color)?,
-            roughness: paint.number(&d.roughness)?,
-            anisotropic: paint.number(&d.anisotropic)?,
-            metallic: paint.number(&d.metallic)?,
+        Self {
+            base_color: paint.reflectance(&d.base_color),
+            roughness: paint.number(&d.roughness),
+            anisotropic: paint.number(&d.anisotropic),
+            metallic: paint.number(&d.metallic),
             spec_trans,
             eta: eta as f32,
-            spec_tint: paint.number(&d.spec_tint)?,
-            sheen: paint.number(&d.sheen)?,
-            sheen_tint: paint.number(&d.sheen_tint)?,
-            flatness: paint.number(&d.flatness)?,
-            clearcoat: paint.number(&d.clearcoat)?,
-            clearcoat_gloss: paint.number(&d.clearcoat_gloss)?,
+            spec_tint: paint.number(&d.spec_tint),
+            sheen: paint.number(&d.sheen),
+            sheen_tint: paint.number(&d.sheen_tint),
+            flatness: paint.number(&d.flatness),
+            clearcoat: paint.number(&d.clearcoat),
+            clearcoat_gloss: paint.number(&d.clearcoat_gloss),
             two_sided: d.two_sided,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

@@ -17,7 +17,6 @@ use straal_scene::desc;
 
 use super::energy::{self, Shares};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -38,13 +37,13 @@ pub struct SheenMaterial {
 impl Recipe for SheenMaterial {
     type Described = desc::Sheen;
 
-    fn of(d: &desc::Sheen, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self {
-            reflectance: paint.reflectance(&d.reflectance)?,
-            color: paint.reflectance(&d.color)?,
-            roughness: paint.number(&d.roughness)?,
+    fn of(d: &desc::Sheen, paint: &mut Paint<'_>) -> Self {
+        Self {
+            reflectance: paint.reflectance(&d.reflectance),
+            color: paint.reflectance(&d.color),
+            roughness: paint.number(&d.roughness),
             two_sided: d.two_sided,
-        })
+        }
     }
 
     fn wants(&self) -> Wants {

@@ -3,7 +3,7 @@
 use super::{Bsdf, BsdfKind, DispersiveDielectric, Material, Metal};
 use crate::lanes::{Carried, EtaTable, SpectralTables};
 use std::sync::LazyLock;
-use straal_color::spectrum::refraction::{Index, glass};
+use straal_color::spectrum::refraction::{Glass, Index};
 use straal_color::{Light, Space};
 
 /// A BSDF to be put through every test of the contract.
@@ -112,7 +112,7 @@ pub(super) fn flint(carried: Carried) -> Bsdf<'static> {
     static FLINT: LazyLock<(EtaTable, SpectralTables)> = LazyLock::new(|| {
         let mut tables = SpectralTables::default();
         tables.prepare_dispersion(Space::Srgb);
-        (EtaTable::new(&glass("SF11").expect("a glass"), &Index::Constant(1.0)), tables)
+        (EtaTable::new(&Glass::named("SF11").expect("a glass").index(), &Index::Constant(1.0)), tables)
     });
     let (eta, tables) = &*FLINT;
     let lanes = if matches!(carried, Carried::Four(_)) { Light::ONE } else { WHITE };

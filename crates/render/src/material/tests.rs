@@ -11,7 +11,7 @@ use crate::testing::in_rgb;
 use crate::testing::{ChiSquare, SphereGrid};
 use crate::texture::{ReadRgb, TextureRef, Value};
 use std::collections::BTreeSet;
-use straal_color::spectrum::refraction::glass;
+use straal_color::spectrum::refraction::Glass;
 
 /// Every kind of BSDF in the list.
 fn registry() -> Vec<Example> {
@@ -21,7 +21,7 @@ fn registry() -> Vec<Example> {
 /// Through a prism of 60 degrees by Snell's law with Schott's Sellmeier figures: each wavelength leaves at its angle.
 #[test]
 fn a_prism_bends_as_snell_says() {
-    let sf11 = glass("SF11").unwrap();
+    let sf11 = Glass::named("SF11").unwrap().index();
     for nm in [380.0, 404.656, 435.8, 486.13, 546.07, 587.56, 656.27, 706.5, 780.0] {
         let n = sf11.at(nm);
         // About the angle of least deviation of yellow, where all get through; angles in degrees.

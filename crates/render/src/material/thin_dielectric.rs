@@ -11,7 +11,6 @@ use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -32,12 +31,12 @@ impl Recipe for ThinDielectricMaterial {
 
     const CLEAR: bool = true;
 
-    fn of(d: &desc::ThinDielectric, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self {
+    fn of(d: &desc::ThinDielectric, paint: &mut Paint<'_>) -> Self {
+        Self {
             eta: d.eta as f32 / d.eta_outside as f32,
-            reflectance: paint.reflectance(&d.reflectance)?,
-            transmittance: paint.reflectance(&d.transmittance)?,
-        })
+            reflectance: paint.reflectance(&d.reflectance),
+            transmittance: paint.reflectance(&d.transmittance),
+        }
     }
 
     fn wants(&self) -> Wants {

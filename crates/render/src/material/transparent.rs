@@ -11,7 +11,6 @@ use straal_scene::desc;
 use super::{
     Bsdf, BsdfSample, Dielectric, Interior, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected,
 };
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -34,14 +33,14 @@ impl Recipe for TransparentMaterial {
 
     const CLEAR: bool = true;
 
-    fn of(d: &desc::Transparent, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+    fn of(d: &desc::Transparent, paint: &mut Paint<'_>) -> Self {
         let [inside, outside] = [d.eta, d.eta_outside].map(desc::Index::Constant);
-        Ok(Self {
+        Self {
             eta: d.eta as f32 / d.eta_outside as f32,
-            reflectance: paint.reflectance(&d.reflectance)?,
-            transmittance: paint.reflectance(&d.transmittance)?,
-            interior: Interior::of(&d.interior, [&inside, &outside], paint)?,
-        })
+            reflectance: paint.reflectance(&d.reflectance),
+            transmittance: paint.reflectance(&d.transmittance),
+            interior: Interior::of(&d.interior, [&inside, &outside], paint),
+        }
     }
 
     fn wants(&self) -> Wants {

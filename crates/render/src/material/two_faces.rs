@@ -6,7 +6,6 @@
 use straal_scene::desc;
 
 use super::{Black, Bsdf, Choice, Recipe, Wants};
-use crate::error::CompileError;
 use crate::lanes::Lanes;
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint};
@@ -21,8 +20,8 @@ pub struct TwoFacesMaterial {
 impl Recipe for TwoFacesMaterial {
     type Described = desc::TwoFaces;
 
-    fn of(_: &desc::TwoFaces, _: &mut Paint<'_>) -> Result<Self, CompileError> {
-        Ok(Self { parts: [0; 2] })
+    fn of(_: &desc::TwoFaces, _: &mut Paint<'_>) -> Self {
+        Self { parts: [0; 2] }
     }
 
     fn link(&mut self, parts: &[u32]) {

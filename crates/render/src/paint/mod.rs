@@ -5,16 +5,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use straal_color::spectrum::{
-    Bins, COUNT, Observer, Quantity, Spectrum, illuminant, metal, refraction, uplift,
+    Bins, COUNT, Observer, Quantity, TabulatedSpectrum, illuminant, metal, refraction::Metal, uplift,
 };
 use straal_color::{Light, Matrix3, Space};
 use straal_math::{DVec3, ops};
+use straal_scene::decode::Describe;
 use straal_scene::desc;
-use straal_scene::span::Span;
 use straal_scene::value::{self, Color};
 use straal_scene::{Assets, Bitmap, Handle, Image, Mesh, Scene};
 
-use crate::error::CompileError;
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
 use crate::texture::{
     Mapping, Meaning, MeshAttribute, Pyramid, Texture, TextureKind, TextureRef, Use, Value,
@@ -35,14 +34,14 @@ pub(crate) struct Paint<'a> {
     tables: BTreeMap<Vec<u32>, u32>,
     /// Colours of measured spectra, by their use and what the scene says of them: to make one takes half a millisecond.
     measured: BTreeMap<(Quantity, Content), Colour>,
-    /// Indices of refraction of metals by name.
-    metals: BTreeMap<String, [Colour; 2]>,
+    /// Indices of refraction of metals.
+    metals: BTreeMap<Metal, [Colour; 2]>,
     /// Filled as colours are met.
     pub spectra: SpectralTables,
     /// Filled as textures are met.
     pub textures: Vec<Texture>,
-    /// Textures of the scene by their names that were made, and what for.
-    named: BTreeMap<(&'a str, Wanted, bool), TextureRef>,
+    /// Textures of the scene that were made, and what for.
+    named: BTreeMap<(Handle<desc::Texture>, Wanted, bool), TextureRef>,
     /// What of the description's space lies at the world's origin.
     centre: DVec3,
     /// Numbers of what meshes have at vertices or on faces, by name.
@@ -68,22 +67,22 @@ pub(crate) struct Maker<'p, 'a> {
 
 impl Maker<'_, '_> {
     /// A colour or texture that this one is made of, as it is: what comes of all is kept in range at the end.
-    pub fn part(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+    pub fn part(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
         match v {
-            desc::Varying::Constant(s) => Ok(self.colour(s)?.into()),
+            desc::Varying::Constant(s) => self.colour(s).into(),
             desc::Varying::Texture(t) => self.paint.texture(t, self.of, true),
         }
     }
 
     /// A share of light that this one is multiplied by.
-    pub fn share(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+    pub fn share(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
         self.paint.reflectance(v)
     }
 
     /// A number that this one is made of.
-    pub fn number(&mut self, v: &desc::Varying<f64>) -> Result<Value<f32>, CompileError> {
+    pub fn number(&mut self, v: &desc::Varying<f64>) -> Value<f32> {
         match v {
-            desc::Varying::Constant(v) => Ok((*v as f32).into()),
+            desc::Varying::Constant(v) => (*v as f32).into(),
             desc::Varying::Texture(t) => self.paint.texture(t, Wanted::Number, true),
         }
     }
@@ -94,12 +93,12 @@ impl Maker<'_, '_> {
     }
 
     /// How it lies on a surface.
-    pub fn mapping(&self, said: &desc::Mapping) -> Result<Mapping, CompileError> {
+    pub fn mapping(&self, said: &desc::Mapping) -> Mapping {
         Mapping::of(said, self.paint.centre)
     }
 
     /// A colour, or of what is read as a number, its numbers.
-    pub fn colour(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+    pub fn colour(&mut self, s: &desc::Spectrum) -> Colour {
         let of = if let Wanted::Colour(quantity) = self.of { quantity } else { Quantity::Reflectance };
         self.paint.colour(s, of)
     }
@@ -109,44 +108,37 @@ impl Maker<'_, '_> {
         self.of == Wanted::Number
     }
 
-    /// Whether the texture is of light that is sent out.
-    pub fn wants_emission(&self) -> bool {
-        self.of == Wanted::Colour(Quantity::Emission)
-    }
-
     /// What a picture is read off; made once, however often it is used.
     pub fn pyramid(
         &mut self,
         asset: &value::Asset<Bitmap>,
         meaning: &Meaning,
         has_smaller: bool,
-    ) -> Result<Arc<Pyramid>, CompileError> {
+    ) -> Arc<Pyramid> {
         let made = &mut self.paint.pyramids;
         let known = made.iter().find(|(of, as_what, smaller, _)| {
             (*of, as_what, *smaller) == (asset.handle, meaning, has_smaller)
         });
         if let Some((.., pyramid)) = known {
-            return Ok(pyramid.clone());
+            return pyramid.clone();
         }
-        let bitmap = self.paint.assets.bitmap(asset.handle).ok_or_else(|| {
-            CompileError::at(format!("the picture `{}` was not read", asset.file.value), asset.file.span)
-        })?;
+        let bitmap = self.paint.assets.bitmap(asset.handle);
         let pyramid = Arc::new(Pyramid::new(bitmap.clone(), meaning, has_smaller));
         made.push((asset.handle, meaning.clone(), has_smaller, pyramid.clone()));
-        Ok(pyramid)
+        pyramid
     }
 }
 
 /// All that tells a measured spectrum from others: its name and file, and the bits of its numbers.
-type Content = ([Option<String>; 2], Option<bool>, Vec<u64>);
+type Content = (Option<String>, Option<Handle<TabulatedSpectrum>>, Option<bool>, Vec<u64>);
 
 fn content(m: &desc::Measured) -> Content {
-    let text = |name: &Option<value::Name>| name.as_ref().map(|n| n.value.clone());
     let absent = f64::NAN;
     let one = [m.blackbody.unwrap_or(absent), m.daylight.unwrap_or(absent), m.scale];
     let numbers = one.iter().chain(&m.wavelengths).chain(&m.values).map(|v| v.to_bits());
     let is_smooth = m.interpolation.as_ref().map(|i| *i == desc::Interpolation::Smooth);
-    ([text(&m.name), text(&m.file)], is_smooth, numbers.collect())
+    let name = m.name.as_ref().map(|known| known.name.value.clone());
+    (name, m.file.as_ref().map(|asset| asset.handle), is_smooth, numbers.collect())
 }
 
 /// So many pixels are tried whether they are of a colour that light can have.
@@ -190,12 +182,12 @@ impl<'a> Paint<'a> {
     }
 
     /// Share of light that comes back.
-    pub fn reflectance(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+    pub fn reflectance(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
         self.value(v, Quantity::Reflectance)
     }
 
     /// Light that is sent out.
-    pub fn emission(&mut self, v: &desc::Varying<desc::Spectrum>) -> Result<Value<Colour>, CompileError> {
+    pub fn emission(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
         self.value(v, Quantity::Emission)
     }
 
@@ -219,62 +211,49 @@ impl<'a> Paint<'a> {
     }
 
     /// Three numbers as they stand.
-    pub fn vector(&mut self, t: &desc::TextureOf) -> Result<Value<Colour>, CompileError> {
+    pub fn vector(&mut self, t: &desc::TextureOf) -> Value<Colour> {
         self.texture(t, Wanted::Number, true)
     }
 
     /// A number that may be anything.
-    pub fn height(&mut self, t: &desc::TextureOf) -> Result<Value<f32>, CompileError> {
+    pub fn height(&mut self, t: &desc::TextureOf) -> Value<f32> {
         self.texture(t, Wanted::Number, true)
     }
 
     /// Light that is sent out by something that has no surface.
-    pub fn light(&mut self, s: &desc::Spectrum) -> Result<Value<Colour>, CompileError> {
-        Ok(self.colour(s, Quantity::Emission)?.into())
+    pub fn light(&mut self, s: &desc::Spectrum) -> Value<Colour> {
+        self.colour(s, Quantity::Emission).into()
     }
 
     /// Share of light that is the same everywhere.
-    pub fn share(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+    pub fn share(&mut self, s: &desc::Spectrum) -> Colour {
         self.colour(s, Quantity::Reflectance)
     }
 
     /// A number for each wavelength that is no colour, such as absorption per m.
-    pub fn coefficient(&mut self, s: &desc::Spectrum) -> Result<Colour, CompileError> {
+    pub fn coefficient(&mut self, s: &desc::Spectrum) -> Colour {
         self.colour(s, Quantity::Index)
     }
 
-    fn value(
-        &mut self,
-        v: &desc::Varying<desc::Spectrum>,
-        of: Quantity,
-    ) -> Result<Value<Colour>, CompileError> {
+    fn value(&mut self, v: &desc::Varying<desc::Spectrum>, of: Quantity) -> Value<Colour> {
         match v {
-            desc::Varying::Constant(s) => Ok(self.colour(s, of)?.into()),
+            desc::Varying::Constant(s) => self.colour(s, of).into(),
             desc::Varying::Texture(t) => self.texture(t, Wanted::Colour(of), false),
         }
     }
 
     /// A texture; `is_part` is whether it is only a part of another, so that it isn't kept in range.
-    fn texture<T>(
-        &mut self,
-        said: &desc::TextureOf,
-        of: Wanted,
-        is_part: bool,
-    ) -> Result<Value<T>, CompileError> {
-        let (name, said) = match said {
+    fn texture<T>(&mut self, said: &desc::TextureOf, of: Wanted, is_part: bool) -> Value<T> {
+        let blank = desc::Texture::blank();
+        let (named, said) = match said {
             desc::TextureOf::Inline(said) => (None, said),
-            desc::TextureOf::Named(name) => {
-                let all = &self.scene.textures;
-                let found = all.handle(name).and_then(|handle| all.at(handle)).ok_or_else(|| {
-                    CompileError::at(format!("there is no texture named `{}`", name.value), name.span)
-                })?;
-                (Some(found.0.value.as_str()), found.1)
-            }
+            // A scene without errors leads everywhere.
+            desc::TextureOf::Named(link) => (link.to(), self.scene.textures.of(link).unwrap_or(&blank)),
         };
-        if let Some(known) = name.and_then(|name| self.named.get(&(name, of, is_part))) {
-            return Ok(Value::Texture(*known));
+        if let Some(known) = named.and_then(|named| self.named.get(&(named, of, is_part))) {
+            return Value::Texture(*known);
         }
-        let kind = TextureKind::of(said, &mut Maker { paint: self, of })?;
+        let kind = TextureKind::of(said, &mut Maker { paint: self, of });
         let most = kind.most();
         let texture = match of {
             Wanted::Colour(Quantity::Emission) => Texture::new(kind, Use::Emission),
@@ -284,27 +263,27 @@ impl<'a> Paint<'a> {
         let range = if is_part { [f32::MIN, f32::MAX] } else { texture.range };
         self.textures.push(Texture { range, ..texture });
         let made = TextureRef { id: (self.textures.len() - 1) as u32, most };
-        self.named.extend(name.map(|name| ((name, of, is_part), made)));
-        Ok(Value::Texture(made))
+        self.named.extend(named.map(|named| ((named, of, is_part), made)));
+        Value::Texture(made)
     }
 
     /// A number.
-    pub fn number(&mut self, v: &desc::Varying<f64>) -> Result<Value<f32>, CompileError> {
+    pub fn number(&mut self, v: &desc::Varying<f64>) -> Value<f32> {
         match v {
-            desc::Varying::Constant(v) => Ok((*v as f32).into()),
+            desc::Varying::Constant(v) => (*v as f32).into(),
             desc::Varying::Texture(t) => self.texture(t, Wanted::Number, false),
         }
     }
 
     /// Light that is sent out, times a factor.
-    pub fn emission_times(&mut self, s: &desc::Spectrum, factor: f64) -> Result<Colour, CompileError> {
-        let colour = self.colour(s, Quantity::Emission)?;
+    pub fn emission_times(&mut self, s: &desc::Spectrum, factor: f64) -> Colour {
+        let colour = self.colour(s, Quantity::Emission);
         if factor == 1.0 {
-            return Ok(colour);
+            return colour;
         }
         let by = factor as f32;
         let spectrum = if self.uplift.is_some() { self.spectra.add_scaled(colour.spectrum, by) } else { 0 };
-        Ok(Colour { rgb: colour.rgb * by, strength: colour.strength * by, spectrum })
+        Colour { rgb: colour.rgb * by, strength: colour.strength * by, spectrum }
     }
 
     /// A picture of radiance: in the work space, each channel 0 or more; or in linear sRGB, any channels, where its pixels
@@ -361,21 +340,22 @@ impl<'a> Paint<'a> {
         }
     }
 
-    fn colour(&mut self, s: &desc::Spectrum, of: Quantity) -> Result<Colour, CompileError> {
+    fn colour(&mut self, s: &desc::Spectrum, of: Quantity) -> Colour {
         match s {
-            desc::Spectrum::Rgb(color) => Ok(self.rgb(*color, of)),
+            desc::Spectrum::Rgb(color) => self.rgb(*color, of),
             desc::Spectrum::Measured(m) => {
                 let key = (of, content(m));
                 if let Some(known) = self.measured.get(&key) {
-                    return Ok(*known);
+                    return *known;
                 }
-                let (spectrum, span) = self.spectrum(m)?;
-                let name = m.file.as_ref().map(|f| &f.value).or(m.name.as_ref().map(|n| &n.value));
+                let name = match (&m.file, &m.name) {
+                    (Some(asset), _) => Some(&asset.file.value),
+                    (None, named) => named.as_ref().map(|known| &known.name.value),
+                };
                 let what = name.map_or("a spectrum".to_owned(), |name| format!("the spectrum `{name}`"));
-                let made = self.measured(&spectrum, (of, &what));
-                let colour = made.map_err(|message| CompileError::at(message, span))?;
+                let colour = self.measured(&m.spectrum(self.assets), (of, &what));
                 self.measured.insert(key, colour);
-                Ok(colour)
+                colour
             }
         }
     }
@@ -407,29 +387,9 @@ impl<'a> Paint<'a> {
         colour
     }
 
-    /// The table that a description means, and where it says so.
-    fn spectrum(&self, m: &desc::Measured) -> Result<(Spectrum, Span), CompileError> {
-        let span = m.file.as_ref().or(m.name.as_ref()).map_or(Span::NONE, |name| name.span);
-        if let Some(file) = &m.file {
-            let read = self.assets.spectrum(file);
-            let read = read.ok_or_else(|| {
-                CompileError::at(format!("the spectrum `{}` was not read", file.value), file.span)
-            })?;
-            let read = m.of_table(read).map_err(|fault| CompileError::at(fault.to_string(), span))?;
-            return Ok((read, span));
-        }
-        let found = m.spectrum().ok_or_else(|| CompileError::at("this is no spectrum", span))?;
-        Ok((found, span))
-    }
-
     /// The colour of a spectrum of some use, which `what` calls by name.
-    fn measured(&mut self, spectrum: &Spectrum, (of, what): (Quantity, &str)) -> Result<Colour, String> {
+    fn measured(&mut self, spectrum: &TabulatedSpectrum, (of, what): (Quantity, &str)) -> Colour {
         let bins = spectrum.means(of);
-        if of == Quantity::Reflectance
-            && let Some((nm, v)) = spectrum.above_one()
-        {
-            return Err(format!("this spectrum reflects more light than falls on it: {v} at {nm} nm"));
-        }
         let matrix = uplift::rgb_from_xyz(self.space);
         let rgb = match of {
             Quantity::Reflectance => matrix.apply(Observer::Cie1931.surface(&bins, &illuminant::d65())),
@@ -445,7 +405,7 @@ impl<'a> Paint<'a> {
                 colour.strength = (bins.iter().sum::<f64>() / COUNT as f64) as f32;
             }
         }
-        Ok(colour)
+        colour
     }
 
     /// Where a table is, which is added unless it is there.
@@ -467,56 +427,45 @@ impl<'a> Paint<'a> {
     }
 
     /// Whether the index of refraction of something clear depends on the wavelength: in RGB its light must be parted.
-    pub fn index_of_refraction(
-        &mut self,
-        inside: &desc::Index,
-        outside: &desc::Index,
-    ) -> Result<Eta, CompileError> {
+    pub fn index_of_refraction(&mut self, inside: &desc::Index, outside: &desc::Index) -> Eta {
         if let (desc::Index::Constant(inside), desc::Index::Constant(outside)) = (inside, outside) {
-            return Ok(Eta::Constant(*inside as f32 / *outside as f32));
+            return Eta::Constant(*inside as f32 / *outside as f32);
         }
-        let unknown = || CompileError::new("this index of refraction is unknown");
-        let inside = inside.index().ok_or_else(unknown)?;
-        let outside = outside.index().ok_or_else(unknown)?;
+        let (inside, outside) = (inside.index(), outside.index());
         let eta = EtaTable::new(&inside, &outside);
         if !eta.disperses() {
-            return Ok(Eta::Constant(eta.middle));
+            return Eta::Constant(eta.middle);
         }
         if self.uplift.is_none() {
             self.spectra.prepare_dispersion(self.space);
         }
-        Ok(Eta::Table(eta))
+        Eta::Table(eta)
     }
 
     /// Real and imaginary part of a metal's index of refraction.
-    pub fn metal(&mut self, d: &desc::Conductor) -> Result<[Colour; 2], CompileError> {
-        if let Some(name) = &d.metal {
-            let key = name.value.to_ascii_lowercase();
-            if let Some(known) = self.metals.get(&key) {
-                return Ok(*known);
-            }
-            let parts = refraction::metal(&name.value).ok_or_else(|| {
-                CompileError::at(format!("there is no metal named `{}`", name.value), name.span)
-            })?;
-            let found = self.index(&parts.map(|s| s.means(Quantity::Index)), &key);
-            self.metals.insert(key, found);
-            return Ok(found);
-        }
+    pub fn metal(&mut self, d: &desc::Conductor) -> [Colour; 2] {
+        // A conductor without errors says one of the two.
         let (Some(eta), Some(k)) = (&d.eta, &d.k) else {
-            return Err(CompileError::new("a conductor needs `metal`, or `eta` and `k`"));
+            let metal = d.metal.as_ref().map_or_else(Metal::default, |known| known.what);
+            if let Some(known) = self.metals.get(&metal) {
+                return *known;
+            }
+            let found = self.index(&metal.index().map(|s| s.means(Quantity::Index)), metal.name());
+            self.metals.insert(metal, found);
+            return found;
         };
         let parts = [eta, k];
         if let [desc::Spectrum::Rgb(eta), desc::Spectrum::Rgb(k)] = parts {
-            return Ok([self.rgb(*eta, Quantity::Index), self.rgb(*k, Quantity::Index)]);
+            return [self.rgb(*eta, Quantity::Index), self.rgb(*k, Quantity::Index)];
         }
         let mut bins = [[0.0; COUNT]; 2];
         for (bins, part) in bins.iter_mut().zip(parts) {
             *bins = match part {
                 desc::Spectrum::Rgb(Color(rgb)) => index_between(*rgb),
-                desc::Spectrum::Measured(m) => self.spectrum(m)?.0.means(Quantity::Index),
+                desc::Spectrum::Measured(m) => m.spectrum(self.assets).means(Quantity::Index),
             };
         }
-        Ok(self.index(&bins, "a metal"))
+        self.index(&bins, "a metal")
     }
 
     /// An index of refraction by wavelength, and in RGB the one that looks like it.

@@ -9,7 +9,6 @@ use straal_scene::mesh::Per;
 
 use super::image::{Channel, Meaning};
 use super::{Maker, Pattern, Reading, ShadingPoint, Use};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 
 /// What a mesh has at its vertices or on its faces.
@@ -76,11 +75,7 @@ impl MeshAttribute {
 }
 
 impl Attribute {
-    pub(super) fn of(d: &desc::AttributeTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
-        if make.wants_emission() {
-            let message = "an emission can't be read off the vertices or faces of a mesh yet";
-            return Err(CompileError::at(message, d.name.0.span));
-        }
+    pub(super) fn of(d: &desc::AttributeTexture, make: &mut Maker<'_, '_>) -> Self {
         let of_colours = !make.wants_number();
         // Codes, and other numbers.
         let is_srgb = match d.color_space {
@@ -97,7 +92,7 @@ impl Attribute {
         }
         .rgb();
         let id = make.attribute(&d.name.0.value);
-        Ok(Self {
+        Self {
             id,
             per: match d.per {
                 AttributePer::Any => None,
@@ -107,8 +102,8 @@ impl Attribute {
             is_srgb,
             to_srgb: Meaning::matrix(space),
             channel: Channel::of(&d.channel),
-            absent: make.colour(&d.absent)?,
-        })
+            absent: make.colour(&d.absent),
+        }
     }
 
     fn rgba<L>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> Option<[f32; 4]> {

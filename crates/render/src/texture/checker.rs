@@ -9,7 +9,6 @@ use straal_math::ops;
 use straal_scene::desc;
 
 use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use, Value};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 
 /// Squares of two colours.
@@ -27,14 +26,14 @@ pub struct Checker {
 
 impl Checker {
     /// Of what a scene says.
-    pub(super) fn of(d: &desc::Checker, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
-        let colours = [make.part(&d.first)?, make.part(&d.second)?];
-        Ok(Self {
+    pub(super) fn of(d: &desc::Checker, make: &mut Maker<'_, '_>) -> Self {
+        let colours = [make.part(&d.first), make.part(&d.second)];
+        Self {
             colours,
             squares: d.squares.map(|n| n as f32),
             averaged: d.averaged,
-            mapping: make.mapping(&d.mapping)?,
-        })
+            mapping: make.mapping(&d.mapping),
+        }
     }
 
     /// The share of the second colour in what a pixel sees: 0 or 1 where that is a point.

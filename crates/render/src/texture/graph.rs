@@ -8,7 +8,6 @@ use straal_math::ops;
 use straal_scene::desc;
 
 use super::{Maker, Pattern, Reading, ShadingPoint, Use, Value};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 
 /// A texture times a number and a colour.
@@ -23,8 +22,8 @@ pub struct Scale {
 }
 
 impl Scale {
-    pub(super) fn of(d: &desc::ScaleTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
-        Ok(Self { of: make.part(&d.of)?, by: make.number(&d.by)?, tint: make.share(&d.tint)? })
+    pub(super) fn of(d: &desc::ScaleTexture, make: &mut Maker<'_, '_>) -> Self {
+        Self { of: make.part(&d.of), by: make.number(&d.by), tint: make.share(&d.tint) }
     }
 }
 
@@ -57,8 +56,8 @@ pub struct Mix {
 }
 
 impl Mix {
-    pub(super) fn of(d: &desc::MixTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
-        Ok(Self { parts: [make.part(&d.first)?, make.part(&d.second)?], amount: make.number(&d.amount)? })
+    pub(super) fn of(d: &desc::MixTexture, make: &mut Maker<'_, '_>) -> Self {
+        Self { parts: [make.part(&d.first), make.part(&d.second)], amount: make.number(&d.amount) }
     }
 }
 
@@ -93,8 +92,8 @@ pub struct Add {
 }
 
 impl Add {
-    pub(super) fn of(d: &desc::AddTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
-        Ok(Self { parts: [make.part(&d.first)?, make.part(&d.second)?] })
+    pub(super) fn of(d: &desc::AddTexture, make: &mut Maker<'_, '_>) -> Self {
+        Self { parts: [make.part(&d.first), make.part(&d.second)] }
     }
 }
 
@@ -125,8 +124,8 @@ pub struct Invert {
 }
 
 impl Invert {
-    pub(super) fn of(d: &desc::InvertTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
-        Ok(Self { of: make.part(&d.of)? })
+    pub(super) fn of(d: &desc::InvertTexture, make: &mut Maker<'_, '_>) -> Self {
+        Self { of: make.part(&d.of) }
     }
 }
 
@@ -166,9 +165,9 @@ pub struct Remap {
 }
 
 impl Remap {
-    pub(super) fn of(d: &desc::RemapTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
+    pub(super) fn of(d: &desc::RemapTexture, make: &mut Maker<'_, '_>) -> Self {
         let pair = |v: [f64; 2]| v.map(|v| v as f32);
-        Ok(Self { of: make.part(&d.of)?, from: pair(d.from), to: pair(d.to), power: d.power as f32 })
+        Self { of: make.part(&d.of), from: pair(d.from), to: pair(d.to), power: d.power as f32 }
     }
 
     fn remapped(&self, v: f32) -> f32 {

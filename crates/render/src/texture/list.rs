@@ -15,8 +15,8 @@ macro_rules! textures {
 
         impl TextureKind {
             /// Of what a scene says, whose parts `make` makes.
-            pub(crate) fn of(said: &desc::Texture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
-                Ok(match said { $( desc::Texture::$Kind(d) => Self::$Kind(<$Type>::of(d, make)?), )+ })
+            pub(crate) fn of(said: &desc::Texture, make: &mut Maker<'_, '_>) -> Self {
+                match said { $( desc::Texture::$Kind(d) => Self::$Kind(<$Type>::of(d, make)), )+ }
             }
 
             /// Light at a point, or a share of it.

@@ -13,7 +13,6 @@ use straal_math::{Affine, DVec3, Transform, Vec3, ops};
 use straal_scene::desc;
 
 use super::{Place, ShadingPoint, Spot};
-use crate::error::CompileError;
 
 /// How a pattern lies on a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,23 +54,21 @@ enum Onto {
 
 impl Mapping {
     /// Of what a scene says; `centre` is what of the description's space lies at the world's origin.
-    pub(crate) fn of(said: &desc::Mapping, centre: DVec3) -> Result<Self, CompileError> {
+    pub(crate) fn of(said: &desc::Mapping, centre: DVec3) -> Self {
         let (space, transform, uv, onto) = match said {
-            desc::Mapping::Uv(d) => return Ok(Self::of_uv(d)),
-            desc::Mapping::Planar(d) => (&d.space, transform(&d.transform)?, matrix(&d.uv), Onto::Plane),
-            desc::Mapping::Polar(d) => (&d.space, transform(&d.transform)?, matrix(&d.uv), Onto::Disc),
+            desc::Mapping::Uv(d) => return Self::of_uv(d),
+            desc::Mapping::Planar(d) => (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Plane),
+            desc::Mapping::Polar(d) => (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Disc),
             desc::Mapping::Cylindrical(d) => {
-                (&d.space, transform(&d.transform)?, matrix(&d.uv), Onto::Cylinder)
+                (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Cylinder)
             }
-            desc::Mapping::Spherical(d) => (&d.space, transform(&d.transform)?, matrix(&d.uv), Onto::Sphere),
-            desc::Mapping::Cube(d) => (&d.space, transform(&d.transform)?, matrix(&d.uv), Onto::Cube),
+            desc::Mapping::Spherical(d) => (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Sphere),
+            desc::Mapping::Cube(d) => (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Cube),
             desc::Mapping::Triplanar(d) => {
-                (&d.space, transform(&d.transform)?, matrix(&d.uv), Onto::Three(d.sharpness as f32))
+                (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Three(d.sharpness as f32))
             }
             desc::Mapping::Camera(d) => {
-                let stands = Affine::look_at(d.eye, d.look_at, d.up).ok_or_else(|| {
-                    CompileError::new("a camera mapping looks nowhere, or along its own `up`")
-                })?;
+                let stands = Affine::look_at(d.eye, d.look_at, d.up).unwrap_or(Affine::IDENTITY);
                 let (sin, cos) = ops::sin_cos_degrees(0.5 * d.fov);
                 let half = sin / cos;
                 let onto = Onto::Lens([half as f32, (half / d.aspect) as f32]);
@@ -80,10 +77,8 @@ impl Mapping {
         };
         let of_world = *space == desc::MappingSpace::World;
         let all = if of_world { transform.then(&Affine::translate(-centre)) } else { transform };
-        let transform = Transform::new(&all).ok_or_else(|| {
-            CompileError::new("the transform of a mapping is singular, or leaves the range of numbers")
-        })?;
-        Ok(Self::Space(Box::new(InSpace { of_world, transform, uv, onto })))
+        let transform = Transform::new(&all).unwrap_or(Transform::IDENTITY);
+        Self::Space(Box::new(InSpace { of_world, transform, uv, onto }))
     }
 
     fn of_uv(d: &desc::UvMapping) -> Self {
@@ -125,8 +120,9 @@ fn spot_of(at: &ShadingPoint) -> Spot {
     Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy, lot: at.lot }
 }
 
-fn transform(said: &desc::Transform) -> Result<Affine, CompileError> {
-    said.affine().ok_or_else(|| CompileError::at("this transform is singular", said.span))
+/// Validation has seen that it is none without an inverse.
+fn transform(said: &desc::Transform) -> Affine {
+    said.affine().unwrap_or(Affine::IDENTITY)
 }
 
 impl InSpace {

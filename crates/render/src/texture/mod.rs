@@ -13,7 +13,6 @@
 //! To add one: its file, which implements `Pattern` and gives examples to be tested; its line in the list below; its keys in the
 //! description.
 
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Maker;
 use std::fmt;

@@ -9,7 +9,6 @@ use straal_math::ops;
 use straal_scene::desc::{self, RampInterpolation};
 
 use super::{Maker, Pattern, Reading, ShadingPoint, Use, Value};
-use crate::error::CompileError;
 use crate::lanes::{Colour, Lanes};
 
 /// Colours along a line.
@@ -35,20 +34,21 @@ pub enum Between {
 }
 
 impl Ramp {
-    pub(super) fn of(d: &desc::RampTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
+    pub(super) fn of(d: &desc::RampTexture, make: &mut Maker<'_, '_>) -> Self {
         let mut stops = Vec::with_capacity(d.stops.len());
         for stop in &d.stops {
-            stops.push((stop.at as f32, make.colour(&stop.color)?));
+            stops.push((stop.at as f32, make.colour(&stop.color)));
         }
+        // Validation has seen one.
         if stops.is_empty() {
-            return Err(CompileError::new("a ramp needs a stop"));
+            stops.push((0.0, Colour::default()));
         }
         let between = match d.interpolation {
             RampInterpolation::Step => Between::Step,
             RampInterpolation::Linear => Between::Linear,
             RampInterpolation::Smooth => Between::Smooth,
         };
-        Ok(Self { of: make.number(&d.of)?, stops: stops.into(), between })
+        Self { of: make.number(&d.of), stops: stops.into(), between }
     }
 
     /// The stops at both sides of a number, and the share of the second.

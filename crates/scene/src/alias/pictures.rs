@@ -72,16 +72,15 @@ pub(super) const KINDS: &[Table] = &[
         &[
             ("pathtracer pt pathtracing pathcpu cycles pathocl pathnaive unidirectional", Called("path")),
             ("volpath volpathmis volumepath", MEDIA),
-            (
-                "direct directlighting directlight whitted ray raytracing raytracer simplepath directillumination",
-                Write("`path: { max_depth: 2 }`, which is direct light"),
-            ),
+            ("directlighting directlight directillumination simplepath", Called("direct")),
+            ("ray raytracing raytracer recursive", Called("whitted")),
             (
                 "bdpt bidir bidirectional bidircpu mlt pssmlt sppm photonmapper photonmap photon vcm lightpath lighttracer ptracer particletracer metropolis radiosity",
                 NotYet("ways of computing light other than path tracing"),
             ),
+            ("ambientocclusion occlusion ambientocclusionintegrator", Called("ao")),
             (
-                "ao ambientocclusion aov depth normals",
+                "aov depth normals",
                 Write(
                     "not supported yet as a picture of its own: an EXR has layers of depth, normals and colours",
                 ),

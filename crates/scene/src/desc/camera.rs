@@ -11,7 +11,7 @@ use crate::value::Name;
 
 describe! {
     /// Who looks.
-    pub enum Camera {
+    pub enum Camera each has observer: Observer {
         /// A pinhole or, with a `lens`, a thin lens: what is far is small.
         "perspective" => Perspective(Perspective),
         /// Parallel rays: size does not depend on distance.
@@ -26,14 +26,17 @@ describe! {
 }
 
 impl Camera {
-    /// Where it stands and looks.
-    pub fn observer(&self) -> &Observer {
+    /// Why no picture of so many pixels can be made by it, if so; `film` is the size that the scene gives its picture.
+    pub fn misfit(&self, film: [u32; 2], size: [u32; 2]) -> Option<String> {
         match self {
-            Self::Perspective(c) => &c.observer,
-            Self::Orthographic(c) => &c.observer,
-            Self::Fisheye(c) => &c.observer,
-            Self::Panorama(c) => &c.observer,
-            Self::CubeMap(c) => &c.observer,
+            Self::Perspective(c) => c.misfit(film, size),
+            Self::CubeMap(c) => {
+                let ([columns, rows], [w, h]) = (c.layout.faces(), size);
+                (w < columns || h < rows).then(|| {
+                    format!("a picture of {w} x {h} pixels has no room for {columns} x {rows} faces")
+                })
+            }
+            Self::Orthographic(_) | Self::Fisheye(_) | Self::Panorama(_) => None,
         }
     }
 
@@ -144,7 +147,33 @@ describe! {
 /// Width of 35 mm film in millimetres.
 const FULL_FRAME: f64 = 36.0;
 
+/// What lies on the view plane, beyond which single precision has no room for rays.
+const PLANE: std::ops::Range<f64> = 1e-12..1e12;
+
 impl Perspective {
+    /// See [`Camera::misfit`].
+    fn misfit(&self, film: [u32; 2], size: [u32; 2]) -> Option<String> {
+        let layout = self.stereo.as_ref().map(|pair| &pair.layout);
+        let [film, size] = [film, size].map(|whole| layout.map_or(whole, |layout| layout.of_one_eye(whole)));
+        if size[0] == 0 {
+            return Some("a picture one pixel wide has no room for two eyes".to_owned());
+        }
+        let [w, h] = size.map(f64::from);
+        let tan = self.tan_x(film, size);
+        let tans = [tan, tan * h / w];
+        let aside = self.stereo.as_ref().map_or(0.0, |pair| {
+            0.5 * pair.separation / pair.convergence.unwrap_or_else(|| self.observer.distance())
+        });
+        let reach = [0, 1].map(|i| 2.0 * tans[i] * self.shift[i].abs() + [aside, 0.0][i]);
+        if !tans.iter().all(|tan| PLANE.contains(tan)) || !reach.iter().all(|v| *v < PLANE.end) {
+            return Some(format!(
+                "the camera's angle is beyond the range of numbers: its half has a tangent of {tan:e}"
+            ));
+        }
+        let radius = self.lens.as_ref().map_or(0.0, |lens| self.lens_radius(lens, film, size));
+        (!(radius as f32).is_finite()).then(|| "the camera's lens is too wide for numbers".to_owned())
+    }
+
     /// Tangent of half the angle across the picture's width. `film` is the size that the scene gives its picture, in whose
     /// pixels the view plane is measured, `size` that of the picture to make.
     pub fn tan_x(&self, film: [u32; 2], size: [u32; 2]) -> f64 {
@@ -359,6 +388,27 @@ impl FovAxis {
                 }
             }
             Self::Diagonal => (width * width + height * height).sqrt(),
+        }
+    }
+}
+
+impl StereoLayout {
+    /// Size of the picture of each eye in one of `size`; what is left over beside two halves stays black.
+    pub const fn of_one_eye(&self, size: [u32; 2]) -> [u32; 2] {
+        match self {
+            Self::Parallel | Self::Crossed => [size[0] / 2, size[1]],
+            // One eye by itself has the whole picture, as each has in an anaglyph.
+            Self::Anaglyph | Self::Left | Self::Right => size,
+        }
+    }
+}
+
+impl CubeLayout {
+    /// Faces across and down.
+    pub const fn faces(&self) -> [u32; 2] {
+        match self {
+            Self::Cross => [4, 3],
+            Self::Row => [6, 1],
         }
     }
 }

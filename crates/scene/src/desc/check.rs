@@ -3,25 +3,23 @@
 
 use straal_math::{Affine, DVec3, ops};
 
-use straal_color::spectrum::{self, Fault, Spectrum as Table, illuminant, refraction};
+use straal_color::spectrum::refraction::Metal;
+use straal_color::spectrum::{self, Fault, TabulatedSpectrum};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    Bezier, CameraAt, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid, Cylinder, Dielectric,
-    DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film, Fisheye,
-    FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured, Observer,
-    Orthographic, Panorama, Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture,
-    SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    AmbientOcclusion, Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid,
+    Cylinder, Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film,
+    Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured,
+    Observer, OcclusionFalloff, Orthographic, Panorama, Perspective, Plane, Principled, RampTexture,
+    Rectangle, RemapTexture, SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle,
+    TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::span::Span;
-use crate::suggest;
 use crate::tree::shown;
-use crate::value::{Color, Name};
-
-/// The names that `bezier: { builtin: ... }` knows.
-pub const BUILTIN_PATCHES: &[&str] = &["teapot"];
+use crate::value::{Color, Known};
 
 /// Most pixels of a picture: 2^30, beyond which a film of full precision would need tens of gigabytes.
 const MOST_PIXELS: u64 = 1 << 30;
@@ -176,6 +174,13 @@ pub(super) fn film(f: &Film, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 /// A bell that is narrower than what a filter is told by, or that is even as far as its radius, is no filter.
+pub(super) fn ambient_occlusion(a: &AmbientOcclusion, keys: &Keys<'_>, d: &mut Decoder) {
+    if a.radius.is_none() && a.falloff != OcclusionFalloff::None {
+        let message = "`falloff` needs a `radius`, over which it falls off";
+        d.push(Diagnostic::error(keys.key_span("falloff"), message));
+    }
+}
+
 pub(super) fn gaussian(f: &Gaussian, keys: &Keys<'_>, d: &mut Decoder) {
     let narrow = f.sigma < 1e-3 * f.radius;
     if narrow || f.sigma > 1e6 * f.radius {
@@ -234,7 +239,7 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
     match given[..] {
         [] => d.push(Diagnostic::error(keys.owner(), format!("a spectrum needs one of {FORMS}"))),
         ["wavelengths"] => {
-            let table = Table::new(m.wavelengths.clone(), m.values.clone());
+            let table = TabulatedSpectrum::new(m.wavelengths.clone(), m.values.clone());
             if let Err(fault) = table.and_then(|table| m.of_table(&table)) {
                 let key = match fault {
                     Fault::Negative { .. } => "values",
@@ -250,9 +255,6 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
                 let message = format!("`interpolation` means nothing beside `{form}`");
                 let help = "it is for the tables of `file`, and of `wavelengths` with `values`";
                 d.push(Diagnostic::error(keys.key_span("interpolation"), message).help(help));
-            }
-            if let Some(name) = &m.name {
-                known(name, "illuminant", illuminant::by_name(name).is_some(), illuminant::NAMES, d);
             }
         }
         [first, second, ..] => {
@@ -284,6 +286,11 @@ pub(crate) fn texture(texture: &Texture, span: Span, (limit, is_number): (Limit,
     }
 }
 
+/// A projector must look somewhere.
+pub(crate) fn camera_mapping(c: &CameraMapping, keys: &Keys<'_>, d: &mut Decoder) {
+    view(c.eye, c.look_at, c.up, "look_at", keys, d);
+}
+
 /// A remapping must lead from somewhere to somewhere.
 pub(crate) fn remap(r: &RemapTexture, keys: &Keys<'_>, d: &mut Decoder) {
     if r.from[0] == r.from[1] {
@@ -308,29 +315,18 @@ pub(crate) fn ramp(r: &RampTexture, keys: &Keys<'_>, d: &mut Decoder) {
 /// here; [`too_bright`] is for who reads it.
 pub(crate) fn reflectance(m: &Measured, span: Span, limit: Limit, d: &mut Decoder) {
     let complaint =
-        m.spectrum().filter(|_| limit.max == 1.0 && m.file.is_none()).and_then(|s| too_bright(&s, span));
+        m.said().filter(|_| limit.max == 1.0 && m.file.is_none()).and_then(|s| too_bright(&s, span));
     if let Some(complaint) = complaint {
         d.push(complaint);
     }
 }
 
 /// The complaint of a reflectance above 1.
-pub fn too_bright(reflectance: &Table, span: Span) -> Option<Diagnostic> {
+pub(crate) fn too_bright(reflectance: &TabulatedSpectrum, span: Span) -> Option<Diagnostic> {
     let (nm, v) = reflectance.above_one()?;
     let message = format!("this spectrum reflects more light than falls on it: {v:.4} at {nm} nm");
     let help = "`scale` multiplies all its values; a table in percent needs 0.01";
     Some(Diagnostic::error(span, message).help(help))
-}
-
-/// Complains of a name that isn't known.
-pub(crate) fn known(name: &Name, what: &str, is_known: bool, names: &[&str], d: &mut Decoder) {
-    if is_known || name.is_empty() {
-        return;
-    }
-    let near = suggest::did_you_mean(name, names.iter().copied());
-    let help = near.unwrap_or_else(|| format!("the names are {}", suggest::list(names.iter().copied())));
-    let message = format!("there is no {what} named `{}`", suggest::brief(name));
-    d.push(Diagnostic::error(name.span, message).help(help));
 }
 
 /// Complains of an index that isn't one at all wavelengths.
@@ -339,7 +335,7 @@ pub(super) fn formula(f: &Formula, keys: &Keys<'_>, d: &mut Decoder) {
     if !one_of("formula", forms.0, forms.1, keys, d) {
         return;
     }
-    let Some(index) = Index::Formula(f.clone()).index() else { return };
+    let index = Index::Formula(f.clone()).index();
     let wrong = (spectrum::FIRST..=spectrum::LAST).find(|&nm| !(0.1..=10.0).contains(&index.at(nm as f64)));
     if let Some(nm) = wrong {
         let key = if forms.0.1 { "cauchy" } else { "sellmeier" };
@@ -361,10 +357,8 @@ pub(super) fn coated_conductor(c: &CoatedConductor, keys: &Keys<'_>, d: &mut Dec
 }
 
 /// A metal is told by its name, or by both parts of its index of refraction.
-fn metal(owner: &str, named: &Option<Name>, given: [bool; 2], keys: &Keys<'_>, d: &mut Decoder) {
-    if let Some(name) = named {
-        let names: Vec<&str> = refraction::metal_names().collect();
-        known(name, "metal", refraction::metal(name).is_some(), &names, d);
+fn metal(owner: &str, named: &Option<Known<Metal>>, given: [bool; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    if named.is_some() {
         for (key, given) in ["eta", "k"].into_iter().zip(given) {
             if given {
                 let message = format!("`{owner}` takes `metal` or `{key}`, not both");
@@ -598,13 +592,7 @@ pub(super) fn bezier(b: &Bezier, keys: &Keys<'_>, d: &mut Decoder) {
     if !one_of("bezier", ("builtin", b.builtin.is_some()), ("points", inline), keys, d) {
         return;
     }
-    if let Some(name) = &b.builtin {
-        if !BUILTIN_PATCHES.contains(&name.value.as_str()) {
-            let all = format!("there is {}", suggest::list(BUILTIN_PATCHES.iter().copied()));
-            let near = suggest::did_you_mean(name, BUILTIN_PATCHES.iter().copied());
-            let message = format!("no patches named `{}` are built in", suggest::brief(name));
-            d.push(Diagnostic::error(name.span, message).help(near.unwrap_or(all)));
-        }
+    if b.builtin.is_some() {
         return;
     }
     if b.patches.is_empty() {

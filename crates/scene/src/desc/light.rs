@@ -149,3 +149,43 @@ describe! {
         "row" => Row,
     }
 }
+
+impl EnvironmentLayout {
+    /// How many faces of a cube a picture of this layout has across and down, if it has any.
+    pub const fn faces(&self) -> Option<[usize; 2]> {
+        match self {
+            Self::LatitudeLongitude => None,
+            Self::Cross => Some([4, 3]),
+            Self::Row => Some([6, 1]),
+        }
+    }
+
+    /// The side of a face in pixels in a picture of these, if it is made of faces.
+    pub fn side(&self, image: &Image) -> Option<usize> {
+        let [across, down] = self.faces()?;
+        let side = (image.width / across).min(image.height / down);
+        // Where there is room for another face, the picture is of another layout.
+        (image.is_whole() && side > 0 && image.width / side == across && image.height / side == down)
+            .then_some(side)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_fill_their_picture() {
+        let side = |layout: EnvironmentLayout, width: usize, height: usize| {
+            layout.side(&Image { width, height, pixels: vec![[1.0; 3]; width * height] })
+        };
+        for (width, height) in [(1024, 512), (3, 3), (0, 0), (64, 300)] {
+            assert_eq!(side(EnvironmentLayout::Cross, width, height), None, "{width} x {height}");
+        }
+        // The camera leaves what is over; a face of one pixel is one.
+        assert_eq!(side(EnvironmentLayout::Cross, 43, 31), Some(10));
+        assert_eq!(side(EnvironmentLayout::Cross, 4, 3), Some(1));
+        assert_eq!(side(EnvironmentLayout::Row, 60, 10), Some(10));
+        assert_eq!(side(EnvironmentLayout::LatitudeLongitude, 4, 3), None);
+    }
+}

@@ -1,15 +1,19 @@
 //! Materials.
 
+use straal_color::spectrum::refraction::Metal;
+
+use crate::decode::Describe;
 use crate::desc::check;
 use crate::desc::spectrum::{Index, Spectrum};
 use crate::desc::texture::{Relief, Varying};
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Color, Link, Name};
+use crate::value::{Color, Known, Link};
+use crate::visit::Visitor;
 
 describe! {
     /// What a surface does with light.
-    pub enum Material {
+    pub enum Material each with relief: Relief {
         /// Scatters light evenly (Lambert), or as a rough surface of such facets does.
         "diffuse" => Diffuse(struct Diffuse {
             /// Share of light that is reflected.
@@ -20,7 +24,7 @@ describe! {
             model: RoughDiffuse = RoughDiffuse::Eon,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// A perfect mirror.
         "mirror" => Mirror(struct Mirror {
             /// Share of light that is reflected; with `fresnel: schlick`, straight on.
@@ -29,7 +33,7 @@ describe! {
             fresnel: MirrorFresnel = MirrorFresnel::Constant,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// Smooth glass, water and the like: a boundary between two transparent media; normals point to the outside.
         "dielectric" => Dielectric(struct Dielectric [check::dielectric] {
             /// Index of refraction inside: a number, the name of a glass such as `BK7`, or a formula.
@@ -50,11 +54,11 @@ describe! {
             distribution: Distribution = Distribution::Ggx,
             /// Whether light that bounces between facets more than once is put back instead of being lost (Turquin 2019).
             multiple_bounces: bool = false,
-        } with interior: Interior with relief: Relief),
+        } with interior: Interior),
         /// Metal, polished or rough, by name or by its complex index of refraction `eta` + i `k`, relative to air.
         "conductor" => Conductor(struct Conductor [check::conductor] {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
-            metal: Option<Name> = None,
+            metal: Option<Known<Metal>> = None,
             /// Real part of the index of refraction.
             eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
             /// Imaginary part of the index of refraction: absorption.
@@ -71,7 +75,7 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// The uber material of the OpenPBR specification (1.1), with its names: a base of metal, glass and what is diffuse under a
         /// glossy surface; on it a thin film, a coat and fuzz.
         "open_pbr" => OpenPbr(struct OpenPbr {
@@ -154,7 +158,7 @@ describe! {
             reciprocal: bool = false,
             /// Whether the back of what is opaque looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// The material of glTF, metallic and rough, with its ratified extensions, as layers of `open_pbr`. Its names are glTF's, without the word
         /// `factor`.
         "gltf" => Gltf(struct Gltf {
@@ -204,7 +208,7 @@ describe! {
             anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Whether the back looks like the front; else it is black.
             double_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// Disney's BSDF as Mitsuba 3 has it, exactly.
         "principled" => Principled(struct Principled [check::principled] {
             /// Colour of what is diffuse and of metal; its root is the tint of glass.
@@ -235,7 +239,7 @@ describe! {
             clearcoat_gloss: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Whether the back of what is opaque looks like the front; else it is black, as in Mitsuba.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// A pane of clear material without an inside: light goes straight on, and what bounces between its faces is counted.
         "thin_dielectric" => ThinDielectric(struct ThinDielectric {
             /// Index of refraction of the pane.
@@ -246,14 +250,14 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Tint of what passes; physical is 1.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
-        } with relief: Relief),
+        }),
         /// Scatters light evenly on both sides, as paper, leaves and lampshades do.
         "diffuse_transmission" => DiffuseTransmission(struct DiffuseTransmission [check::diffuse_transmission] {
             /// Share of light that is sent back.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
             /// Share of light that goes through.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.25)),
-        } with relief: Relief),
+        }),
         /// Plastic, glazed pottery, varnished wood: an evenly scattering ground below a clear boundary, smooth or rough (as Mitsuba's
         /// `plastic` and `roughplastic`).
         "plastic" => Plastic(struct Plastic {
@@ -274,23 +278,23 @@ describe! {
             nonlinear: bool = false,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// A clear coat over a ground that scatters evenly, as pbrt's `coateddiffuse`: light is followed through it step by step.
         "coated_diffuse" => CoatedDiffuse(struct CoatedDiffuse {
             /// Share of light that the ground reflects.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
-        } with coat: Coat with relief: Relief),
+        } with coat: Coat),
         /// A clear coat over metal, as pbrt's `coatedconductor`.
         "coated_conductor" => CoatedConductor(struct CoatedConductor [check::coated_conductor] {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
-            metal: Option<Name> = None,
+            metal: Option<Known<Metal>> = None,
             /// Real part of the metal's index of refraction, relative to air.
             eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
             /// Imaginary part of the metal's index of refraction: absorption.
             k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
             /// GGX alpha of the metal's facets: 0 is polished.
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
-        } with coat: Coat with relief: Relief),
+        } with coat: Coat),
         /// Cloth: an evenly scattering ground, and fibres that light up at grazing angles (Estevez and Kulla 2017).
         "sheen" => Sheen(struct Sheen {
             /// Share of light that the ground reflects.
@@ -301,7 +305,7 @@ describe! {
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.4),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// Two materials at the same place, each with a share.
         "mix" => Mix(struct Mix {
             /// What has the rest.
@@ -310,21 +314,21 @@ describe! {
             second: Box<MaterialRef>,
             /// Share of `second`.
             weight: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
-        } with relief: Relief),
+        }),
         /// A material with holes: light passes where it isn't opaque, shadow rays as well.
         "mask" => Mask(struct Mask {
             /// What there is.
             material: Box<MaterialRef>,
             /// The share of light that meets it; the rest passes straight through.
             opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(0.5),
-        } with relief: Relief),
+        }),
         /// One material on the side that the normal points to, another on the other.
         "two_faces" => TwoFaces(struct TwoFaces {
             /// On the side that the normal points to.
             front: Box<MaterialRef>,
             /// On the other side.
             back: Box<MaterialRef>,
-        } with relief: Relief),
+        }),
         /// The textbook's shading: evenly scattered light, a highlight after Phong or Blinn, and a share of the ambient light.
         "phong" => Phong(struct Phong {
             /// Share of light that is scattered evenly: the textbook's k_d times the colour.
@@ -341,7 +345,7 @@ describe! {
             form: HighlightForm = HighlightForm::Normalised,
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// A blurred mirror: light from around the mirrored direction, by a power of the cosine to it.
         "glossy" => Glossy(struct Glossy {
             /// Share of light that is reflected: the textbook's k_r times the colour.
@@ -350,7 +354,7 @@ describe! {
             exponent: Varying<f64> [Limit::within(0.0, 1e5)] = Varying::Constant(100.0),
             /// Whether the back looks like the front; else it is black.
             two_sided: bool = true,
-        } with relief: Relief),
+        }),
         /// The textbook's simple transparency: bends light as `dielectric` does, but reflects the same share at every angle.
         "transparent" => Transparent(struct Transparent [check::transparent] {
             /// Index of refraction inside.
@@ -361,7 +365,7 @@ describe! {
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.1)),
             /// Share of light that passes: the textbook's k_t.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.9)),
-        } with interior: Interior with relief: Relief),
+        } with interior: Interior),
     }
 }
 
@@ -467,38 +471,29 @@ describe! {
 }
 
 impl Material {
-    /// Whether it shines by itself.
-    pub fn shines(&self) -> bool {
-        let is_some = |v: &Varying<Spectrum>| *v != Varying::Constant(Spectrum::grey(0.0));
-        match self {
-            Self::OpenPbr(m) => m.emission_luminance != Varying::Constant(0.0) && is_some(&m.emission_color),
-            Self::Gltf(m) => m.emissive_strength > 0.0 && is_some(&m.emissive),
-            _ => false,
-        }
+    /// The light that it sends out by itself, if it does.
+    pub fn emission(&self) -> Option<&Varying<Spectrum>> {
+        let found = match self {
+            Self::OpenPbr(m) if m.emission_luminance != Varying::Constant(0.0) => &m.emission_color,
+            Self::Gltf(m) if m.emissive_strength > 0.0 => &m.emissive,
+            _ => return None,
+        };
+        (*found != Varying::Constant(Spectrum::grey(0.0))).then_some(found)
     }
 
-    /// What makes it be lit as if it were rough.
-    pub const fn relief(&self) -> &Relief {
+    /// Whether it shines by itself.
+    pub fn shines(&self) -> bool {
+        self.emission().is_some()
+    }
+
+    /// Whether it is there for a part of what meets it only, where the rest passes straight through.
+    pub fn has_holes(&self) -> bool {
+        let all = Varying::Constant(1.0);
         match self {
-            Self::Diffuse(m) => &m.relief,
-            Self::Mirror(m) => &m.relief,
-            Self::Dielectric(m) => &m.relief,
-            Self::Conductor(m) => &m.relief,
-            Self::ThinDielectric(m) => &m.relief,
-            Self::DiffuseTransmission(m) => &m.relief,
-            Self::Plastic(m) => &m.relief,
-            Self::Mix(m) => &m.relief,
-            Self::Mask(m) => &m.relief,
-            Self::TwoFaces(m) => &m.relief,
-            Self::CoatedDiffuse(m) => &m.relief,
-            Self::CoatedConductor(m) => &m.relief,
-            Self::Sheen(m) => &m.relief,
-            Self::Phong(m) => &m.relief,
-            Self::Glossy(m) => &m.relief,
-            Self::Transparent(m) => &m.relief,
-            Self::OpenPbr(m) => &m.relief,
-            Self::Principled(m) => &m.relief,
-            Self::Gltf(m) => &m.relief,
+            Self::Mask(m) => m.opacity != all,
+            Self::OpenPbr(m) => m.geometry_opacity != all,
+            Self::Gltf(m) => m.alpha != all,
+            _ => false,
         }
     }
 }
@@ -513,41 +508,33 @@ pub enum MaterialRef {
 }
 
 impl Material {
-    /// The materials that it is made of, of those that are.
+    /// The materials that it is made of, in the order of its keys.
     pub fn parts(&self) -> Vec<&MaterialRef> {
-        match self {
-            Self::Mix(m) => vec![&m.first, &m.second],
-            Self::Mask(m) => vec![&m.material],
-            Self::TwoFaces(m) => vec![&m.front, &m.back],
-            _ => Vec::new(),
+        struct Parts<'a>(Vec<&'a MaterialRef>);
+        impl<'a> Visitor<'a> for Parts<'a> {
+            fn material(&mut self, part: &'a MaterialRef) -> bool {
+                self.0.push(part);
+                false
+            }
         }
-    }
-
-    /// The same, to be changed.
-    pub fn parts_mut(&mut self) -> Vec<&mut MaterialRef> {
-        match self {
-            Self::Mix(m) => vec![&mut m.first, &mut m.second],
-            Self::Mask(m) => vec![&mut m.material],
-            Self::TwoFaces(m) => vec![&mut m.front, &mut m.back],
-            _ => Vec::new(),
-        }
+        let mut parts = Parts(Vec::new());
+        self.show(Limit::FINITE, &mut parts);
+        parts.0
     }
 }
 
 impl MaterialRef {
-    /// Calls `f` with every name in it.
-    pub fn names<'a>(&'a self, f: &mut impl FnMut(&'a Link<Material>)) {
-        match self {
-            Self::Named(link) => f(link),
-            Self::Inline(material) => material.parts().into_iter().for_each(|part| part.names(f)),
-        }
+    /// Calls `f` with every name in it, and how many materials deep it stands.
+    pub(crate) fn names<'a>(&'a self, f: &mut impl FnMut(&'a Link<Material>, usize)) {
+        self.names_from(0, f);
     }
 
-    /// The same, to be changed.
-    pub(crate) fn names_mut(&mut self, f: &mut impl FnMut(&mut Link<Material>)) {
+    fn names_from<'a>(&'a self, depth: usize, f: &mut impl FnMut(&'a Link<Material>, usize)) {
         match self {
-            Self::Named(link) => f(link),
-            Self::Inline(material) => material.parts_mut().into_iter().for_each(|part| part.names_mut(f)),
+            Self::Named(link) => f(link, depth),
+            Self::Inline(material) => {
+                material.parts().into_iter().for_each(|part| part.names_from(depth + 1, f));
+            }
         }
     }
 }

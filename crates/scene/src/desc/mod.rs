@@ -23,7 +23,6 @@ pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
 };
-pub use check::{BUILTIN_PATCHES, too_bright};
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
@@ -33,12 +32,13 @@ pub use light::{
 pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{
-    BlackmanHarris, Channels, Film, Filter, Gaussian, Integrator, Lanczos, Mitchell, PathTracer, Sampler,
-    SamplerKind, SpectralChannels, Tent,
+    AmbientOcclusion, BlackmanHarris, Channels, DirectLight, Film, Filter, Gaussian, Integrator, Lanczos,
+    Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind, SpectralChannels,
+    Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Plane, Rectangle, Shading, Smoothing, Sphere,
-    Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Patches, Plane, Rectangle, Shading, Smoothing,
+    Sphere, Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;

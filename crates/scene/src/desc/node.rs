@@ -3,7 +3,9 @@
 use straal_math::{Affine, DVec3};
 
 use crate::desc::material::MaterialRef;
-use crate::desc::shape::{Bezier, Cuboid, Cylinder, Disc, Plane, Rectangle, Sphere, Triangle, TriangleMesh};
+use crate::desc::shape::{
+    Bezier, Cuboid, Cylinder, Disc, Plane, Rectangle, Sphere, Surface, Triangle, TriangleMesh,
+};
 use crate::desc::transform::{Transform, facing};
 use crate::describe::describe;
 use crate::span::Spanned;
@@ -11,25 +13,25 @@ use crate::value::{Link, Name};
 
 describe! {
     /// Something in the world.
-    pub enum Node {
+    pub enum Node some have surface: Surface {
         /// A ball.
-        "sphere" => Sphere(Sphere),
+        "sphere" => Sphere(Sphere) has surface,
         /// An infinite plane.
-        "plane" => Plane(Plane),
+        "plane" => Plane(Plane) has surface,
         /// A flat, round plate.
-        "disc" => Disc(Disc),
+        "disc" => Disc(Disc) has surface,
         /// A flat parallelogram.
-        "rectangle" => Rectangle(Rectangle),
+        "rectangle" => Rectangle(Rectangle) has surface,
         /// A box along the axes.
-        "box" => Box(Cuboid),
+        "box" => Box(Cuboid) has surface,
         /// A tube.
-        "cylinder" => Cylinder(Cylinder),
+        "cylinder" => Cylinder(Cylinder) has surface,
         /// One triangle.
-        "triangle" => Triangle(Triangle),
+        "triangle" => Triangle(Triangle) has surface,
         /// A triangle mesh.
-        "mesh" => Mesh(TriangleMesh),
+        "mesh" => Mesh(TriangleMesh) has surface,
         /// Bicubic Bezier patches.
-        "bezier" => Bezier(Bezier),
+        "bezier" => Bezier(Bezier) has surface,
         /// Several nodes placed together.
         "group" => Group(Group),
         /// One more copy of a named object, which costs next to no memory.

@@ -197,6 +197,12 @@ describe! {
     pub enum Integrator {
         /// Path tracing with next-event estimation and multiple importance sampling.
         "path" => Path(PathTracer),
+        /// Direct light alone: from lights to the first surface, no further.
+        "direct" => Direct(DirectLight),
+        /// Ambient occlusion: of each point the share of an even sky that it sees, whatever lights and materials there are.
+        "ao" => Ao(AmbientOcclusion),
+        /// The textbook's recursive ray tracer: light straight from lamps, hard shadows, perfect mirrors and glass; no noise at one sample a pixel.
+        "whitted" => Whitted(Whitted),
         /// No light but a test of aliasing: (1 + sin(x²y²))/2 of the point where a ray meets the plane z = 0.
         "sine_product" => SineProduct,
     }
@@ -215,5 +221,105 @@ describe! {
         max_depth: Depth = Depth::Unlimited,
         /// Number of edges after which Russian roulette may end a path.
         roulette_depth: u32 = 5,
+        /// By which chance roulette lets a path go on.
+        roulette: Roulette = Roulette::Root,
+        /// How the light that falls on a point is found: `bsdf` is naive path tracing, `lights` has next-event estimation, `mis` both.
+        technique: Technique = Technique::Mis,
+    }
+}
+
+describe! {
+    /// How the light that falls on a point is found.
+    pub enum Technique {
+        /// By both of the other ways, each sample weighed by how likely it was beside the other way.
+        "mis" => Mis,
+        /// By points on lights alone; mirrors and glass show lights nevertheless.
+        "lights" => Lights,
+        /// By directions of the BSDF alone; lights that no ray can hit are asked nevertheless.
+        "bsdf" => Bsdf,
+    }
+}
+
+describe! {
+    /// By which chance roulette lets a path go on.
+    pub enum Roulette {
+        /// The root of the light that the path carries: noise against time.
+        "root" => Root,
+        /// The light that the path carries, as textbooks have it.
+        "throughput" => Throughput,
+        /// None: a path goes on until it leaves, is absorbed or is too long, or has 1000 edges.
+        "off" => Off,
+    }
+}
+
+describe! {
+    /// Direct light: for each sample of the pixel so many points on lights and so many directions of the BSDF.
+    pub struct DirectLight {
+        /// How it is found.
+        technique: Technique = Technique::Mis,
+        /// Points on lights for each sample of the pixel.
+        light_samples: u32 [Limit::within(1.0, 4096.0)] = 1,
+        /// Directions of the BSDF for each sample of the pixel.
+        bsdf_samples: u32 [Limit::within(1.0, 4096.0)] = 1,
+    }
+}
+
+describe! {
+    /// Ambient occlusion.
+    pub struct AmbientOcclusion [check::ambient_occlusion] {
+        /// Occluders that are further away don't count, in metres; absent: all do.
+        radius: Option<f64> [Limit::POSITIVE] = None,
+        /// How occluders within the radius count by their distance.
+        falloff: OcclusionFalloff = OcclusionFalloff::None,
+        /// How directions are drawn.
+        directions: OcclusionWarp = OcclusionWarp::Cosine,
+        /// Directions for each sample of the pixel.
+        rays: u32 [Limit::within(1.0, 4096.0)] = 1,
+    }
+}
+
+describe! {
+    /// How an occluder counts by its distance.
+    pub enum OcclusionFalloff {
+        /// Each alike.
+        "none" => None,
+        /// What passes grows evenly from 0 at the point to 1 at the radius.
+        "linear" => Linear,
+        /// By the square of the distance.
+        "quadratic" => Quadratic,
+    }
+}
+
+describe! {
+    /// How directions of the sky are drawn.
+    pub enum OcclusionWarp {
+        /// By the cosine to the normal: each counts alike.
+        "cosine" => Cosine,
+        /// Evenly over the hemisphere: each counts by its cosine.
+        "uniform" => Uniform,
+        /// With the angle from the normal as the root of the random number, in radians, each counting alike. To be seen, not used: it is wrong, since
+        /// no direction is flatter than one radian, and those about it come too often.
+        "wrong" => Wrong,
+    }
+}
+
+describe! {
+    /// The textbook's recursive ray tracer.
+    pub struct Whitted {
+        /// Most edges a path may have, the camera's included; beyond is black.
+        max_depth: u32 [Limit::within(1.0, 64.0)] = 6,
+        /// Rays that bring less than this share of the light at their end aren't followed.
+        min_weight: f64 [Limit::within(0.0, 1.0)] = 0.001,
+        /// Whether what stands between a lamp and a surface keeps the lamp's light off.
+        shadows: bool = true,
+        /// Whether mirrors and glass reflect.
+        reflections: bool = true,
+        /// Whether glass lets light through.
+        refractions: bool = true,
+        /// Into how many rays glass with dispersion splits white light.
+        dispersion_rays: u32 [Limit::within(1.0, 256.0)] = 16,
+        /// Rays start at this distance from the surface that they leave, in metres, as textbooks have it: where it is too small surfaces shade themselves,
+        /// where it is too large shadows come loose. Absent: just outside of what rounding may have moved.
+        epsilon: Option<f64> [Limit::NON_NEGATIVE] = None,
     }
 }

@@ -11,7 +11,7 @@ use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::span::Spanned;
-use crate::value::{Asset, Name};
+use crate::value::{Asset, Known, Name};
 
 describe! {
     /// What all surfaces share.
@@ -168,7 +168,7 @@ describe! {
     /// Bicubic Bezier patches, built in by name or written out by `points` and `patches`.
     pub struct Bezier [check::bezier] {
         /// The name of built-in patches: `teapot`.
-        builtin: Option<Name> = None,
+        builtin: Option<Known<Patches>> = None,
         /// Control points, in place of built-in ones.
         points: Vec<DVec3> = Vec::new(),
         /// Sixteen indices into `points` each, from 0, row by row; the front is where du x dv points, u along a row.
@@ -180,18 +180,25 @@ describe! {
     } with surface: Surface
 }
 
+/// Patches that are built in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Patches {
+    /// The teapot of Utah.
+    Teapot,
+}
+
 /// Where a Bezier surface's control points are.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BezierPatches<'a> {
-    /// Built in, by this name.
-    Builtin(&'a str),
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BezierPatches {
+    /// Built in.
+    Builtin(Patches),
     /// In the description's own lists.
     Inline,
 }
 
 impl Bezier {
     /// Where the control points are.
-    pub fn source(&self) -> BezierPatches<'_> {
-        self.builtin.as_ref().map_or(BezierPatches::Inline, |n| BezierPatches::Builtin(&n.value))
+    pub fn source(&self) -> BezierPatches {
+        self.builtin.as_ref().map_or(BezierPatches::Inline, |known| BezierPatches::Builtin(known.what))
     }
 }

@@ -1,11 +1,12 @@
 //! Spectra, and indices of refraction by wavelength.
 
-use straal_color::spectrum::{self, illuminant, refraction};
+use straal_color::spectrum::{self, Illuminant, TabulatedSpectrum, illuminant, refraction};
 
+use crate::Assets;
 use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Color, FileRef, Name};
+use crate::value::{Asset, Color, Known};
 
 /// A colour of the scene: in RGB, or a spectrum.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,7 +32,7 @@ impl Spectrum {
     }
 
     /// The file it is in, if any, and what is said of it.
-    pub fn in_file(&self) -> Option<(&FileRef, &Measured)> {
+    pub fn in_file(&self) -> Option<(&Asset<TabulatedSpectrum>, &Measured)> {
         match self {
             Self::Rgb(_) => None,
             Self::Measured(m) => Some((m.file.as_ref()?, m)),
@@ -49,13 +50,13 @@ describe! {
     /// A spectrum: one of `name`, `blackbody`, `daylight`, `file`, and `wavelengths` with `values`.
     pub struct Measured [check::measured] {
         /// An illuminant of the CIE, such as `D65`, `A` or `FL2`, with the luminance of RGB 1.
-        name: Option<Name> = None,
+        name: Option<Known<Illuminant>> = None,
         /// Light of a black body of this temperature in kelvins, with the luminance of RGB 1.
         blackbody: Option<f64> [Limit::within(100.0, 1e6)] = None,
         /// Daylight of this correlated colour temperature in kelvins, with the luminance of RGB 1.
         daylight: Option<f64> [Limit::within(4000.0, 25000.0)] = None,
         /// A file with a wavelength in nm and a value on each line.
-        file: Option<FileRef> = None,
+        file: Option<Asset<TabulatedSpectrum>> = None,
         /// Wavelengths in nm, rising; `values` has as many.
         wavelengths: Vec<f64> = Vec::new(),
         /// The value at each of `wavelengths`.
@@ -74,27 +75,35 @@ impl Measured {
         ["name", "blackbody", "daylight", "file", "wavelengths", "values", "interpolation", "scale"];
 
     /// An illuminant by name.
-    pub fn named(name: Name) -> Self {
-        Self { name: Some(name), ..Self::default() }
+    pub fn named(illuminant: Known<Illuminant>) -> Self {
+        Self { name: Some(illuminant), ..Self::default() }
     }
 
-    /// The spectrum, its scale included; `None` for one of a file, and for what a check complains of.
-    pub fn spectrum(&self) -> Option<spectrum::Spectrum> {
-        let light = if let Some(name) = &self.name {
-            illuminant::by_name(name)?
+    /// The spectrum, its scale included; 1 at all wavelengths for what a check has complained of.
+    pub fn spectrum(&self, assets: &Assets) -> TabulatedSpectrum {
+        match &self.file {
+            Some(file) => self.of_table(assets.spectrum(file.handle)).unwrap_or_default(),
+            None => self.said().unwrap_or_default(),
+        }
+    }
+
+    /// The spectrum that the description itself says, its scale included; `None` for one of a file, and for what a check complains of.
+    pub(crate) fn said(&self) -> Option<TabulatedSpectrum> {
+        let light = if let Some(illuminant) = &self.name {
+            illuminant.what.spectrum()
         } else if let Some(kelvin) = self.blackbody {
             illuminant::of_unit_luminance(&spectrum::thermal::black_body(kelvin))
         } else if let Some(kelvin) = self.daylight {
             illuminant::of_unit_luminance(&spectrum::thermal::daylight(kelvin)?)
         } else {
-            let table = spectrum::Spectrum::new(self.wavelengths.clone(), self.values.clone()).ok()?;
+            let table = TabulatedSpectrum::new(self.wavelengths.clone(), self.values.clone()).ok()?;
             return self.of_table(&table).ok();
         };
         Some(light.scaled(self.scale))
     }
 
     /// The spectrum that it makes of a table, which for one of a file is what was read.
-    pub fn of_table(&self, table: &spectrum::Spectrum) -> Result<spectrum::Spectrum, spectrum::Fault> {
+    pub(crate) fn of_table(&self, table: &TabulatedSpectrum) -> Result<TabulatedSpectrum, spectrum::Fault> {
         let scaled = table.scaled(self.scale);
         match self.interpolation {
             None => Ok(scaled),
@@ -121,7 +130,7 @@ pub enum Index {
     /// The same for all wavelengths.
     Constant(f64),
     /// A glass or another clear medium by name.
-    Named(Name),
+    Named(Known<refraction::Glass>),
     /// By a formula.
     Formula(Formula),
 }
@@ -143,13 +152,13 @@ describe! {
 }
 
 impl Index {
-    /// The index by wavelength; `None` for a name that nobody knows.
-    pub fn index(&self) -> Option<refraction::Index> {
-        Some(match self {
+    /// The index by wavelength.
+    pub fn index(&self) -> refraction::Index {
+        match self {
             Self::Constant(n) => refraction::Index::Constant(*n),
-            Self::Named(name) => refraction::glass(name)?,
+            Self::Named(glass) => glass.what.index(),
             Self::Formula(f) if !f.cauchy.is_empty() => refraction::Index::Cauchy(f.cauchy.clone()),
             Self::Formula(f) => refraction::Index::Sellmeier(f.sellmeier.clone()),
-        })
+        }
     }
 }

@@ -9,7 +9,7 @@ use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::span::Span;
-use crate::value::{Asset, Name};
+use crate::value::{Asset, Link, Name};
 
 describe! {
     /// What differs from point to point of a surface.
@@ -214,7 +214,7 @@ describe! {
             transform: Transform = Transform::default(),
         }),
         /// As if thrown by a projector, which casts no shadows: the pattern once in what it sees.
-        "camera" => Camera(struct CameraMapping {
+        "camera" => Camera(struct CameraMapping [check::camera_mapping] {
             /// Whose places are mapped.
             space: MappingSpace = MappingSpace::World,
             /// Where it stands.
@@ -255,7 +255,7 @@ pub struct AttributeName(pub Name);
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureOf {
     /// One of the scene's `textures`.
-    Named(Name),
+    Named(Link<Texture>),
     /// Written on the spot.
     Inline(Texture),
 }

@@ -8,7 +8,7 @@ pub use run::{Blocks, Control, Outcome, Progress, Verdict};
 
 use crate::development::Development;
 use crate::forecast::Forecast;
-use crate::resolve::{Error, Overrides, Plan, needs_count};
+use crate::resolve::{Error, Overrides, Plan, check_custom, needs_count};
 use straal_accel::{Isa, Structure};
 use straal_color::{RgbSpace, Space};
 use straal_formats::load::Loaded;
@@ -68,6 +68,7 @@ impl Job {
     fn made(loaded: &Loaded, wish: &Overrides, custom: &Custom, detail: Detail) -> Result<Self, Error> {
         let scene = &loaded.scene;
         let plan = Plan::new(loaded, wish)?;
+        check_custom(custom, scene)?;
         let forecast = Forecast::of(loaded, &plan);
         if let Some(shortage) = forecast.refuse(plan.memory) {
             return Err(shortage.into());
@@ -84,6 +85,9 @@ impl Job {
             recording,
             detail,
         })?;
+        if let Some(why) = &world.out_of_focus {
+            return Err(Error::scene(why.span, why.to_string()));
+        }
         Ok(Self {
             world,
             settings,

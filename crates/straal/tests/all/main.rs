@@ -22,4 +22,5 @@ mod same_bits;
 mod spectral;
 mod surfaces;
 mod textures;
+mod ways_of_light;
 mod wide_gamut;

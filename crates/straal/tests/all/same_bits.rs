@@ -106,6 +106,19 @@ fn a_crop_is_cut_from_the_whole() {
     }
 }
 
+/// A path's last ray looks for lights alone: where none can be met, it isn't sent.
+#[test]
+fn no_ray_is_sent_in_vain() {
+    let rays = |scene, depth| {
+        let wish = Overrides { max_depth: Some(depth), spp: Some(4), ..Overrides::default() };
+        common::render(scene, wish).times.rays
+    };
+    let [of_points, of_sky] = ["tests/scenes/point-light.yaml", "tests/scenes/sky-over-plane.yaml"];
+    assert_eq!(rays(of_points, 2), rays(of_points, 1));
+    assert!(rays(of_points, 3) > rays(of_points, 2));
+    assert!(rays(of_sky, 2) > rays(of_sky, 1));
+}
+
 /// By wavelengths as well, and with wavelengths that part.
 #[test]
 fn by_wavelengths() {

@@ -399,7 +399,7 @@ fn word(node: &Node) -> String {
         Node::Mesh(m) => m.file.as_ref().and_then(|f| {
             PathBuf::from(&f.file.value).file_stem().map(|stem| stem.to_string_lossy().into_owned())
         }),
-        Node::Bezier(b) => b.builtin.as_ref().map(|b| b.value.clone()),
+        Node::Bezier(b) => b.builtin.as_ref().map(|b| b.name.value.clone()),
         _ => None,
     };
     shown.map_or(String::new(), |s| format!(" {}", suggest::brief(&s)))

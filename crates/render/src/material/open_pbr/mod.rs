@@ -33,7 +33,6 @@ use super::interior::Absorption;
 use super::many::{self, These};
 use super::microfacet::Facets;
 use super::{Bsdf, BsdfSample, Emission, Recipe, Scatter, Transport, Wants};
-use crate::error::CompileError;
 use crate::lanes::{Carried, Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -246,58 +245,58 @@ impl OpenPbrMaterial {
 impl Recipe for OpenPbrMaterial {
     type Described = desc::OpenPbr;
 
-    fn of(d: &desc::OpenPbr, paint: &mut Paint<'_>) -> Result<Self, CompileError> {
+    fn of(d: &desc::OpenPbr, paint: &mut Paint<'_>) -> Self {
         // What is the same everywhere is multiplied once.
         let (emission_color, emission_luminance) = match (&d.emission_color, &d.emission_luminance) {
             (desc::Varying::Constant(colour), desc::Varying::Constant(luminance)) => {
-                (paint.emission_times(colour, *luminance)?.into(), 1.0.into())
+                (paint.emission_times(colour, *luminance).into(), 1.0.into())
             }
-            (colour, luminance) => (paint.emission(colour)?, paint.number(luminance)?),
+            (colour, luminance) => (paint.emission(colour), paint.number(luminance)),
         };
         let mut made = Self {
             emission_color,
             emission_luminance,
-            base_weight: paint.number(&d.base_weight)?,
-            base_color: paint.reflectance(&d.base_color)?,
-            base_diffuse_roughness: paint.number(&d.base_diffuse_roughness)?,
-            base_metalness: paint.number(&d.base_metalness)?,
-            specular_weight: paint.number(&d.specular_weight)?,
-            specular_color: paint.reflectance(&d.specular_color)?,
-            specular_roughness: paint.number(&d.specular_roughness)?,
-            specular_roughness_anisotropy: paint.number(&d.specular_roughness_anisotropy)?,
-            specular_ior: paint.number(&d.specular_ior)?,
-            transmission_weight: paint.number(&d.transmission_weight)?,
-            transmission_color: paint.reflectance(&d.transmission_color)?,
-            transmission_depth: paint.number(&d.transmission_depth)?,
-            transmission_scatter: paint.reflectance(&d.transmission_scatter)?,
-            transmission_scatter_anisotropy: paint.number(&d.transmission_scatter_anisotropy)?,
-            transmission_dispersion_scale: paint.number(&d.transmission_dispersion_scale)?,
-            transmission_dispersion_abbe_number: paint.number(&d.transmission_dispersion_abbe_number)?,
-            subsurface_weight: paint.number(&d.subsurface_weight)?,
-            subsurface_color: paint.reflectance(&d.subsurface_color)?,
-            subsurface_radius: paint.number(&d.subsurface_radius)?,
-            subsurface_radius_scale: paint.reflectance(&d.subsurface_radius_scale)?,
-            subsurface_scatter_anisotropy: paint.number(&d.subsurface_scatter_anisotropy)?,
-            coat_weight: paint.number(&d.coat_weight)?,
-            coat_color: paint.reflectance(&d.coat_color)?,
-            coat_roughness: paint.number(&d.coat_roughness)?,
-            coat_roughness_anisotropy: paint.number(&d.coat_roughness_anisotropy)?,
-            coat_ior: paint.number(&d.coat_ior)?,
-            coat_darkening: paint.number(&d.coat_darkening)?,
-            fuzz_weight: paint.number(&d.fuzz_weight)?,
-            fuzz_color: paint.reflectance(&d.fuzz_color)?,
-            fuzz_roughness: paint.number(&d.fuzz_roughness)?,
-            thin_film_weight: paint.number(&d.thin_film_weight)?,
-            thin_film_thickness: paint.number(&d.thin_film_thickness)?,
-            thin_film_ior: paint.number(&d.thin_film_ior)?,
-            geometry_opacity: paint.number(&d.geometry_opacity)?,
+            base_weight: paint.number(&d.base_weight),
+            base_color: paint.reflectance(&d.base_color),
+            base_diffuse_roughness: paint.number(&d.base_diffuse_roughness),
+            base_metalness: paint.number(&d.base_metalness),
+            specular_weight: paint.number(&d.specular_weight),
+            specular_color: paint.reflectance(&d.specular_color),
+            specular_roughness: paint.number(&d.specular_roughness),
+            specular_roughness_anisotropy: paint.number(&d.specular_roughness_anisotropy),
+            specular_ior: paint.number(&d.specular_ior),
+            transmission_weight: paint.number(&d.transmission_weight),
+            transmission_color: paint.reflectance(&d.transmission_color),
+            transmission_depth: paint.number(&d.transmission_depth),
+            transmission_scatter: paint.reflectance(&d.transmission_scatter),
+            transmission_scatter_anisotropy: paint.number(&d.transmission_scatter_anisotropy),
+            transmission_dispersion_scale: paint.number(&d.transmission_dispersion_scale),
+            transmission_dispersion_abbe_number: paint.number(&d.transmission_dispersion_abbe_number),
+            subsurface_weight: paint.number(&d.subsurface_weight),
+            subsurface_color: paint.reflectance(&d.subsurface_color),
+            subsurface_radius: paint.number(&d.subsurface_radius),
+            subsurface_radius_scale: paint.reflectance(&d.subsurface_radius_scale),
+            subsurface_scatter_anisotropy: paint.number(&d.subsurface_scatter_anisotropy),
+            coat_weight: paint.number(&d.coat_weight),
+            coat_color: paint.reflectance(&d.coat_color),
+            coat_roughness: paint.number(&d.coat_roughness),
+            coat_roughness_anisotropy: paint.number(&d.coat_roughness_anisotropy),
+            coat_ior: paint.number(&d.coat_ior),
+            coat_darkening: paint.number(&d.coat_darkening),
+            fuzz_weight: paint.number(&d.fuzz_weight),
+            fuzz_color: paint.reflectance(&d.fuzz_color),
+            fuzz_roughness: paint.number(&d.fuzz_roughness),
+            thin_film_weight: paint.number(&d.thin_film_weight),
+            thin_film_thickness: paint.number(&d.thin_film_thickness),
+            thin_film_ior: paint.number(&d.thin_film_ior),
+            geometry_opacity: paint.number(&d.geometry_opacity),
             geometry_thin_walled: d.geometry_thin_walled,
             filling: None,
             reciprocal: d.reciprocal,
             two_sided: d.two_sided,
         };
         made.filling = made.filled();
-        Ok(made)
+        made
     }
 
     fn interior(&self) -> Option<&super::Interior> {

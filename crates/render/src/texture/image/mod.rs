@@ -10,7 +10,6 @@ use straal_color::{Light, luminance};
 use straal_scene::desc::{self, TextureChannel};
 
 use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use};
-use crate::error::CompileError;
 use crate::lanes::Lanes;
 
 mod filter;
@@ -56,12 +55,12 @@ impl Channel {
 
 impl ImageTexture {
     /// Of what a scene says.
-    pub(super) fn of(d: &desc::ImageTexture, make: &mut Maker<'_, '_>) -> Result<Self, CompileError> {
+    pub(super) fn of(d: &desc::ImageTexture, make: &mut Maker<'_, '_>) -> Self {
         let sampling = Sampling::of(&d.filter, &d.wrap.0, d.anisotropy);
         let channel = Channel::of(&d.channel);
         let meaning = Meaning::of(&d.color_space, make.wants_number());
-        let pyramid = make.pyramid(&d.file, &meaning, sampling.needs_smaller())?;
-        Ok(Self { pyramid, sampling, channel, mapping: make.mapping(&d.mapping)? })
+        let pyramid = make.pyramid(&d.file, &meaning, sampling.needs_smaller());
+        Self { pyramid, sampling, channel, mapping: make.mapping(&d.mapping) }
     }
 
     /// Linear sRGB and alpha.

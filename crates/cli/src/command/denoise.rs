@@ -1,0 +1,105 @@
+//! `straal denoise`
+
+use super::{Writing, not_read, print, read_picture};
+use crate::args::DenoiseArgs;
+use crate::exit::{Exit, Failure};
+use crate::out;
+use crate::places::{check_pictures, refuse_inputs, refuse_twins};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use straal::denoise::{Denoised, Denoising, Network, NoDenoise, Signal};
+use straal::develop::PictureFile;
+use straal_formats::files;
+
+/// A network with weights from a file, and its name.
+fn network(path: &Path) -> Result<(String, Network), Failure> {
+    // The largest that is published has 8 MB.
+    const MOST: u64 = 64 << 20;
+    let bytes = files::read(path, MOST).map_err(|refusal| not_read(path, refusal))?;
+    let network = Network::from_archive(&bytes, Signal::Light);
+    let network =
+        network.map_err(|e| Failure::input(format!("can't read {} as weights: {e}", path.display())))?;
+    let name = path.file_stem().unwrap_or(path.as_os_str());
+    Ok((name.to_string_lossy().into_owned(), network))
+}
+
+/// What a person should know of the picture and of what was done.
+fn tell(args: &DenoiseArgs, picture_file: &PictureFile, denoised: &Denoised, bad: [Option<String>; 2]) {
+    let name = args.picture.display();
+    for note in picture_file.notes().iter().chain(&denoised.notes).chain(bad.iter().flatten()) {
+        out::say(&format!("warning: {name}: {note}\n"));
+    }
+    if let Some(fireflies) = &denoised.fireflies {
+        out::say(&format!("fireflies: {fireflies}\n"));
+    }
+}
+
+/// Denoises a picture.
+pub fn run(args: &DenoiseArgs) -> Result<Exit, Failure> {
+    let stream = check_pictures(&args.output, args.format, args.json)?;
+    let outputs = || args.output.iter().map(PathBuf::as_path);
+    refuse_twins(outputs())?;
+    refuse_inputs(outputs(), std::slice::from_ref(&args.picture))?;
+    let name = args.picture.display();
+    let bytes = read_picture(&args.picture)?;
+    let picture_file = PictureFile::read(&bytes, &super::picture_limits());
+    drop(bytes);
+    let mut picture_file = picture_file.map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
+    let faults = picture_file.faults();
+    let bad = [
+        faults.nan.told("no number (NaN)", "black"),
+        faults.infinite.told("infinite", "the brightest there can be"),
+    ];
+    let how = Denoising {
+        effort: args.effort,
+        network: args.weights.as_deref().map(network).transpose()?,
+        fireflies: args.fireflies,
+        threads: args.threads,
+        isa: args.isa,
+    };
+    let denoised = picture_file.denoise(&how).map_err(|e| {
+        let failure = match e {
+            NoDenoise::Threads(_) => Failure::system(format!("can't denoise {name}: {e}")),
+            _ => Failure::input(format!("can't denoise {name}: {e}")),
+        };
+        match e {
+            NoDenoise::Twice(_) => {
+                failure.help("start from the noisy picture: in an EXR it is the layer `noisy`")
+            }
+            _ => failure,
+        }
+    })?;
+    if !args.quiet {
+        tell(args, &picture_file, &denoised, bad);
+    }
+    let development = args.development.over(picture_file.development());
+    let mut writing = Writing::default();
+    for path in &args.output {
+        writing.picture(
+            path,
+            |to| picture_file.write(to, stream, &development),
+            |path| picture_file.save(path, &development),
+        );
+    }
+    writing.end()?;
+    if !args.quiet {
+        let names: Vec<String> = args.output.iter().map(|p| p.display().to_string()).collect();
+        let by =
+            if denoised.guides.is_empty() { "light alone".to_owned() } else { denoised.guides.join(", ") };
+        out::say(&format!("wrote {}, denoised by {} ({by})\n", names.join(", "), denoised.weights));
+    }
+    if args.json {
+        let names: Vec<_> = args.output.iter().map(|p| p.to_string_lossy()).collect();
+        let fireflies = denoised.fireflies.map(|f| json!({ "pixels": f.pixels, "share": f.share }));
+        let report = json!({
+            "pictures": names,
+            "size": picture_file.size(),
+            "weights": denoised.weights,
+            "guides": denoised.guides,
+            "fireflies": fireflies,
+            "notes": denoised.notes,
+        });
+        print(&format!("{report:#}\n"))?;
+    }
+    Ok(Exit::Fine)
+}

@@ -1,0 +1,194 @@
+//! Direct light: what comes from lights to the first surface, and no further.
+
+use super::technique::Technique;
+use super::vertex::{Vertex, left_by_medium, left_on_way, nth};
+use super::{Arrival, Contribution, Integrator, Out, Queue, Start};
+use crate::footprint::PackedFootprint;
+use crate::lanes::Lanes;
+use crate::light::Receiver;
+use crate::material::interior::Inside;
+use crate::world::World;
+use straal_color::Light;
+use straal_math::lowdisc::Purpose;
+use straal_math::{Ray, Vec3};
+use straal_scene::desc;
+
+/// The reflection equation with emitted light alone, by two sums of samples: points on lights and directions of the BSDF, as many of each as one likes
+/// for each sample of the pixel (Veach 1997, chapter 9). Mirrors and glass show lights, nothing else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DirectLight {
+    /// Which of the two are used.
+    pub technique: Technique,
+    /// Points on lights.
+    pub light_samples: u32,
+    /// Directions of the BSDF.
+    pub bsdf_samples: u32,
+}
+
+impl DirectLight {
+    pub(super) const NAME: &'static str = "direct";
+
+    /// Of what a scene says.
+    pub(super) fn of(said: &desc::Integrator) -> Self {
+        let said = match said {
+            desc::Integrator::Direct(said) => said.clone(),
+            _ => desc::DirectLight::default(),
+        };
+        Self {
+            technique: Technique::of(&said.technique),
+            light_samples: said.light_samples,
+            bsdf_samples: said.bsdf_samples,
+        }
+    }
+
+    /// The weight of light that a ray met.
+    fn weight<L>(&self, state: &State<L>, light_pdf: impl FnOnce() -> f32) -> f32 {
+        if state.delta {
+            return 1.0;
+        }
+        let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
+        self.technique.of_bsdf(of_bsdf * state.pdf, of_light * light_pdf())
+    }
+}
+
+/// What a ray carries.
+#[derive(Clone, Copy, Debug)]
+pub struct State<L> {
+    lanes: L,
+    footprint: PackedFootprint,
+    /// Share of the light at the ray's end that reaches the film.
+    beta: Light,
+    /// The point that it left, as light sampling saw it.
+    from: Receiver,
+    /// Density by which its direction was drawn there.
+    pdf: f32,
+    /// Whether that was a delta lobe or the camera.
+    delta: bool,
+    /// Whether it comes from the camera.
+    first: bool,
+    inside: Inside,
+}
+
+impl Integrator for DirectLight {
+    type State<L: Lanes> = State<L>;
+
+    fn facts(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("technique", self.technique.name().into()),
+            ("light_samples", self.light_samples.to_string()),
+            ("bsdf_samples", self.bsdf_samples.to_string()),
+        ]
+    }
+
+    fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
+        let state = State {
+            lanes: start.lanes,
+            footprint: start.footprint,
+            beta: start.lanes.full(),
+            from: Receiver::anywhere(Vec3::ZERO),
+            pdf: 0.0,
+            delta: true,
+            first: true,
+            inside: Inside::default(),
+        };
+        start.camera_ray.map(|ray| (ray, state))
+    }
+
+    fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
+        for arrival in queue.arrivals() {
+            self.meet(world, queue, &arrival, out);
+        }
+    }
+}
+
+impl DirectLight {
+    /// Light that a ray meets; from where the camera's arrived, rays to lights and by the BSDF.
+    fn meet<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        &Arrival { path, ray, hit }: &Arrival<'_, State<L>>,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let state = &path.state;
+        let (left, inside) = left_by_medium(world, (ray, hit), state.inside, state.lanes);
+        let (beta, reading) = (state.beta * left, world.reading(state.lanes));
+        if !hit.is_hit() {
+            for (index, emitter) in world.environments() {
+                let (radiance, pdf) = emitter.radiance_pdf_from(state.from.n, ray.d, &reading);
+                let weight = self.weight(state, || world.lights.pmf(index, &state.from) * pdf);
+                out.add(Contribution::own(path, beta * radiance * weight));
+            }
+            return;
+        }
+        let u = || queue.pattern.d1(&path.name, Purpose::Material);
+        let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, u);
+        let point = &vertex.surface.point;
+        if let Some(emitter) = vertex.surface.emitter {
+            let radiance = world.emitters[emitter as usize].radiance_at(point, -ray.d, &reading);
+            let weight = self.weight(state, || world.light_pdf(emitter, &state.from, hit, point));
+            out.add(Contribution::own(path, beta * radiance * weight));
+        }
+        if !state.first || vertex.is_black() {
+            return;
+        }
+        if let Some(inside) = vertex.meet_boundary(world, inside) {
+            let beyond = Ray { t_min: hit.t.next_up(), ..*ray };
+            out.go_on(path, 0, beyond, State { beta, inside, ..*state });
+            return;
+        }
+        if world.has_ambient_light() {
+            out.add(Contribution::own(path, beta * world.ambient_from(&vertex.shaded.bsdf, state.lanes)));
+        }
+
+        let receiver = vertex.receiver();
+        if !vertex.shaded.bsdf.is_delta() {
+            for k in 0..self.light_samples {
+                let name = nth(queue.pattern, &path.name, k, self.light_samples);
+                let [u, v] = queue.pattern.d2(&name, Purpose::LightPoint);
+                let Some(pick) = world.lights.pick(u, &receiver) else { continue };
+                let sample = world.sample_light(pick.index, &receiver, [pick.rest, v], state.lanes);
+                let Some(mut light) = sample else { continue };
+                light.pdf *= pick.pmf;
+                let (value, pdf) = vertex.scattered(&light);
+                let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
+                let weight = if light.delta {
+                    1.0
+                } else {
+                    self.technique.of_light(of_light * light.pdf, of_bsdf * pdf)
+                };
+                let brought = beta * value * (weight / of_light);
+                if !brought.is_black() {
+                    let free = vertex.shadow_ray(&light, ray);
+                    let inside = vertex.towards(world, free.d, inside);
+                    let left = left_on_way(world, &free, inside, state.lanes);
+                    out.shadow(free, Contribution::own(path, brought * left));
+                }
+            }
+        }
+        for k in 0..self.bsdf_samples {
+            let name = nth(queue.pattern, &path.name, k, self.bsdf_samples);
+            let [u, v, lobe] = queue.pattern.d3(&name, Purpose::Direction);
+            let Some(drawn) = vertex.draw([lobe, u, v]) else { continue };
+            if self.technique == Technique::Lights && !drawn.delta {
+                continue;
+            }
+            let leaves = vertex.leave(drawn.wi, ray);
+            let mut next = State {
+                beta: beta * drawn.weight * (1.0 / self.bsdf_samples as f32),
+                from: receiver,
+                pdf: drawn.pdf,
+                delta: drawn.delta,
+                first: false,
+                inside: vertex.towards(world, leaves.d, inside),
+                ..*state
+            };
+            if drawn.wavelength > 0.0 {
+                next.lanes = next.lanes.only(drawn.wavelength);
+            }
+            if !next.beta.is_black() {
+                out.go_on(path, k, leaves, next);
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! A vertex by itself: for integrators whose step takes one path after the other.
+
+use crate::footprint::PackedFootprint;
+use crate::lanes::Lanes;
+use crate::light::{LightSample, Receiver};
+use crate::material::interior::{Boundary, Inside};
+use crate::material::{Bsdf, BsdfSample, Shaded, Transport, shaded};
+use crate::shape::offset::End;
+use crate::surface::Surface;
+use crate::world::World;
+use straal_accel::Hit;
+use straal_color::Light;
+use straal_math::lowdisc::{Pattern, PatternKind, SampleName};
+use straal_math::{Ray, Vec3};
+
+/// Where a path arrived: the surface, and how it scatters.
+pub(super) struct Vertex<'w> {
+    pub surface: Surface,
+    pub shaded: Shaded<'w>,
+    /// Towards where the ray came from, about the shading normal.
+    pub wo: Vec3,
+    /// Where rays leave from.
+    pub end: End,
+}
+
+impl<'w> Vertex<'w> {
+    /// Where a ray hit; of materials made of others, `u` says which it is.
+    pub fn new<L: Lanes>(
+        world: &'w World,
+        (ray, hit): (&Ray, &Hit),
+        footprint: &PackedFootprint,
+        lanes: L,
+        u: impl FnOnce() -> f32,
+    ) -> Self {
+        let mut surface = world.surface(ray, hit, footprint);
+        let wo = surface.frame.to_local(-ray.d);
+        if world.materials.choose() {
+            surface.material = world.chosen(surface.material, (surface.at.as_ref(), wo.z > 0.0), lanes, u());
+        }
+        let shaded = Shaded { bsdf: world.bsdf(&surface, lanes), ng: surface.ng };
+        Self { shaded, wo, end: End::from(&surface.point), surface }
+    }
+
+    /// Whether nothing is scattered.
+    pub fn is_black(&self) -> bool {
+        matches!(self.shaded.bsdf, Bsdf::Black(_))
+    }
+
+    /// What light sampling sees of it: where light comes through from behind, light from all around counts alike.
+    pub fn receiver(&self) -> Receiver {
+        let is_open = matches!(self.shaded.bsdf, Bsdf::Custom(_)) || self.shaded.bsdf.transmits();
+        let n = if self.wo.z < 0.0 { -self.surface.frame.n } else { self.surface.frame.n };
+        Receiver { p: self.surface.point.p, n: if is_open { Vec3::ZERO } else { n } }
+    }
+
+    /// What light sampling found, as it is scattered towards where the ray came from, over its density; and the density with which the
+    /// BSDF draws that direction.
+    pub fn scattered(&self, light: &LightSample) -> (Light, f32) {
+        let wi = self.surface.frame.to_local(light.wi);
+        let (value, pdf) = self.shaded.eval_pdf(self.wo, wi, Transport::Radiance);
+        (value * light.radiance * (1.0 / light.pdf), pdf)
+    }
+
+    /// A direction of the BSDF by three numbers, the first of which chooses a lobe.
+    pub fn draw(&self, u: [f32; 3]) -> Option<BsdfSample> {
+        self.shaded.sample(self.wo, u[0], [u[1], u[2]], Transport::Radiance)
+    }
+
+    /// The ray in a direction about the shading normal; its time and mask are those of `like`.
+    pub fn leave(&self, wi: Vec3, like: &Ray) -> Ray {
+        let d = self.surface.frame.to_world(wi);
+        Ray { o: self.end.leave(d), d, t_min: 0.0, t_max: f32::INFINITY, ..*like }
+    }
+
+    /// Whether a direction about the shading normal leaves the surface on the side that is seen.
+    pub fn is_above(&self, wi: Vec3) -> bool {
+        wi.z * self.wo.z > 0.0 && self.surface.ng.is_none_or(|ng| shaded::goes_on(ng, self.wo, wi))
+    }
+
+    /// The ray that must be free for the light of a sample to arrive; its time and mask are those of `like`.
+    pub fn shadow_ray(&self, light: &LightSample, like: &Ray) -> Ray {
+        let free = light.shadow_ray(&self.end);
+        Ray { o: free.o, d: free.d, t_min: free.t_min, t_max: free.t_max, ..*like }
+    }
+
+    /// What a path is inside of that goes on in a direction of the world, where it was inside of something before.
+    pub fn towards(&self, world: &World, d: Vec3, inside: Inside) -> Inside {
+        if self.surface.frame.n.dot(d) * self.wo.z >= 0.0 {
+            return inside;
+        }
+        inside.crossed(world.materials.interiors().number(self.surface.material), self.wo.z > 0.0)
+    }
+
+    /// Takes for the BSDF what depends on what is on the other side of a clear material. `Some` where something of a higher priority is on both
+    /// sides, so that the ray goes on as if nothing were there: what the path is inside of then.
+    pub fn meet_boundary(&mut self, world: &World, inside: Inside) -> Option<Inside> {
+        let interiors = world.materials.interiors();
+        if !interiors.matter() {
+            return None;
+        }
+        match interiors.boundary(inside, interiors.number(self.surface.material), self.wo.z > 0.0) {
+            Boundary::Real(Some(eta)) => self.shaded.bsdf = self.shaded.bsdf.with_eta(eta),
+            Boundary::Real(None) => {}
+            Boundary::Ignored(inside) => return Some(inside),
+        }
+        None
+    }
+}
+
+/// What the medium that a ray went through has left of its light, and what it was inside of: it may have started there.
+pub(super) fn left_by_medium<L: Lanes>(
+    world: &World,
+    (ray, hit): (&Ray, &Hit),
+    inside: Inside,
+    lanes: L,
+) -> (Light, Inside) {
+    let interiors = world.materials.interiors();
+    if !interiors.matter() {
+        return (Light::ONE, inside);
+    }
+    let from_inside = hit.is_hit() && world.is_met_from_inside(ray, hit);
+    let inside = if from_inside { inside.or(interiors.number(world.material_of(hit))) } else { inside };
+    let start = if ray.t_min > 0.0 { ray.t_min } else { 0.0 };
+    (interiors.left_after(inside, hit.t - start, &world.reading(lanes)), inside)
+}
+
+/// What is left of light along a shadow ray within one medium: whatever is free for it to arrive goes through no other.
+pub(super) fn left_on_way<L: Lanes>(world: &World, ray: &Ray, inside: Inside, lanes: L) -> Light {
+    let interiors = world.materials.interiors();
+    if !interiors.matter() {
+        return Light::ONE;
+    }
+    // Rays to a point on a light are as long as the way there.
+    interiors.left_after(inside, ray.t_max * ray.d.length(), &world.reading(lanes))
+}
+
+/// The name of set `k` of the random numbers of one vertex, of which there are `count`.
+///
+/// Of patterns without an end each sample of the pixel takes as many points of the same pattern as there are sets, so that all sets of all samples of the
+/// pixel are spread as well as so many samples would be.
+pub(super) fn nth(pattern: Pattern, name: &SampleName, k: u32, count: u32) -> SampleName {
+    match pattern.kind() {
+        PatternKind::Sobol | PatternKind::Halton | PatternKind::Random => {
+            name.at_index(name.index().wrapping_mul(count).wrapping_add(k))
+        }
+        // These know how many samples there are; vertices of their own then.
+        _ if count > 1 => name.child(k.wrapping_add(1)),
+        _ => *name,
+    }
+}
