@@ -7,8 +7,8 @@ use straal_math::{Affine, DVec3};
 
 use crate::decode::{Decoder, Describe, Written};
 use crate::desc::{
-    AttributeName, AxisAngle, ColorIn, Coordinate, Formula, Index, Material, MaterialRef, Measured, Rotation,
-    Spectrum, Step, Texture, TextureOf, Transform, Varying, Wrap, Wraps, check,
+    AttributeName, AxisAngle, ColorIn, Coordinate, CoordinatesName, Formula, Index, Material, MaterialRef,
+    Measured, Rotation, Spectrum, Step, Texture, TextureOf, Transform, Varying, Wrap, Wraps, check,
 };
 use crate::diagnostic::Diagnostic;
 use crate::handle::{Handle, Kind};
@@ -550,6 +550,25 @@ impl Describe for AttributeName {
     }
     fn show<'a>(&'a self, _: Limit, visitor: &mut dyn Visitor<'a>) {
         visitor.attribute(&self.0);
+    }
+}
+
+impl Describe for CoordinatesName {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        Self(Name::read(tree, limit, d))
+    }
+    fn blank() -> Self {
+        Self(Name::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.0.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        Name::schema(limit, defs)
+    }
+    fn show<'a>(&'a self, _: Limit, visitor: &mut dyn Visitor<'a>) {
+        visitor.attribute(&self.0);
+        visitor.coordinates(&self.0);
     }
 }
 

@@ -327,7 +327,12 @@ fn read_texels(bytes: &[u8], limits: &Limits) -> Result<Decoded, ReadError> {
 
 impl Layout {
     /// Gives `each` the numbers of every texel, codes as whole numbers.
-    fn decode(&self, data: &[u8], [width, height]: [usize; 2], mut each: impl FnMut(usize, usize, &[f32; 4])) {
+    fn decode(
+        &self,
+        data: &[u8],
+        [width, height]: [usize; 2],
+        mut each: impl FnMut(usize, usize, &[f32; 4]),
+    ) {
         let size = self.number.bytes();
         let number = |bytes: &[u8]| match (self.number, bytes) {
             (Number::Byte, &[v]) => f32::from(v),
@@ -357,7 +362,8 @@ impl Layout {
             }
             Packing::Block(block) => {
                 let across = width.div_ceil(4);
-                for (i, bytes) in data.chunks_exact(block.bytes()).take(across * height.div_ceil(4)).enumerate()
+                for (i, bytes) in
+                    data.chunks_exact(block.bytes()).take(across * height.div_ceil(4)).enumerate()
                 {
                     let texels = block.decode(bytes);
                     let (x0, y0) = (4 * (i % across), 4 * (i / across));
@@ -443,10 +449,11 @@ fn light_of(reader: &Reader<&[u8]>, layout: &Layout) -> Light {
     let mut notes = Vec::new();
     let transfer = reader.transfer_function();
     let is_srgb = layout.is_srgb || transfer == Some(TransferFunction::SRGB);
-    if let Some(other) =
-        transfer.filter(|t| ![TransferFunction::SRGB, TransferFunction::Linear].contains(t))
+    if let Some(other) = transfer.filter(|t| ![TransferFunction::SRGB, TransferFunction::Linear].contains(t))
     {
-        notes.push(format!("its transfer function {other:?} is not honoured: its numbers are taken for light"));
+        notes.push(format!(
+            "its transfer function {other:?} is not honoured: its numbers are taken for light"
+        ));
     }
     if reader.is_alpha_premultiplied() == Some(true) {
         notes.push("its colours are multiplied by its alpha, which is not undone".into());
@@ -496,7 +503,7 @@ fn tame(v: f32) -> f32 {
 /// Three mantissas of nine bits and one exponent.
 fn shared(bits: u32) -> [f32; 3] {
     // 2^(e - 15 - 9).
-    let scale = f32::from_bits((bits >> 27) + 127 - 24 << 23);
+    let scale = f32::from_bits(((bits >> 27) + 127 - 24) << 23);
     [bits, bits >> 9, bits >> 18].map(|v| (v & 0x1ff) as f32 * scale)
 }
 
@@ -565,7 +572,8 @@ mod tests {
         let small: u32 = 0x3c0 | 0x400 << 11 | 0x1c0 << 22;
         let small = read(&file(Vk::B10G11R11_UFLOAT_PACK32, [1, 1], 0, 1, &small.to_le_bytes())).unwrap();
         assert_eq!(small.texels.numbers(0, 0), [1.0, 2.0, 0.5, 1.0]);
-        let odd: Vec<u8> = [0x7c00_u16, 0x7e00, 0xbc00, 0x3c00].iter().flat_map(|h| h.to_le_bytes()).collect();
+        let odd: Vec<u8> =
+            [0x7c00_u16, 0x7e00, 0xbc00, 0x3c00].iter().flat_map(|h| h.to_le_bytes()).collect();
         let odd = read(&file(Vk::R16G16B16A16_SFLOAT, [1, 1], 0, 1, &odd)).unwrap();
         assert_eq!(odd.texels.numbers(0, 0), [65_504.0, 0.0, -1.0, 1.0]);
     }
@@ -590,7 +598,11 @@ mod tests {
         let level = [0_u8; 64];
         let says = |bytes: &[u8]| read(bytes).unwrap_err();
         let astc = file(Vk::ASTC_4x4_UNORM_BLOCK, [4, 4], 0, 1, &level);
-        assert!(says(&astc).contains("ASTC_4x4_UNORM_BLOCK (157), which is not supported"), "{}", says(&astc));
+        assert!(
+            says(&astc).contains("ASTC_4x4_UNORM_BLOCK (157), which is not supported"),
+            "{}",
+            says(&astc)
+        );
         let mut basis = file(Vk::R8_UNORM, [4, 4], 0, 1, &level);
         basis[12..16].copy_from_slice(&0_u32.to_le_bytes());
         assert!(says(&basis).contains("Basis Universal"));

@@ -93,8 +93,9 @@ impl Maker<'_, '_> {
     }
 
     /// How it lies on a surface.
-    pub fn mapping(&self, said: &desc::Mapping) -> Mapping {
-        Mapping::of(said, self.paint.centre)
+    pub fn mapping(&mut self, said: &desc::Mapping) -> Mapping {
+        let centre = self.paint.centre;
+        Mapping::of(said, centre, |name| self.paint.attribute(name))
     }
 
     /// A colour, or of what is read as a number, its numbers.

@@ -157,6 +157,13 @@ describe! {
             /// What is added to u and v.
             translate: [f64; 2] = [0.0, 0.0],
         }),
+        /// By other texture coordinates than the surface's own, which the mesh has by name: a further set of a file, such as `uv1`.
+        "attribute" => Attribute(struct AttributeMapping {
+            /// Their name.
+            name: CoordinatesName,
+            /// What is done to them.
+            uv: UvMapping = UvMapping::default(),
+        }),
         /// Along z onto the plane of x and y: a copy for each unit.
         "planar" => Planar(struct PlanarMapping {
             /// Whose places are mapped.
@@ -246,6 +253,10 @@ describe! {
         "world" => World,
     }
 }
+
+/// The name of texture coordinates that a mesh has besides its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoordinatesName(pub Name);
 
 /// The name of what a mesh has at its vertices or on its faces.
 #[derive(Clone, Debug, PartialEq)]
