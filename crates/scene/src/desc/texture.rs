@@ -29,7 +29,7 @@ describe! {
         }),
         /// A picture.
         "image" => Image(struct ImageTexture {
-            /// The picture: PNG, JPEG, WebP, TGA, BMP, EXR, HDR or PFM.
+            /// The picture: PNG, JPEG, WebP, TGA, BMP, KTX2, EXR, HDR or PFM.
             file: Asset<Bitmap>,
             /// What its numbers mean.
             color_space: TextureSpace = TextureSpace::Auto,
@@ -145,7 +145,7 @@ describe! {
 }
 
 describe! {
-    /// How a pattern lies on a surface. All but `uv` map places of space: onto things about the origin, from -1 to 1 and upright along y, with the middle
+    /// How a pattern lies on a surface. All but `uv` and `attribute` map places of space: onto things about the origin, from -1 to 1 and upright along y, with the middle
     /// of the picture in front, towards +z; `transform` puts these elsewhere.
     pub enum Mapping {
         /// By the surface's texture coordinates, scaled, then turned, then moved.
