@@ -45,7 +45,7 @@ fn a_textured_ball_gives_the_same_light_however_it_is_found() {
     for p in [Vec3::new(0.0, -0.6, 0.5), Vec3::new(2.5, 1.0, 0.0)] {
         let n = (center - p).normalize();
         let (mut drawn, mut met) = ([0.0_f64; 3], [0.0_f64; 3]);
-        let mut add = |sum: &mut [f64; 3], light: Light, by: f32| {
+        let add = |sum: &mut [f64; 3], light: Light, by: f32| {
             (0..3).for_each(|c| sum[c] += f64::from(light[c] * by) / f64::from(count));
         };
         let frame = straal_math::Frame::from_normal(n);
