@@ -1,5 +1,5 @@
 //! The book's pictures of one scene in several ways: under each tone curve, with the curves themselves; blurred by depth; filtered in two ways;
-//! by each integrator.
+//! by each integrator; noisy, denoised and true.
 
 use crate::{Failure, root};
 use std::fmt::Write;
@@ -8,7 +8,7 @@ use straal::focus::{Blur, Lens};
 use straal::{Control, Development, Job, LoadOptions, Overrides};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
-use straal_scene::desc::{AmbientOcclusion, Camera, Filter, Gaussian, Integrator};
+use straal_scene::desc::{AmbientOcclusion, Camera, Denoise, Filter, Gaussian, Integrator};
 
 const FOLDER: &str = "book/src/images";
 const SCENE: &str = "scenes/bright-colours.yaml";
@@ -24,6 +24,12 @@ const FILTERED: &str = "scenes/lights.yaml";
 const WAYS: &str = "scenes/ways-of-light.yaml";
 const WAYS_SIZE: [u32; 2] = [480, 270];
 const INTEGRATORS: [(&str, u32); 4] = [("whitted", 64), ("ao", 256), ("direct", 256), ("path", 1024)];
+
+/// The scene that is denoised, the size in which it is, and each of its pictures: samples, and what becomes of them.
+const DENOISED: &str = "scenes/glass-and-mirror.yaml";
+const DENOISED_SIZE: [u32; 2] = [320, 180];
+const DENOISINGS: [(&str, u32, Denoise); 3] =
+    [("noisy", 16, Denoise::Off), ("clean", 16, Denoise::Best), ("truth", 512, Denoise::Off)];
 
 /// Renders the scene once and develops it by every curve; draws the curves; blurs another.
 pub fn run() -> Result<bool, Failure> {
@@ -42,6 +48,7 @@ pub fn run() -> Result<bool, Failure> {
     blurred()?;
     filtered()?;
     by_each_integrator()?;
+    denoised()?;
     Ok(true)
 }
 
@@ -59,6 +66,21 @@ fn by_each_integrator() -> Result<(), Failure> {
         let job = Job::new(loaded.clone(), wish)?;
         let picture = job.render(&mut Control::to_the_end())?.picture;
         let file = format!("{FOLDER}/ways-{name}.png");
+        picture.save(&root().join(&file), &job.development())?;
+        println!("{file}");
+    }
+    Ok(())
+}
+
+/// Few samples, what the denoiser makes of them, and the truth.
+fn denoised() -> Result<(), Failure> {
+    let loaded = straal::load(&root().join(DENOISED), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {DENOISED}`"))?;
+    for (name, spp, denoise) in DENOISINGS {
+        let (size, spp, denoise) = (Some(DENOISED_SIZE), Some(spp), Some(denoise));
+        let job = Job::new(loaded.clone(), Overrides { size, spp, denoise, ..Overrides::default() })?;
+        let picture = job.render(&mut Control::to_the_end())?.picture;
+        let file = format!("{FOLDER}/denoise-{name}.png");
         picture.save(&root().join(&file), &job.development())?;
         println!("{file}");
     }

@@ -20,7 +20,8 @@ const SPP: usize = 16;
 const PIXELS: usize = 256 * 256;
 
 /// Renders the scenes of `scenes/reference`, or those named, and compares; whether all agree. A scene may say `# judge: within X0,Y0,X1,Y1`, beyond
-/// which the other renderer is wrong, or `# judge: told only`, where the two do on purpose what isn't the same; it says why as well.
+/// which the other renderer is wrong, `# judge: without X0,Y0,X1,Y1: reason`, which leaves a part out and is told, or `# judge: told only`, where the two do
+/// on purpose what isn't the same; it says why as well.
 pub fn run(names: &[String]) -> Result<bool, Failure> {
     let shared = std::env::var_os("STRAAL_SHARED").map_or_else(|| root().join("../shared"), PathBuf::from);
     let folder = shared.join("reference");
@@ -43,7 +44,14 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
         let within = text.lines().find_map(|l| part(l.strip_prefix("# judge: within ")?));
         let told_only = text.lines().any(|l| l.starts_with("# judge: told only"));
         let tails = if heavy { Tails::Heavy } else { Tails::Light };
-        let found = judge(&path, &folder.join(&name), said.unwrap_or(SPP), (tails, within))?;
+        let mut without = Vec::new();
+        for said in text.lines().filter_map(|l| l.strip_prefix("# judge: without ")) {
+            let read = || said.split_once(": ").and_then(|(place, why)| Some((part(place)?, why)));
+            without.push(read().ok_or_else(|| format!("{name}: not 'without X0,Y0,X1,Y1: reason': {said}"))?);
+        }
+        let places: Vec<_> = without.iter().map(|(place, _)| *place).collect();
+        let judged = Judged { spp: said.unwrap_or(SPP), tails, within, without: &places };
+        let found = judge(&path, &folder.join(&name), &judged)?;
         println!(
             "{name:18} {:>8.2} {:>8.2} {:>8.2} {:>10.2e} {:>10.2e} {:>9} {:>9} {:>7.1}  {}{}",
             found.mean_z[0],
@@ -61,6 +69,9 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
                 (true, true) => ": differs, as the scene says why",
             },
         );
+        for ([x0, y0, x1, y1], why) in &without {
+            println!("    not judged: columns {x0} to {x1}, rows {y0} to {y1}: {why}");
+        }
         if !told_only {
             found.reasons.iter().for_each(|reason| println!("    {reason}"));
         }
@@ -83,24 +94,38 @@ fn cut(image: &Image, within: Option<[usize; 4]>) -> Image {
     Image { width: x1.saturating_sub(x0), height: y1.saturating_sub(y0), pixels }
 }
 
-/// Renders a scene and compares it, or a part of it, with the picture in a folder.
-fn judge(
-    scene: &Path,
-    reference: &Path,
+/// Which part of a picture is judged, and how.
+struct Judged<'a> {
     spp: usize,
-    (tails, within): (Tails, Option<[usize; 4]>),
-) -> Result<Comparison, Failure> {
+    tails: Tails,
+    within: Option<[usize; 4]>,
+    /// Parts of that which are left out.
+    without: &'a [[usize; 4]],
+}
+
+/// Renders a scene and compares it, or a part of it, with the picture in a folder.
+fn judge(scene: &Path, reference: &Path, judged: &Judged<'_>) -> Result<Comparison, Failure> {
+    let &Judged { spp, tails, within, without } = judged;
     let loaded = straal::load(scene, &LoadOptions::default())
         .map_err(|_| format!("the scene is wrong; see `straal check {}`", scene.display()))?;
-    let (their_mean, their_variance) =
+    let (their_mean, mut their_variance) =
         (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);
     let size = [u32::try_from(their_mean.width)?, u32::try_from(their_mean.height)?];
     let spp = u32::try_from(spp.max(spp * PIXELS / their_mean.pixels.len().max(1)))?;
     let job = Job::new(loaded, Overrides { spp: Some(spp), size: Some(size), ..Overrides::default() })?;
     let ours = job.render_replicates(REPLICATES, &mut Control::to_the_end())?.picture.layers;
-    let picture = |pixels| cut(&Image { width: ours.width, height: ours.height, pixels }, within);
-    let (mean, variance) = (picture(ours.rgb.clone()), picture(ours.variance.clone()));
-    let (their_mean, their_variance) = (cut(&their_mean, within), cut(&their_variance, within));
+    let picture = |pixels| Image { width: ours.width, height: ours.height, pixels };
+    let (mut mean, mut variance) = (picture(ours.rgb.clone()), picture(ours.variance.clone()));
+    for i in 0..their_mean.pixels.len() {
+        let (x, y) = (i % their_mean.width, i / their_mean.width);
+        if without.iter().any(|[x0, y0, x1, y1]| (x0..x1).contains(&&x) && (y0..y1).contains(&&y)) {
+            // As if both were sure of the same.
+            mean.pixels[i] = their_mean.pixels[i];
+            (variance.pixels[i], their_variance.pixels[i]) = ([0.0; 3], [0.0; 3]);
+        }
+    }
+    let [mean, variance, their_mean, their_variance] =
+        [&mean, &variance, &their_mean, &their_variance].map(|image| cut(image, within));
     let a = Estimate { dof: f64::from(REPLICATES - 1), ..Estimate::new(&mean, Some(&variance)) };
     Ok(compare(a, Estimate::new(&their_mean, Some(&their_variance)), tails)?)
 }

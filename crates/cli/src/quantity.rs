@@ -5,7 +5,7 @@ use std::time::Duration;
 use straal::Recording;
 use straal::studio::Background;
 use straal_scene::desc::SpectralChannels;
-use straal_scene::value::Color;
+use straal_scene::value::LinearRgb;
 use straal_study::points::Map;
 
 /// Width and height in pixels.
@@ -24,7 +24,7 @@ pub fn crease(typed: &str) -> Result<f64, String> {
 
 /// `studio`, `none`, a colour in hexadecimal or one of the names that need no table.
 pub fn background(typed: &str) -> Result<Background, String> {
-    let paper = |grey: f64| Ok(Background::Paper(Color::grey(grey)));
+    let paper = |grey: f64| Ok(Background::Paper(LinearRgb::grey(grey)));
     match typed.trim().to_ascii_lowercase().as_str() {
         "studio" => Ok(Background::Sweep),
         "none" | "transparent" => Ok(Background::Nothing),
@@ -32,7 +32,7 @@ pub fn background(typed: &str) -> Result<Background, String> {
         "white" => paper(0.95),
         "grey" | "gray" => paper(0.25),
         "black" => paper(0.02),
-        other => Color::from_hex(other).map(Background::Paper).ok_or_else(|| {
+        other => LinearRgb::from_hex(other).map(Background::Paper).ok_or_else(|| {
             "write studio, none, white, grey, black or a colour in hexadecimal in quotes, such as '#4060a0'".to_owned()
         }),
     }

@@ -5,6 +5,9 @@
 //! Every output number is the bias, plus input times weight by fused multiply-adds in the order of the weights, whichever pixels
 //! are computed with it: so it has the same bits for any width of vectors, any tile and any number of threads.
 
+// Iterators aren't inlined for sure, and what isn't inlined is compiled without the instruction set.
+#![allow(clippy::needless_range_loop)]
+
 use crate::network::Weights;
 use straal_math::simd::{BLOCK, Block, Float, Kernel};
 

@@ -71,7 +71,7 @@ mod fit {
     pub const LOG: [f32; 3] = [0.192_653_25, 6.260_261e-3, 0.998_620_15];
     /// Light at which one piece gives way to the next, and what the curve gives there.
     pub const LIGHT: [f32; 2] = [1.579_457_6e-6, 3.220_876_3e-2];
-    pub const SEEN: [f32; 2] = [2.231_517_1e-3, 0.370_974_75];
+    pub const SEEN: [f32; 2] = [2.231_517e-3, 0.370_974_75];
 }
 
 #[inline(always)]

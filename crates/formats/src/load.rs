@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use straal_scene::decode::{Strictness, write_json};
-use straal_scene::desc::{Integrator, Light, MaterialRef, Node};
+use straal_scene::desc::{Light, MaterialRef, Node};
 use straal_scene::diagnostic::start_of;
 use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
@@ -192,8 +192,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     let hash = hash(&scene, &reader.hashes);
     let files = reader.files;
     whole::validate(&scene, &assets, &mut d);
-    let needs_light = !matches!(scene.integrator, Integrator::SineProduct | Integrator::Ao(_));
-    if !d.has_errors() && needs_light && !gives_light(&scene, &assets) {
+    if !d.has_errors() && scene.integrator.needs_light() && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
         d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
     }
@@ -392,6 +391,9 @@ impl<'a> Progress<'a> {
     }
 }
 
+/// What comes of a file, and the hash of its bytes; nothing after a complaint.
+type Read<T> = Option<(T, [u8; 32])>;
+
 /// Reads the files of a scene, each once.
 struct Reader<'a> {
     limits: &'a Limits,
@@ -417,8 +419,8 @@ impl Reader<'_> {
     fn assets(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>) -> Assets {
         let mut assets = Assets::default();
         // The same file under two names is read once.
-        let mut meshes: BTreeMap<PathBuf, Option<(MeshAsset, [u8; 32])>> = BTreeMap::new();
-        let mut images: BTreeMap<PathBuf, Option<(Arc<Image>, [u8; 32])>> = BTreeMap::new();
+        let mut meshes: BTreeMap<PathBuf, Read<MeshAsset>> = BTreeMap::new();
+        let mut images: BTreeMap<PathBuf, Read<Arc<Image>>> = BTreeMap::new();
         let as_they_are = with_their_own_materials(scene);
         for Asset { file, handle } in scene.mesh_files() {
             let Some(path) = paths.get(&file.value) else { continue };
@@ -516,11 +518,7 @@ impl Reader<'_> {
     }
 
     /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
-    fn mesh(
-        &mut self,
-        (file, has_materials): (&FileRef, bool),
-        path: &Path,
-    ) -> Option<(MeshAsset, [u8; 32])> {
+    fn mesh(&mut self, (file, has_materials): (&FileRef, bool), path: &Path) -> Read<MeshAsset> {
         // As many bytes as the file has for the mesh that it holds, and the file's own.
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, 2 * length, MESH_HELP) {
@@ -557,7 +555,7 @@ impl Reader<'_> {
     }
 
     /// A picture; none after a complaint.
-    fn image(&mut self, file: &FileRef, path: &Path) -> Option<(Arc<Image>, [u8; 32])> {
+    fn image(&mut self, file: &FileRef, path: &Path) -> Read<Arc<Image>> {
         // What is wrong with a header is told by reading the rest.
         let decoded = image::Header::open(path, self.limits).map_or(0, |header| header.decoded_bytes);
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);

@@ -284,7 +284,7 @@ fn openexr() {
     let limits = Limits::default();
     let read = |bytes: &[u8]| exr::read(bytes, &limits);
     let image = picture(20, 18);
-    let mut own = exr::Picture::of_size(20, 18);
+    let mut own = exr::Layered::of_size(20, 18);
     own.layers.push(exr::Layer::from_rgb("", &image.pixels));
     own.metadata.push(("straal.version".into(), "0.1".into()));
     let mut bytes = Vec::new();

@@ -10,6 +10,7 @@ use crate::simd::{Float, Uint, Ulong};
 mod blue;
 mod halton;
 mod kind;
+mod padded;
 mod pattern;
 mod set;
 mod sobol;
@@ -166,13 +167,15 @@ pub enum Purpose {
     Custom = 10,
     /// Which of the materials that another is made of it is.
     Material = 11,
+    /// Which corner of a triangle lends its colour.
+    Corner = 12,
     /// Which texel of a texture is read.
-    Texel = 12,
+    Texel = 13,
 }
 
 impl Purpose {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Film,
         Self::Time,
         Self::Wavelength,
@@ -185,6 +188,7 @@ impl Purpose {
         Self::Opacity,
         Self::Custom,
         Self::Material,
+        Self::Corner,
         Self::Texel,
     ];
 }

@@ -3,6 +3,29 @@
 use crate::film::{BLOCK, ErrorEstimate, Extent, Keep, Recording, Region, reach};
 use straal_math::lowdisc::Pattern;
 
+/// What the layers of albedo and normals are of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Guides {
+    /// The first surface that the camera's ray meets.
+    #[default]
+    First,
+    /// The first that scatters, by way of mirrors and glass; what shines and the surroundings have albedo 1.
+    Specular,
+}
+
+impl Guides {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::First, Self::Specular];
+
+    /// The name as it is typed.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::First => "first",
+            Self::Specular => "specular",
+        }
+    }
+}
+
 /// How a picture is sampled and on how many threads; none but `size`, `pattern`, `seed` and `splat` changes the value of a
 /// sample; `noise` says how many there are.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +42,10 @@ pub struct Settings {
     pub noise: Option<f64>,
     /// Tells each pixel's standard error ([`crate::film::Layers::error`]): 48 bytes a pixel more where that takes batches.
     pub error: bool,
+    /// Holds what it takes to have the picture as the mean of two of other samples ([`crate::film::Film::halves`]).
+    pub halves: bool,
+    /// What the layers of albedo and normals are of.
+    pub guides: Guides,
     /// Keeps all layers ([`crate::film::Layers`]), or colours alone.
     pub layers: bool,
     /// Whether samples are drawn by a filter that has negative lobes.
@@ -45,7 +72,9 @@ impl Settings {
 
     /// Whether the film holds batches.
     pub fn holds_batches(&self) -> bool {
-        (self.error || self.noise.is_some()) && self.error_estimate() == ErrorEstimate::Batches
+        let by_batches = self.error_estimate() == ErrorEstimate::Batches;
+        (self.error || self.noise.is_some()) && by_batches
+            || self.halves && !self.splat && self.noise.is_none()
     }
 
     /// The part of the picture that is rendered, which the crop lies in; `filter_radius` in pixels.
@@ -91,6 +120,8 @@ impl Settings {
             seed: 0,
             noise: None,
             error: false,
+            halves: false,
+            guides: Guides::First,
             layers: true,
             signed: false,
             splat: false,

@@ -20,6 +20,10 @@ pub struct Surface {
     pub frame: Frame,
     /// The geometric normal in that frame, on the shading normal's side; `None` where it is the shading normal.
     pub ng: Option<Vec3>,
+    /// How far above the point the surface lies that shading normals tell of, see [`crate::shape::TriangleMesh::bulge`]; zero where it doesn't.
+    pub bulge: Vec3,
+    /// The unit normal of that surface, in the frame; `None` where it is the shading normal.
+    pub smooth: Option<Vec3>,
     /// Whether it is seen from the side that its shading normal points to.
     pub in_front: bool,
     /// Index of the material in the world.

@@ -1,7 +1,6 @@
 //! The world: a scene ready for rays. Flat arrays and indices, read-only while rays fly.
 
-use crate::camera::Camera;
-use crate::compile::OutOfFocus;
+use crate::camera::{Camera, OutOfFocus};
 use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
@@ -19,7 +18,7 @@ use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::simd::{Float, Mask, Simd, Uint};
-use straal_math::{DVec3, Frame, Ray, Transform, Vec3};
+use straal_math::{DVec3, Frame, Ray, Transform, Vec3, ops};
 use straal_scene::Span;
 
 /// No material of its own: the innermost instance that has one gives it.
@@ -52,6 +51,8 @@ pub(crate) struct GeometryRecord {
     pub emission_varies: bool,
     /// Front and back are swapped.
     pub flip: bool,
+    /// Light is scattered at the corners of triangles, and colours lie between.
+    pub colours_at_corners: bool,
     /// Index into [`World::placements`], or [`UNPLACED`].
     pub placement: u32,
 }
@@ -232,7 +233,9 @@ impl World {
         let ng = ng.map(|ng| frame.to_local(ng));
         let in_front = ray.d.dot(frame.n) < 0.0;
         let (material, emitter) = (self.material_of(hit), geometry.emitter);
-        let mut surface = Surface { point, frame, ng, in_front, material, emitter, at: None };
+        let bulge = self.bulge(geometry, ray, hit);
+        let mut surface =
+            Surface { point, frame, ng, bulge, smooth: None, in_front, material, emitter, at: None };
         if self.materials.vary() {
             self.look_closely(&mut surface, (ray, hit), footprint);
         }
@@ -294,9 +297,62 @@ impl World {
             let n = relief.normal(point.n, &at, &self.reading(Rgb::default()), &ways);
             let (n, ng) = shading_normal(n, point.ng, -ray.d);
             let frame = if wants.tangent { frame_along(n, tangents.dpdu) } else { Frame::from_normal(n) };
+            surface.smooth = Some(frame.to_local(surface.frame.n));
             (surface.frame, surface.ng) = (frame, ng.map(|ng| frame.to_local(ng)));
         }
         surface.at = Some(at);
+    }
+
+    /// How far above a hit the surface lies that shading normals tell of.
+    #[inline]
+    fn bulge(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> Vec3 {
+        let Kind::Mesh(mesh) = geometry.kind else { return Vec3::ZERO };
+        let mesh = &self.geometry.meshes[mesh as usize];
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let d = transforms().fold(ray.d, |d, m| m.inverse_vector(d));
+        let bulge = mesh.bulge(hit.primitive, [hit.u, hit.v], d);
+        transforms().rev().fold(bulge, |v, m| m.vector(v))
+    }
+
+    /// The surface at a corner of the triangle that a ray met, and in what direction it is seen there. Which corner a number in [0, 1) says, by
+    /// their weights, so that the mean is between their colours as Gouraud's (1971, "Continuous Shading of Curved Surfaces").
+    #[cold]
+    pub fn surface_at_corner(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        footprint: &PackedFootprint,
+        which: f32,
+    ) -> (Surface, Vec3) {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(u, v)| Hit { u, v, ..*hit });
+        let at = if which < hit.u {
+            1
+        } else if which < hit.u + hit.v {
+            2
+        } else {
+            0
+        };
+        let mut surface = self.surface(ray, &corners[at], footprint);
+        let (p, face) = (surface.point.p, surface.point.ng);
+        // The faces that meet at the corner are as large as this one.
+        let edges = corners.map(|c| (self.surface_point(ray, &c).p - p).abs().max_element());
+        let far = edges.into_iter().fold(0.0, ops::max);
+        surface.point.p_err += Vec3::splat(far * (8.0 * f32::EPSILON));
+        // The corner lies on the surface that its normal tells of, and is lit whoever sees it.
+        let n = if surface.smooth.is_some() { surface.frame.n } else { surface.point.n };
+        let tangent = surface.at.as_ref().filter(|_| self.materials.wants(surface.material).tangent);
+        surface.frame = tangent.map_or(Frame::from_normal(n), |at| frame_along(n, at.dpdu));
+        (surface.point.ng, surface.point.n) = (n, n);
+        (surface.ng, surface.smooth, surface.bulge) = (None, None, Vec3::ZERO);
+        let face = if face.dot(n) < 0.0 { -face } else { face };
+        let side = if ray.d.dot(face) > 0.0 { -1.0 } else { 1.0 };
+        let towards = (ray.o - p).try_normalize().unwrap_or(-ray.d);
+        /// The least cosine at which it is seen.
+        const LEAST: f32 = 0.01;
+        let lack = LEAST - side * towards.dot(n);
+        let towards = if lack > 0.0 { towards + n * (side * lack) } else { towards };
+        surface.in_front = side > 0.0;
+        (surface, -towards.try_normalize().unwrap_or(n * side))
     }
 
     /// How a hit point moves with its texture coordinates, and the point in the coordinates of its group.
@@ -317,7 +373,7 @@ impl World {
     }
 
     /// The footprint of the ray that goes on from a hit in the direction of a sample whose `wi` is in the world.
-    /// Asked only where [`Materials::vary`].
+    /// Asked only where [`Self::wants_footprints`].
     #[cold]
     pub fn footprint_beyond(
         &self,
@@ -431,6 +487,13 @@ impl World {
         let point = self.surface_point(ray, hit);
         let outwards = if point.n.dot(point.ng) < 0.0 { -point.ng } else { point.ng };
         ray.d.dot(outwards) > 0.0
+    }
+
+    /// Whether paths carry what of a surface their rays stand for: where a material reads a texture, or is a user's that reads
+    /// points. Brushed metal alone reads points for their tangents, and no more.
+    #[inline(always)]
+    pub fn wants_footprints(&self) -> bool {
+        self.materials.vary() && (!self.textures.is_empty() || self.materials.any_custom())
     }
 
     /// Whether a ray may meet any light: one that glows or surrounds the scene.

@@ -210,7 +210,6 @@ impl Walk<'_> {
             Node::Box(_) => self.lit(node, Tally::mesh(12, 24, [false, true])),
             Node::Triangle(_) => self.lit(node, Tally::mesh(1, 3, [false, false])),
             Node::Sphere(_) => self.lit(node, Tally::shape(Tally { spheres: 1, ..Tally::default() })),
-            Node::Plane(_) => self.lit(node, Tally::shape(Tally::default())),
             Node::Cylinder(c) if c.caps => {
                 let parts = Tally { shapes: 3, cylinders: 1, discs: 2, ..Tally::default() };
                 let mut found = self.lit(node, parts);
@@ -220,6 +219,7 @@ impl Walk<'_> {
             Node::Disc(_) => self.lit(node, Tally::shape(Tally { discs: 1, ..Tally::default() })),
             Node::Rectangle(_) => self.lit(node, Tally::shape(Tally { rectangles: 1, ..Tally::default() })),
             Node::Cylinder(_) => self.lit(node, Tally::shape(Tally { cylinders: 1, ..Tally::default() })),
+            _ => self.lit(node, Tally::shape(Tally::default())),
         }
     }
 
@@ -243,11 +243,16 @@ impl Walk<'_> {
     fn mesh(&self, node: &Node, m: &TriangleMesh) -> Found {
         let smooth = |has: bool| match m.shading {
             Shading::Flat => false,
-            Shading::Smooth(_) => true,
+            Shading::Smooth(_) | Shading::Gouraud(_) => true,
             Shading::Auto => has,
         };
         let smoothed = |has: bool, vertices: u64| {
-            let computed = matches!(&m.shading, Shading::Smooth(s) if !has || s.recompute);
+            let recompute = match &m.shading {
+                Shading::Smooth(s) => Some(s.recompute),
+                Shading::Gouraud(s) => Some(s.recompute),
+                Shading::Flat | Shading::Auto => None,
+            };
+            let computed = recompute.is_some_and(|recompute| !has || recompute);
             if computed { vertices } else { 0 }
         };
         let asset = match m.source() {

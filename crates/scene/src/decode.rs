@@ -17,7 +17,7 @@ use crate::schema::{Definitions, Properties};
 use crate::span::Span;
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree, shown};
-use crate::value::Color;
+use crate::value::LinearRgb;
 use crate::visit::Visitor;
 
 /// A type of the scene language.
@@ -125,7 +125,7 @@ pub struct Decoder {
 struct Wide {
     span: Span,
     key: String,
-    color: Color,
+    color: LinearRgb,
     limit: Limit,
 }
 
@@ -146,7 +146,7 @@ impl Decoder {
     }
 
     /// Notes a colour that the scene's work space may not hold within `limit`.
-    pub fn note_wide(&mut self, span: Span, color: Color, limit: Limit) {
+    pub fn note_wide(&mut self, span: Span, color: LinearRgb, limit: Limit) {
         let key = self.key().to_owned();
         self.wide.push(Wide { span, key, color, limit });
     }

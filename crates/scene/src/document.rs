@@ -3,7 +3,7 @@
 use serde_json::{Map, Value as Json, json};
 
 use crate::decode::{Decoder, Describe, Fields, Strictness};
-use crate::desc::{Integrator, Light, Scene};
+use crate::desc::{Light, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::limit::Limit;
 use crate::schema::Definitions;
@@ -28,13 +28,12 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
         ),
     };
     let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
-    let shows_a_chart = matches!(scene.integrator, Integrator::SineProduct);
     // A key that is called otherwise here may be what the world was meant to be.
     let mut names = Vec::new();
     Scene::names(&mut names);
     let is_known = |e: &Entry| names.contains(&e.key.value.as_str());
     let all_known = !matches!(&tree.value, Datum::Mapping(entries) if !entries.iter().all(is_known));
-    if nothing && all_known && !lit_by_all && !shows_a_chart {
+    if nothing && all_known && !lit_by_all && scene.integrator.needs_world() {
         let help = "list shapes under `world:`, such as `- sphere: { radius: 1 }`";
         diagnostics.push(Diagnostic::error(at, "the world is empty: there is nothing to see").help(help));
     }

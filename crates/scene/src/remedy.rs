@@ -4,7 +4,7 @@
 use crate::css;
 use crate::suggest::{brief, is_same};
 use crate::tree::{Datum, Entry, Tree, shown};
-use crate::value::Color;
+use crate::value::LinearRgb;
 
 /// For a number.
 pub fn number(tree: &Tree) -> Option<String> {
@@ -261,7 +261,7 @@ pub fn colour_for_material(tree: &Tree, kinds: &[&str]) -> Option<String> {
     }
     let colour = match &tree.value {
         Datum::Number(v) if (0.0..=1.0).contains(v) => shown(*v),
-        Datum::String(s) if Color::from_hex(s).is_some() => format!("'{s}'"),
+        Datum::String(s) if LinearRgb::from_hex(s).is_some() => format!("'{s}'"),
         Datum::String(s) => format!("'#{:06x}'", css::code(s)?),
         Datum::Sequence(items) => {
             let [a, b, c] = items.as_slice() else { return None };

@@ -6,7 +6,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::limit::Limit;
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{Color, Link, Name};
+use crate::value::{LinearRgb, Link, Name};
 use crate::visit::Visitor;
 
 /// The most textures that are asked where one is read, each as often as it is asked.
@@ -99,7 +99,7 @@ pub(crate) fn validate(scene: &Scene, d: &mut Diagnostics) {
 /// Complains of a texture whose colours can't be what it is read for.
 fn fits(texture: &Texture, name: &Name, (limit, is_number): (Limit, bool), d: &mut Diagnostics) {
     for colour in texture.colours() {
-        let Spectrum::Rgb(Color(rgb)) = colour else { continue };
+        let Spectrum::Rgb(LinearRgb(rgb)) = colour else { continue };
         if let Some(v) = rgb.iter().find(|v| !limit.allows(**v)) {
             let message = limit.complaint(&suggest::brief(name), *v);
             d.push(Diagnostic::error(name.span, message));

@@ -15,7 +15,7 @@ use crate::limit::Limit;
 use crate::link::Places;
 use crate::span::Span;
 use crate::suggest;
-use crate::value::{Asset, Color, Link, Name};
+use crate::value::{Asset, LinearRgb, Link, Name};
 use crate::{Image, Mesh, materials, textures};
 
 /// Most instances inside one another.
@@ -209,7 +209,7 @@ impl Walk<'_> {
                 format!(
                     "for one of that colour write `material: {{ diffuse: {{ reflectance: '#{code:06x}' }} }}`"
                 )
-            } else if Color::from_hex(name).is_some() {
+            } else if LinearRgb::from_hex(name).is_some() {
                 format!(
                     "for one of that colour write `material: {{ diffuse: {{ reflectance: '{}' }} }}`",
                     name.value

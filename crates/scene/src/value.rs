@@ -49,9 +49,9 @@ impl<T> fmt::Debug for Asset<T> {
 
 /// A colour in linear RGB (Rec. 709 primaries, D65 white). What these primaries don't hold has components below 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Color(pub [f64; 3]);
+pub struct LinearRgb(pub [f64; 3]);
 
-impl Color {
+impl LinearRgb {
     /// The same number in all three channels.
     pub const fn grey(v: f64) -> Self {
         Self([v; 3])
@@ -116,13 +116,13 @@ mod tests {
     #[test]
     fn hex_is_srgb() {
         // Reference values of the sRGB transfer function to 7 digits.
-        let Color([r, g, b]) = Color::from_hex("#ff8000").unwrap();
+        let LinearRgb([r, g, b]) = LinearRgb::from_hex("#ff8000").unwrap();
         assert_eq!((r, b), (1.0, 0.0));
         assert!((g - 0.2158605).abs() < 1e-7);
-        assert!((Color::from_hex("#0b0b0b").unwrap().0[0] - 0.0033465).abs() < 1e-7);
-        assert_eq!(Color::from_hex("#f80"), Color::from_hex("#ff8800"));
+        assert!((LinearRgb::from_hex("#0b0b0b").unwrap().0[0] - 0.0033465).abs() < 1e-7);
+        assert_eq!(LinearRgb::from_hex("#f80"), LinearRgb::from_hex("#ff8800"));
         for wrong in ["", "#", "ff8000", "#ff80", "#gg8000", "#ff80000", "#+f+f+f", "#é00"] {
-            assert_eq!(Color::from_hex(wrong), None, "{wrong}");
+            assert_eq!(LinearRgb::from_hex(wrong), None, "{wrong}");
         }
     }
 }

@@ -17,7 +17,7 @@ use straal_scene::Image;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureFile {
     /// All that an EXR of it has; of another file its pixels.
-    pub(crate) picture: exr::Picture,
+    pub(crate) picture: exr::Layered,
     /// Its colours.
     pub(crate) photo: Photo,
 }
@@ -65,7 +65,7 @@ impl PictureFile {
 
     /// A picture of colours alone.
     fn of_photo(mut photo: Photo) -> Self {
-        let mut picture = exr::Picture::of_size(photo.size[0], photo.size[1]);
+        let mut picture = exr::Layered::of_size(photo.size[0], photo.size[1]);
         picture.data_window = photo.part;
         picture.space = Some(photo.space_or_srgb());
         picture.layers.push(Layer::from_rgb("", &photo.pixels));
@@ -217,7 +217,7 @@ impl PictureFile {
     ) -> io::Result<()> {
         let mut metadata = with_development(&self.picture.metadata, development);
         if format == Format::Exr {
-            return exr::write(out, &exr::Picture { metadata, ..self.picture.clone() });
+            return exr::write(out, &exr::Layered { metadata, ..self.picture.clone() });
         }
         let (pixels, [width, height], at) = self.shown();
         if format == Format::Png {

@@ -44,6 +44,7 @@ pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};
 pub use straal_render::driver::Pause;
 pub use straal_render::film::Region;
 pub use straal_render::film::{FIRST_CHECK, MAX_SAMPLES, Recording};
+pub use straal_render::settings::Guides;
 pub use straal_render::stopwatch::{Clock, Phase, Times};
 
 /// The version of the library, which goes into every picture.

@@ -1,5 +1,6 @@
 //! A finished picture: its layers, its metadata, and how it becomes a file.
 
+use crate::denoise;
 use crate::development::{self, Development, Undeveloped};
 use std::io;
 use std::path::Path;
@@ -22,6 +23,8 @@ pub struct Picture {
     pub crop: Region,
     /// Radiance, its variance and the guides.
     pub layers: Layers,
+    /// The light as it was, where the picture is denoised; its error is in `layers` then.
+    pub noisy: Option<Vec<[f32; 3]>>,
     /// What the three numbers of a pixel are: RGB of a space, or XYZ.
     pub space: RgbSpace,
     /// What the picture tells about itself: keys that start with `straal.`, and values.
@@ -82,7 +85,7 @@ impl Format {
 
 impl Picture {
     pub(crate) fn new(film: &Film, layers: Layers, space: RgbSpace) -> Self {
-        Self { size: film.size, crop: film.crop, layers, space, metadata: Vec::new() }
+        Self { size: film.size, crop: film.crop, layers, noisy: None, space, metadata: Vec::new() }
     }
 
     /// The value of a key of the metadata, which is written here without the leading `straal.`.
@@ -109,7 +112,7 @@ impl Picture {
             Format::Exr => {
                 let picture = self.to_exr();
                 let metadata = with_development(&picture.metadata, development);
-                exr::write(out, &exr::Picture { metadata, ..picture })
+                exr::write(out, &exr::Layered { metadata, ..picture })
             }
             Format::Png => {
                 let undeveloped = Undeveloped {
@@ -139,7 +142,7 @@ impl Picture {
         Image { width: self.layers.width, height: self.layers.height, pixels: self.layers.rgb.clone() }
     }
 
-    pub(crate) fn to_exr(&self) -> exr::Picture {
+    pub(crate) fn to_exr(&self) -> exr::Layered {
         let l = &self.layers;
         let is_whole = l.rgb.len() == l.samples.len();
         let (x, y) = (self.crop.min[0] as i32, self.crop.min[1] as i32);
@@ -152,12 +155,18 @@ impl Picture {
                 name: "samples".into(),
                 channels: vec![Channel { name: "N".into(), samples }],
             });
-            layers.push(Layer::from_rgb("variance", &l.variance));
+            if self.noisy.is_none() {
+                layers.push(Layer::from_rgb("variance", &l.variance));
+            }
+        }
+        if let Some(noisy) = &self.noisy {
+            layers.push(Layer::from_rgb(denoise::NOISY, noisy));
         }
         let mut metadata = self.metadata.clone();
         if let Some(error) = &l.error {
             layers.push(Layer::from_rgb("error", &error.rgb));
-            metadata.push((ERROR.to_owned(), error.estimate.name().to_owned()));
+            let by = if self.noisy.is_some() { "denoised halves" } else { error.estimate.name() };
+            metadata.push((ERROR.to_owned(), by.to_owned()));
         }
         let costs = l.channels.iter().filter(|l| matches!(l.channel.source, Source::Search(_)));
         costs.for_each(|channel| add_channel(&mut layers, channel));
@@ -167,7 +176,7 @@ impl Picture {
             layers.push(layer);
             metadata.extend(attributes);
         }
-        exr::Picture {
+        exr::Layered {
             display_window: Window::of_size(self.size[0] as usize, self.size[1] as usize),
             data_window: Window { x, y, width: l.width, height: l.height },
             space: Some(self.space),

@@ -75,6 +75,7 @@ impl Job {
             passes,
             complete,
             noisy_blocks,
+            denoised: None,
             times,
             threads,
             dropped,

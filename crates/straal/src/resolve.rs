@@ -2,6 +2,7 @@
 //!
 //! All that can be known to be wrong before a world is made is found here.
 
+use crate::denoise::{Denoising, Effort, NoDenoise};
 use crate::search;
 use straal_accel::{Build, BuildError, BvhParams, Isa, Structure};
 use straal_color::Space;
@@ -12,7 +13,7 @@ use straal_render::driver::RenderError;
 use straal_render::film::Region;
 use straal_render::film::{Extent, Film, MAX_SAMPLES, Recording};
 use straal_render::integrator::AnyIntegrator;
-use straal_render::settings::Settings;
+use straal_render::settings::{Guides, Settings};
 use straal_scene::memory::Shortage;
 use straal_scene::{Diagnostic, Span, desc};
 
@@ -55,6 +56,12 @@ pub struct Overrides {
     pub error: Option<bool>,
     /// Keeps all layers of an EXR; yes, when absent. Without them the picture has its colours alone, and its film takes a third.
     pub layers: Option<bool>,
+    /// Denoises the picture, or not.
+    pub denoise: Option<desc::Denoise>,
+    /// What the layers of albedo and normals are of; by way of mirrors and glass for a picture that is denoised, when absent.
+    pub guides: Option<Guides>,
+    /// Before that, takes away light of single pixels that are brighter than so many times what is around them.
+    pub fireflies: Option<f32>,
     /// Lets a sample count in all pixels whose filter reaches it.
     pub splat: Option<bool>,
     /// Computes light by wavelengths instead of red, green and blue.
@@ -81,6 +88,9 @@ pub enum Error {
     /// Rays can't be searched so.
     #[error(transparent)]
     Search(#[from] BuildError),
+    /// The picture can't be denoised.
+    #[error("the picture can't be denoised: {0}")]
+    Denoise(#[from] NoDenoise),
     /// The render couldn't start.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -127,6 +137,10 @@ pub(crate) struct Plan {
     pub structure: Structure,
     pub isa: Isa,
     pub integrator: AnyIntegrator,
+    /// How the picture is denoised.
+    pub denoise: Option<Denoising>,
+    /// The noise of the denoised picture that ends the render.
+    pub denoised_noise: Option<f64>,
     /// The work space.
     pub space: Space,
     /// In pixels.
@@ -155,6 +169,8 @@ impl Plan {
         }
         let kind = wish.pattern.unwrap_or(pattern_of(&scene.sampler.kind));
         let noise = wish.noise.or(scene.sampler.noise);
+        let isa = wish.isa.unwrap_or_else(Isa::detect);
+        let denoise = denoising(wish, &scene.film, isa);
         let whole = wish.spp.or(kind.needs_count().then_some(spp));
         let (first, end) = run_of_samples(wish.samples, whole, kind, noise)?.unwrap_or((0, spp));
         if let Some(reason) = needs_count(kind).filter(|_| noise.is_some()) {
@@ -172,9 +188,12 @@ impl Plan {
             crop,
             pattern: Pattern::new(kind, spp),
             seed: wish.seed.unwrap_or(scene.sampler.seed),
-            noise,
-            error: wish.error.unwrap_or(true),
-            layers: wish.layers.unwrap_or(true),
+            // All pixels get as many samples, until the denoised picture is good enough.
+            noise: noise.filter(|_| denoise.is_none()),
+            error: wish.error.unwrap_or(true) || denoise.is_some(),
+            halves: denoise.is_some(),
+            guides: wish.guides.unwrap_or(if denoise.is_some() { Guides::Specular } else { Guides::First }),
+            layers: wish.layers.unwrap_or(true) || denoise.is_some(),
             signed: !splat && scene.film.filter.is_signed(),
             splat,
             threads: wish.threads.unwrap_or(0),
@@ -196,13 +215,26 @@ impl Plan {
             spectral,
             recording,
             structure,
-            isa: wish.isa.unwrap_or_else(Isa::detect),
+            isa,
             integrator,
+            denoised_noise: noise.filter(|_| denoise.is_some()),
+            denoise,
             space: scene.color.space.space(),
             filter_radius,
             memory: wish.memory,
         })
     }
+}
+
+/// How the picture is denoised, if it is.
+fn denoising(wish: &Overrides, film: &desc::Film, isa: Isa) -> Option<Denoising> {
+    let effort = match wish.denoise.as_ref().unwrap_or(&film.denoise) {
+        desc::Denoise::Off => return None,
+        desc::Denoise::Best => Effort::Best,
+        desc::Denoise::Fast => Effort::Fast,
+    };
+    let (fireflies, threads) = (wish.fireflies, wish.threads);
+    Some(Denoising { effort, fireflies, threads, isa: Some(isa), ..Denoising::default() })
 }
 
 /// The samples that are asked for, if not all of them.

@@ -46,6 +46,7 @@ fn apply(scene: &mut desc::Scene, wish: &Overrides) -> Result<(), Error> {
     }
     film.crop = wish.crop.or(film.crop);
     film.splat = wish.splat.unwrap_or(film.splat);
+    film.denoise = wish.denoise.clone().unwrap_or(film.denoise.clone());
     if let Some(recording) = wish.recording {
         film.channels = channels(recording);
     }
@@ -91,7 +92,7 @@ fn develop_as(film: &mut desc::Film, development: &Development) {
         Gamut::Clip => desc::Gamut::Clip,
         Gamut::Desaturate => desc::Gamut::Desaturate,
         Gamut::Flag(color) => {
-            let color = straal_scene::value::Color(color.map(shortest));
+            let color = straal_scene::value::LinearRgb(color.map(shortest));
             desc::Gamut::Flag(desc::Flag { color })
         }
     };

@@ -1,5 +1,6 @@
 //! Tables of figures, worked out anew each time: counts and errors, no times, so that they are the same on every machine.
 
+use super::sampling_tables;
 use crate::{Failure, root};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -24,6 +25,8 @@ pub fn table(name: &str) -> Result<Option<String>, Failure> {
         "structures" => structures()?,
         "lab-counts" => lab_counts()?,
         "highlights" => highlights(),
+        "told-errors" => sampling_tables::told_errors()?,
+        "splat-bias" => sampling_tables::splat_bias()?,
         _ => return Err("there is no such table".into()),
     };
     let mut out = String::from("\n");
@@ -38,9 +41,9 @@ pub fn table(name: &str) -> Result<Option<String>, Failure> {
 }
 
 /// The heading and the rows.
-type Rows = Vec<Vec<String>>;
+pub type Rows = Vec<Vec<String>>;
 
-fn row<T: ToString>(cells: impl IntoIterator<Item = T>) -> Vec<String> {
+pub fn row<T: ToString>(cells: impl IntoIterator<Item = T>) -> Vec<String> {
     cells.into_iter().map(|c| c.to_string()).collect()
 }
 
@@ -97,7 +100,7 @@ fn highlights() -> Rows {
 
 /// The integral over where light goes, which is that of f |cos| with the two directions exchanged, for light from an angle in degrees.
 fn sent_back(bsdf: &Bsdf<'_>, angle: f64) -> f64 {
-    const RINGS: u32 = 512;
+    const RINGS: u32 = 160;
     let (sin, cos) = ops::sin_cos_degrees(angle);
     let from = Vec3::new(sin as f32, 0.0, cos as f32);
     let mut sum = 0.0;

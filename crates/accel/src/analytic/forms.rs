@@ -1,7 +1,7 @@
 //! The formulas, in any number of lanes.
 
 use super::Kind;
-use crate::lanes::Double;
+use crate::lanes::{Double, Mask};
 
 /// Rays, one in each lane.
 #[derive(Clone, Copy)]
@@ -22,6 +22,16 @@ pub(crate) struct Met<D: Double> {
     /// Still to be rounded.
     pub u: D,
     pub v: D,
+}
+
+impl<D: Double> Met<D> {
+    /// No lane meets anything.
+    #[inline(always)]
+    fn nothing(r: &Lanes<D>) -> Self {
+        let zero = r.t_min.splat(0.0);
+        // Zero isn't below itself.
+        Self { is_hit: zero.below(zero), t: zero, u: zero, v: zero }
+    }
 }
 
 /// The hit with the least t of each lane's ray with each lane's shape; `n` gives the numbers of the shapes, all of which are of
@@ -95,7 +105,11 @@ fn ball<D: Double>(o: Vector<D>, d: Vector<D>, r2: D, r: &Lanes<D>) -> Met<D> {
     let (a, b) = (dot(d, d), -dot(o, d));
     // The distance of center and line, as a vector: r² - l² doesn't cancel as b² - a c would.
     let l = along(o, d, b / a);
-    let (is_met, roots) = roots(a, b, dot(o, o) - r2, r2 - dot(l, l));
+    let reduced = r2 - dot(l, l);
+    if is_missed(a, reduced) {
+        return Met::nothing(r);
+    }
+    let (is_met, roots) = roots(a, b, dot(o, o) - r2, reduced);
     let ((first, t0), (second, t1)) = (r.interval(roots[0]), r.interval(roots[1]));
     let zero = r.t_min.splat(0.0);
     Met { is_hit: is_met & (first | second), t: t0.or(first, t1), u: zero, v: zero }
@@ -109,7 +123,11 @@ fn cylinder<D: Double>(n: impl Fn(usize) -> D + Copy, r: &Lanes<D>) -> Met<D> {
     let b = -(o[0] * d[0] + o[2] * d[2]);
     let s = b / a;
     let (x, z) = (o[0] + d[0] * s, o[2] + d[2] * s);
-    let (is_met, roots) = roots(a, b, o[0] * o[0] + o[2] * o[2] - one, one - (x * x + z * z));
+    let reduced = one - (x * x + z * z);
+    if is_missed(a, reduced) {
+        return Met::nothing(r);
+    }
+    let (is_met, roots) = roots(a, b, o[0] * o[0] + o[2] * o[2] - one, reduced);
     let accept = |root: D| {
         let y = o[1] + root * d[1];
         let (is_within, t) = r.interval(root);
@@ -132,6 +150,13 @@ fn roots<D: Double>(a: D, b: D, c: D, reduced: D) -> (D::Mask, [D; 2]) {
     let is_first = t0.below(t1);
     // Written so that NaN fails.
     (zero.below(reduced) & zero.below(a), [t0.or(is_first, t1), t1.or(is_first, t0)])
+}
+
+/// Whether no lane has roots: a square root and two divisions are saved then, and most rays that cross a box pass by what is inside.
+#[inline(always)]
+fn is_missed<D: Double>(a: D, reduced: D) -> bool {
+    let zero = a.splat(0.0);
+    (zero.below(reduced) & zero.below(a)).bits() == 0
 }
 
 /// Where the line meets the plane through `c` with normal `n`, in lengths of the line's direction; not finite when it

@@ -4,16 +4,14 @@ use super::{
     BspChoice, BspParams, BspTree, Node,
     cell::Cell,
     choose::{Chooser, Cut},
-    plane::{Plane, Side},
+    plane::{Side, Vertices},
 };
 use crate::{
     clip::Limits,
     partition::{self, Budget, depth_limit},
-    prim::{Packed, Prim, PrimKind},
+    prim::{Packed, Prim},
 };
-use straal_math::{Bounds, Vec3};
-
-pub(super) type Vertices<'a> = dyn Fn(u32) -> [Vec3; 3] + 'a;
+use straal_math::Bounds;
 
 pub(super) fn build(prims: &[Prim], params: &BspParams, vertices: &Vertices<'_>) -> BspTree {
     let bounds = prims.iter().fold(Bounds::EMPTY, |b, p| b.union(p.bounds));
@@ -45,14 +43,6 @@ struct Builder<'a> {
     max_depth: u32,
     nodes: Vec<Node>,
     references: Vec<Packed>,
-}
-
-/// On which side of a plane a primitive is looked for.
-pub(super) fn side(plane: &Plane, prim: &Prim, vertices: &Vertices<'_>) -> Side {
-    match prim.kind {
-        PrimKind::Triangle(id) => plane.side_of_triangle(&vertices(id)),
-        PrimKind::Object(_) => plane.side_of_box(&prim.bounds),
-    }
 }
 
 impl Builder<'_> {

@@ -2,9 +2,8 @@
 
 use super::{
     BspParams,
-    build::{self, Vertices},
     cell::Cell,
-    plane::{Plane, Side},
+    plane::{Plane, Side, Vertices},
 };
 use crate::{
     partition::{self, chance},
@@ -131,6 +130,6 @@ impl Chooser<'_> {
 
     /// On which side of a plane a primitive is looked for.
     pub fn side(&self, plane: &Plane, prim: u32) -> Side {
-        build::side(plane, &self.prims[prim as usize], self.vertices)
+        plane.side_of(&self.prims[prim as usize], self.vertices)
     }
 }

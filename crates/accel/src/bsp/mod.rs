@@ -89,7 +89,7 @@ impl BspTree {
     /// Every primitive in all leaves that it touches, no deeper than the stack allows.
     pub fn validate(&self, prims: &[Prim], vertices: impl Fn(u32) -> [Vec3; 3]) -> Result<(), String> {
         cells::validate(self, prims, prims.to_vec(), |cut, p| {
-            let side = build::side(&cut.plane, p, &vertices);
+            let side = cut.plane.side_of(p, &vertices);
             let front = (side != Side::Back).then_some(cut.front);
             let back = (side != Side::Front).then_some(cut.back);
             [front, back].into_iter().flatten()

@@ -24,8 +24,16 @@
 //! front where f >= `pad` (|n_x| + |n_y| + |n_z|) at its vertices, and what is said above of a box holds for it, for the
 //! rays within `clip::Limits`.
 
-use crate::{cells::Part, clip, local::LocalRay};
+use crate::{
+    cells::Part,
+    clip,
+    local::LocalRay,
+    prim::{Prim, PrimKind},
+};
 use straal_math::{Bounds, DVec3, Vec3};
+
+/// Where the corners of a triangle are, by its number.
+pub(super) type Vertices<'a> = dyn Fn(u32) -> [Vec3; 3] + 'a;
 
 /// As in `partition.rs`; it leaves room for the roundings of G and of f's slope.
 const SLACK: f64 = 64.0 * f32::EPSILON as f64;
@@ -91,6 +99,14 @@ impl Part for Interval {
 }
 
 impl Plane {
+    /// On which side a primitive is looked for.
+    pub fn side_of(&self, prim: &Prim, vertices: &Vertices<'_>) -> Side {
+        match prim.kind {
+            PrimKind::Triangle(id) => self.side_of_triangle(&vertices(id)),
+            PrimKind::Object(_) => self.side_of_box(&prim.bounds),
+        }
+    }
+
     /// The plane in which a triangle lies, moved forward by a hair, so that the triangle itself and neighbours of no
     /// more than its size that don't rise over it lie behind; `None` when its vertices don't tell a plane.
     pub fn before_triangle(v: &[Vec3; 3]) -> Option<Self> {

@@ -1,7 +1,6 @@
 //! Rays that enter the same instance go on together: they are moved into its space one after the other, and searched there as a
 //! slice, so that what makes slices quick holds on every level.
 
-use super::many::Members;
 use crate::{
     hit::Hit,
     local::LocalRay,
@@ -9,6 +8,20 @@ use crate::{
     stage::{Object, ObjectKind, Stage},
 };
 use straal_math::{Ray, Vec3};
+
+/// The members of a set of up to `N` rays, in order.
+pub(super) struct Members<const N: usize>(pub u64);
+
+impl<const N: usize> Iterator for Members<N> {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let first = self.0.trailing_zeros() as usize;
+        self.0 &= self.0.wrapping_sub(1);
+        (first < N).then_some(first)
+    }
+}
 
 /// Rays in a batch.
 const ROOM: usize = 64;

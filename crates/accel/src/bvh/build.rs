@@ -10,7 +10,7 @@ use super::{
     Bvh,
     collapse::{Costs, Twig, What, choose},
     object_split,
-    params::{Build, BvhParams},
+    params::{Build, BvhParams, Plan, Vertices},
     span::{Class, Ref, Span},
     spatial_split,
     wide::{Binary, join},
@@ -21,7 +21,6 @@ use crate::{
     prim::Prim,
 };
 use rayon::prelude::*;
-use straal_math::Vec3;
 
 /// Splits by SAH down to this many binary levels, and in equal halves below: degenerate scenes can't make the tree
 /// deeper than this + 30.
@@ -31,19 +30,6 @@ const _: () = assert!(MAX_SAH_DEPTH as usize + 31 <= MOST_LEVELS);
 
 /// Ranges up to this long are tasks of one thread.
 const TASK: usize = 2048;
-
-type Vertices<'a> = dyn Fn(u32) -> [Vec3; 3] + Sync + 'a;
-
-/// What a build goes by.
-#[derive(Clone, Copy)]
-pub(super) struct Plan<'a> {
-    shapes: &'a [Member],
-    pub vertices: &'a Vertices<'a>,
-    build: Build,
-    compact: bool,
-    /// Half the area of an overlap below which no triangle is cut.
-    pub least_overlap: f32,
-}
 
 pub(super) fn build(
     prims: &[Prim],

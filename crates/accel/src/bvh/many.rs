@@ -13,7 +13,7 @@
 use super::{
     Bvh,
     answers::Answers,
-    batch::{self, Batch},
+    batch::{self, Batch, Members},
     near::Near,
 };
 use crate::{
@@ -55,20 +55,6 @@ struct Flight {
 }
 
 const _: () = assert!(size_of::<Flight>() == 128);
-
-/// The members of a set of up to `N` rays, in order.
-pub(super) struct Members<const N: usize>(pub u64);
-
-impl<const N: usize> Iterator for Members<N> {
-    type Item = usize;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        let first = self.0.trailing_zeros() as usize;
-        self.0 &= self.0.wrapping_sub(1);
-        (first < N).then_some(first)
-    }
-}
 
 /// Rays that are still to be launched.
 struct Waiting<'a> {

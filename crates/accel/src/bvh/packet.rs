@@ -10,8 +10,8 @@
 use super::{
     Bvh,
     answers::Answers,
+    batch::Members,
     batch::{self, Batch},
-    many::Members,
     near::Near,
     traverse::take,
 };

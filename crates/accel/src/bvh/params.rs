@@ -1,5 +1,8 @@
 //! What the builder of the wide tree can be told.
 
+use crate::analytic::block::Member;
+use straal_math::Vec3;
+
 /// How the wide tree is built and kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct BvhParams {
@@ -39,4 +42,18 @@ impl Build {
             Self::Best => "best",
         }
     }
+}
+
+/// Where the corners of a triangle are, by its number.
+pub(super) type Vertices<'a> = dyn Fn(u32) -> [Vec3; 3] + Sync + 'a;
+
+/// What a build goes by.
+#[derive(Clone, Copy)]
+pub(super) struct Plan<'a> {
+    pub shapes: &'a [Member],
+    pub vertices: &'a Vertices<'a>,
+    pub build: Build,
+    pub compact: bool,
+    /// Half the area of an overlap below which no triangle is cut.
+    pub least_overlap: f32,
 }

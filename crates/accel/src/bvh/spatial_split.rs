@@ -22,9 +22,8 @@
 //! A triangle that is tested twice gives the same hit twice.
 
 use super::{
-    build::Plan,
     object_split::{PIECE, blocks},
-    params::Build,
+    params::{Build, Plan},
     span::{Box4, Ref, Span},
 };
 use crate::node::WIDTH;

@@ -48,7 +48,7 @@ fn cut_triangles_are_hit_as_whole_ones() {
         let at = Vec3::new(at, -at, at * 0.5);
         let triangles: Vec<_> = beams(&mut r, 300, 1).iter().map(|t| t.map(|p| p + at)).collect();
         let input = world(vec![mesh(&triangles)]);
-        let mut rays = aimed(&mut r, &triangles, far, 1500);
+        let mut rays = aimed(&mut r, &triangles, far, part(1500));
         let brute = Scene::build(input.clone(), &(), &reference()).unwrap();
         let mut hits = vec![Hit::MISS; rays.len()];
         brute.closest(&(), &rays, &mut hits);
@@ -118,7 +118,7 @@ fn even_triangles_are_not_cut_by_default() {
 fn threads_do_not_matter() {
     let mut r = Random(10);
     // More than one piece of what threads share.
-    let triangles = beams(&mut r, 30_000, 1);
+    let triangles = beams(&mut r, 23_000, 1);
     let input = world(vec![mesh(&triangles)]);
     let rays = aimed(&mut r, &triangles, 1.0, 300);
     let run = |threads| {
@@ -127,7 +127,5 @@ fn threads_do_not_matter() {
         let found: Vec<_> = rays.iter().map(|ray| scene.closest_counted(&(), ray)).collect();
         (scene.stats()[0], scene.memory_bytes(), found.iter().map(|(h, c)| (bits(h), *c)).collect::<Vec<_>>())
     };
-    let one = run(1);
-    assert_eq!(one, run(2));
-    assert_eq!(one, run(5));
+    assert_eq!(run(1), run(5));
 }

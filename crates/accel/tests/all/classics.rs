@@ -225,9 +225,9 @@ fn leaves_hold_no_more_than_they_may() {
 #[test]
 fn threads_do_not_matter() {
     let mut r = Random(35);
-    let triangles = soup(&mut r, 5000);
+    let triangles = soup(&mut r, part(6000));
     let rays = rays(&mut r, &triangles, 100);
-    let input = world(triangles.chunks(1500).map(mesh).collect());
+    let input = world(triangles.chunks(700).map(mesh).collect());
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {

@@ -9,11 +9,11 @@ fn soups() {
     for (seed, n) in [(1, 1), (2, 3), (3, 9), (4, 40), (5, 300), (6, 1500)] {
         let mut r = Random(seed);
         let triangles = soup(&mut r, n);
-        let rays = rays(&mut r, &triangles, 1500);
+        let rays = rays(&mut r, &triangles, part(1500));
         let hits = all_agree(&world(vec![mesh(&triangles)]), &(), &rays);
         if n >= 40 {
-            let hit = hits.iter().filter(|h| h.is_hit()).count();
-            assert!(hit > 300 && hit < 1490, "{hit} of 1500 rays hit: the test says little");
+            let (hit, all) = (hits.iter().filter(|h| h.is_hit()).count(), rays.len());
+            assert!(hit > all / 5 && hit < all - 3, "{hit} of {all} rays hit: the test says little");
         }
     }
 }
@@ -30,7 +30,7 @@ fn meshes_shapes_and_masks() {
     for (i, g) in parts.iter_mut().enumerate() {
         g.mask = 1 << (i % 3);
     }
-    let mut rays = rays(&mut r, &triangles, 1500);
+    let mut rays = rays(&mut r, &triangles, part(1500));
     for ray in &mut rays {
         ray.mask = [u32::MAX, 1, 2, 4, 3, 8, 0][r.below(7)];
     }
@@ -108,7 +108,7 @@ fn instances_eight_deep() {
     groups[0].instances.push(again);
     groups[5].geometries.push(3);
     let input = Input { groups, geometries };
-    let mut rays = rays(&mut r, &triangles, 300);
+    let mut rays = rays(&mut r, &triangles, part(900));
     for ray in &mut rays {
         ray.mask = [u32::MAX, 2][r.below(2)];
     }
@@ -149,9 +149,9 @@ fn none_escapes_a_closed_mesh() {
         Geometry { kind: GeometryKind::Triangles { positions: positions.clone(), indices }, mask: u32::MAX };
     for options in all_options().into_iter().filter(|o| o.structure != Structure::Brute) {
         let count = match &options.structure {
-            Structure::Bvh(_) => 100_000,
-            other if tests_nearly_all(other) => 2_000,
-            _ => 20_000,
+            Structure::Bvh(_) => part(60_000),
+            other if tests_nearly_all(other) => part(2_000),
+            _ => part(15_000),
         };
         let scene = Scene::build(world(vec![mesh.clone()]), &(), &options).unwrap();
         let mut r = Random(9);

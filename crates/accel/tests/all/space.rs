@@ -54,8 +54,9 @@ fn soups() {
     for (seed, n) in [(21, 2), (22, 8), (23, 30), (24, 100), (25, 400), (26, 1500)] {
         let mut r = Random(seed);
         let triangles = soup(&mut r, n);
-        let hit = trees_agree(&triangles, &rays(&mut r, &triangles, 2000));
-        assert!(n < 30 || (hit > 300 && hit < 1990), "{hit} of 2000 rays hit: the test says little");
+        let rays = rays(&mut r, &triangles, part(2400));
+        let (hit, all) = (trees_agree(&triangles, &rays), rays.len());
+        assert!(n < 30 || (hit > all / 6 && hit < all - 3), "{hit} of {all} rays hit: the test says little");
     }
 }
 
@@ -178,7 +179,7 @@ fn none_escapes_a_closed_mesh() {
     for structure in trees() {
         let scene = Scene::build(input.clone(), &(), &options(structure)).unwrap();
         let mut r = Random(31);
-        let rays: Vec<Ray> = (0..20_000)
+        let rays: Vec<Ray> = (0..part(15_000))
             .map(|i| {
                 let o = r.point() * 0.5;
                 let (a, b) = (positions[r.below(positions.len())], positions[r.below(positions.len())]);
@@ -194,7 +195,7 @@ fn none_escapes_a_closed_mesh() {
 #[test]
 fn copies_stay_small() {
     let mut r = Random(32);
-    let n = 20_000;
+    let n = part(18_000);
     let one = [r.point(), r.point(), r.point()];
     let small = one.map(|p| p * 1e-4);
     let same = vec![one; n];

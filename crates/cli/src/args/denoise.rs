@@ -25,7 +25,7 @@ Examples:
   straal denoise noisy.exr -o clean.exr -o clean.png
   straal denoise noisy.exr -o clean.png --fireflies 10 --exposure +1
   straal denoise photo.hdr -o clean.hdr          without guides: detail of textures may be lost
-  straal denoise noisy.exr -o clean.exr --weights rt_hdr_calb_cnrm_large.tza";
+  straal denoise noisy.exr -o clean.exr --weights rt_hdr_alb.tza";
 
 /// `straal denoise`
 #[derive(Debug, Args)]
@@ -51,7 +51,9 @@ pub struct DenoiseArgs {
     pub fireflies: Option<f32>,
 
     /// Weights of another network of Open Image Denoise (.tza), which decide what guides it sees
-    #[arg(long, value_name = "FILE", conflicts_with = "effort")]
+    ///
+    /// Of a folder the best for guides without noise are taken, and those that take the noise out of the guides before.
+    #[arg(long, value_name = "FILE|FOLDER", conflicts_with = "effort")]
     pub weights: Option<PathBuf>,
 
     /// How a PNG is developed

@@ -3,13 +3,14 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::marker::PhantomData;
 use std::str::FromStr;
+use straal::Guides;
 use straal::denoise::Effort;
 use straal::picture::Format;
 use straal::search;
 use straal_accel::{Build, Isa, Structure};
 use straal_color::spectrum::Observer;
 use straal_math::lowdisc::PatternKind;
-use straal_scene::desc::Integrator;
+use straal_scene::desc::{Denoise, Integrator};
 use straal_study::cost;
 
 /// A parser of names that lists them in the help and, for a wrong one, suggests the nearest.
@@ -103,6 +104,14 @@ pub(super) fn measure() -> impl TypedValueParser<Value = cost::Measure> {
 
 pub(super) fn picture_format() -> impl TypedValueParser<Value = Format> {
     named(Format::ALL.map(|f| (f.name(), f)).to_vec())
+}
+
+pub(super) fn denoise() -> impl TypedValueParser<Value = Denoise> {
+    named(vec![("best", Denoise::Best), ("fast", Denoise::Fast), ("off", Denoise::Off)])
+}
+
+pub(super) fn guides() -> impl TypedValueParser<Value = Guides> {
+    named(Guides::ALL.map(|g| (g.name(), g)).to_vec())
 }
 
 pub(super) fn effort() -> impl TypedValueParser<Value = Effort> {

@@ -1,18 +1,21 @@
 //! What `straal render` takes.
 
 use super::heading::{COST, KEEPING, LIGHT, MACHINE, PICTURE, SAMPLING, SEARCH, TALK};
-use super::parsers::{StructureParser, build, integrator, isa, measure, pattern, picture_format};
+use super::parsers::{
+    StructureParser, build, denoise, guides, integrator, isa, measure, pattern, picture_format,
+};
 use super::{DevelopmentArgs, ReadingArgs, StudioArgs};
 use crate::exit;
 use crate::quantity::{self, Crop, Every, Samples, Size};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
+use straal::Guides;
 use straal::Recording;
 use straal::picture::Format;
 use straal_accel::{Build, Isa, Structure};
 use straal_math::lowdisc::PatternKind;
-use straal_scene::desc::Integrator;
+use straal_scene::desc::{Denoise, Integrator};
 use straal_study::cost;
 
 pub(super) const RENDER_ABOUT: &str = "\
@@ -35,6 +38,7 @@ Examples:
   straal render scene.yaml -o a.exr -o a.png    all layers for compositing, and one to look at
   straal render scene.yaml --time 90s           as good as it gets in a minute and a half
   straal render scene.yaml --noise 2%           as many samples as it takes, where it takes them
+  straal render scene.yaml --spp 16 --denoise   clean after a few samples, but not in every detail true
   straal render scene.yaml --spp 4 --size 320x180 --crop 100,50,200,120
   straal render scene.yaml -o a.exr --resume    goes on where it was cut off
   straal render scene.yaml --json --quiet | jq .film_hash
@@ -73,6 +77,26 @@ pub struct RenderArgs {
     /// spectral:40:400:700.
     #[arg(long, value_name = "NUMBERS", value_parser = quantity::recording, hide_short_help = true, help_heading = PICTURE)]
     pub channels: Option<Recording>,
+
+    /// Denoise the picture: a clean one, and only a likely one; fast is a third of the work, off is not even what the scene says
+    ///
+    /// Where the noisy light is nearer to the truth, it is blended back; an EXR tells the error that is left, and keeps the noisy light
+    /// as the layer noisy. With --noise the render ends by the error of the denoised picture.
+    #[arg(
+        long, value_name = "EFFORT", value_parser = denoise(), num_args = 0..=1, default_missing_value = "best",
+        help_heading = PICTURE
+    )]
+    pub denoise: Option<Denoise>,
+
+    /// What the layers of albedo and normals are of: the first surface, or the first that scatters, by way of mirrors and glass
+    ///
+    /// specular when absent for a picture that is denoised, else first.
+    #[arg(long, value_name = "GUIDES", value_parser = guides(), hide_short_help = true, help_heading = PICTURE)]
+    pub guides: Option<Guides>,
+
+    /// Before denoising, take away light of single pixels that are brighter than N times what is around them, and tell how much
+    #[arg(long, value_name = "N", value_parser = quantity::fireflies, hide_short_help = true, help_heading = PICTURE)]
+    pub fireflies: Option<f32>,
 
     /// Write the scene that is rendered, with all that is said here in it, as YAML (.yaml)
     ///
@@ -122,7 +146,7 @@ pub struct RenderArgs {
     ///
     /// The picture is the mean of the sets, and its variance is measured from their spread.
     #[arg(
-        long, value_name = "R", value_parser = quantity::replicates, conflicts_with = "time", hide_short_help = true,
+        long, value_name = "R", value_parser = quantity::replicates, conflicts_with_all = ["time", "denoise"], hide_short_help = true,
         help_heading = SAMPLING
     )]
     pub replicates: Option<u32>,

@@ -5,7 +5,7 @@ use super::parsers::named;
 use crate::quantity;
 use clap::Args;
 use straal::Studio;
-use straal::studio::{Background, Finish, Up, View};
+use straal::studio::{Background, Finish, Side, Up};
 
 /// How a bare mesh is shown; a scene says all that itself.
 #[derive(Clone, Debug, Default, PartialEq, Args)]
@@ -19,8 +19,8 @@ pub struct StudioArgs {
     ///
     /// The front is what faces +z where y is up, and what faces -y where z is; left and right are those of who looks at it.
     /// Three-quarter when absent.
-    #[arg(long, value_name = "SIDE", value_parser = named(View::ALL.map(|v| (v.name(), v)).to_vec()))]
-    pub view: Option<View>,
+    #[arg(long, value_name = "SIDE", value_parser = named(Side::ALL.map(|v| (v.name(), v)).to_vec()))]
+    pub view: Option<Side>,
 
     /// What the mesh is made of
     ///

@@ -80,10 +80,7 @@ const OPTIONS: &[(&[&str], Here)] = &[
     (&["pattern", "rng"], Called("sampler", "--sampler sobol")),
     (&["bit", "bitdepth", "depthbits"], Called("bits", "--bits 16")),
     (&["force", "keepgoing", "ignoreerrors"], Called("lenient", "--lenient")),
-    (
-        &["denoise", "denoiser", "oidn"],
-        Not("there is no denoiser yet: more samples (--spp), or --noise 2%, make less noise"),
-    ),
+    (&["denoiser", "oidn"], Called("denoise", "--denoise")),
     (
         &["gpu", "device", "cuda", "optix", "hip", "metal", "wavefront"],
         Not("straal renders on the processor alone; --threads says with how many"),
@@ -287,7 +284,7 @@ mod tests {
             ("straal render a.yaml -w 640", "no option `-w`", "`--size 640x360`"),
             ("straal render a.yaml --outfile a.png", "no option `--outfile`", "`--output picture.png`"),
             ("straal render a.yaml --nthreads 3", "no option `--nthreads`", "`--threads 4`"),
-            ("straal render a.yaml --denoise", "no option `--denoise`", "no denoiser yet"),
+            ("straal render a.yaml --denoiser oidn", "no option `--denoiser`", "`--denoise`"),
             ("straal render a.yaml --spq 4", "no option `--spq`", "did you mean `--spp`?"),
             (
                 "straal render a.yaml --frobnicate",

@@ -11,12 +11,37 @@ use straal::denoise::{Denoised, Denoising, Network, NoDenoise, Signal};
 use straal::develop::PictureFile;
 use straal_formats::files;
 
+/// A network, its name, and those that prefilter its guides.
+type Own = ((String, Network), [Option<Network>; 2]);
+
+/// The networks of a file or of a folder.
+fn own(path: &Path) -> Result<Own, Failure> {
+    if !path.is_dir() {
+        return Ok((network(path, Signal::Light)?, [None, None]));
+    }
+    // The best that there is, of those that `cargo xtask weights` writes.
+    let find = |names: [&str; 2]| {
+        let files = names.map(|name| path.join(format!("{name}.tza")));
+        files.into_iter().find(|file| file.exists())
+    };
+    let light = find(["rt_hdr_calb_cnrm_large", "rt_hdr_calb_cnrm"]);
+    let albedo = find(["rt_alb_large", "rt_alb"]);
+    let normal = find(["rt_nrm_large", "rt_nrm"]);
+    let (Some(light), Some(albedo), Some(normal)) = (light, albedo, normal) else {
+        let help = "`cargo xtask weights WHEEL FOLDER` writes them all: rt_hdr_calb_cnrm.tza, rt_alb.tza, rt_nrm.tza and larger ones";
+        let message = format!("{} hasn't the weights for light, albedo and normals", path.display());
+        return Err(Failure::input(message).help(help));
+    };
+    let prefilters = [network(&albedo, Signal::Albedo)?.1, network(&normal, Signal::Normal)?.1].map(Some);
+    Ok((network(&light, Signal::Light)?, prefilters))
+}
+
 /// A network with weights from a file, and its name.
-fn network(path: &Path) -> Result<(String, Network), Failure> {
+fn network(path: &Path, signal: Signal) -> Result<(String, Network), Failure> {
     // The largest that is published has 8 MB.
     const MOST: u64 = 64 << 20;
     let bytes = files::read(path, MOST).map_err(|refusal| not_read(path, refusal))?;
-    let network = Network::from_archive(&bytes, Signal::Light);
+    let network = Network::from_archive(&bytes, signal);
     let network =
         network.map_err(|e| Failure::input(format!("can't read {} as weights: {e}", path.display())))?;
     let name = path.file_stem().unwrap_or(path.as_os_str());
@@ -50,9 +75,14 @@ pub fn run(args: &DenoiseArgs) -> Result<Exit, Failure> {
         faults.nan.told("no number (NaN)", "black"),
         faults.infinite.told("infinite", "the brightest there can be"),
     ];
+    let (network, prefilters) = match args.weights.as_deref().map(own).transpose()? {
+        Some((network, prefilters)) => (Some(network), prefilters),
+        None => (None, [None, None]),
+    };
     let how = Denoising {
         effort: args.effort,
-        network: args.weights.as_deref().map(network).transpose()?,
+        network,
+        prefilters,
         fireflies: args.fireflies,
         threads: args.threads,
         isa: args.isa,

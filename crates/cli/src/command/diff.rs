@@ -20,9 +20,9 @@ const USUAL_DOF: f64 = 15.0;
 
 /// Compares two pictures; the exit says whether they differ beyond chance.
 pub fn run(args: &DiffArgs) -> Result<Exit, Failure> {
-    let (a, mut b) = (Picture::read(&args.a)?, Picture::read(&args.b)?);
+    let (a, mut b) = (Compared::read(&args.a)?, Compared::read(&args.b)?);
     if let Some(path) = &args.variance {
-        b.noise = Some(Picture::read(path)?.into_noise());
+        b.noise = Some(Compared::read(path)?.into_noise());
     }
     for (path, picture) in [(&args.a, &a), (&args.b, &b)] {
         for note in picture.notes() {
@@ -47,7 +47,7 @@ pub fn run(args: &DiffArgs) -> Result<Exit, Failure> {
 }
 
 /// A picture as it is compared.
-struct Picture {
+struct Compared {
     photo: Photo,
     noise: Option<Noise>,
 }
@@ -106,7 +106,7 @@ fn cut(photo: &Photo, region: Option<Window>) -> Image {
     }
 }
 
-impl Picture {
+impl Compared {
     fn read(path: &Path) -> Result<Self, Failure> {
         let bytes = read_picture(path)?;
         Self::from_bytes(&bytes).map_err(|e| Failure::input(format!("can't read {}: {e}", path.display())))
@@ -191,7 +191,7 @@ impl Sheet {
 
 /// The layer `variance`, and its degrees of freedom as the picture's metadata tell them. A variance without any (from
 /// a single sample) is none.
-fn noise(picture: &exr::Picture) -> Option<Noise> {
+fn noise(picture: &exr::Layered) -> Option<Noise> {
     let variance = Photo::of_exr(picture, None).ok()?;
     let variance = Photo { pixels: picture.layer("variance")?.rgb()?, ..variance };
     let told = |key: &str| {
@@ -299,8 +299,8 @@ mod tests {
     use super::*;
     use straal_formats::image::exr::Layer;
 
-    fn picture(metadata: &[(&str, &str)], with_variance: bool) -> exr::Picture {
-        let mut p = exr::Picture::of_size(1, 1);
+    fn picture(metadata: &[(&str, &str)], with_variance: bool) -> exr::Layered {
+        let mut p = exr::Layered::of_size(1, 1);
         p.layers.push(Layer::from_rgb("", &[[1.0, 2.0, 3.0]]));
         if with_variance {
             p.layers.push(Layer::from_rgb("variance", &[[0.1, 0.2, 0.3]]));
@@ -321,10 +321,10 @@ mod tests {
 
     #[test]
     fn a_picture_of_a_variance_is_one() {
-        let read = |p: &exr::Picture| {
+        let read = |p: &exr::Layered| {
             let mut bytes = std::io::Cursor::new(Vec::new());
             exr::write(&mut bytes, p).unwrap();
-            Picture::from_bytes(bytes.get_ref()).unwrap().into_noise()
+            Compared::from_bytes(bytes.get_ref()).unwrap().into_noise()
         };
         assert_eq!(read(&picture(&[], false)).variance.pixels, [[1.0, 2.0, 3.0]]);
         assert_eq!(read(&picture(&[], true)).variance.pixels, [[0.1, 0.2, 0.3]]);

@@ -191,7 +191,7 @@ fn layers(all: &[Layer]) -> Vec<(String, Vec<Range>)> {
 }
 
 /// What the numbers of the picture itself are, and what it has by wavelengths.
-fn picture_colours(picture: &exr::Picture) -> String {
+fn picture_colours(picture: &exr::Layered) -> String {
     let contents = exr::SpectralContents::of(picture);
     let beauty = picture.beauty();
     let summed = beauty.as_ref().ok().filter(|b| picture.layer(&b.layer).is_some_and(exr::is_spectral_layer));
@@ -285,8 +285,8 @@ fn printable(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn picture() -> exr::Picture {
-        let mut picture = exr::Picture::of_size(2, 1);
+    fn picture() -> exr::Layered {
+        let mut picture = exr::Layered::of_size(2, 1);
         let rgb = [[0.25, 1.0, 2e-5], [0.75, f32::NAN, f32::INFINITY]];
         picture.layers = vec![Layer::from_rgb("", &rgb)];
         picture.metadata =
@@ -294,7 +294,7 @@ mod tests {
         picture
     }
 
-    fn metadata(picture: &exr::Picture) -> Summary {
+    fn metadata(picture: &exr::Layered) -> Summary {
         let mut bytes = Vec::new();
         exr::write(&mut bytes, picture).unwrap();
         read(&bytes).unwrap()
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn what_is_by_wavelengths_is_told() {
         let told = |layers: &[&str]| {
-            let mut picture = exr::Picture::of_size(1, 1);
+            let mut picture = exr::Layered::of_size(1, 1);
             let channel = |nm: &str| exr::Channel { name: nm.into(), samples: vec![0.5] };
             let layer = |name: &&str| Layer {
                 name: (*name).to_owned(),

@@ -11,7 +11,7 @@ use straal_color::spectrum::refraction::{self, Metal};
 use straal_color::spectrum::{Bins, FIRST, Illuminant, Quantity, illuminant, metamer, uplift::Uplift};
 use straal_formats::{atomic, files, spd};
 use straal_scene::suggest::{did_you_mean, list};
-use straal_scene::value::Color;
+use straal_scene::value::LinearRgb;
 
 /// Below this difference colours match: about what trained eyes can tell apart side by side.
 const MATCH: f64 = 1.0;
@@ -58,8 +58,8 @@ fn told(rows: &[(&str, f64)]) -> String {
 
 /// A reflectance by what was typed.
 fn surface(typed: &str) -> Result<Bins, Failure> {
-    let flat = typed.parse::<f64>().ok().map(Color::grey);
-    if let Some(Color(rgb)) = flat.or_else(|| Color::from_hex(typed)) {
+    let flat = typed.parse::<f64>().ok().map(LinearRgb::grey);
+    if let Some(LinearRgb(rgb)) = flat.or_else(|| LinearRgb::from_hex(typed)) {
         if !rgb.iter().all(|v| (0.0..=1.0).contains(v)) {
             return Err(Failure::input(format!("{typed} is no reflectance: it must be from 0 to 1")));
         }

@@ -159,6 +159,15 @@ fn render(
         let most = if open_ended { straal::MAX_SAMPLES } else { job.spp };
         teller.announcer().say(&ends_by_noise(noise, most));
     }
+    if let Some(noise) = job.denoised_noise {
+        let most = if open_ended { straal::MAX_SAMPLES } else { job.spp };
+        teller.announcer().say(&format!(
+            "until the denoised picture is within {} of the truth in 19 of 20 blocks of 8 x 8 pixels, by its own estimate; no \
+             pixel gets more than {}",
+            tell_percent(noise),
+            count(most.into(), "sample")
+        ));
+    }
     let mut after_pass = |progress: &Progress| {
         let progress = &Progress { samples: progress.samples.saturating_sub(resumed), ..*progress };
         let pace = teller.pass(progress);

@@ -2,13 +2,13 @@
 
 use crate::common::{BALL, Folder};
 use straal_formats::Limits;
-use straal_formats::image::exr::{self, Layer, Picture};
+use straal_formats::image::exr::{self, Layer, Layered};
 
-fn read(folder: &Folder, name: &str) -> Picture {
+fn read(folder: &Folder, name: &str) -> Layered {
     exr::read(&folder.read(name), &Limits::default()).unwrap()
 }
 
-fn write(folder: &Folder, name: &str, picture: &Picture) {
+fn write(folder: &Folder, name: &str, picture: &Layered) {
     let mut bytes = std::io::Cursor::new(Vec::new());
     exr::write(&mut bytes, picture).unwrap();
     std::fs::write(folder.path(name), bytes.into_inner()).unwrap();
@@ -29,7 +29,7 @@ fn a_render_comes_out_clean_and_keeps_its_layers() {
     assert_eq!((run.code, run.out.as_str()), (Some(0), ""), "{}", run.err);
     assert_eq!(run.err, "wrote clean.exr, clean.png, denoised by rt_hdr_alb_nrm (albedo, normal)\n");
     let (noisy, clean) = (read(&folder, "noisy.exr"), read(&folder, "clean.exr"));
-    let layer = |picture: &Picture, name: &str| picture.layer(name).cloned().unwrap();
+    let layer = |picture: &Layered, name: &str| picture.layer(name).cloned().unwrap();
     assert!(roughness(&layer(&clean, ""), 18) < 0.9 * roughness(&layer(&noisy, ""), 18));
     // What was, and what it is of.
     assert_eq!(layer(&clean, "noisy").rgb(), layer(&noisy, "").rgb());
@@ -51,7 +51,7 @@ fn a_render_comes_out_clean_and_keeps_its_layers() {
 #[test]
 fn alpha_stays_and_what_is_no_light_is_told() {
     let folder = Folder::new();
-    let mut picture = Picture::of_size(3, 2);
+    let mut picture = Layered::of_size(3, 2);
     let mut light = Layer::from_rgb("", &[[0.5; 3]; 6]);
     light.channels[0].samples[4] = f32::NAN;
     let alpha = exr::Channel { name: "A".into(), samples: vec![0.0, 0.25, 0.5, 0.75, 1.0, 1.0] };
@@ -77,7 +77,7 @@ fn what_cannot_be_denoised_is_refused() {
     let folder = Folder::new();
     folder.write("a.exr", "no picture");
     folder.write("w.tza", "no weights");
-    let mut picture = Picture::of_size(1, 1);
+    let mut picture = Layered::of_size(1, 1);
     picture.layers.push(Layer::from_rgb("", &[[0.5; 3]]));
     write(&folder, "one.exr", &picture);
     for (words, told) in [
@@ -86,6 +86,7 @@ fn what_cannot_be_denoised_is_refused() {
             "denoise one.exr -o b.exr --weights w.tza",
             "can't read w.tza as weights: not an archive of weights (TZA)",
         ),
+        ("denoise one.exr -o b.exr --weights .", "hasn't the weights for light, albedo and normals"),
         ("denoise one.exr -o b.exr --fireflies 0", "write a number from 1 to 1000000, such as 10"),
         ("denoise one.exr -o one.exr", "one.exr"),
         ("denoise one.exr", "--output"),
@@ -96,4 +97,73 @@ fn what_cannot_be_denoised_is_refused() {
     }
     // A picture of one pixel is one.
     assert_eq!(folder.straal("denoise one.exr -o b.exr").code, Some(0));
+}
+
+#[test]
+fn a_render_is_denoised_with_its_error_and_the_same_bits() {
+    let folder = Folder::with_scene(BALL);
+    folder.straal("render scene.yaml -o plain.exr -q");
+    let run = folder.straal("render scene.yaml -o clean.exr --denoise best --threads 1");
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("denoised by rt_hdr_alb_nrm (albedo, normal), "), "{}", run.err);
+    assert!(run.err.contains("of the truth, by its own estimate\n"), "{}", run.err);
+    let (plain, clean) = (read(&folder, "plain.exr"), read(&folder, "clean.exr"));
+    // The samples are the same; what the error is of has changed.
+    assert_eq!(clean.layer("noisy").unwrap().rgb(), plain.layer("").unwrap().rgb());
+    assert!(roughness(clean.layer("").unwrap(), 24) < 0.9 * roughness(plain.layer("").unwrap(), 24));
+    assert!(clean.layer("variance").is_none());
+    let error = clean.layer("error").unwrap().rgb().unwrap();
+    assert!(error.iter().flatten().all(|e| e.is_finite() && *e >= 0.0));
+    assert!(error.iter().flatten().any(|e| *e > 0.0));
+    let told = |key: &str| clean.metadata.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str());
+    assert_eq!(told("straal.error"), Some("denoised halves"));
+    assert_eq!(told("straal.guides_of"), Some("specular"));
+    assert_eq!(folder.json("info clean.exr")["film_hash_is_right"], true);
+    // The scene may say it, in the same bits for any threads and instruction set; and the command line has the last word.
+    folder.write("said.yaml", &BALL.replace("film: {", "film: { denoise: best,"));
+    folder.straal("render said.yaml -o said.exr --threads 3 --isa scalar -q");
+    let said = read(&folder, "said.exr");
+    assert_eq!(said.layer("").unwrap().rgb(), clean.layer("").unwrap().rgb());
+    assert_eq!(said.layer("error"), clean.layer("error"));
+    folder.straal("render said.yaml -o off.exr --denoise off -q");
+    assert_eq!(read(&folder, "off.exr").layers, plain.layers);
+    let refused = folder.straal("render scene.yaml -o a.exr --replicates 2 --denoise fast");
+    assert_eq!(refused.code, Some(2));
+}
+
+#[test]
+fn noise_is_that_of_the_denoised_picture() {
+    let folder = Folder::with_scene(BALL);
+    let report = folder.json("render scene.yaml -o a.exr --noise 4% --denoise fast");
+    let (samples, noise) =
+        (report["samples"].as_u64().unwrap(), report["denoised"]["noise"].as_f64().unwrap());
+    assert!(samples.is_power_of_two() && samples >= 32 && noise <= 0.04, "{samples} {noise}");
+    assert_eq!(report["complete"], true);
+    let undenoised = folder.json("render scene.yaml -o b.exr --noise 4%");
+    assert!(undenoised["mean_samples"].as_f64().unwrap() > samples as f64, "{undenoised}");
+}
+
+/// What a mirror shows is told by `--guides specular`.
+#[test]
+fn guides_follow_mirrors() {
+    let scene = BALL
+        .replace("radius: 0.5 }", "radius: 0.5, material: chrome }")
+        .replace("plane: {}", "plane: { material: grey }")
+        .replace(
+            "world:",
+            "materials: { chrome: { mirror: {} }, grey: { diffuse: { reflectance: 0.25 } } }\nworld:",
+        );
+    let folder = Folder::with_scene(&scene);
+    let mut albedo = Vec::new();
+    for guides in ["first", "specular"] {
+        folder.straal(&format!("render scene.yaml -o {guides}.exr --spp 1 --guides {guides} -q"));
+        let picture = read(&folder, &format!("{guides}.exr"));
+        albedo.push(picture.layer("albedo").unwrap().rgb().unwrap());
+        assert_eq!(picture.layer("").unwrap().rgb(), read(&folder, "first.exr").layer("").unwrap().rgb());
+    }
+    // The lower half of the ball shows the floor, the upper the sky, and the sky itself has albedo 1.
+    let at = |k: usize, x: usize, y: usize| albedo[k][y * 24 + x][0];
+    assert_eq!((at(0, 12, 11), at(1, 12, 11)), (1.0, 0.25));
+    assert_eq!((at(0, 12, 5), at(1, 12, 5)), (1.0, 1.0));
+    assert_eq!((at(0, 0, 0), at(1, 0, 0)), (0.0, 1.0));
 }

@@ -13,7 +13,7 @@ lights:
   - environment: { radiance: [0.2, 0.2, 0.2] }
 ";
 
-fn write(folder: &Folder, name: &str, picture: &exr::Picture) {
+fn write(folder: &Folder, name: &str, picture: &exr::Layered) {
     let mut bytes = Vec::new();
     exr::write(&mut bytes, picture).unwrap();
     std::fs::write(folder.path(name), bytes).unwrap();
@@ -92,11 +92,11 @@ fn a_crop_is_compared_where_it_was_rendered() {
 #[test]
 fn a_window_of_others_is_honoured_everywhere() {
     let folder = Folder::new();
-    let mut part = exr::Picture::of_size(6, 4);
+    let mut part = exr::Layered::of_size(6, 4);
     part.data_window = exr::Window { x: 2, y: 1, width: 3, height: 2 };
     part.layers = vec![exr::Layer::from_rgb("", &[[0.5, 0.25, 1.0]; 6])];
     write(&folder, "part.exr", &part);
-    let mut whole = exr::Picture::of_size(6, 4);
+    let mut whole = exr::Layered::of_size(6, 4);
     let image = part.to_image().unwrap();
     assert_eq!((image.pixels[0], image.pixels[8]), ([0.0; 3], [0.5, 0.25, 1.0]));
     whole.layers = vec![exr::Layer::from_rgb("", &image.pixels)];
@@ -134,7 +134,7 @@ fn a_window_of_others_is_honoured_everywhere() {
 #[test]
 fn numbers_that_are_no_light_are_told() {
     let folder = Folder::new();
-    let mut picture = exr::Picture::of_size(4, 2);
+    let mut picture = exr::Layered::of_size(4, 2);
     let mut pixels = [[0.5_f32; 3]; 8];
     pixels[5] = [f32::NAN; 3];
     pixels[6] = [f32::INFINITY; 3];
@@ -166,7 +166,7 @@ fn numbers_that_are_no_light_are_told() {
 #[test]
 fn a_layer_can_be_developed_by_its_name() {
     let folder = Folder::new();
-    let mut picture = exr::Picture::of_size(1, 1);
+    let mut picture = exr::Layered::of_size(1, 1);
     picture.layers = ["key", "fill"].map(|l| exr::Layer::from_rgb(l, &[[l.len() as f32 / 8.0; 3]])).into();
     write(&folder, "lights.exr", &picture);
     let run = folder.straal("develop lights.exr -o a.exr");

@@ -5,6 +5,7 @@
 //! Spectral Upsampling"). The three coefficients are found by Gauss-Newton steps so that the surface has the wanted linear
 //! sRGB under D65. Greys are constant.
 
+mod nodes;
 mod table;
 mod wide;
 

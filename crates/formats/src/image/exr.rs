@@ -26,7 +26,7 @@ pub use write::write;
 
 /// A picture with layers of any channels.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Picture {
+pub struct Layered {
     /// The frame that is shown.
     pub display_window: Window,
     /// The part of the plane that has pixels: the whole frame, or a crop of it.
@@ -72,7 +72,7 @@ pub struct Channel {
     pub samples: Vec<f32>,
 }
 
-impl Picture {
+impl Layered {
     /// A picture without layers whose windows are both `width` x `height`.
     pub fn of_size(width: usize, height: usize) -> Self {
         let window = Window::of_size(width, height);
@@ -84,7 +84,7 @@ impl Picture {
         self.layers.iter().find(|layer| layer.name == name)
     }
 
-    /// The whole picture as linear RGB with the primaries of sRGB: that of [`Picture::beauty`], within the display window.
+    /// The whole picture as linear RGB with the primaries of sRGB: that of [`Layered::beauty`], within the display window.
     pub fn to_image(&self) -> Result<Image, ReadError> {
         Ok(super::Photo::of_exr(self, None)?.to_srgb())
     }

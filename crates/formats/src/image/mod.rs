@@ -4,6 +4,7 @@ mod bitmap;
 pub mod bmp;
 mod coded;
 pub mod exr;
+mod first_bytes;
 pub mod hdr;
 mod header;
 mod icc;
@@ -17,7 +18,8 @@ pub mod tga;
 pub mod webp;
 
 pub use bitmap::bitmap;
-pub use header::{Format, Header, header};
+pub use first_bytes::header;
+pub use header::{Format, Header};
 pub use photo::{Fault, Faults, Photo, framed, surroundings};
 
 use std::path::Path;

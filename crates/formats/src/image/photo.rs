@@ -67,7 +67,7 @@ impl Photo {
     }
 
     /// The colours of an EXR that was read, or those of a layer.
-    pub fn of_exr(picture: &exr::Picture, layer: Option<&str>) -> Result<Self, ReadError> {
+    pub fn of_exr(picture: &exr::Layered, layer: Option<&str>) -> Result<Self, ReadError> {
         let beauty = match layer {
             Some(layer) => picture.colours_of(layer),
             None => picture.beauty(),
@@ -75,7 +75,7 @@ impl Photo {
         Ok(Self::of_beauty(picture, beauty))
     }
 
-    fn of_beauty(picture: &exr::Picture, beauty: Beauty) -> Self {
+    fn of_beauty(picture: &exr::Layered, beauty: Beauty) -> Self {
         let (whole, part) = (picture.display_window, picture.data_window);
         // Windows that lie more than 2^31 pixels apart share none.
         let from = |at: i32, start: i32| at.saturating_sub(start);

@@ -4,7 +4,7 @@ use straal_scene::desc::{
     Bump, Dielectric, Diffuse, Highlight, Mask, Material, MaterialRef, Mirror, OpenPbr, Phong, Relief,
     Spectrum, TextureOf, Varying,
 };
-use straal_scene::value::Color;
+use straal_scene::value::LinearRgb;
 
 use super::pictures::Maps;
 use crate::mesh::mtl::{MtlMaterial, MtlUse};
@@ -48,7 +48,7 @@ pub(super) fn nearest(
             );
         }
         let tint = m.transmission.map(|c| c.map(share)).filter(|c| *c != [0.0; 3]).unwrap_or([1.0; 3]);
-        let transmittance = Varying::Constant(Color(tint).into());
+        let transmittance = Varying::Constant(LinearRgb(tint).into());
         let eta = eta.unwrap_or(1.5);
         return Material::Dielectric(Dielectric { eta: eta.into(), transmittance, ..Dielectric::default() });
     }
@@ -226,7 +226,7 @@ mod tests {
         };
         let Material::OpenPbr(p) = told(&metal).0 else { panic!("not a metal") };
         assert_eq!((p.specular_roughness, p.base_metalness), (0.5.into(), 1.0.into()));
-        assert_eq!(p.base_color, Spectrum::from(Color([1.0, 0.5, 0.25])).into());
+        assert_eq!(p.base_color, Spectrum::from(LinearRgb([1.0, 0.5, 0.25])).into());
         let coated = MtlMaterial {
             clearcoat: Some(0.8),
             clearcoat_roughness: Some(0.1),
@@ -246,7 +246,7 @@ mod tests {
         );
         let broken = MtlMaterial { diffuse: Some([f32::NAN, -1.0, 7.0]), ..MtlMaterial::default() };
         let Material::Diffuse(d) = told(&broken).0 else { panic!("not diffuse") };
-        assert_eq!(d.reflectance, Spectrum::from(Color([0.0, 0.0, 1.0])).into());
+        assert_eq!(d.reflectance, Spectrum::from(LinearRgb([0.0, 0.0, 1.0])).into());
     }
 
     #[test]

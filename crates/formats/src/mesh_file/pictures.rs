@@ -232,7 +232,7 @@ impl Maps {
 
     /// A colour, times that of its picture. Black times a picture would be nothing: then the picture alone counts.
     pub fn colour(&self, of: MtlUse, constant: [f64; 3]) -> Varying<Spectrum> {
-        let colour = |c: [f64; 3]| Spectrum::Rgb(straal_scene::value::Color(c));
+        let colour = |c: [f64; 3]| Spectrum::Rgb(straal_scene::value::LinearRgb(c));
         let Some(texture) = self.textures.get(&of) else { return Varying::Constant(colour(constant)) };
         let most = constant.iter().copied().fold(0.0, |a, b| if b > a { b } else { a });
         if most <= 0.0 || constant == [1.0; 3] {

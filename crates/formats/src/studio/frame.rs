@@ -5,7 +5,7 @@ use straal_scene::desc::{Camera, FovAxis, Observer, Perspective};
 
 /// From where a mesh is seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum View {
+pub enum Side {
     /// From the front, the right and a little above.
     #[default]
     ThreeQuarter,
@@ -21,7 +21,7 @@ pub enum View {
     Top,
 }
 
-impl View {
+impl Side {
     /// All of them.
     pub const ALL: [Self; 6] =
         [Self::Front, Self::Back, Self::Left, Self::Right, Self::Top, Self::ThreeQuarter];
@@ -66,7 +66,7 @@ const FOV: f64 = 24.0;
 const FILL: f64 = 0.8;
 
 /// The nearest camera on that side that has all points in view, and those that are outermost equally far from the edges.
-pub fn camera(points: impl Iterator<Item = DVec3>, view: View, size: [u32; 2]) -> Camera {
+pub fn camera(points: impl Iterator<Item = DVec3>, view: Side, size: [u32; 2]) -> Camera {
     let (sa, ca) = ops::sin_cos_degrees(view.azimuth());
     let (se, ce) = ops::sin_cos_degrees(view.elevation());
     // Right, up and back, as the camera has them.
@@ -100,7 +100,7 @@ pub fn camera(points: impl Iterator<Item = DVec3>, view: View, size: [u32; 2]) -
     // Seven digits are enough to stand somewhere, and can be read.
     let round = |p: DVec3| DVec3::from_array(p.to_array().map(|v| (v * 1e7).round() / 1e7 + 0.0));
     let observer = Observer { eye: round(eye), look_at: round(look_at), up: round(v), ..Observer::default() };
-    let observer = if view == View::Top { observer } else { Observer { up: DVec3::Y, ..observer } };
+    let observer = if view == Side::Top { observer } else { Observer { up: DVec3::Y, ..observer } };
     Camera::Perspective(Perspective {
         fov: Some(FOV),
         fov_axis: FovAxis::Y,
@@ -123,7 +123,7 @@ mod tests {
             &[[-1.0, 0.1, 0.0], [1.0, 0.0, 0.0], [0.3, 0.4, 0.2]],
         ];
         for cloud in clouds {
-            for view in View::ALL {
+            for view in Side::ALL {
                 for size in [[800, 450], [300, 900], [900, 100]] {
                     let points = || cloud.iter().map(|p| DVec3::from_array(*p));
                     let Camera::Perspective(c) = camera(points(), view, size) else { unreachable!() };

@@ -14,10 +14,10 @@ use straal_scene::desc::{
     Integrator, Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing,
     Spectrum, Step, Surface, Texture, TextureOf, Transform, TriangleMesh, Varying, Viewpoint,
 };
-use straal_scene::value::{Asset, Axis, Color, Factors, Known, Link, Named};
+use straal_scene::value::{Asset, Axis, Factors, Known, LinearRgb, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
 
-pub use frame::View;
+pub use frame::Side;
 pub use up::Up;
 
 /// How a bare mesh is shown.
@@ -26,7 +26,7 @@ pub struct Studio {
     /// Which of the mesh's axes points up; guessed when absent.
     pub up: Option<Up>,
     /// From where it is seen.
-    pub view: View,
+    pub view: Side,
     /// What it is made of; of its file's own materials, and clay where it has none, when absent.
     pub finish: Option<Finish>,
     /// The angle between two faces, in degrees, beyond which the edge between them is sharp. When absent a file's own normals
@@ -84,8 +84,8 @@ impl Finish {
             })
         };
         match self {
-            Self::Clay => diffuse(Color([0.56, 0.43, 0.34])),
-            Self::White => diffuse(Color([0.78, 0.77, 0.75])),
+            Self::Clay => diffuse(LinearRgb([0.56, 0.43, 0.34])),
+            Self::White => diffuse(LinearRgb([0.78, 0.77, 0.75])),
             Self::Metal => metal("chromium", 0.2),
             Self::Gold => metal("gold", 0.12),
             Self::Glass => Material::Dielectric(Dielectric::default()),
@@ -100,7 +100,7 @@ pub enum Background {
     #[default]
     Sweep,
     /// A sweep of paper that reflects such a share of light.
-    Paper(Color),
+    Paper(LinearRgb),
     /// Nothing: no floor, and black behind the mesh, so that an EXR can be laid over another picture.
     Nothing,
 }
@@ -168,8 +168,8 @@ pub fn around(
         told.push(Diagnostic::warning(Span::NONE, message).help(help));
     }
     let shading = match wish.smooth {
-        Some(crease) => Smoothing { crease, recompute: true },
-        None => Smoothing { crease: CREASE, recompute: false },
+        Some(crease) => Smoothing { crease, recompute: true, ..Smoothing::default() },
+        None => Smoothing { crease: CREASE, ..Smoothing::default() },
     };
     let mesh = Node::Mesh(TriangleMesh {
         file: Some(shown.clone()),
@@ -202,7 +202,7 @@ pub fn around(
     } else {
         let color = match wish.background {
             Background::Paper(color) => color,
-            _ => Color::grey(PAPER),
+            _ => LinearRgb::grey(PAPER),
         };
         materials.insert("paper".to_owned().into(), diffuse(color));
         set.splice(0..0, sweep());
@@ -281,7 +281,7 @@ fn painted() -> Material {
     Material::Diffuse(Diffuse { reflectance, ..Diffuse::default() })
 }
 
-fn diffuse(color: Color) -> Material {
+fn diffuse(color: LinearRgb) -> Material {
     Material::Diffuse(Diffuse { reflectance: Varying::Constant(color.into()), ..Diffuse::default() })
 }
 
@@ -338,7 +338,7 @@ fn softbox(place: Viewpoint, [width, height]: [f64; 2], radiance: f64) -> Node {
     let steps = vec![Step::Scale(Factors(DVec3::new(width, height, 1.0))), Step::LookAt(place)];
     Node::Rectangle(Rectangle {
         surface: Surface {
-            material: Some(MaterialRef::Inline(Box::new(diffuse(Color::grey(0.0))))),
+            material: Some(MaterialRef::Inline(Box::new(diffuse(LinearRgb::grey(0.0))))),
             emission: Some(Varying::Constant(Spectrum::grey(radiance))),
             // A rectangle faces +z, and what looks at something does so along -z.
             flip: true,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use straal_formats::studio::{Background, Finish, Studio, Up, View};
+use straal_formats::studio::{Background, Finish, Side, Studio, Up};
 use straal_formats::{Diagnostics, Loaded, Options, load, load_str, yaml};
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::count::{Space, count};
@@ -11,7 +11,7 @@ use straal_scene::desc::{
     Camera, Index, Material, MaterialRef, Node, Shading, Smoothing, Spectrum, Texture, TextureChannel,
     TextureOf, TriangleMesh, Varying,
 };
-use straal_scene::value::{Color, Link};
+use straal_scene::value::{LinearRgb, Link};
 
 /// The mesh node and what material it is given, and that everything its camera should see is in view.
 fn framed(loaded: &Loaded) -> (&TriangleMesh, Option<&MaterialRef>) {
@@ -93,7 +93,7 @@ fn whatever_its_size_and_place_a_mesh_stands_in_the_studio() {
         }
         std::fs::write(&path, text + faces).unwrap();
         for up in [Some(Up::Y), Some(Up::NegX), None] {
-            for view in View::ALL {
+            for view in Side::ALL {
                 for size in [None, Some([100, 300]), Some([600, 100])] {
                     let studio = Studio { up, view, size, ..Studio::default() };
                     framed(
@@ -128,13 +128,16 @@ fn what_is_asked_of_a_studio_is_in_the_scene() {
     let loaded = in_studio(path, Studio { finish: Some(Finish::Gold), ..Studio::default() }).unwrap();
     assert_eq!(framed(&loaded).1, Some(&named("gold")), "it takes the place of the file's own");
     let loaded = in_studio(path, Studio { smooth: Some(25.0), ..Studio::default() }).unwrap();
-    assert_eq!(framed(&loaded).0.shading, Shading::Smooth(Smoothing { crease: 25.0, recompute: true }));
+    assert_eq!(
+        framed(&loaded).0.shading,
+        Shading::Smooth(Smoothing { crease: 25.0, recompute: true, ..Smoothing::default() })
+    );
     let loaded = in_studio(path, Studio { background: Background::Nothing, ..Studio::default() }).unwrap();
     assert!(loaded.scene.lights.is_empty() && loaded.scene.materials.get("paper").is_none());
-    let paper = Background::Paper(Color([0.1, 0.2, 0.3]));
+    let paper = Background::Paper(LinearRgb([0.1, 0.2, 0.3]));
     let loaded = in_studio(path, Studio { background: paper, ..Studio::default() }).unwrap();
     let Some(Material::Diffuse(d)) = loaded.scene.materials.get("paper") else { panic!("no paper") };
-    assert_eq!(d.reflectance, Spectrum::from(Color([0.1, 0.2, 0.3])).into());
+    assert_eq!(d.reflectance, Spectrum::from(LinearRgb([0.1, 0.2, 0.3])).into());
 }
 
 #[test]
@@ -145,7 +148,7 @@ fn an_obj_keeps_its_own_materials() {
     assert_eq!((&node.surface.material, around), (&None, Some(&named("clay"))));
     assert!(loaded.warnings.to_string().contains("no texture coordinates"), "{}", loaded.warnings);
     let materials = &loaded.assets.meshes.iter().next().unwrap().materials;
-    let glow = Spectrum::from(Color([3.0, 2.0, 1.0]));
+    let glow = Spectrum::from(LinearRgb([3.0, 2.0, 1.0]));
     assert_eq!(materials["glow"].emission, Some(Varying::Constant(glow)));
     assert!(
         matches!(&materials["glass"].material, Material::Dielectric(d) if matches!(d.eta, Index::Constant(n) if n > 1.32))

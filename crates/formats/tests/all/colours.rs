@@ -189,7 +189,7 @@ fn an_hdr_has_the_primaries_and_corrections_that_it_says() {
 
 #[test]
 fn luminance_and_chroma_become_colours() {
-    let mut picture = exr::Picture::of_size(1, 1);
+    let mut picture = exr::Layered::of_size(1, 1);
     for (space, weights) in
         [(None, [0.212_639, 0.715_169, 0.072_192]), (Some(Space::Rec2020), [0.2627, 0.678, 0.0593])]
     {

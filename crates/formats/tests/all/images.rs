@@ -46,7 +46,7 @@ fn exr_comes_back_with_layers_windows_and_story() {
     let (width, height) = (19, 37);
     let image = test_image(width, height);
     let depth = exr::Channel { name: "Z".into(), samples: (0..width * height).map(|i| i as f32).collect() };
-    let mut picture = exr::Picture {
+    let mut picture = exr::Layered {
         display_window: exr::Window { x: 0, y: 0, width: 100, height: 80 },
         data_window: exr::Window { x: 60, y: -20, width, height },
         space: Some(straal_color::Space::AcesCg.rgb()),
@@ -115,8 +115,8 @@ fn hdr_comes_back_within_its_precision() {
 
 #[test]
 fn exr_refuses_to_write_what_makes_no_picture() {
-    let mut picture = exr::Picture::of_size(2, 2);
-    let refused = |picture: &exr::Picture| exr::write(Vec::new(), picture).unwrap_err().to_string();
+    let mut picture = exr::Layered::of_size(2, 2);
+    let refused = |picture: &exr::Layered| exr::write(Vec::new(), picture).unwrap_err().to_string();
     assert_eq!(refused(&picture), "the picture is empty");
     picture.layers = vec![exr::Layer::from_rgb("", &[[0.0; 3]; 3])];
     assert_eq!(refused(&picture), "channel R has 3 samples for 2 x 2 pixels");
@@ -349,7 +349,7 @@ fn an_exr_whose_space_makes_no_sense_has_none() {
     let srgb = straal_color::Space::Srgb.rgb();
     let at = |x: f64, y: f64| straal_color::Chromaticity { x, y };
     for primaries in [[at(0.3, 0.3); 3], [at(f64::NAN, 0.3), at(0.3, 0.6), at(0.15, 0.06)]] {
-        let mut picture = exr::Picture::of_size(1, 1);
+        let mut picture = exr::Layered::of_size(1, 1);
         picture.layers = vec![exr::Layer::from_rgb("", &[[0.25, 0.5, 0.75]])];
         picture.space = Some(straal_color::RgbSpace { primaries, ..srgb });
         let mut bytes = Vec::new();
@@ -364,7 +364,7 @@ fn an_exr_whose_space_makes_no_sense_has_none() {
 #[test]
 fn headers_tell_size_and_cost() {
     let image = test_image(19, 7);
-    let mut picture = exr::Picture::of_size(19, 7);
+    let mut picture = exr::Layered::of_size(19, 7);
     picture.layers = vec![exr::Layer::from_rgb("", &image.pixels)];
     let pixels = vec![[1_u8, 2, 3]; 19 * 7];
     let (mut a, mut b, mut c, mut d) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

@@ -5,7 +5,7 @@ use straal_formats::image::{self, Photo, exr};
 
 /// A picture of 6 x 4 whose pixels from `x`, `y` on are told, 3 x 2 of them.
 fn part(x: i32, y: i32, pixels: [f32; 6]) -> Vec<u8> {
-    let mut picture = exr::Picture::of_size(6, 4);
+    let mut picture = exr::Layered::of_size(6, 4);
     picture.data_window = exr::Window { x, y, width: 3, height: 2 };
     picture.layers = vec![exr::Layer::from_rgb("", &pixels.map(|v| [v; 3]))];
     let mut bytes = Vec::new();
@@ -34,7 +34,7 @@ fn what_has_no_pixels_is_black_and_what_lies_beyond_is_cut() {
 
 #[test]
 fn a_frame_may_begin_anywhere() {
-    let mut picture = exr::Picture::of_size(2, 1);
+    let mut picture = exr::Layered::of_size(2, 1);
     picture.display_window = exr::Window { x: -7, y: 100, width: 2, height: 1 };
     picture.data_window = exr::Window { x: -8, y: 99, width: 2, height: 2 };
     picture.layers = vec![exr::Layer::from_rgb("", &[[1.0; 3], [2.0; 3], [3.0; 3], [4.0; 3]])];
@@ -43,10 +43,10 @@ fn a_frame_may_begin_anywhere() {
 
 #[test]
 fn a_crop_of_straal_is_known() {
-    let mut picture = exr::Picture::of_size(6, 4);
+    let mut picture = exr::Layered::of_size(6, 4);
     picture.data_window = exr::Window { x: 2, y: 1, width: 3, height: 2 };
     picture.layers = vec![exr::Layer::from_rgb("", &[[1.0; 3]; 6])];
-    let is_crop = |picture: &exr::Picture| Photo::of_exr(picture, None).unwrap().is_crop();
+    let is_crop = |picture: &exr::Layered| Photo::of_exr(picture, None).unwrap().is_crop();
     assert!(!is_crop(&picture));
     picture.metadata = vec![("straal.crop".into(), "2,1,5,3".into())];
     assert!(is_crop(&picture));
@@ -75,7 +75,7 @@ fn light_that_is_none_is_told_with_its_place() {
 #[test]
 fn surroundings_are_the_picture_of_a_file_with_layers() {
     let read = |names: &[&str]| {
-        let mut picture = exr::Picture::of_size(2, 1);
+        let mut picture = exr::Layered::of_size(2, 1);
         picture.layers =
             names.iter().map(|name| exr::Layer::from_rgb(name, &[[name.len() as f32; 3]; 2])).collect();
         let mut bytes = Vec::new();
@@ -119,7 +119,7 @@ fn surroundings_are_the_picture_of_a_file_with_parts() {
 /// A few thousand bytes can't make the machine allocate gigabytes, whatever the format.
 #[test]
 fn a_promise_beyond_the_limits_is_refused_before_it_is_kept() {
-    let mut picture = exr::Picture::of_size(1, 1);
+    let mut picture = exr::Layered::of_size(1, 1);
     picture.layers = vec![exr::Layer::from_rgb("", &[[1.0; 3]])];
     picture.display_window = exr::Window::of_size(16_384, 16_384);
     let mut bytes = Vec::new();

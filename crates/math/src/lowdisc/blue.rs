@@ -2,7 +2,7 @@
 //! sequence that follow one another, so that what one misses the next one has, and the error that is left is of high
 //! frequency. The order of the four quarters of each square of the curve is drawn anew, and for each purpose.
 
-use super::pattern::Padded;
+use super::padded::Padded;
 use super::sobol::{scramble, second_dimension_of_64};
 use super::{Purpose, ROOT_NODE, SampleName, mix};
 

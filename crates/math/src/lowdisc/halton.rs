@@ -5,7 +5,7 @@
 //! base 6.
 
 use super::mix;
-use super::pattern::Padded;
+use super::padded::Padded;
 use super::sobol::scramble;
 
 /// See [`super::Pattern::Halton`].

@@ -2,6 +2,7 @@
 
 use super::blue::Order;
 use super::halton::Halton;
+use super::padded::padded;
 use super::set::{Hammersley, Jittered, MultiJittered, NRooks, Regular, Set};
 use super::{PatternKind, Purpose, SampleName, mix, sobol, to_unit};
 use crate::simd::{Float, Uint, Ulong};
@@ -186,30 +187,6 @@ impl Pattern {
         };
         bits.map(to_unit)
     }
-}
-
-/// A pattern of one and of two dimensions. Numbers are fractions of 32 bits. The order of the points must depend on
-/// the stream, so that what is padded knows nothing of one another.
-pub(super) trait Padded {
-    /// One number of the point `index`.
-    fn one(&self, stream: u64, index: u32) -> u32;
-
-    /// Two numbers of the point `index`.
-    fn two(&self, stream: u64, index: u32) -> [u32; 2];
-}
-
-/// As many dimensions as are wanted, two by two, each pair from a stream of its own.
-fn padded<const D: usize>(pattern: &impl Padded, stream: u64, index: u32) -> [u32; D] {
-    let mut out = [0; D];
-    let mut stream = stream;
-    for part in out.chunks_mut(2) {
-        match part {
-            [a] => *a = pattern.one(stream, index),
-            part => part.copy_from_slice(&pattern.two(stream, index)),
-        }
-        stream = mix(stream.wrapping_add(0x9e37_79b9_7f4a_7c15));
-    }
-    out
 }
 
 /// The `k`th 64 bits of a sample from a stream (Steele et al. 2014, "SplitMix": hashes of a Weyl sequence).

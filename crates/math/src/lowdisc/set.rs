@@ -1,7 +1,7 @@
 //! Patterns that must know how many points they have.
 
 use super::mix;
-use super::pattern::Padded;
+use super::padded::Padded;
 use super::sobol::scramble;
 
 /// How many points a set has, and the grid they lie in: as square as can be without empty cells, else with the

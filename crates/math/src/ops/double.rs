@@ -4,8 +4,8 @@
     reason = "a function that is named in place of a closure isn't inlined for sure"
 )]
 
-use super::{exp_log::split, inverse, poly, power_of_two, round, trig};
-use crate::simd::Double;
+use super::{inverse, poly, power_of_two, round, trig};
+use crate::simd::{Double, Ulong};
 use std::f64::consts::LOG2_E;
 
 /// ln 2 in two pieces; a whole number below 2^11 times the first is exact.
@@ -185,4 +185,18 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let s = a + b;
     let bb = s - a;
     (s, (a - (s - bb)) + (b - bb))
+}
+
+/// n and m with x = 2^n m and m in [sqrt(1/2), sqrt(2)), for positive finite normal x.
+#[inline(always)]
+pub(super) fn split<D: Double>(x: D) -> (D, D) {
+    const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
+    // n + 1024 is never negative: a shift of 64 bits that keeps the sign is more than some processors have.
+    const BIAS: u64 = 1024 << 52;
+    let bits = x.to_bits();
+    let n = bits.wrapping_sub(D::Ulong::splat(SQRT_HALF.wrapping_sub(BIAS))) >> 52;
+    let m = bits.wrapping_sub((n << 52).wrapping_sub(D::Ulong::splat(BIAS)));
+    // A whole number in the low bits of 2^52.
+    const TWO_52: f64 = 4_503_599_627_370_496.0;
+    (D::from_bits(n | TWO_52.to_bits()) - (TWO_52 + 1024.0), D::from_bits(m))
 }

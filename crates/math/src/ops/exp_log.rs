@@ -163,7 +163,7 @@ fn exp2_wide<D: Double>(x: D) -> D {
 fn ln_parts<D: Double>(x: D) -> (D, D) {
     // 2 artanh(s) / s with s = (m - 1) / (m + 1), |s| < 0.1716: the first term left out is below 3e-12.
     const C: [f64; 7] = [2.0, 2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0, 2.0 / 11.0, 2.0 / 13.0];
-    let (n, m) = split(x);
+    let (n, m) = double::split(x);
     let s = (m - 1.0) / (m + 1.0);
     (n, s * poly(s * s, C))
 }
@@ -172,20 +172,6 @@ fn ln_parts<D: Double>(x: D) -> (D, D) {
 fn log2_wide<D: Double>(x: D) -> D {
     let (n, l) = ln_parts(x);
     n + l * LOG2_E
-}
-
-/// n and m with x = 2^n m and m in [sqrt(1/2), sqrt(2)), for positive finite normal x.
-#[inline(always)]
-pub(super) fn split<D: Double>(x: D) -> (D, D) {
-    const SQRT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
-    // n + 1024 is never negative: a shift of 64 bits that keeps the sign is more than some processors have.
-    const BIAS: u64 = 1024 << 52;
-    let bits = x.to_bits();
-    let n = bits.wrapping_sub(D::Ulong::splat(SQRT_HALF.wrapping_sub(BIAS))) >> 52;
-    let m = bits.wrapping_sub((n << 52).wrapping_sub(D::Ulong::splat(BIAS)));
-    // A whole number in the low bits of 2^52.
-    const TWO_52: f64 = 4_503_599_627_370_496.0;
-    (D::from_bits(n | TWO_52.to_bits()) - (TWO_52 + 1024.0), D::from_bits(m))
 }
 
 #[cold]

@@ -39,8 +39,8 @@ macro_rules! cameras {
 
             /// How much of a sample's red, green and blue the film takes. All of it, unless glasses are worn: this is said
             /// where light has become RGB, so that along the ray it stays four numbers of any meaning.
-            pub fn taken(&self, at: &FilmPoint) -> [f32; 3] {
-                match self { $( Self::$Kind(c) => c.taken(at), )+ }
+            pub fn glasses(&self, at: &FilmPoint) -> [f32; 3] {
+                match self { $( Self::$Kind(c) => c.glasses(at), )+ }
             }
 
             /// Pixels to which a length on a plane at distance 1 is magnified, for cameras that magnify by distance alone.

@@ -49,8 +49,8 @@ pub use view::View;
 use crate::footprint::Footprint;
 use straal_math::simd::{Float, Mask, Uint};
 use straal_math::{Ray, Vec3};
-use straal_scene::desc;
 use straal_scene::value::Name;
+use straal_scene::{Span, desc};
 
 /// What a camera ray is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,8 +158,8 @@ pub struct Needs {
     pub lens: bool,
     /// [`FilmPoint::time`] makes a difference.
     pub time: bool,
-    /// [`Camera::taken`] isn't always 1.
-    pub taken: bool,
+    /// [`Camera::glasses`] isn't always 1.
+    pub glasses: bool,
 }
 
 list::cameras! {
@@ -212,8 +212,8 @@ trait Sees {
         Needs::default()
     }
 
-    /// See [`Camera::taken`].
-    fn taken(&self, _at: &FilmPoint) -> [f32; 3] {
+    /// See [`Camera::glasses`].
+    fn glasses(&self, _at: &FilmPoint) -> [f32; 3] {
         [1.0; 3]
     }
 
@@ -239,4 +239,19 @@ pub(crate) struct Setup<'a> {
     pub size: [u32; 2],
     /// Distance along a view to what goes by a name.
     pub distance: &'a dyn Fn(&Name, &View) -> f64,
+}
+
+/// Why the camera is not focused on what it should be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the camera can't be focused on `{name}`: {}",
+    if *unbounded { "it is unbounded and has no middle" } else { "its middle is not in front of it" }
+)]
+pub struct OutOfFocus {
+    /// What the scene calls it.
+    pub name: String,
+    /// Where.
+    pub span: Span,
+    /// Whether it has no middle; else that isn't in front of the camera.
+    pub unbounded: bool,
 }

@@ -85,8 +85,8 @@ impl Sees for Moving {
         Needs { time: true, ..self.still.needs() }
     }
 
-    fn taken(&self, at: &FilmPoint) -> [f32; 3] {
-        self.still.taken(at)
+    fn glasses(&self, at: &FilmPoint) -> [f32; 3] {
+        self.still.glasses(at)
     }
 
     fn focal_pixels(&self) -> Option<f64> {

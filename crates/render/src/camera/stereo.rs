@@ -121,7 +121,7 @@ impl Sees for Stereo {
         self.eye(at).map_or(Footprint::NONE, |(eye, own)| eye.footprint(&own))
     }
 
-    fn taken(&self, at: &FilmPoint) -> [f32; 3] {
+    fn glasses(&self, at: &FilmPoint) -> [f32; 3] {
         match self.layout {
             StereoLayout::Anaglyph if at.lens[0] < 0.5 => [2.0, 0.0, 0.0],
             StereoLayout::Anaglyph => [0.0, 2.0, 2.0],
@@ -132,7 +132,7 @@ impl Sees for Stereo {
     fn needs(&self) -> Needs {
         let anaglyph = self.layout == StereoLayout::Anaglyph;
         let eye = self.eyes[0].needs();
-        Needs { lens: eye.lens || anaglyph, taken: anaglyph, ..eye }
+        Needs { lens: eye.lens || anaglyph, glasses: anaglyph, ..eye }
     }
 
     fn facts(&self) -> Facts {

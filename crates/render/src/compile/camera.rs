@@ -1,8 +1,7 @@
 //! The camera: where it stands, and how it moves. What it is made of is its own file's business.
 
-use super::OutOfFocus;
 use super::focus::Seen;
-use crate::camera::{Camera, Moving, Setup, Stand, View};
+use crate::camera::{Camera, Moving, OutOfFocus, Setup, Stand, View};
 use std::cell::Cell;
 use straal_math::DVec3;
 use straal_scene::Scene;

@@ -1,7 +1,6 @@
 //! What the camera is focused on, by name.
 
-use super::OutOfFocus;
-use crate::camera::View;
+use crate::camera::{OutOfFocus, View};
 use crate::shape::Geometry;
 use crate::world::TopLevel;
 use straal_accel::{GeometryKind, Input};

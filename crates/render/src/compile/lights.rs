@@ -1,6 +1,6 @@
 //! Lights: those of the scene's list, and the surfaces that glow.
 
-use super::place::Glowing;
+use super::build::Glowing;
 use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Sides};
 use crate::paint::Paint;
 use crate::shape::Geometry;

@@ -139,7 +139,6 @@ impl<'a> Materials<'a> {
         if let Some(relief) = Relief::of(m.relief(), &mut self.paint) {
             self.list.pretend(index, relief);
         }
-        ()
     }
 }
 

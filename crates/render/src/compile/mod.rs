@@ -4,15 +4,17 @@
 //! a named object stays what it is, one shared copy with a transform, and even that is dissolved when the object
 //! glows, so that every light stands in world space.
 
+mod build;
 mod camera;
 mod doubts;
 mod dropped;
 mod focus;
 mod lights;
 mod materials;
+mod meshes;
 mod place;
 
-pub use place::GLOWING_BYTES;
+pub use build::GLOWING_BYTES;
 
 use crate::film::{Recording, Sensor};
 use crate::filter::{Filter, Profile, Separable};
@@ -24,7 +26,7 @@ use std::sync::Arc;
 use straal_accel::{self as accel, BuildError};
 use straal_math::DVec3;
 use straal_scene::desc;
-use straal_scene::{Assets, Scene, Span};
+use straal_scene::{Assets, Scene};
 
 /// What a program adds to a description.
 #[derive(Clone, Debug, Default)]
@@ -43,21 +45,6 @@ impl Custom {
         };
         self.shapes.iter().map(|(_, name)| name.as_str()).find(|name| !is_known(name))
     }
-}
-
-/// Why the camera is not focused on what it should be.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the camera can't be focused on `{name}`: {}",
-    if *unbounded { "it is unbounded and has no middle" } else { "its middle is not in front of it" }
-)]
-pub struct OutOfFocus {
-    /// What the scene calls it.
-    pub name: String,
-    /// Where.
-    pub span: Span,
-    /// Whether it has no middle; else that isn't in front of the camera.
-    pub unbounded: bool,
 }
 
 /// What a world is made of.
@@ -111,10 +98,10 @@ pub fn compile(request: &Request<'_>) -> Result<World, BuildError> {
 /// The same with a place of the description at the origin.
 fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, BuildError> {
     let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
-    let mut build = place::Build::new(scene, assets, custom, (spectral, detail), centre);
+    let mut build = build::Build::new(scene, assets, custom, (spectral, detail), centre);
     build.world();
     build.custom_shapes(custom);
-    let place::Built {
+    let build::Built {
         input,
         geometry,
         geometries,

@@ -3,6 +3,7 @@
 //! It owns the loop: a worker starts samples, searches what their rays hit, sorts paths into queues
 //! for the integrator's step, answers the shadow rays that it asks for, and fills the pool as paths end.
 
+mod guides;
 mod samples;
 mod sorting;
 mod starting;
@@ -81,7 +82,7 @@ impl<'w, I: Integrator> Render<'w, I> {
             film.hold_bands(*bands);
         }
         if settings.splat {
-            film.splat(&world.filter);
+            film.splat(&world.filter, world.simd());
         } else if let Some(weight) = world.filter.signed_weight() {
             film.control(f64::from(weight));
         }

@@ -17,8 +17,8 @@ pub(super) struct Pending<L> {
     pub weight: f32,
     /// Where it lies from its pixel's centre.
     pub offset: [f32; 2],
-    /// How much of red, green and blue the film takes, see [`crate::camera::Camera::taken`].
-    pub taken: [f32; 3],
+    /// How much of red, green and blue the film takes, see [`crate::camera::Camera::glasses`].
+    pub glasses: [f32; 3],
 }
 
 /// A worker's samples. One is finished when none of its paths is in flight; the film takes them in the order in which they were

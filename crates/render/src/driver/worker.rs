@@ -4,6 +4,7 @@
 //! and what their vertices emit is put back on top. So an integrator whose paths split goes deep before it goes wide, and the pool
 //! stays bounded by what a path can split into, not by what a picture can.
 
+use super::guides;
 use super::samples::{Pending, Samples};
 use super::sorting::{Ranks, Sorting};
 use super::starting::{self, Starting, Wanted};
@@ -18,7 +19,7 @@ use crate::integrator::{
 };
 use crate::lanes::{Lanes, Wavelengths};
 use crate::probe::{Answer, Asked, AskedShadows, Probe};
-use crate::settings::Settings;
+use crate::settings::{Guides, Settings};
 use crate::stopwatch::{Clock, Phase, Stopwatch, Times};
 use crate::surface::BLOCK;
 use crate::world::World;
@@ -206,7 +207,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
     fn start(&mut self) {
         let (world, settings) = (self.world, self.settings);
         let from_camera = I::ORIGIN == Origin::Camera;
-        let Needs { lens, time, taken } = self.needs;
+        let Needs { lens, time, glasses } = self.needs;
         self.simd.run(starting::Start {
             names: &self.names,
             pattern: settings.pattern,
@@ -227,12 +228,12 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 lanes,
                 weight: starting.weight(i),
                 offset: starting.offset(i),
-                taken: if taken { world.camera.taken(&at()) } else { [1.0; 3] },
+                glasses: if glasses { world.camera.glasses(&at()) } else { [1.0; 3] },
             };
             let sample = self.samples.begin(pending);
             self.probe.begin(sample);
 
-            let wants_footprint = from_camera && world.materials.vary();
+            let wants_footprint = from_camera && world.wants_footprints();
             let footprint =
                 if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
             // Where nothing is seen there is no path, and the sample is black.
@@ -280,9 +281,22 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         self.stopwatch.lap(Phase::Search);
 
         if I::ORIGIN == Origin::Camera && !self.samples.seen.is_empty() {
+            let follows = self.settings.guides == Guides::Specular;
             for i in old..paths.len() {
                 let (ray, hit) = (&rays[i], &self.hits[i]);
-                if hit.is_hit() {
+                if follows {
+                    let (pattern, path) = (self.settings.pattern, &paths[i..=i]);
+                    let seen = guides::Seen { world, pattern, name: paths[i].name, ray: *ray, hit: *hit };
+                    let probe = &mut self.probe;
+                    let first = seen.follow(|ray| {
+                        let mut hit = [Hit::MISS];
+                        let asked = Asked { primary: false, paths: path, rays: std::slice::from_ref(ray) };
+                        probe.closest(world, &asked, &mut hit);
+                        hit[0]
+                    });
+                    let distance = if hit.is_hit() { first.distance } else { 0.0 };
+                    self.samples.seen[paths[i].sample as usize] = see(&FirstHit { distance, ..first });
+                } else if hit.is_hit() {
                     let surface = world.surface(ray, hit, &PackedFootprint::NONE);
                     let first =
                         FirstHit { albedo: world.albedo(&surface), normal: surface.point.n, distance: hit.t };
@@ -381,11 +395,11 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 Some((number, tile)) if *number == pending.tile => tile,
                 _ => &mut held.insert((pending.tile, pass.tile(pending.tile))).1,
             };
-            let Pending { name: (pixel, index), lanes, weight, offset, taken, .. } = pending;
+            let Pending { name: (pixel, index), lanes, weight, offset, glasses, .. } = pending;
             let light = self.samples.sums[place].light();
             let rgb = self.world.sensor.take(lanes, light);
             let sample = Sample {
-                rgb: std::array::from_fn(|i| rgb[i] * weight * taken[i]),
+                rgb: std::array::from_fn(|i| rgb[i] * weight * glasses[i]),
                 seen: self.samples.seen.get(place).copied().unwrap_or_default(),
                 negative: weight < 0.0,
             };

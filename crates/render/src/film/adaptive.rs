@@ -15,7 +15,7 @@
 
 use super::control::Control;
 use super::error_estimate::BatchSums;
-use super::fixed::{Square, Value};
+use super::fixed::{Fixed, Square};
 use super::{Film, FilmTile, Pixel, TILE};
 use crate::film::Region;
 
@@ -67,7 +67,7 @@ fn index_after(half: u32, count: u32) -> u32 {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Halves {
     /// Sums of the second half; those of the first are what the pixel has besides.
-    pub(super) value: [Value; 3],
+    pub(super) value: [Fixed; 3],
     pub(super) square: [Square; 3],
     pub(super) control: Control,
     pub(super) count: u32,
@@ -135,7 +135,7 @@ impl FilmTile {
     }
 
     /// Mean and variance of the mean of a channel of one half of pixel `k`; the variance by batches or by spread.
-    fn mean_of_half(&self, k: usize, half: usize, channel: usize, by_batches: bool) -> (f64, f64) {
+    pub(super) fn mean_of_half(&self, k: usize, half: usize, channel: usize, by_batches: bool) -> (f64, f64) {
         let Part { sums: p, squares, control } = self.half(k, half);
         let sum = self.sums_of(&p, control.as_ref())[channel];
         let mean = sum / f64::from(p.count.max(1));

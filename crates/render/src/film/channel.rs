@@ -4,7 +4,7 @@
 //! [`super::Layers`], the mean over replicates, and the layer of an EXR.
 
 use super::CostSample;
-use super::fixed::{Guide, MAX_VALUE, Value};
+use super::fixed::{Fixed, Guide, MAX_VALUE};
 use straal_math::{Vec3, ops};
 
 /// Numbers of each pixel that samples have a mean of.
@@ -139,7 +139,7 @@ impl Channel {
     pub(super) fn bytes(&self) -> usize {
         let each = match self.scale {
             Scale::Unit => size_of::<Guide>(),
-            Scale::Length => size_of::<Value>(),
+            Scale::Length => size_of::<Fixed>(),
             Scale::Count => size_of::<u64>(),
         };
         each * self.components.len()
@@ -164,7 +164,7 @@ pub(super) struct Plane {
 #[derive(Clone, Debug)]
 enum Sums {
     Unit(Vec<Guide>),
-    Length(Vec<Value>),
+    Length(Vec<Fixed>),
     Count(Vec<u64>),
 }
 
@@ -182,7 +182,7 @@ impl Plane {
         let n = pixels * channel.components.len();
         let sums = match channel.scale {
             Scale::Unit => Sums::Unit(vec![Guide::default(); n]),
-            Scale::Length => Sums::Length(vec![Value::default(); n]),
+            Scale::Length => Sums::Length(vec![Fixed::default(); n]),
             Scale::Count => Sums::Count(vec![0; n]),
         };
         Self { channel, place, sums }
@@ -236,7 +236,7 @@ impl Plane {
         for (i, sum) in (k * each..(k + 1) * each).zip(record) {
             match (&mut self.sums, sum) {
                 (Sums::Unit(sums), Sum::Unit(v)) => sums[i] = Guide(v),
-                (Sums::Length(sums), Sum::Length(v)) => sums[i] = Value(v),
+                (Sums::Length(sums), Sum::Length(v)) => sums[i] = Fixed(v),
                 (Sums::Count(sums), Sum::Count(v)) => sums[i] = v,
                 _ => {}
             }

@@ -7,13 +7,13 @@
 //! the mean of the *other* samples' light, so that the result is right on average with any number of them.
 
 use super::Pixel;
-use super::fixed::{Square, Value};
+use super::fixed::{Fixed, Square};
 
 /// The samples of a pixel that weigh -W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Control {
     /// Sums of their weighed light.
-    pub(super) negative: [Value; 3],
+    pub(super) negative: [Fixed; 3],
     /// How many they are.
     pub(super) count: u32,
 }
@@ -41,7 +41,7 @@ impl Control {
     }
 
     /// The sum of anything else that the same samples were weighed for.
-    pub fn sum_of(&self, p: &Pixel, [all, negative]: [Value; 2], size: f64) -> f64 {
+    pub fn sum_of(&self, p: &Pixel, [all, negative]: [Fixed; 2], size: f64) -> f64 {
         self.of(p, size).sum(all.to_f64(), negative.to_f64())
     }
 

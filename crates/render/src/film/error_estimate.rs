@@ -6,7 +6,7 @@
 //! more even still, and batches avoid one another: the mean is better than the differences tell, never worse. What two or
 //! three numbers tell of a single pixel has as much chance in it as they have: one or two degrees of freedom.
 
-use super::fixed::Value;
+use super::fixed::Fixed;
 use straal_math::lowdisc::PatternKind;
 
 /// By what a pixel's noise is told.
@@ -46,15 +46,15 @@ impl ErrorEstimate {
 }
 
 /// The sums that batches end with: those of a pixel when it had h / 2 samples and h, h being the largest power of two below
-/// the number that it has. In double precision: integers so large are rounded, always alike. Exact, as [`Value`], where
+/// the number that it has. In double precision: integers so large are rounded, always alike. Exact, as [`Fixed`], where
 /// the sums of earlier samples are added later.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct BatchSums<T = f64>(pub(super) [[T; 3]; 2]);
 
-impl<T: Copy + From<Value>> BatchSums<T> {
+impl<T: Copy + From<Fixed>> BatchSums<T> {
     /// Takes note of a pixel's sums before the sample `index` is added; its samples come in order.
     #[inline]
-    pub(super) fn note(&mut self, index: u32, sums: &[Value; 3]) {
+    pub(super) fn note(&mut self, index: u32, sums: &[Fixed; 3]) {
         if index.is_power_of_two() {
             self.0 = [self.0[1], sums.map(T::from)];
         }
@@ -68,9 +68,9 @@ impl BatchSums {
     }
 
     /// Goes on with what was noted of later samples, without the sums `before` them; how often there was something to note.
-    pub(super) fn follow(&mut self, before: &[Value; 3], later: &BatchSums<Value>, notes: usize) {
-        let all = |part: &[Value; 3]| -> [f64; 3] {
-            std::array::from_fn(|c| Value(before[c].0.wrapping_add(part[c].0)).to_f64())
+    pub(super) fn follow(&mut self, before: &[Fixed; 3], later: &BatchSums<Fixed>, notes: usize) {
+        let all = |part: &[Fixed; 3]| -> [f64; 3] {
+            std::array::from_fn(|c| Fixed(before[c].0.wrapping_add(part[c].0)).to_f64())
         };
         match notes {
             0 => {}

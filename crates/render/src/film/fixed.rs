@@ -19,9 +19,9 @@ const GUIDE_RANGE: f32 = 4.0;
 
 /// Sum of values below 2^32, in units of 2^-62.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Value(pub(super) i128);
+pub struct Fixed(pub(super) i128);
 
-impl Value {
+impl Fixed {
     /// Adds a value below 2^32.
     #[inline(always)]
     pub fn add(&mut self, v: f32) {
@@ -74,13 +74,13 @@ fn wide(sum: i128) -> f64 {
     sum as f64
 }
 
-impl From<Value> for f64 {
-    fn from(v: Value) -> Self {
+impl From<Fixed> for f64 {
+    fn from(v: Fixed) -> Self {
         v.to_f64()
     }
 }
 
-impl Sub for Value {
+impl Sub for Fixed {
     type Output = Self;
 
     fn sub(self, o: Self) -> Self {
@@ -96,7 +96,7 @@ impl Sub for Square {
     }
 }
 
-impl AddAssign for Value {
+impl AddAssign for Fixed {
     fn add_assign(&mut self, o: Self) {
         self.0 += o.0;
     }
@@ -149,7 +149,7 @@ pub struct Row<A> {
     kind: std::marker::PhantomData<A>,
 }
 
-/// How light times a row's height becomes a [`Value`] with the height of a column.
+/// How light times a row's height becomes a [`Fixed`] with the height of a column.
 pub trait Across {
     /// In units of 2^-62 from the product.
     fn value(product: i128) -> i128;
@@ -202,8 +202,8 @@ impl<A, const N: usize> Rowed<A, N> {
 impl<A: Across> Row<A> {
     /// What it brings to the pixel of a column of some height.
     #[inline(always)]
-    pub fn at(&self, height: i64) -> Value {
-        Value(A::value(i128::from(height) * i128::from(self.light)))
+    pub fn at(&self, height: i64) -> Fixed {
+        Fixed(A::value(i128::from(height) * i128::from(self.light)))
     }
 }
 
@@ -250,12 +250,12 @@ mod tests {
         let ends =
             [2.0_f32, 1.0, 0.5, 1.0 / (1_u64 << 39) as f32, MAX_VALUE * 0.5, 0.0, 1e-30, 0.3, 1234.567];
         for v in ends.into_iter().flat_map(|v| [v.next_down(), v, v.next_up()]).flat_map(|v| [v, -v]) {
-            let mut sum = Value::default();
+            let mut sum = Fixed::default();
             sum.add(v);
             assert_eq!(sum.0, round(f64::from(v) * VALUE_SCALE), "{v:e}");
             let sums = [sum.0, i128::from(i64::MAX), i128::from(i64::MAX) + 1, i128::from(i64::MIN) - 1];
             for sum in sums {
-                assert_eq!(Value(sum).to_f64(), sum as f64 / VALUE_SCALE, "{sum}");
+                assert_eq!(Fixed(sum).to_f64(), sum as f64 / VALUE_SCALE, "{sum}");
             }
         }
     }

@@ -1,31 +1,39 @@
 //! The light of one sample while it is gathered.
 
-use super::fixed::Value;
+use super::fixed::Fixed;
 use straal_color::Light;
 
 /// A sum of contributions, each rounded once to fixed point and added as integers, so that their order changes no bit.
 ///
 /// Units are those of the film, 2^-62: a contribution of 2^-39 or more is held exactly. One that isn't finite, or of 2^32 or
 /// more, spoils the sum, whose sample is dropped then.
+///
+/// As long as a line of the cache. That it is spoiled is told by its first lane, which is far beyond what 2^30 contributions bring then.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(64))]
 pub struct LightSum {
-    lanes: [Value; 4],
-    is_spoiled: bool,
+    lanes: [Fixed; 4],
 }
+
+const SPOILED: i128 = 1 << 126;
 
 impl LightSum {
     /// Adds a contribution.
     #[inline(always)]
     pub fn add(&mut self, light: Light) {
+        let mut is_sound = true;
         for (sum, v) in self.lanes.iter_mut().zip(light.0) {
-            // What else a spoilt sum holds doesn't matter.
-            self.is_spoiled |= !sum.add_sound(v);
+            is_sound &= sum.add_sound(v);
+        }
+        if !is_sound {
+            self.spoil();
         }
     }
 
     /// Makes the sample one that is dropped.
+    #[cold]
     pub fn spoil(&mut self) {
-        self.is_spoiled = true;
+        self.lanes[0] = Fixed(SPOILED);
     }
 
     /// The sum, rounded to single precision; not a number where it is spoiled.
@@ -33,7 +41,7 @@ impl LightSum {
     pub fn light(&self) -> Light {
         let [a, b, c, d] = &self.lanes;
         let sum = [a.to_f64() as f32, b.to_f64() as f32, c.to_f64() as f32, d.to_f64() as f32];
-        Light(if self.is_spoiled { [f32::NAN; 4] } else { sum })
+        Light(if a.0 > SPOILED / 2 { [f32::NAN; 4] } else { sum })
     }
 }
 
@@ -64,6 +72,7 @@ mod tests {
             sum.add(Light([1.0; 4]));
             sum.add(Light([0.0, bad, 0.0, 0.0]));
             sum.add(Light([1.0; 4]));
+            sum.add(Light([-MAX_VALUE.next_down(); 4]));
             assert!(sum.light().0[0].is_nan(), "{bad}");
         }
     }

@@ -8,6 +8,7 @@ pub mod channel;
 mod control;
 mod error_estimate;
 mod fixed;
+mod halves;
 mod hash;
 mod light_sum;
 mod planes;
@@ -21,6 +22,7 @@ pub use adaptive::{BLOCK, DARK, FIRST_CHECK};
 pub use channel::{Channel, ChannelLayer};
 pub use error_estimate::ErrorEstimate;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
+pub use halves::Halves as HalfPictures;
 pub use hash::hash_of;
 pub use light_sum::LightSum;
 pub use recording::Recording;
@@ -36,8 +38,9 @@ pub(crate) use adaptive::next_check;
 use channel::{Plane, Seen};
 use control::Control;
 use error_estimate::BatchSums;
-use fixed::{Square, Value};
+use fixed::{Fixed, Square};
 use straal_color::spectrum::Bands;
+use straal_math::simd::Simd;
 
 /// Side of a tile in pixels. Tiles are aligned to the whole picture, so that a crop renders the same tiles.
 pub const TILE: u32 = 16;
@@ -56,7 +59,7 @@ pub struct Sample {
 /// Sums of one pixel that every film holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Pixel {
-    value: [Value; 3],
+    value: [Fixed; 3],
     /// Samples taken, the dropped included.
     count: u32,
     /// Samples that were not finite or beyond the film's range: they count as 0.
@@ -123,9 +126,9 @@ pub struct FilmTile {
     /// What else is held of each pixel.
     channels: Vec<Plane>,
     /// Light that paths brought which are not the pixel's own, by pixel; empty where there are no such paths.
-    light_splats: Vec<[Value; 3]>,
+    light_splats: Vec<[Fixed; 3]>,
     /// By pixel, as many as there are bands; empty when there are none.
-    bands: Vec<Value>,
+    bands: Vec<Fixed>,
     /// Where samples count in several pixels.
     splats: Option<Splats>,
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
@@ -136,11 +139,11 @@ pub struct FilmTile {
     /// By pixel; empty unless noise is told by batches.
     batch_sums: Vec<BatchSums>,
     /// The same of samples that are not the first of their pixel.
-    ends: Vec<BatchSums<Value>>,
+    ends: Vec<BatchSums<Fixed>>,
     /// By pixel; empty unless the filter has negative lobes.
     controls: Vec<Control>,
     /// By pixel and band, what samples of negative weight brought; empty unless there are bands and controls.
-    negative_bands: Vec<Value>,
+    negative_bands: Vec<Fixed>,
     /// Size of the samples' weights, see [`Control`].
     weight: f64,
     /// By pixel; empty unless blocks end by themselves.
@@ -208,7 +211,7 @@ impl FilmTile {
     /// Makes ready for samples that weigh plus or minus `weight`; bands, if any, are held before.
     fn control(&mut self, weight: f64) {
         self.controls = vec![Control::default(); self.pixels.len()];
-        self.negative_bands = vec![Value::default(); self.bands.len()];
+        self.negative_bands = vec![Fixed::default(); self.bands.len()];
         self.weight = weight;
     }
 
@@ -216,7 +219,7 @@ impl FilmTile {
     fn sums_of(&self, p: &Pixel, control: Option<&Control>) -> [f64; 3] {
         match control {
             Some(control) => std::array::from_fn(|c| control.sum(p, c, self.weight)),
-            None => p.value.map(Value::to_f64),
+            None => p.value.map(Fixed::to_f64),
         }
     }
 
@@ -462,12 +465,13 @@ impl Film {
         self.tiles.iter().map(|t| u64::from(t.open_blocks())).sum()
     }
 
-    /// Makes room for samples that count in all pixels that a filter reaches from; bands, if any, are held before.
-    pub(crate) fn splat(&mut self, filter: &Filter) {
+    /// Makes room for samples that count in all pixels that a filter reaches from, added by some instruction set; bands, if any, are
+    /// held before.
+    pub(crate) fn splat(&mut self, filter: &Filter, simd: Simd) {
         let bands = self.bands.as_ref().map_or(0, Bands::count);
         self.hold_mean_squares(filter);
         for tile in &mut self.tiles {
-            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands));
+            tile.splats = Some(Splats::new(tile.region, self.size, filter, bands, simd));
         }
     }
 
@@ -475,7 +479,7 @@ impl Film {
     pub(crate) fn hold_bands(&mut self, bands: Bands) {
         self.bands = Some(bands);
         for tile in &mut self.tiles {
-            tile.bands = vec![Value::default(); tile.region.area() * bands.count()];
+            tile.bands = vec![Fixed::default(); tile.region.area() * bands.count()];
         }
     }
 
@@ -537,8 +541,8 @@ impl Film {
             + channel::held(of.layers, of.cost).map(|(_, channel)| channel.bytes()).sum::<usize>()
             + held(of.batches && !of.adapts, Self::BATCH_BYTES)
             + held(of.adapts, size_of::<Halves>())
-            + held(of.signed, size_of::<Control>() + bands * size_of::<Value>())
-            + bands * size_of::<Value>()
+            + held(of.signed, size_of::<Control>() + bands * size_of::<Fixed>())
+            + bands * size_of::<Fixed>()
     }
 
     /// Samples that were dropped, and where the first was.

@@ -10,24 +10,19 @@
 //! ([`super::planes`]). Variance is told when the picture is asked for, from the spread of each pixel's own samples and the squares of
 //! heights that they have on average.
 
-use super::fixed::{Down, HEIGHT_SCALE, Value, height};
-use super::planes::{Columns, Plane, product};
+use super::fixed::{Down, Fixed, HEIGHT_SCALE, height};
+use super::planes::{Columns, MAX_AROUND, MAX_REACH, Plane, add_heights, product};
 use super::{BandLayers, BandSample, Film, FilmTile, Layers, Sample};
 use crate::film::Region;
 use crate::filter::Filter;
 use straal_color::spectrum::Bands;
-
-/// The farthest that a pixel may be from a sample's own: filters are up to 16 pixels wide to either side.
-const MAX_REACH: u32 = 16;
-
-/// Rows or columns that a sample may count in.
-pub(super) const MAX_AROUND: usize = 2 * MAX_REACH as usize + 1;
+use straal_math::simd::{Float, Kernel, Simd};
 
 /// Sums of one pixel, of light v and heights w.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Splat {
     /// Of w v.
-    value: [Value; 3],
+    value: [Fixed; 3],
     /// Of w, in units of 2^-30: 2^18 samples of each of 33 x 33 pixels stay below 2^59.
     weight: i64,
 }
@@ -72,11 +67,13 @@ pub struct Splats {
     /// Of w, as [`Splat`] has it.
     weights: Vec<i64>,
     /// By pixel, as many as there are bands, of w v.
-    bands: Vec<Value>,
+    bands: Vec<Fixed>,
     /// Samples that are to be added: together, a row of pixels at a time, which stays in the nearest cache.
     waiting: Vec<Waiting>,
     /// How far a sample's own pixel may be from one that it counts in.
     reach: u32,
+    /// By which instruction set samples are added.
+    simd: Simd,
 }
 
 /// Samples that wait for one another, where the filter is so wide that a sample's pixels don't fit the nearest cache.
@@ -133,9 +130,9 @@ pub struct Flying<'a> {
 
 impl Splats {
     /// For a tile of a picture of some size, and a filter.
-    pub(super) fn new(tile: Region, size: [u32; 2], filter: &Filter, bands: usize) -> Self {
+    pub(super) fn new(tile: Region, size: [u32; 2], filter: &Filter, bands: usize, simd: Simd) -> Self {
         let reach = reach(f64::from(filter.radius())).min(MAX_REACH);
-        Self { reach, ..Self::alone(tile.grown(reach).intersection(Region::whole(size)), bands) }
+        Self { reach, simd, ..Self::alone(tile.grown(reach).intersection(Region::whole(size)), bands) }
     }
 
     /// For sums that were made before, and reach nobody else.
@@ -145,9 +142,10 @@ impl Splats {
             region: tile,
             light: std::array::from_fn(|_| Plane::new(pixels)),
             weights: vec![0; pixels],
-            bands: vec![Value::default(); pixels * bands],
+            bands: vec![Fixed::default(); pixels * bands],
             waiting: Vec::new(),
             reach: 0,
+            simd: Simd::PLAIN,
         }
     }
 
@@ -157,14 +155,14 @@ impl Splats {
     }
 
     /// The sums of a pixel and of its bands, if it is within reach.
-    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(Splat, &[Value])> {
+    pub(super) fn at(&self, pixel: [u32; 2]) -> Option<(Splat, &[Fixed])> {
         let of_each = self.bands.len() / self.weights.len();
         let i = self.region.contains(pixel).then(|| index(&self.region, pixel))?;
         Some((self.sum(i), &self.bands[i * of_each..][..of_each]))
     }
 
     /// Puts other sums in place of a pixel's, if it is within reach.
-    pub(super) fn put(&mut self, pixel: [u32; 2], splat: &Splat, bands: &[Value]) {
+    pub(super) fn put(&mut self, pixel: [u32; 2], splat: &Splat, bands: &[Fixed]) {
         if self.region.contains(pixel) {
             self.settle();
             let i = index(&self.region, pixel);
@@ -237,26 +235,7 @@ impl Splats {
 
     fn add_all(&mut self, samples: &[Waiting]) {
         let width = self.region.width() as usize;
-        let first = samples.iter().map(|w| w.from[1]).min().unwrap_or(0);
-        let end = samples.iter().map(|w| w.from[1] + w.rows).max().unwrap_or(0);
-        for row in first..end {
-            for w in samples {
-                let Some(down) = w.down(row) else { continue };
-                let start = row * width + w.from[0];
-                let weights = &mut self.weights[start..][..w.columns.count()];
-                weights.iter_mut().zip(w.columns.heights()).for_each(|(sum, w)| *sum += product(w, down));
-                let Some(rgb) = &w.rgb else { continue };
-                let planes = self.light.iter_mut().enumerate();
-                match Down::new(rgb, down) {
-                    Down::Bright(rows) => {
-                        planes.for_each(|(c, p)| p.add_bright(&w.columns, start, rows.row(c)))
-                    }
-                    Down::Usual(rows) => {
-                        planes.for_each(|(c, p)| p.add_usual(&w.columns, start, rows.row(c)))
-                    }
-                }
-            }
-        }
+        self.simd.run(Together { samples, width, light: &mut self.light, weights: &mut self.weights });
     }
 
     fn add_bands(&mut self, start: usize, across: &[i64], down: i64, bands: &[BandSample]) {
@@ -266,6 +245,45 @@ impl Splats {
             match Down::new(&[b.value], down) {
                 Down::Bright(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
                 Down::Usual(rows) => sums.zip(across).for_each(|(sum, &w)| *sum += rows.row(0).at(w)),
+            }
+        }
+    }
+}
+
+/// Samples on their way to the sums, a row of pixels at a time. It is integers all through, the same by every instruction set.
+struct Together<'a> {
+    samples: &'a [Waiting],
+    /// Pixels of a row of the sums' region.
+    width: usize,
+    light: &'a mut [Plane; 3],
+    weights: &'a mut [i64],
+}
+
+impl Kernel for Together<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let first = self.samples.iter().map(|w| w.from[1]).min().unwrap_or(0);
+        let end = self.samples.iter().map(|w| w.from[1] + w.rows).max().unwrap_or(0);
+        for row in first..end {
+            for w in self.samples {
+                let Some(down) = w.down(row) else { continue };
+                let start = row * self.width + w.from[0];
+                add_heights(&mut self.weights[start..], &w.columns, down);
+                let Some(rgb) = &w.rgb else { continue };
+                match Down::new(rgb, down) {
+                    Down::Bright(rows) => {
+                        for (c, plane) in self.light.iter_mut().enumerate() {
+                            plane.add_bright(&w.columns, start, rows.row(c));
+                        }
+                    }
+                    Down::Usual(rows) => {
+                        for (c, plane) in self.light.iter_mut().enumerate() {
+                            plane.add_usual(&w.columns, start, rows.row(c));
+                        }
+                    }
+                }
             }
         }
     }
@@ -288,7 +306,7 @@ pub fn reach(radius: f64) -> u32 {
 
 /// Bytes that splatting takes for each pixel of tiles and their aprons, with a number of bands.
 pub(super) fn bytes_a_pixel(bands: usize) -> usize {
-    3 * Plane::BYTES + size_of::<i64>() + bands * size_of::<Value>()
+    3 * Plane::BYTES + size_of::<i64>() + bands * size_of::<Fixed>()
 }
 
 /// By how many pixels two are apart, from 0: the mean of the square of the height that one of them gives to a sample that may lie
@@ -321,7 +339,7 @@ impl Film {
     fn show_part(&self, part: Region, out: &mut Layers) {
         let count = self.bands.as_ref().map_or(0, Bands::count);
         let mut sums = vec![Splat::default(); part.area()];
-        let mut bands = vec![Value::default(); part.area() * count];
+        let mut bands = vec![Fixed::default(); part.area() * count];
         for tile in self.tiles_around(part, MAX_REACH) {
             let Some(splats) = &tile.splats else { continue };
             let common = splats.region.intersection(part);
@@ -418,7 +436,7 @@ impl FilmTile {
     fn spread(&self, k: usize) -> Spread {
         let p = &self.pixels[k];
         let squares = self.squares.get(k).copied().unwrap_or_default();
-        let [r, g, b] = p.value.map(Value::to_f64);
+        let [r, g, b] = p.value.map(Fixed::to_f64);
         let [rr, gg, bb] = squares.map(|s| s.to_f64());
         [f64::from(p.count), r, g, b, rr, gg, bb]
     }
@@ -442,6 +460,7 @@ fn variance(sum: &Splat, spread: &Spread, channel: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::filter::{Profile, Separable};
+    use straal_math::simd::Isa;
 
     #[test]
     fn reach_is_the_least_that_misses_no_pixel() {
@@ -456,7 +475,7 @@ mod tests {
     fn a_sample_counts_in_the_pixels_that_reach_it() {
         let filter = Filter::Separable(Separable::new(Profile::Tent, 1.0).expect("a filter"));
         let mut film = Film::new([40, 20], Region::whole([40, 20]));
-        film.splat(&filter);
+        film.splat(&filter, Simd::best());
         let tile = film.tiles.iter_mut().find(|t| t.region.min == [16, 0]).expect("a tile");
         let sample = Sample { rgb: [1.0, 2.0, 4.0], ..Sample::default() };
         // A quarter of a pixel left of the middle of the tile's first column: half-way into the tile beside.
@@ -469,6 +488,34 @@ mod tests {
         // A single sample is the mean of whoever sees it.
         assert_eq!((seen(15, 5), seen(16, 5)), ([1.0, 2.0, 4.0], [1.0, 2.0, 4.0]));
         assert_eq!((seen(17, 5), seen(16, 4)), ([0.0; 3], [0.0; 3]));
+    }
+
+    /// Light of any size, above 0 or below, by a filter with negative lobes: sums that instruction sets add side by side are those of
+    /// plain numbers.
+    #[test]
+    fn instruction_sets_have_the_same_sums() {
+        let filter = Filter::Separable(Separable::new(Profile::Lanczos, 6.0).expect("a filter"));
+        let sums = |simd: Simd| {
+            let mut film = Film::new([16, 16], Region::whole([16, 16]));
+            film.splat(&filter, simd);
+            let splats = film.tiles[0].splats.as_mut().expect("sums");
+            for i in 0..40_u32 {
+                let v = [1e-7, 0.3, -0.4, 5.0, -7.0, 3e3, -4e9][i as usize % 7];
+                let sample = Sample { rgb: [v, 0.5 * v, 0.0], ..Sample::default() };
+                let flying = Flying {
+                    pixel: [i * 5 % 16, i * 3 % 16],
+                    offset: [i as f32 / 40.0 - 0.5, 0.3],
+                    sample: (i != 9).then_some(&sample),
+                    bands: &[],
+                };
+                splats.add(&filter, &flying);
+            }
+            (0..256).map(|i| splats.sum(i)).collect::<Vec<_>>()
+        };
+        let want = sums(Simd::PLAIN);
+        for simd in Isa::ALL.into_iter().filter_map(Simd::new) {
+            assert_eq!(sums(simd), want, "{}", simd.isa());
+        }
     }
 
     /// The sums of one pixel.

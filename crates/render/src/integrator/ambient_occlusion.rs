@@ -136,8 +136,8 @@ impl Integrator for AmbientOcclusion {
                         out.add(Contribution::own(path, white));
                         continue;
                     }
-                    let u = || queue.pattern.d1(&path.name, Purpose::Material);
-                    let vertex = Vertex::new(world, (ray, hit), &PackedFootprint::NONE, lanes, u);
+                    let draw = |purpose| queue.pattern.d1(&path.name, purpose);
+                    let vertex = Vertex::new(world, (ray, hit), &PackedFootprint::NONE, lanes, draw);
                     for k in 0..self.rays {
                         let name = nth(queue.pattern, &path.name, k, self.rays);
                         let (mut d, weight) = self.draw(queue.pattern.d2(&name, Purpose::Direction));

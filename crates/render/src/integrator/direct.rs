@@ -121,8 +121,8 @@ impl DirectLight {
             }
             return;
         }
-        let u = || queue.pattern.d1(&path.name, Purpose::Material);
-        let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, u);
+        let draw = |purpose| queue.pattern.d1(&path.name, purpose);
+        let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         let point = &vertex.surface.point;
         if let Some(emitter) = vertex.surface.emitter {
             let radiance = world.emitters[emitter as usize].radiance_at(point, -ray.d, &reading);

@@ -2,7 +2,7 @@
 
 use super::numbers::Numbers;
 use super::technique::Technique;
-use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Vertices, ends, frames, ray};
+use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Standing, Vertices, frames, ray};
 use crate::lanes::Lanes;
 use crate::light::LightSample;
 use crate::material::many::{OfKind, WithKind};
@@ -151,13 +151,14 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
             }
             let light = lit.load::<F>(first);
             let wi = frames::<F>(surfaces, first).to_local(light.wi);
-            let (leaning, wo) = (surfaces.leaning.load(first), surfaces.wo.load(first));
+            let Standing { from, leaning } = vertices.standing(surfaces, first);
+            let wo = surfaces.wo.load(first);
             let (value, pdf) = shaded::eval_pdf_many(bsdfs, leaning, [wo, wi], Transport::Radiance);
             let weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
             let beta = vertices.beta.load(first);
             let brought = beta * value * light.radiance * (weight / light.pdf);
 
-            let ([o, d], t_max) = light.way_from(&ends(surfaces, first));
+            let ([o, d], t_max) = light.way_from(&from);
             out.bright.store(first, there & !value.is_black() & !brought.is_black());
             F::to_rows(
                 [o.x, o.y, o.z, F::ZERO],
@@ -175,13 +176,4 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
             );
         }
     }
-}
-
-/// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn
-/// with density `b` (Veach 1997, section 9.2.4).
-#[inline(always)]
-pub(super) fn power_heuristic<F: Float>(a: F, b: F) -> F {
-    // By the ratio: squares of densities leave the range of single precision.
-    let r = b / a;
-    F::ONE / (F::ONE + r * r)
 }

@@ -3,7 +3,7 @@
 use super::leaving::{Leaver, Leaving, LookUp};
 use super::lighting::{Brought, Illuminate, Lit, Weigh};
 use super::numbers::{Numbers, Wanted};
-use super::scattering::{Onward, SendOn};
+use super::scattering::{Onward, Roulette, SendOn};
 use super::technique::Technique;
 use super::vertex::left_on_way;
 use super::vertices::{Arriving, BLOCK, ROOM, Vertices};
@@ -37,18 +37,6 @@ pub struct PathTracer {
     pub roulette: Roulette,
     /// How the light that falls on a vertex is found.
     pub technique: Technique,
-}
-
-/// By which chance roulette lets a path go on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Roulette {
-    /// The root of what it carries.
-    #[default]
-    Root,
-    /// What it carries.
-    Throughput,
-    /// It isn't played before a path has 1000 edges.
-    Off,
 }
 
 impl Default for PathTracer {
@@ -323,7 +311,8 @@ impl PathTracer {
         surfaces: &mut Surfaces,
         out: &mut Out<'_, State<L>>,
     ) {
-        let met = Met { order: paths, rays: queue.rays, hits: queue.hits };
+        let corner = |path: u32| queue.pattern.d1(&queue.paths[path as usize].name, Purpose::Corner);
+        let met = Met { order: paths, rays: queue.rays, hits: queue.hits, corner: &corner };
         surfaces.meet(world, queue.simd, &met, |path| queue.paths[path as usize].state.footprint);
         for (i, &path) in paths.iter().enumerate() {
             if let Some(emitter) = surfaces.emitter[i] {
@@ -472,7 +461,7 @@ impl PathTracer {
                 // A direction of a single wavelength: the others end here, and their lanes are 0.
                 lanes = lanes.only(onward.wavelength(i));
             }
-            if world.materials.vary() {
+            if world.wants_footprints() {
                 let arrived = (ray, &queue.hits[index]);
                 footprint = world.footprint_beyond(&footprint, arrived, &onward.sample(i));
             }

@@ -1,8 +1,7 @@
 //! Where the paths of a block of vertices go on.
 
 use super::numbers::Numbers;
-use super::path::Roulette;
-use super::vertices::{BLOCK, Bits, Row, Vertices, ends, frames, ray, vector};
+use super::vertices::{BLOCK, Bits, Row, Standing, Vertices, frames, ray, vector};
 use crate::light::Receiver;
 use crate::material::many::{OfKind, WithKind};
 use crate::material::{BsdfSample, Transport, shaded};
@@ -10,6 +9,18 @@ use crate::surface::{Column, Surfaces};
 use straal_color::Light;
 use straal_math::Ray;
 use straal_math::simd::{Float, Kernel, Mask, Simd};
+
+/// By which chance roulette lets a path go on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Roulette {
+    /// The root of what it carries.
+    #[default]
+    Root,
+    /// What it carries.
+    Throughput,
+    /// It isn't played before a path has 1000 edges.
+    Off,
+}
 
 /// Where paths go on.
 #[derive(Default)]
@@ -113,7 +124,8 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             if !alive.any() {
                 continue;
             }
-            let (leaning, wo) = (surfaces.leaning.load(first), surfaces.wo.load(first));
+            let Standing { from, leaning } = vertices.standing(surfaces, first);
+            let wo = surfaces.wo.load(first);
             let u = numbers.direction::<F>(first);
             let (s, there) = shaded::sample_many(bsdfs, leaning, (wo, u), Transport::Radiance);
             let mut alive = alive & there;
@@ -134,7 +146,7 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             }
 
             let wi = frames(surfaces, first).to_world(s.wi);
-            let o = ends(surfaces, first).leave(wi);
+            let o = from.leave(wi);
             let n = vertices.receivers(surfaces, first).n;
             out.alive.store(first, alive & !beta.is_black());
             out.delta.store(first, s.delta);

@@ -5,7 +5,6 @@
 //! gives the right picture; which is less noisy depends on how sharp the BSDF is and how small the light. Together each is weighed
 //! by how likely it was beside the other (Veach 1997, section 9.2).
 
-use super::lighting::power_heuristic;
 use straal_math::simd::Float;
 use straal_scene::desc;
 
@@ -60,4 +59,13 @@ impl Technique {
             Self::Bsdf => F::ONE,
         }
     }
+}
+
+/// Power heuristic with exponent 2 for a sample drawn with density `a` that another technique would have drawn
+/// with density `b` (Veach 1997, section 9.2.4).
+#[inline(always)]
+fn power_heuristic<F: Float>(a: F, b: F) -> F {
+    // By the ratio: squares of densities leave the range of single precision.
+    let r = b / a;
+    F::ONE / (F::ONE + r * r)
 }

@@ -5,12 +5,12 @@ use crate::lanes::Lanes;
 use crate::light::{LightSample, Receiver};
 use crate::material::interior::{Boundary, Inside};
 use crate::material::{Bsdf, BsdfSample, Shaded, Transport, shaded};
-use crate::shape::offset::End;
+use crate::shape::offset::{End, Raised};
 use crate::surface::Surface;
 use crate::world::World;
 use straal_accel::Hit;
 use straal_color::Light;
-use straal_math::lowdisc::{Pattern, PatternKind, SampleName};
+use straal_math::lowdisc::{Pattern, PatternKind, Purpose, SampleName};
 use straal_math::{Ray, Vec3};
 
 /// Where a path arrived: the surface, and how it scatters.
@@ -20,25 +20,37 @@ pub(super) struct Vertex<'w> {
     /// Towards where the ray came from, about the shading normal.
     pub wo: Vec3,
     /// Where rays leave from.
-    pub end: End,
+    from: Raised,
 }
 
 impl<'w> Vertex<'w> {
-    /// Where a ray hit; of materials made of others, `u` says which it is.
+    /// Where a ray hit. `draw` gives the numbers that say which it is of the materials that one is made of, and which corner of a triangle lends
+    /// its colour.
     pub fn new<L: Lanes>(
         world: &'w World,
         (ray, hit): (&Ray, &Hit),
         footprint: &PackedFootprint,
         lanes: L,
-        u: impl FnOnce() -> f32,
+        draw: impl Fn(Purpose) -> f32,
     ) -> Self {
-        let mut surface = world.surface(ray, hit, footprint);
-        let wo = surface.frame.to_local(-ray.d);
+        let (mut surface, d) = if world.geometries[hit.geometry as usize].colours_at_corners {
+            world.surface_at_corner(ray, hit, footprint, draw(Purpose::Corner))
+        } else {
+            (world.surface(ray, hit, footprint), ray.d)
+        };
+        let wo = surface.frame.to_local(-d);
         if world.materials.choose() {
-            surface.material = world.chosen(surface.material, (surface.at.as_ref(), wo.z > 0.0), lanes, u());
+            let u = draw(Purpose::Material);
+            surface.material = world.chosen(surface.material, (surface.at.as_ref(), wo.z > 0.0), lanes, u);
         }
-        let shaded = Shaded { bsdf: world.bsdf(&surface, lanes), ng: surface.ng };
-        Self { shaded, wo, end: End::from(&surface.point), surface }
+        let mut shaded = Shaded { bsdf: world.bsdf(&surface, lanes), ng: surface.ng };
+        let mut from = Raised::from(End::from(&surface.point));
+        // What light doesn't pass is as smooth as its shading normals say.
+        if surface.bulge != Vec3::ZERO && !shaded.bsdf.is_delta() && !is_open(&shaded.bsdf) {
+            (from.bulge, from.is) = (surface.bulge, true);
+            shaded.ng = surface.smooth;
+        }
+        Self { surface, shaded, wo, from }
     }
 
     /// Whether nothing is scattered.
@@ -48,9 +60,8 @@ impl<'w> Vertex<'w> {
 
     /// What light sampling sees of it: where light comes through from behind, light from all around counts alike.
     pub fn receiver(&self) -> Receiver {
-        let is_open = matches!(self.shaded.bsdf, Bsdf::Custom(_)) || self.shaded.bsdf.transmits();
         let n = if self.wo.z < 0.0 { -self.surface.frame.n } else { self.surface.frame.n };
-        Receiver { p: self.surface.point.p, n: if is_open { Vec3::ZERO } else { n } }
+        Receiver { p: self.surface.point.p, n: if is_open(&self.shaded.bsdf) { Vec3::ZERO } else { n } }
     }
 
     /// What light sampling found, as it is scattered towards where the ray came from, over its density; and the density with which the
@@ -69,18 +80,18 @@ impl<'w> Vertex<'w> {
     /// The ray in a direction about the shading normal; its time and mask are those of `like`.
     pub fn leave(&self, wi: Vec3, like: &Ray) -> Ray {
         let d = self.surface.frame.to_world(wi);
-        Ray { o: self.end.leave(d), d, t_min: 0.0, t_max: f32::INFINITY, ..*like }
+        Ray { o: self.from.leave(d), d, t_min: 0.0, t_max: f32::INFINITY, ..*like }
     }
 
     /// Whether a direction about the shading normal leaves the surface on the side that is seen.
     pub fn is_above(&self, wi: Vec3) -> bool {
-        wi.z * self.wo.z > 0.0 && self.surface.ng.is_none_or(|ng| shaded::goes_on(ng, self.wo, wi))
+        wi.z * self.wo.z > 0.0 && self.shaded.ng.is_none_or(|ng| shaded::goes_on(ng, self.wo, wi))
     }
 
     /// The ray that must be free for the light of a sample to arrive; its time and mask are those of `like`.
     pub fn shadow_ray(&self, light: &LightSample, like: &Ray) -> Ray {
-        let free = light.shadow_ray(&self.end);
-        Ray { o: free.o, d: free.d, t_min: free.t_min, t_max: free.t_max, ..*like }
+        let ([o, d], t_max) = light.way_from(&self.from);
+        Ray { o, d, t_min: 0.0, t_max, ..*like }
     }
 
     /// What a path is inside of that goes on in a direction of the world, where it was inside of something before.
@@ -105,6 +116,11 @@ impl<'w> Vertex<'w> {
         }
         None
     }
+}
+
+/// Whether light may come through from behind by what isn't delta.
+fn is_open(bsdf: &Bsdf<'_>) -> bool {
+    matches!(bsdf, Bsdf::Custom(_)) || bsdf.transmits()
 }
 
 /// What the medium that a ray went through has left of its light, and what it was inside of: it may have started there.

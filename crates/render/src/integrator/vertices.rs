@@ -3,7 +3,7 @@
 use crate::light::Receiver;
 use crate::material::many::{Among, OfKind, WithKind};
 use crate::material::{Black, Bsdf, BsdfKind};
-use crate::shape::offset::End;
+use crate::shape::offset::{End, Raised};
 use crate::surface::{Column, Surfaces};
 use straal_color::Light;
 use straal_math::simd::{self, Float, Mask, Simd};
@@ -250,6 +250,30 @@ impl<'w> Vertices<'w> {
 #[inline(always)]
 pub(super) fn ends<F: Float>(surfaces: &Surfaces, first: usize) -> End<F> {
     End { p: surfaces.p.load(first), p_err: surfaces.p_err.load(first), ng: surfaces.ng.load(first) }
+}
+
+/// Where light arrives that scatters at vertices side by side, and where rays leave.
+pub(super) struct Standing<F: Float> {
+    /// The points.
+    pub from: Raised<F>,
+    /// In their frames, the normals that say what is in front; zero where they are the shading normals.
+    pub leaning: Vec3<F>,
+}
+
+impl Vertices<'_> {
+    /// That from surface `first` on. What light doesn't pass is as smooth as its shading normals say.
+    #[inline(always)]
+    pub fn standing<F: Float>(&self, surfaces: &Surfaces, first: usize) -> Standing<F> {
+        let (end, leaning) = (ends(surfaces, first), surfaces.leaning.load(first));
+        if surfaces.raised == 0 {
+            return Standing { from: Raised::from(end), leaning };
+        }
+        let is = F::Mask::from_bits((surfaces.raised >> first) as u32)
+            & self.asks_lights.load::<F>(first)
+            & !self.is_open.load::<F>(first);
+        let leaning = Vec3::select(is, surfaces.smooth.load(first), leaning);
+        Standing { from: Raised { end, bulge: surfaces.bulge.load(first), is }, leaning }
+    }
 }
 
 /// Their frames.

@@ -12,7 +12,6 @@ use crate::material::BsdfSample;
 use crate::material::interior::Inside;
 use crate::world::World;
 use straal_color::Light;
-use straal_math::lowdisc::Purpose;
 use straal_math::{Ray, ops};
 use straal_scene::desc;
 
@@ -136,8 +135,8 @@ impl Whitted {
             }
             return;
         }
-        let u = || queue.pattern.d1(&path.name, Purpose::Material);
-        let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, u);
+        let draw = |purpose| queue.pattern.d1(&path.name, purpose);
+        let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         if let Some(emitter) = vertex.surface.emitter {
             let shines =
                 world.emitters[emitter as usize].radiance_at(&vertex.surface.point, -ray.d, &reading);
@@ -222,7 +221,7 @@ impl Whitted {
                 // Divided by the chance with which the lobe would have been drawn.
                 let beta = beta * way.weight * (way.pdf / count as f32);
                 let energy = beta.max_lane() * if way.transmitted { way.eta * way.eta } else { 1.0 };
-                if !(energy >= ops::max(self.min_weight, LEAST)) {
+                if energy.is_nan() || energy < ops::max(self.min_weight, LEAST) {
                     continue;
                 }
                 let leaves = vertex.leave(way.wi, ray);

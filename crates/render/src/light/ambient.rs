@@ -4,8 +4,9 @@
 //! share k_a c that the surface sends back. It isn't sampled, and no ray meets it; it is added where a path meets a surface.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, Value};
+use crate::texture::{Readings, Value};
 use straal_math::DVec3;
+use straal_math::simd::Float;
 use straal_scene::desc;
 
 use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine};
@@ -29,13 +30,14 @@ impl AmbientLight {
 impl Shine for AmbientLight {
     const EXTENT: Extent = Extent::Nowhere;
 
-    fn sample<L: Lanes>(
+    #[inline(always)]
+    fn sample_many<F: Float, L: Lanes>(
         &self,
         _: &Geometry,
-        _: (&Receiver, [f32; 2]),
-        _: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        None
+        _: (&Receiver<F>, [F; 2]),
+        _: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        LightSample::none()
     }
 
     fn power(&self, _: &Geometry, _: f64) -> f64 {

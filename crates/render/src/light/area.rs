@@ -9,7 +9,7 @@ use straal_math::{Transform, Vec3, ops, table::Table1};
 use super::reach::Lamp;
 use super::{Extent, LightSample, Reach, Receiver, Shine, strength};
 use crate::material::Material;
-use crate::shape::{DirSamples, Geometry, SurfacePoint, by_solid_angle, solid_angle_pdf};
+use crate::shape::{DirSamples, Geometry, Shape, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
 /// A surface that sends the same radiance in every direction on its lit side.
 #[derive(Clone, Debug)]
@@ -133,20 +133,63 @@ impl AreaLight {
     }
 }
 
+impl Lamp {
+    /// What is known of a surface; `None` of one that has no bounds or area.
+    pub fn of(light: &AreaLight, geometry: &Geometry) -> Option<Self> {
+        let bounds;
+        let (mut facing, area);
+        match &light.surface {
+            LitSurface::Shape(shape) => {
+                bounds = geometry.bounds(*shape)?;
+                area = geometry.area(*shape)?;
+                facing = match &geometry.shapes[*shape as usize] {
+                    Shape::Disc(_) | Shape::Parallelogram(_) => {
+                        geometry.sample_area(*shape, [0.5; 2]).map_or(Vec3::ZERO, |s| s.point.ng)
+                    }
+                    _ => Vec3::ZERO,
+                };
+            }
+            LitSurface::Mesh { mesh, area: total, .. } => {
+                let m = &geometry.meshes[*mesh as usize];
+                bounds = straal_math::Bounds::of_points(m.positions.iter().copied());
+                area = *total as f32;
+                let sum = (0..m.indices.len() as u32).fold(straal_math::DVec3::ZERO, |sum, i| {
+                    let [a, b, c] = m.corners(i).map(Vec3::as_dvec3);
+                    let cross = (b - a).cross(c - a) * 0.5;
+                    if cross.is_finite() { sum + cross } else { sum }
+                });
+                let mean = (sum * (1.0 / *total)).as_vec3();
+                facing = if m.flip { -mean } else { mean };
+            }
+        }
+        if light.sides == Sides::Back {
+            facing = -facing;
+        }
+        // Rounding must not make a flat lamp curved.
+        let length = facing.length();
+        let flatness = if length > 0.999_99 {
+            1.0
+        } else if length.is_finite() {
+            length
+        } else {
+            0.0
+        };
+        let facing = facing.try_normalize().unwrap_or(Vec3::ZERO);
+        let lamp = Self {
+            center: bounds.center(),
+            radius: 0.5 * bounds.extent().length(),
+            facing,
+            flatness,
+            both_sides: light.sides == Sides::Both,
+            flux: strength(&light.radiance) as f32 * area,
+            spread: area * std::f32::consts::FRAC_1_PI,
+        };
+        lamp.flux.is_finite().then_some(lamp)
+    }
+}
+
 impl Shine for AreaLight {
     const EXTENT: Extent = Extent::Surface;
-
-    fn sample<L: Lanes>(
-        &self,
-        geometry: &Geometry,
-        (at, u): (&Receiver, [f32; 2]),
-        reading: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        if self.radiance.varies() || self.opacity.is_some() || self.below.is_some() {
-            return self.sample_textured(geometry, (at.p, u), reading);
-        }
-        self.sample_many(geometry, (at, u), &Readings::one(reading)).of_value()
-    }
 
     #[inline(always)]
     fn sample_many<F: Float, L: Lanes>(

@@ -1,7 +1,7 @@
 //! Parallel light.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, Readings, ShadingPoint, Value};
+use crate::texture::{Readings, ShadingPoint, Value};
 use straal_math::simd::{Float, Mask};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
@@ -32,16 +32,6 @@ impl DirectionalLight {
 
 impl Shine for DirectionalLight {
     const EXTENT: Extent = Extent::None;
-
-    #[inline]
-    fn sample<L: Lanes>(
-        &self,
-        geometry: &Geometry,
-        from: (&Receiver, [f32; 2]),
-        reading: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
-    }
 
     #[inline(always)]
     fn sample_many<F: Float, L: Lanes>(

@@ -49,16 +49,6 @@ impl ConstantEnvironment {
 impl Shine for ConstantEnvironment {
     const EXTENT: Extent = Extent::Around;
 
-    #[inline]
-    fn sample<L: Lanes>(
-        &self,
-        geometry: &Geometry,
-        from: (&Receiver, [f32; 2]),
-        reading: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
-    }
-
     #[inline(always)]
     fn sample_many<F: Float, L: Lanes>(
         &self,
@@ -79,11 +69,6 @@ impl Shine for ConstantEnvironment {
         }
         let pdf = self.pdfs(at.n, wi);
         LightSample::from_afar(wi, radiance, pdf).only(there & !radiance.is_black() & pdf.gt(F::ZERO))
-    }
-
-    #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        (reading.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdf_from(n, wi))
     }
 
     #[inline(always)]
@@ -151,16 +136,6 @@ pub struct ImageEnvironment {
 impl Shine for Box<ImageEnvironment> {
     const EXTENT: Extent = Extent::Around;
 
-    #[inline]
-    fn sample<L: Lanes>(
-        &self,
-        _: &Geometry,
-        (at, u): (&Receiver, [f32; 2]),
-        reading: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        ImageEnvironment::sample(self, at.n, u, reading)
-    }
-
     #[inline(always)]
     fn sample_many<F: Float, L: Lanes>(
         &self,
@@ -169,11 +144,6 @@ impl Shine for Box<ImageEnvironment> {
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
         ImageEnvironment::sample_many(self, at.n, u, readings)
-    }
-
-    #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        self.radiance_pdf_from_many(n, wi, &Readings::one(reading))
     }
 
     #[inline(always)]

@@ -18,12 +18,12 @@
 use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, Readings, Value};
 use straal_color::Light;
-use straal_math::simd::{BLOCK, Float, Mask};
+use straal_math::simd::{Float, Mask};
 use straal_math::{DVec3, Ray, Vec3};
 use straal_scene::desc;
 
 use crate::paint::Paint;
-use crate::shape::offset::{End, FAR_END};
+use crate::shape::offset::{End, FAR_END, Raised};
 use crate::shape::{Geometry, SurfacePoint};
 
 pub mod ambient;
@@ -89,30 +89,23 @@ trait Shine {
     /// How large it is.
     const EXTENT: Extent;
 
-    /// See [`Emitter::sample`]: a direction from the place, by two numbers.
+    /// [`Emitter::sample`] for many places side by side: a direction from each, by two numbers.
+    fn sample_many<F: Float, L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        from: (&Receiver<F>, [F; 2]),
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F>;
+
+    /// See [`Emitter::sample`]: one lane of [`Self::sample_many`].
+    #[inline]
     fn sample<L: Lanes>(
         &self,
         geometry: &Geometry,
         from: (&Receiver, [f32; 2]),
         reading: &Reading<'_, L>,
-    ) -> Option<LightSample>;
-
-    /// [`Self::sample`] for many places side by side: one by one, unless it says otherwise. (Who says otherwise writes
-    /// [`Self::sample`] as one lane of it.)
-    #[inline(always)]
-    fn sample_many<F: Float, L: Lanes>(
-        &self,
-        geometry: &Geometry,
-        (at, u): (&Receiver<F>, [F; 2]),
-        readings: &Readings<'_, L>,
-    ) -> LightSample<F> {
-        LightSample::one_by_one(
-            #[inline(always)]
-            |i| {
-                let at = Receiver { p: at.p.lane(i), n: at.n.lane(i) };
-                self.sample(geometry, (&at, [u[0].lane(i), u[1].lane(i)]), &readings.of(i))
-            },
-        )
+    ) -> Option<LightSample> {
+        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
     }
 
     /// See [`Emitter::radiance_at`].
@@ -127,39 +120,27 @@ trait Shine {
         0.0
     }
 
-    /// See [`Emitter::radiance_pdf_from`].
-    #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, _n: Vec3, _wi: Vec3, _reading: &Reading<'_, L>) -> (Light, f32) {
-        (Light::ZERO, 0.0)
-    }
-
     /// The first of [`Self::radiance_pdf_from_many`].
     #[inline(always)]
     fn radiance_from_many<F: Float, L: Lanes>(&self, wi: Vec3<F>, readings: &Readings<'_, L>) -> Light<F> {
         self.radiance_pdf_from_many(Vec3::splat(F::ZERO), wi, readings).0
     }
 
-    /// [`Self::radiance_pdf_from`] for many directions side by side: one by one, unless it says otherwise.
+    /// [`Emitter::radiance_pdf_from`] for many directions side by side.
     #[inline(always)]
     fn radiance_pdf_from_many<F: Float, L: Lanes>(
         &self,
-        n: Vec3<F>,
-        wi: Vec3<F>,
-        readings: &Readings<'_, L>,
+        _n: Vec3<F>,
+        _wi: Vec3<F>,
+        _readings: &Readings<'_, L>,
     ) -> (Light<F>, F) {
-        let mut all = [(Light::ZERO, 0.0); BLOCK];
-        for (i, one) in all.iter_mut().enumerate().take(F::WIDTH) {
-            *one = self.radiance_pdf_from(n.lane(i), wi.lane(i), &readings.of(i));
-        }
-        let radiance = Light::from_fn(
-            #[inline(always)]
-            |i| all[i].0,
-        );
-        let pdf = F::from_fn(
-            #[inline(always)]
-            |i| all[i].1,
-        );
-        (radiance, pdf)
+        (Light::splat(F::ZERO), F::ZERO)
+    }
+
+    /// See [`Emitter::radiance_pdf_from`]: one lane of the same.
+    #[inline]
+    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        self.radiance_pdf_from_many(n, wi, &Readings::one(reading))
     }
 
     /// See [`Emitter::pdf_from`].
@@ -212,7 +193,7 @@ impl<F: Float> LightSample<F> {
 
     /// Origin, direction and largest t of the ray that must be free for the light to arrive.
     #[inline(always)]
-    pub(crate) fn way_from(&self, from: &End<F>) -> ([Vec3<F>; 2], F) {
+    pub(crate) fn way_from(&self, from: &Raised<F>) -> ([Vec3<F>; 2], F) {
         let [o, d] = from.way_to(&self.to);
         if !self.far.any() {
             return ([o, d], F::splat(FAR_END));
@@ -277,7 +258,7 @@ impl LightSample {
     /// The ray that must be free for the light to arrive; its time and mask are those of [`Ray::new`].
     #[inline]
     pub fn shadow_ray(&self, from: &End) -> Ray {
-        let ([o, d], t_max) = self.way_from(from);
+        let ([o, d], t_max) = self.way_from(&Raised::from(*from));
         Ray { t_max, ..Ray::new(o, d) }
     }
 }

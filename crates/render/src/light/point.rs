@@ -1,7 +1,7 @@
 //! The point light.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, Readings, ShadingPoint, Value};
+use crate::texture::{Readings, ShadingPoint, Value};
 use straal_color::Light;
 use straal_math::simd::{Float, Mask};
 use straal_math::{DVec3, Vec3};
@@ -36,16 +36,6 @@ impl PointLight {
 
 impl Shine for PointLight {
     const EXTENT: Extent = Extent::None;
-
-    #[inline]
-    fn sample<L: Lanes>(
-        &self,
-        geometry: &Geometry,
-        from: (&Receiver, [f32; 2]),
-        reading: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
-    }
 
     #[inline(always)]
     fn sample_many<F: Float, L: Lanes>(

@@ -3,9 +3,7 @@
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
 
-use super::area::Sides;
-use super::{AreaLight, LitSurface, SpotLight, strength};
-use crate::shape::{Geometry, Shape};
+use super::SpotLight;
 
 /// Where light is to arrive: a place, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,17 +52,17 @@ pub(super) enum Reach {
 /// A surface that shines, as a ball around it and what it shows of itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lamp {
-    center: Vec3,
-    radius: f32,
+    pub center: Vec3,
+    pub radius: f32,
     /// The mean of its lit normals, weighed by area: of length 1 when flat, 0 when closed.
-    facing: Vec3,
+    pub facing: Vec3,
     /// The length of that.
-    flatness: f32,
-    both_sides: bool,
+    pub flatness: f32,
+    pub both_sides: bool,
     /// Radiance times area.
-    flux: f32,
+    pub flux: f32,
     /// Square of the radius of a disc of this area.
-    spread: f32,
+    pub spread: f32,
 }
 
 impl Reach {
@@ -115,58 +113,6 @@ fn towards<F: Float>([positive, negative]: [f32; 2], cos: F) -> F {
 }
 
 impl Lamp {
-    pub fn of(light: &AreaLight, geometry: &Geometry) -> Option<Self> {
-        let bounds;
-        let (mut facing, area);
-        match &light.surface {
-            LitSurface::Shape(shape) => {
-                bounds = geometry.bounds(*shape)?;
-                area = geometry.area(*shape)?;
-                facing = match &geometry.shapes[*shape as usize] {
-                    Shape::Disc(_) | Shape::Parallelogram(_) => {
-                        geometry.sample_area(*shape, [0.5; 2]).map_or(Vec3::ZERO, |s| s.point.ng)
-                    }
-                    _ => Vec3::ZERO,
-                };
-            }
-            LitSurface::Mesh { mesh, area: total, .. } => {
-                let m = &geometry.meshes[*mesh as usize];
-                bounds = straal_math::Bounds::of_points(m.positions.iter().copied());
-                area = *total as f32;
-                let sum = (0..m.indices.len() as u32).fold(straal_math::DVec3::ZERO, |sum, i| {
-                    let [a, b, c] = m.corners(i).map(Vec3::as_dvec3);
-                    let cross = (b - a).cross(c - a) * 0.5;
-                    if cross.is_finite() { sum + cross } else { sum }
-                });
-                let mean = (sum * (1.0 / *total)).as_vec3();
-                facing = if m.flip { -mean } else { mean };
-            }
-        }
-        if light.sides == Sides::Back {
-            facing = -facing;
-        }
-        // Rounding must not make a flat lamp curved.
-        let length = facing.length();
-        let flatness = if length > 0.999_99 {
-            1.0
-        } else if length.is_finite() {
-            length
-        } else {
-            0.0
-        };
-        let facing = facing.try_normalize().unwrap_or(Vec3::ZERO);
-        let lamp = Self {
-            center: bounds.center(),
-            radius: 0.5 * bounds.extent().length(),
-            facing,
-            flatness,
-            both_sides: light.sides == Sides::Both,
-            flux: strength(&light.radiance) as f32 * area,
-            spread: area * std::f32::consts::FRAC_1_PI,
-        };
-        lamp.flux.is_finite().then_some(lamp)
-    }
-
     #[inline(always)]
     fn estimate<F: Float>(&self, at: &Receiver<F>, everywhere: F::Mask) -> F {
         let way = Vec3::uniform(self.center) - at.p;

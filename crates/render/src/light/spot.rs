@@ -1,7 +1,7 @@
 //! The spot light.
 
 use crate::lanes::{Colour, Lanes};
-use crate::texture::{Reading, Readings, ShadingPoint, Value};
+use crate::texture::{Readings, ShadingPoint, Value};
 use straal_math::simd::Float;
 use straal_math::{DVec3, Frame, Vec3, ops, warp};
 use straal_scene::desc;
@@ -122,16 +122,6 @@ impl SpotLight {
 
 impl Shine for SpotLight {
     const EXTENT: Extent = Extent::None;
-
-    #[inline]
-    fn sample<L: Lanes>(
-        &self,
-        geometry: &Geometry,
-        from: (&Receiver, [f32; 2]),
-        reading: &Reading<'_, L>,
-    ) -> Option<LightSample> {
-        self.sample_many(geometry, from, &Readings::one(reading)).of_value()
-    }
 
     #[inline(always)]
     fn sample_many<F: Float, L: Lanes>(

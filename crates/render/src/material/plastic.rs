@@ -9,7 +9,7 @@
 //! the boundary is rough the first term is that of microfacets, and T and F_in are what they let through and reflect ([`super::energy`]).
 //!
 //! (F_in of a rough boundary is Mitsuba's sum over its table, which is 2 % too small: rough plastic of a bright ground is so much darker than it
-//! would be.) Energy is conserved; a white ground below a smooth boundary sends back all light. Reciprocity holds.
+//! would be. That of a smooth one is the integral; Mitsuba has a fit that is 0.08 % larger.) Energy is conserved; a white ground below a smooth boundary sends back all light. Reciprocity holds.
 
 use std::f32::consts::FRAC_1_PI;
 

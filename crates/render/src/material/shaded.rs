@@ -5,8 +5,16 @@
 //! from behind the surface, and sends some into it. Both are false; cut off without more ado, they leave black slivers where a
 //! ball turns away.
 //!
-//! So the geometric normal says what is in front: what is reflected stays on the side that it came from, what is transmitted
-//! leaves on the other:
+//! What is done about it has one principle: **the surface is what can be made of its normals, as far as that lies above the triangles.**
+//!
+//! Where the normals at a triangle's corners tell of a surface that bulges out of it ([`crate::shape::TriangleMesh::bulge`]), that surface is taken: light is
+//! scattered about its normal, above *its* horizon, and rays near the triangle's horizon start from up there ([`crate::shape::offset::Raised`]). So a
+//! coarse ball has the shadow of a ball, without steps, and nothing is lost. Nothing leaks either: rays start in front of the triangle, and what they
+//! meet is in their way, the triangle itself included.
+//!
+//! Where they tell of none (they all lean one way, the surface is hollow, light goes through it, or a map pretends a relief), the geometric
+//! normal, or the smooth surface's below a relief, says what is in front: what is reflected stays on the side that it came from, what is
+//! transmitted leaves on the other:
 //!
 //! - of a diffuse lobe the part above the surface is taken. What lies below, (1 - n.ng) / 2 of it, is lost, as it is in other
 //!   renderers, where it ends within a closed mesh;
@@ -27,7 +35,8 @@ use straal_math::simd::{Float, Mask};
 pub struct Shaded<'w> {
     /// What it does about the shading normal.
     pub bsdf: Bsdf<'w>,
-    /// The unit geometric normal on the shading normal's side; `None` where it is the shading normal.
+    /// The unit normal of what says what is in front, on the shading normal's side: the triangle's, or that of the surface that bulges out of
+    /// it; `None` where it is the shading normal.
     pub ng: Option<Vec3>,
 }
 

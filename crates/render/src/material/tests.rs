@@ -1,5 +1,6 @@
 //! The registry: every BSDF is put through every test of the contract, from every side.
 
+use std::sync::Arc;
 use straal_color::Light;
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 use straal_math::{Vec3, ops, warp};

@@ -11,12 +11,12 @@ use straal_color::{Light, Matrix3, Space};
 use straal_math::{DVec3, ops};
 use straal_scene::decode::Describe;
 use straal_scene::desc;
-use straal_scene::value::{self, Color};
+use straal_scene::value::{self, LinearRgb};
 use straal_scene::{Assets, Bitmap, Handle, Image, Mesh, Scene};
 
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
 use crate::texture::{
-    Mapping, Meaning, MeshAttribute, Pyramid, Texture, TextureKind, TextureRef, Use, Value,
+    Maker, Mapping, Meaning, MeshAttribute, Pyramid, Texture, TextureKind, TextureRef, Use, Value,
 };
 
 /// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
@@ -59,58 +59,50 @@ enum Wanted {
     Number,
 }
 
-/// What makes the parts of a texture.
-pub(crate) struct Maker<'p, 'a> {
+/// What makes the parts of a texture of what it is wanted for.
+struct PartsOf<'p, 'a> {
     paint: &'p mut Paint<'a>,
     of: Wanted,
 }
 
-impl Maker<'_, '_> {
-    /// A colour or texture that this one is made of, as it is: what comes of all is kept in range at the end.
-    pub fn part(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
+impl Maker for PartsOf<'_, '_> {
+    fn part(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
         match v {
             desc::Varying::Constant(s) => self.colour(s).into(),
             desc::Varying::Texture(t) => self.paint.texture(t, self.of, true),
         }
     }
 
-    /// A share of light that this one is multiplied by.
-    pub fn share(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
+    fn share(&mut self, v: &desc::Varying<desc::Spectrum>) -> Value<Colour> {
         self.paint.reflectance(v)
     }
 
-    /// A number that this one is made of.
-    pub fn number(&mut self, v: &desc::Varying<f64>) -> Value<f32> {
+    fn number(&mut self, v: &desc::Varying<f64>) -> Value<f32> {
         match v {
             desc::Varying::Constant(v) => (*v as f32).into(),
             desc::Varying::Texture(t) => self.paint.texture(t, Wanted::Number, true),
         }
     }
 
-    /// The number of what meshes have, by its name.
-    pub fn attribute(&mut self, name: &str) -> u32 {
+    fn attribute(&mut self, name: &str) -> u32 {
         self.paint.attribute(name)
     }
 
-    /// How it lies on a surface.
-    pub fn mapping(&mut self, said: &desc::Mapping) -> Mapping {
+    fn mapping(&mut self, said: &desc::Mapping) -> Mapping {
         let centre = self.paint.centre;
         Mapping::of(said, centre, |name| self.paint.attribute(name))
     }
 
-    /// A colour, or of what is read as a number, its numbers.
-    pub fn colour(&mut self, s: &desc::Spectrum) -> Colour {
+    fn colour(&mut self, s: &desc::Spectrum) -> Colour {
         let of = if let Wanted::Colour(quantity) = self.of { quantity } else { Quantity::Reflectance };
         self.paint.colour(s, of)
     }
 
-    /// Whether the texture is read as a number.
-    pub fn wants_number(&self) -> bool {
+    fn wants_number(&self) -> bool {
         self.of == Wanted::Number
     }
 
-    /// What a picture is read off; made once, however often it is used.
-    pub fn pyramid(
+    fn pyramid(
         &mut self,
         asset: &value::Asset<Bitmap>,
         meaning: &Meaning,
@@ -254,7 +246,7 @@ impl<'a> Paint<'a> {
         if let Some(known) = named.and_then(|named| self.named.get(&(named, of, is_part))) {
             return Value::Texture(*known);
         }
-        let kind = TextureKind::of(said, &mut Maker { paint: self, of });
+        let kind = TextureKind::of(said, &mut PartsOf { paint: self, of });
         let most = kind.most();
         let texture = match of {
             Wanted::Colour(Quantity::Emission) => Texture::new(kind, Use::Emission),
@@ -363,7 +355,7 @@ impl<'a> Paint<'a> {
 
     /// What is a hair below 0 by rounding is 0. Indices of refraction are no colours: they are those of red, green and
     /// blue in any space.
-    fn rgb(&mut self, color: Color, of: Quantity) -> Colour {
+    fn rgb(&mut self, color: LinearRgb, of: Quantity) -> Colour {
         let rgb = match self.to_work {
             Some(m) if of != Quantity::Index => m.apply(color.0),
             _ => color.0,
@@ -462,7 +454,7 @@ impl<'a> Paint<'a> {
         let mut bins = [[0.0; COUNT]; 2];
         for (bins, part) in bins.iter_mut().zip(parts) {
             *bins = match part {
-                desc::Spectrum::Rgb(Color(rgb)) => index_between(*rgb),
+                desc::Spectrum::Rgb(LinearRgb(rgb)) => index_between(*rgb),
                 desc::Spectrum::Measured(m) => m.spectrum(self.assets).means(Quantity::Index),
             };
         }
@@ -508,7 +500,7 @@ struct Lifted {
 }
 
 /// What is said of a colour that nothing has.
-fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Quantity) -> String {
+fn beyond(LinearRgb(rgb): LinearRgb, nearest: [f64; 3], of: Quantity) -> String {
     let (what, why) = match of {
         Quantity::Emission => ("light", "is of a colour that no light has"),
         Quantity::Reflectance | Quantity::Index => (
@@ -520,7 +512,7 @@ fn beyond(Color(rgb): Color, nearest: [f64; 3], of: Quantity) -> String {
     format!("{what} of linear sRGB {rgb} {why}: by wavelengths it becomes {nearest}")
 }
 
-fn lift(uplift: &uplift::Uplift, Color(rgb): Color, of: Quantity) -> Lifted {
+fn lift(uplift: &uplift::Uplift, LinearRgb(rgb): LinearRgb, of: Quantity) -> Lifted {
     let exact = |table| Lifted { table, nearest: None };
     match of {
         Quantity::Reflectance => match uplift.reach(rgb) {

@@ -181,7 +181,7 @@ impl Form for Cylinder {
     }
 
     #[cfg(test)]
-    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+    fn examples(stand: &super::tests::Setting) -> Vec<super::tests::Example> {
         use super::tests::Example;
         let (map, inverse) = (stand.map, stand.map.inverse().expect("it has one"));
         let shape = super::Shape::Cylinder(Box::new(Self::new(map).expect("it has an inverse")));

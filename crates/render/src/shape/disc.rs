@@ -125,9 +125,9 @@ impl Form for Disc {
     }
 
     #[cfg(test)]
-    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+    fn examples(stand: &super::tests::Setting) -> Vec<super::tests::Example> {
         use super::tests::Example;
-        let super::tests::Stand { center, a, b, .. } = *stand;
+        let super::tests::Setting { center, a, b, .. } = *stand;
         let n = a.as_dvec3().cross(b.as_dvec3());
         vec![Example::flat("disc", super::Shape::Disc(Box::new(Self::new(center, a, b))), center, n)]
     }

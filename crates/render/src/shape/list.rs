@@ -114,7 +114,7 @@ macro_rules! shapes {
 
         /// What the tests try of every kind, by its name.
         #[cfg(test)]
-        fn registry(stand: &tests::Stand) -> Vec<(&'static str, Vec<tests::Example>)> {
+        fn registry(stand: &tests::Setting) -> Vec<(&'static str, Vec<tests::Example>)> {
             vec![$( (stringify!($Kind), <$Kind as Form>::examples(stand)), )+]
         }
     };

@@ -30,6 +30,20 @@ pub struct TriangleMesh {
     pub attributes: Vec<MeshAttribute>,
     /// Whether the geometric normal is turned round: set when the mesh was mirrored.
     pub flip: bool,
+    /// What is made of the normals.
+    pub between: Between,
+}
+
+/// What is interpolated between the vertices of a mesh that has shading normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Between {
+    /// Normals (Phong 1975), and rays leave from the surface that these tell of, see [`TriangleMesh::bulge`].
+    #[default]
+    Surface,
+    /// Normals; rays leave from the triangles.
+    Normals,
+    /// Colours (Gouraud 1971): light is scattered at the corners alone.
+    Colours,
 }
 
 impl From<&straal_scene::Mesh> for TriangleMesh {
@@ -88,6 +102,7 @@ impl TriangleMesh {
             uvs: self.uvs.clone(),
             attributes: self.attributes.clone(),
             flip: self.flip != (m.determinant() < 0.0),
+            between: self.between,
         })
     }
 
@@ -126,6 +141,16 @@ impl TriangleMesh {
         };
         let index = self.indices[primitive as usize].map(|i| i as usize);
         SurfacePoint { p, p_err, ng, n, uv: self.uv(index, [u, v]) }
+    }
+
+    /// How far the surface that a triangle's shading normals tell of lies above it, seen in the direction `d`: the mean of the point's projections
+    /// onto the planes through the corners across their normals (Boubekeur and Alexa 2008, "Phong Tessellation"). Zero where there is none.
+    pub fn bulge(&self, primitive: u32, [u, v]: [f32; 2], d: Vec3) -> Vec3 {
+        let normals = self.corner_normals(primitive).filter(|_| self.between == Between::Surface);
+        let Some(normals) = normals else { return Vec3::ZERO };
+        let corners = self.corners(primitive);
+        let ng = end(corners, [u, v], self.flip).ng;
+        bulge(corners, normals, [u, v], if d.dot(ng) > 0.0 { -ng } else { ng })
     }
 
     /// The shading normals of a triangle's corners; `None` in a mesh that has none.
@@ -248,6 +273,32 @@ pub(crate) fn end<F: Float>(corners: [Vec3<F>; 3], [u, v]: [F; 2], flip: F::Mask
     let pad = spread.max_element() * (8.0 * HALF_ULP) + SUBNORMAL;
     let out = Vec3::from_double(unit_or(e1.cross(e2), DVec3::Y));
     End { p: Vec3::from_double(q), p_err: bound(q, pad), ng: Vec3::select(flip, -out, out) }
+}
+
+/// How far above a triangle, at barycentric weights of its corners 1 and 2, the surface lies that the corners' normals tell of: the
+/// mean of the point's projections onto the planes through the corners across their normals (Boubekeur and Alexa 2008, "Phong
+/// Tessellation"). It is how rays leave without meeting the shadow of the triangles where the smooth surface has none (Hanika 2021,
+/// "Hacking the Shadow Terminator"; where that takes the projections that lie above, this takes all, so that normals that lean all alike
+/// tell of no bulge). `out` is the triangle's unit normal on the viewer's side; below it there is nothing to rise from.
+///
+/// Zero where it is no more than what may be rounding.
+#[inline(always)]
+pub(crate) fn bulge<F: Float>(
+    [p0, p1, p2]: [Vec3<F>; 3],
+    normals: [Vec3<F>; 3],
+    [u, v]: [F; 2],
+    out: Vec3<F>,
+) -> Vec3<F> {
+    let (e1, e2) = (p1 - p0, p2 - p0);
+    // From each corner to the point.
+    let from_0 = e1 * u + e2 * v;
+    let [n0, n1, n2] = normals;
+    let towards = |n: Vec3<F>, from: Vec3<F>, weight: F| n * (from.dot(n) * weight);
+    let below =
+        towards(n0, from_0, F::ONE - u - v) + towards(n1, from_0 - e1, u) + towards(n2, from_0 - e2, v);
+    let least = (e1.abs() + e2.abs()).max_element() * (16.0 * f32::EPSILON);
+    // What isn't a number is no bulge either.
+    Vec3::select((-below).dot(out).gt(least), -below, Vec3::splat(F::ZERO))
 }
 
 /// The shading normal between those of a triangle's corners; the geometric one where they leave no direction.

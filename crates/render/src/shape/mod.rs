@@ -145,7 +145,7 @@ trait Form {
 
     /// Some for the tests of the contract, each with the equation of its surface.
     #[cfg(test)]
-    fn examples(stand: &tests::Stand) -> Vec<tests::Example>;
+    fn examples(stand: &tests::Setting) -> Vec<tests::Example>;
 }
 
 /// A shape that a user of the library brings. It is pure: the same input gives the same bits.

@@ -1,6 +1,6 @@
 //! Rays that leave a surface, and rays that must end before one.
 
-use straal_math::simd::Float;
+use straal_math::simd::{Float, Mask};
 use straal_math::{Ray, Transform, Vec3};
 
 use super::SurfacePoint;
@@ -54,7 +54,12 @@ impl<F: Float> End<F> {
     #[inline(always)]
     pub fn way_to(&self, to: &Self) -> [Vec3<F>; 2] {
         let way = to.p - self.p;
-        let o = self.leave(way);
+        self.way_from(self.leave(way), way, to)
+    }
+
+    /// Where the way from this end to another begins, at `o`, and what it is.
+    #[inline(always)]
+    fn way_from(&self, o: Vec3<F>, way: Vec3<F>, to: &Self) -> [Vec3<F>; 2] {
         let q = offset_origin(to.p, to.p_err + way.abs() * F::splat(gamma(8)), to.ng, -way);
         [o, q - o]
     }
@@ -79,6 +84,54 @@ impl<F: Float> End<F> {
     #[inline(always)]
     pub fn in_space(p: Vec3<F>) -> Self {
         Self { p, p_err: Vec3::splat(F::ZERO), ng: Vec3::splat(F::ZERO) }
+    }
+}
+
+/// An end on a triangle whose rays may leave from the smooth surface above it. Or many side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Raised<F: Float = f32> {
+    /// The point of the triangle.
+    pub end: End<F>,
+    /// How far above it the smooth surface lies, on the viewer's side.
+    pub bulge: Vec3<F>,
+    /// Whether rays leave from there, to the viewer's side alone; else from the point.
+    pub is: F::Mask,
+}
+
+/// Up to this cosine to a triangle's normal rays leave from above it, the less the steeper they are: near the horizon a triangle has
+/// false shadows, and elsewhere contact with other things must stay where it is (after Cycles' `shadow_terminator_geometry_offset`).
+const GRAZING: f32 = 0.1;
+
+impl<F: Float> Raised<F> {
+    /// As [`End::leave`]. Directions below the triangle start above it as well, and may meet it.
+    #[inline(always)]
+    pub fn leave(&self, w: Vec3<F>) -> Vec3<F> {
+        let o = self.end.leave(w);
+        if !self.is.any() {
+            return o;
+        }
+        let End { p, p_err, ng } = self.end;
+        let ng = Vec3::select(self.bulge.dot(ng).lt(F::ZERO), -ng, ng);
+        let cos = w.dot(ng) / w.length();
+        let part = (F::ONE - cos * (1.0 / GRAZING)).max(F::ZERO).min(F::ONE);
+        let push = ng * ng.abs().dot(p_err) + self.bulge * part;
+        let raised = Vec3::new(away(p.x, push.x), away(p.y, push.y), away(p.z, push.z));
+        Vec3::select(self.is, raised, o)
+    }
+
+    /// As [`End::way_to`].
+    #[inline(always)]
+    pub fn way_to(&self, to: &End<F>) -> [Vec3<F>; 2] {
+        let way = to.p - self.end.p;
+        self.end.way_from(self.leave(way), way, to)
+    }
+}
+
+impl<F: Float> From<End<F>> for Raised<F> {
+    /// One that isn't.
+    #[inline(always)]
+    fn from(end: End<F>) -> Self {
+        Self { end, bulge: Vec3::splat(F::ZERO), is: F::Mask::splat(false) }
     }
 }
 

@@ -118,9 +118,9 @@ impl Form for Parallelogram {
     }
 
     #[cfg(test)]
-    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+    fn examples(stand: &super::tests::Setting) -> Vec<super::tests::Example> {
         use super::tests::Example;
-        let super::tests::Stand { center, a, b, .. } = *stand;
+        let super::tests::Setting { center, a, b, .. } = *stand;
         let n = a.as_dvec3().cross(b.as_dvec3());
         let shape = |corner, a, b| super::Shape::Parallelogram(Box::new(Self::new(corner, a, b)));
         let corner = center - a * 0.5 - b * 0.5;

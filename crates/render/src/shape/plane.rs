@@ -83,7 +83,7 @@ impl Form for Plane {
     }
 
     #[cfg(test)]
-    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+    fn examples(stand: &super::tests::Setting) -> Vec<super::tests::Example> {
         use super::tests::Example;
         let (point, normal) = (stand.center, stand.a);
         vec![Example::flat("plane", super::Shape::Plane(Self { point, normal }), point, normal.as_dvec3())]

@@ -172,9 +172,9 @@ impl Form for Sphere {
     }
 
     #[cfg(test)]
-    fn examples(stand: &super::tests::Stand) -> Vec<super::tests::Example> {
+    fn examples(stand: &super::tests::Setting) -> Vec<super::tests::Example> {
         use super::tests::Example;
-        let &super::tests::Stand { center, scale, .. } = stand;
+        let &super::tests::Setting { center, scale, .. } = stand;
         let (c, r) = (center.as_dvec3(), f64::from(scale));
         vec![Example::new("sphere", super::Shape::Sphere(Self { center, radius: scale }), move |p| {
             ((p - c).length() - r, (p - c).normalize())

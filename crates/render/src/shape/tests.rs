@@ -39,7 +39,7 @@ impl Rng {
 type Equation = Box<dyn Fn(DVec3) -> (f64, DVec3)>;
 
 /// Where the shapes under test stand.
-pub(crate) struct Stand {
+pub(crate) struct Setting {
     /// Somewhere in the middle.
     pub center: Vec3,
     /// How large.
@@ -92,7 +92,7 @@ fn cases() -> Vec<Case> {
             let map = Affine::scale(DVec3::new(1.0, f64::from(sin), 0.2) * f64::from(scale))
                 .then(&Affine::rotate(turn, 77.0).unwrap())
                 .then(&Affine::translate(center.as_dvec3()));
-            for (kind, examples) in registry(&Stand { center, scale, a, b, map }) {
+            for (kind, examples) in registry(&Setting { center, scale, a, b, map }) {
                 assert!(!examples.is_empty(), "{kind} has no example");
                 for Example { name, shape, equation } in examples {
                     // Rust's own name of the variant.

@@ -7,6 +7,7 @@ use super::Surface;
 use super::columns::{BLOCK, ROOM, Vectors};
 use crate::footprint::PackedFootprint;
 use crate::material::shaded::shading_normals;
+use crate::shape::mesh::Between;
 use crate::shape::offset::End;
 use crate::shape::patch::{Level, Patch};
 use crate::shape::{Shape, SurfacePoint, TriangleMesh, exact, mesh, sphere};
@@ -18,7 +19,7 @@ use straal_math::simd::{Double, Float, Kernel, Mask, Simd};
 use straal_math::{DVec3, Frame, Ray, Vec3};
 
 /// Rays and what they hit, out of many.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Met<'a> {
     /// Which of them.
     pub order: &'a [u32],
@@ -26,6 +27,8 @@ pub struct Met<'a> {
     pub rays: &'a [Ray],
     /// What each hit.
     pub hits: &'a [Hit],
+    /// A number in [0, 1) for a ray, by its number: which corner of a triangle lends its colour.
+    pub corner: &'a dyn Fn(u32) -> f32,
 }
 
 impl<'a> Met<'a> {
@@ -67,6 +70,12 @@ pub struct Surfaces {
     pub frame: [Vectors; 3],
     /// The geometric normals in those frames, on the shading normals' side; zero where they are the shading normals.
     pub leaning: Vectors,
+    /// A bit for each that lies below the surface that shading normals tell of.
+    pub raised: u64,
+    /// How far, where it does.
+    pub bulge: Vectors,
+    /// In the frames, the normals of that surface; zero where they are the shading normals.
+    pub smooth: Vectors,
     /// In those frames, where the rays came from.
     pub wo: Vectors,
     gathered: Gathered,
@@ -86,6 +95,9 @@ impl Default for Surfaces {
             ng: Vectors::default(),
             frame: [Vectors::default(); 3],
             leaning: Vectors::default(),
+            raised: 0,
+            bulge: Vectors::default(),
+            smooth: Vectors::default(),
             wo: Vectors::default(),
             gathered: Gathered::default(),
             material: [0; BLOCK],
@@ -130,10 +142,20 @@ impl Surfaces {
         for run in likes[..count].chunk_by(|a, b| a == b) {
             let end = start + run.len();
             let alike = run[0];
+            self.raised &= (1 << start) - 1;
             if alike == Alike::Apart {
                 for i in start..end {
                     let (ray, hit) = met.at(i);
-                    self.set(i, ray, world.surface(ray, hit, &footprint(met.order[i])));
+                    let (k, mut d) = (met.order[i], ray.d);
+                    let surface = if world.geometries[hit.geometry as usize].colours_at_corners {
+                        let (surface, towards) =
+                            world.surface_at_corner(ray, hit, &footprint(k), (met.corner)(k));
+                        d = towards;
+                        surface
+                    } else {
+                        world.surface(ray, hit, &footprint(k))
+                    };
+                    self.set(i, d, surface);
                 }
             } else {
                 let simd = if run.len() < FEW { Simd::PLAIN } else { simd };
@@ -141,16 +163,20 @@ impl Surfaces {
             }
             start = end;
         }
+        self.raised &= (1 << count) - 1;
     }
 
-    fn set(&mut self, i: usize, ray: &Ray, Surface { point, frame, ng, at, .. }: Surface) {
-        let seen = Seen {
-            end: End::from(&point),
-            frame,
-            leaning: ng.unwrap_or(Vec3::ZERO),
-            wo: frame.to_local(-ray.d),
-        };
+    /// Takes one that is seen in the direction `d`.
+    fn set(&mut self, i: usize, d: Vec3, surface: Surface) {
+        let Surface { point, frame, ng, bulge, smooth, at, .. } = surface;
+        let seen =
+            Seen { end: End::from(&point), frame, leaning: ng.unwrap_or(Vec3::ZERO), wo: frame.to_local(-d) };
         self.store::<f32>(i, &seen);
+        if bulge != Vec3::ZERO {
+            self.raised |= 1 << i;
+            self.bulge.set(i, bulge);
+            self.smooth.set(i, smooth.unwrap_or(Vec3::ZERO));
+        }
         self.apart.push((i as u32, point.uv, at));
     }
 
@@ -165,6 +191,18 @@ impl Surfaces {
         }
         self.leaning.store(first, seen.leaning);
         self.wo.store(first, seen.wo);
+    }
+
+    /// Says how far the surfaces from `first` on lie below those that shading normals tell of.
+    #[inline(always)]
+    fn raise<F: Float>(&mut self, first: usize, bulge: Vec3<F>) {
+        let zero = F::ZERO;
+        let raised = bulge.x.ne(zero) | bulge.y.ne(zero) | bulge.z.ne(zero);
+        if raised.any() {
+            self.raised |= u64::from(raised.to_bits()) << first;
+            self.bulge.store(first, bulge);
+            self.smooth.store(first, Vec3::splat(zero));
+        }
     }
 
     /// The point of surface `i`, its error and geometric normal.
@@ -185,6 +223,11 @@ impl Surfaces {
     pub fn ng(&self, i: usize) -> Option<Vec3> {
         let ng = self.leaning.at(i);
         (ng != Vec3::ZERO).then_some(ng)
+    }
+
+    /// How far above surface `i` the one lies that shading normals tell of.
+    pub fn bulge(&self, i: usize) -> Vec3 {
+        if self.raised >> i & 1 == 1 { self.bulge.at(i) } else { Vec3::ZERO }
     }
 
     /// What of surface `i` its material reads, if that differs from point to point.
@@ -230,7 +273,7 @@ impl World {
     #[inline]
     pub(crate) fn alike(&self, geometry: &GeometryRecord) -> Alike {
         match geometry.kind {
-            _ if geometry.emission_varies => Alike::Apart,
+            _ if geometry.emission_varies || geometry.colours_at_corners => Alike::Apart,
             Kind::Mesh(_) => Alike::Triangles,
             Kind::Shapes(first) => match &self.geometry.shapes[first as usize] {
                 Shape::Custom(_) => Alike::Apart,
@@ -262,6 +305,8 @@ struct Gathered {
     sphere: Rows,
     /// A bit for each triangle that has shading normals.
     smooth: u64,
+    /// A bit for each of them above which rays leave from the surface that these tell of.
+    bulges: u64,
     /// A bit for each triangle whose geometric normal is turned round.
     turned: u64,
     /// A bit for each surface whose shading normal is.
@@ -280,6 +325,7 @@ impl Default for Gathered {
             levels: Level::EXAMPLE.to_array().map(|x| [x; ROOM]),
             sphere: all(Vec3::ZERO, 1.0),
             smooth: 0,
+            bulges: 0,
             turned: 0,
             flipped: 0,
         }
@@ -315,22 +361,34 @@ impl Gathered {
         let normals = mesh.corner_normals(hit.primitive);
         set(&mut self.turned, i, mesh.flip);
         set(&mut self.smooth, i, normals.is_some());
+        set(&mut self.bulges, i, normals.is_some() && mesh.between == Between::Surface);
         for (rows, n) in self.normals.iter_mut().zip(normals.into_iter().flatten()) {
             rows[i] = beside(n, 0.0);
         }
     }
 
+    /// The points, their shading normals, and how far the surface bulges that these tell of.
     #[inline(always)]
-    fn triangles<F: Float>(&self, first: usize) -> (End<F>, Vec3<F>) {
+    fn triangles<F: Float>(&self, first: usize) -> (End<F>, Vec3<F>, Vec3<F>) {
         let [(a, u), (b, v), (c, _)] = vectors(&self.corners, first);
-        let end = mesh::end([a, b, c], [u, v], mask::<F>(self.turned, first));
+        let corners = [a, b, c];
+        let end = mesh::end(corners, [u, v], mask::<F>(self.turned, first));
         let smooth = mask::<F>(self.smooth, first);
+        let none = Vec3::splat(F::ZERO);
         if !smooth.any() {
-            return (end, end.ng);
+            return (end, end.ng, none);
         }
         let [(a, _), (b, _), (c, _)] = vectors(&self.normals, first);
         let n = mesh::shading_normal([a, b, c], [u, v], end.ng);
-        (end, Vec3::select(smooth, n, end.ng))
+        let n = Vec3::select(smooth, n, end.ng);
+        let bulges = mask::<F>(self.bulges, first) & smooth;
+        if !bulges.any() {
+            return (end, n, none);
+        }
+        let (d, _) = vector::<F>(&self.d, first);
+        let out = Vec3::select(d.dot(end.ng).gt(F::ZERO), -end.ng, end.ng);
+        let bulge = mesh::bulge(corners, [a, b, c], [u, v], out);
+        (end, n, Vec3::select(bulges, bulge, none))
     }
 
     #[inline(always)]
@@ -406,8 +464,13 @@ impl Kernel for Run<'_> {
         let Self { world, alike, range, out } = self;
         for first in range.step_by(F::WIDTH) {
             let from = &out.gathered;
+            let mut bulge = Vec3::splat(F::ZERO);
             let (end, n) = match alike {
-                Alike::Triangles => from.triangles::<F>(first),
+                Alike::Triangles => {
+                    let (end, n, above) = from.triangles::<F>(first);
+                    bulge = above;
+                    (end, n)
+                }
                 Alike::Flat => flat(from.flat::<F>(first)),
                 Alike::Round => flat(from.round::<F>(first)),
                 Alike::Shape(shape) => {
@@ -423,6 +486,7 @@ impl Kernel for Run<'_> {
             let frame = Frame::from_normal(n);
             let (leaning, wo) = (frame.to_local(leaning), frame.to_local(-d));
             out.store(first, &Seen { end, frame, leaning, wo });
+            out.raise(first, bulge);
         }
     }
 }

@@ -1,13 +1,15 @@
-//! Statistical tests that samplers of directions meet: does what is drawn have the density that is told?
+//! Statistical tests that samplers of directions meet: does what is drawn have the density that is told? And what benches ask.
 //!
 //! For the tests of this crate and of its users; nothing that renders depends on it.
 
+mod blocks;
 mod chi_square;
 mod gamma;
 mod sphere;
 #[cfg(test)]
 mod warps;
 
+pub use blocks::Shaded;
 pub use chi_square::{ChiSquare, Outcome};
 pub use gamma::{chi_square_p, gamma_q, ln_gamma};
 pub use sphere::SphereGrid;

@@ -75,7 +75,7 @@ impl MeshAttribute {
 }
 
 impl Attribute {
-    pub(super) fn of(d: &desc::AttributeTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::AttributeTexture, make: &mut dyn Maker) -> Self {
         let of_colours = !make.wants_number();
         // Codes, and other numbers.
         let is_srgb = match d.color_space {

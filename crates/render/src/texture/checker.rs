@@ -27,7 +27,7 @@ pub struct Checker {
 
 impl Checker {
     /// Of what a scene says.
-    pub(super) fn of(d: &desc::Checker, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::Checker, make: &mut dyn Maker) -> Self {
         let colours = [make.part(&d.first), make.part(&d.second)];
         Self {
             colours,

@@ -22,7 +22,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    pub(super) fn of(d: &desc::ScaleTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::ScaleTexture, make: &mut dyn Maker) -> Self {
         Self { of: make.part(&d.of), by: make.number(&d.by), tint: make.share(&d.tint) }
     }
 }
@@ -56,7 +56,7 @@ pub struct Mix {
 }
 
 impl Mix {
-    pub(super) fn of(d: &desc::MixTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::MixTexture, make: &mut dyn Maker) -> Self {
         Self { parts: [make.part(&d.first), make.part(&d.second)], amount: make.number(&d.amount) }
     }
 }
@@ -92,7 +92,7 @@ pub struct Add {
 }
 
 impl Add {
-    pub(super) fn of(d: &desc::AddTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::AddTexture, make: &mut dyn Maker) -> Self {
         Self { parts: [make.part(&d.first), make.part(&d.second)] }
     }
 }
@@ -124,7 +124,7 @@ pub struct Invert {
 }
 
 impl Invert {
-    pub(super) fn of(d: &desc::InvertTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::InvertTexture, make: &mut dyn Maker) -> Self {
         Self { of: make.part(&d.of) }
     }
 }
@@ -165,7 +165,7 @@ pub struct Remap {
 }
 
 impl Remap {
-    pub(super) fn of(d: &desc::RemapTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::RemapTexture, make: &mut dyn Maker) -> Self {
         let pair = |v: [f64; 2]| v.map(|v| v as f32);
         Self { of: make.part(&d.of), from: pair(d.from), to: pair(d.to), power: d.power as f32 }
     }

@@ -15,7 +15,7 @@ macro_rules! textures {
 
         impl TextureKind {
             /// Of what a scene says, whose parts `make` makes.
-            pub(crate) fn of(said: &desc::Texture, make: &mut Maker<'_, '_>) -> Self {
+            pub(crate) fn of(said: &desc::Texture, make: &mut dyn Maker) -> Self {
                 match said { $( desc::Texture::$Kind(d) => Self::$Kind(<$Type>::of(d, make)), )+ }
             }
 

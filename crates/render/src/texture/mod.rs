@@ -14,7 +14,6 @@
 //! description.
 
 use crate::lanes::{Colour, Lanes};
-use crate::paint::Maker;
 use std::fmt;
 use std::sync::Arc;
 use straal_color::Light;
@@ -26,6 +25,7 @@ mod checker;
 mod graph;
 mod image;
 mod list;
+mod maker;
 mod mapping;
 mod ramp;
 mod reading;
@@ -37,6 +37,7 @@ pub use checker::Checker;
 pub use graph::{Add, Invert, Mix, Remap, Scale};
 pub(crate) use image::Meaning;
 pub use image::{Channel, ImageTexture, Pyramid, Sampling, Spot};
+pub(crate) use maker::Maker;
 pub use mapping::{InSpace, Mapping};
 pub use ramp::{Between, Ramp};
 pub(crate) use reading::Readings;

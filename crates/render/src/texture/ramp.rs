@@ -34,7 +34,7 @@ pub enum Between {
 }
 
 impl Ramp {
-    pub(super) fn of(d: &desc::RampTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::RampTexture, make: &mut dyn Maker) -> Self {
         let mut stops = Vec::with_capacity(d.stops.len());
         for stop in &d.stops {
             stops.push((stop.at as f32, make.colour(&stop.color)));

@@ -9,6 +9,7 @@ mod materials;
 mod pictures;
 mod scene;
 mod shapes;
+mod textures;
 
 use crate::suggest::fold;
 use answers::{ANIMATION, BUMPS, CHECKER, LAYERED, MASKS, MEDIA, SUBSURFACE, TEXTURES, TYPE};
@@ -61,12 +62,20 @@ pub fn of_kind(word: &str, kinds: &[&str]) -> Option<Here> {
 }
 
 /// What words are in which mapping. The first that fits counts.
-const KEYS: [&[Table]; 7] =
-    [shapes::KEYS, colours::KEYS, cameras::KEYS, materials::KEYS, lights::KEYS, pictures::KEYS, scene::KEYS];
+const KEYS: [&[Table]; 8] = [
+    shapes::KEYS,
+    colours::KEYS,
+    cameras::KEYS,
+    materials::KEYS,
+    textures::KEYS,
+    lights::KEYS,
+    pictures::KEYS,
+    scene::KEYS,
+];
 
 /// What other kinds are.
-const KINDS: [&[Table]; 5] =
-    [materials::KINDS, shapes::KINDS, lights::KINDS, cameras::KINDS, pictures::KINDS];
+const KINDS: [&[Table]; 6] =
+    [materials::KINDS, textures::KINDS, shapes::KINDS, lights::KINDS, cameras::KINDS, pictures::KINDS];
 
 /// Words that mean the same wherever they stand.
 const ANYWHERE: &[Rule] = &[
@@ -106,7 +115,9 @@ mod tests {
 
     #[test]
     fn every_kind_that_is_named_exists() {
-        use crate::desc::{Camera, Filter, Integrator, Light, Material, Node, SamplerKind, Step, Tone};
+        use crate::desc::{
+            Camera, Filter, Integrator, Light, Mapping, Material, Node, SamplerKind, Step, Texture, Tone,
+        };
         let all = [
             Camera::KINDS,
             Filter::KINDS,
@@ -116,6 +127,8 @@ mod tests {
             Node::KINDS,
             SamplerKind::KINDS,
             Step::KINDS,
+            Texture::KINDS,
+            Mapping::KINDS,
             Tone::KINDS,
         ];
         for (mark, rules) in KINDS.iter().copied().flatten() {

@@ -72,7 +72,7 @@ pub(super) const KEYS: &[Table] = &[
             ("uv st texcoords texcoord texturecoordinates", Called("uvs")),
             (
                 "smooth smoothing autosmooth shadesmooth facenormals flatshading",
-                Write("`shading: smooth` or `shading: flat`"),
+                Write("`shading: smooth`, `flat` or `gouraud`"),
             ),
             ("subdivision subdivisionlevels levels subdiv", NotYet("subdivision surfaces")),
         ],

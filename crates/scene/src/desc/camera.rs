@@ -36,7 +36,7 @@ impl Camera {
                     format!("a picture of {w} x {h} pixels has no room for {columns} x {rows} faces")
                 })
             }
-            Self::Orthographic(_) | Self::Fisheye(_) | Self::Panorama(_) => None,
+            _ => None,
         }
     }
 

@@ -19,7 +19,7 @@ use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::span::Span;
 use crate::tree::shown;
-use crate::value::{Color, Known};
+use crate::value::{Known, LinearRgb};
 
 /// Most pixels of a picture: 2^30, beyond which a film of full precision would need tens of gigabytes.
 const MOST_PIXELS: u64 = 1 << 30;
@@ -270,7 +270,7 @@ pub(super) fn measured(m: &Measured, keys: &Keys<'_>, d: &mut Decoder) {
 pub(crate) fn texture(texture: &Texture, span: Span, (limit, is_number): (Limit, bool), d: &mut Decoder) {
     for colour in texture.colours() {
         match colour {
-            Spectrum::Rgb(Color(rgb)) => {
+            Spectrum::Rgb(LinearRgb(rgb)) => {
                 if let Some(v) = rgb.iter().find(|v| !limit.allows(**v)) {
                     let message = limit.complaint(d.key(), *v);
                     d.push(Diagnostic::error(span, message));

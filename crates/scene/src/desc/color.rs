@@ -5,7 +5,7 @@ use straal_color::{Adaptation, Chromaticity, Lab, Lch, Space, White, Xyz};
 use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::Color;
+use crate::value::LinearRgb;
 
 describe! {
     /// How colours are computed with.
@@ -110,10 +110,10 @@ impl ColorIn {
     }
 
     /// The colour in linear sRGB; components are below 0 where sRGB does not hold it.
-    pub fn color(&self) -> Color {
+    pub fn color(&self) -> LinearRgb {
         if let Some(rgb) = self.rgb {
             let space = self.space.as_ref().map_or(Space::Srgb, WorkSpace::space);
-            return Color(space.to(Space::Srgb).apply(rgb));
+            return LinearRgb(space.to(Space::Srgb).apply(rgb));
         }
         let white = self.white.as_ref().map_or(White::D65, WhitePoint::white).chromaticity();
         let full = white.with_luminance(1.0);
@@ -126,7 +126,7 @@ impl ColorIn {
         } else {
             Xyz::new(self.xyz.unwrap_or_default())
         };
-        Color(Space::Srgb.rgb().from_xyz_under(white, Adaptation::Bradford).apply(xyz.to_array()))
+        LinearRgb(Space::Srgb.rgb().from_xyz_under(white, Adaptation::Bradford).apply(xyz.to_array()))
     }
 }
 
@@ -147,7 +147,7 @@ mod tests {
             ColorIn { lab: Some([100.0, 0.0, 0.0]), white: white.clone(), ..NOTHING },
             ColorIn { lch: Some([100.0, 0.0, 123.0]), white, ..NOTHING },
         ] {
-            let Color(rgb) = form.color();
+            let LinearRgb(rgb) = form.color();
             assert!(rgb.iter().all(|v| (v - 1.0).abs() < 1e-12), "{form:?} {rgb:?}");
         }
     }
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn the_red_of_a_wider_space_is_beyond_srgb() {
         let red = ColorIn { rgb: Some([1.0, 0.0, 0.0]), space: Some(WorkSpace::Rec2020), ..NOTHING };
-        let Color([r, g, b]) = red.color();
+        let LinearRgb([r, g, b]) = red.color();
         // ITU-R BT.2087, the matrix from BT.2020 to BT.709.
         assert!((r - 1.6605).abs() < 1e-4 && (g + 0.1246).abs() < 1e-4 && (b + 0.0182).abs() < 1e-4);
     }

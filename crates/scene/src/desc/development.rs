@@ -9,7 +9,7 @@ use crate::describe::describe;
 use crate::limit::Limit;
 use crate::schema::{self, Definitions};
 use crate::tree::{Datum, Tree};
-use crate::value::Color;
+use crate::value::LinearRgb;
 
 describe! {
     /// Tone curve of pictures for the screen.
@@ -82,7 +82,7 @@ describe! {
     /// The colour of what the screen can't show.
     pub struct Flag {
         /// Red unless said otherwise.
-        color: Color [Limit::UNIT] = Color([1.0, 0.0, 0.0]),
+        color: LinearRgb [Limit::UNIT] = LinearRgb([1.0, 0.0, 0.0]),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::desc::spectrum::{Index, Spectrum};
 use crate::desc::texture::{Relief, Varying};
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Color, Known, Link};
+use crate::value::{Known, LinearRgb, Link};
 use crate::visit::Visitor;
 
 describe! {
@@ -118,7 +118,7 @@ describe! {
             /// Mean way between two scatterings, in metres: kept for media.
             subsurface_radius: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(1.0),
             /// Factor to `subsurface_radius` by colour: kept for media.
-            subsurface_radius_scale: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::Rgb(Color([1.0, 0.5, 0.25]))),
+            subsurface_radius_scale: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::Rgb(LinearRgb([1.0, 0.5, 0.25]))),
             /// Of a thin wall: which part passes, from -1 for none to 1 for all.
             subsurface_scatter_anisotropy: Varying<f64> [Limit::within(-1.0, 1.0)] = Varying::Constant(0.0),
             /// How much of the coat there is.

@@ -32,13 +32,13 @@ pub use light::{
 pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{
-    AmbientOcclusion, BlackmanHarris, Channels, DirectLight, Film, Filter, Gaussian, Integrator, Lanczos,
-    Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind, SpectralChannels,
-    Technique, Tent, Whitted,
+    AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
+    Lanczos, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind,
+    SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, MeshSource, Patches, Plane, Rectangle, Shading, Smoothing,
-    Sphere, Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
+    Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;

@@ -115,9 +115,7 @@ impl Node {
                 let [a, b, c] = s.vertices;
                 ((a + b + c) / 3.0, Front::Normal((b - a).cross(c - a)))
             }
-            Self::Mesh(_) | Self::Bezier(_) | Self::Group(_) | Self::Instance(_) => {
-                (DVec3::ZERO, Front::Axis)
-            }
+            _ => (DVec3::ZERO, Front::Axis),
         }
     }
 }

@@ -115,8 +115,20 @@ describe! {
         "auto" => Auto,
         /// Each face's own normal.
         "flat" => Flat,
-        /// Normals at the vertices, computed when there are none.
+        /// Colours are computed at the vertices and interpolated between them (Gouraud 1971): an exhibit of how it was done.
+        "gouraud" => Gouraud(Gouraud),
+        /// Normals at the vertices, computed when there are none, are interpolated between them (Phong 1975).
         "smooth" => Smooth(Smoothing),
+    }
+}
+
+describe! {
+    /// Colours at the vertices.
+    pub struct Gouraud {
+        /// An edge at which the normals of two faces differ by more than this, in degrees, is sharp: no mean is taken over it.
+        crease: f64 [Limit::within(0.0, 180.0)] = 180.0,
+        /// Whether normals are computed even where there are some already.
+        recompute: bool = false,
     }
 }
 
@@ -127,6 +139,18 @@ describe! {
         crease: f64 [Limit::within(0.0, 180.0)] = 180.0,
         /// Whether they are computed even where there are some already.
         recompute: bool = false,
+        /// Where rays leave from that go on or look for light.
+        rays: Leaving = Leaving::Smooth,
+    }
+}
+
+describe! {
+    /// Where rays leave a mesh that is shaded with normals at its vertices.
+    pub enum Leaving {
+        /// The smooth surface that the normals tell of, so that shadow begins softly.
+        "smooth" => Smooth,
+        /// The triangles, as in most renderers: shadow begins in steps.
+        "faces" => Faces,
     }
 }
 

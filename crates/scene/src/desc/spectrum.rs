@@ -6,13 +6,13 @@ use crate::Assets;
 use crate::desc::check;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::{Asset, Color, Known};
+use crate::value::{Asset, Known, LinearRgb};
 
 /// A colour of the scene: in RGB, or a spectrum.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spectrum {
     /// Linear RGB; rendered by wavelengths, a smooth spectrum of that colour.
-    Rgb(Color),
+    Rgb(LinearRgb),
     /// A spectrum as it was measured or as its name says.
     Measured(Box<Measured>),
 }
@@ -20,11 +20,11 @@ pub enum Spectrum {
 impl Spectrum {
     /// The same in all channels, or at all wavelengths.
     pub const fn grey(v: f64) -> Self {
-        Self::Rgb(Color::grey(v))
+        Self::Rgb(LinearRgb::grey(v))
     }
 
     /// Its linear RGB, if that is what the scene says.
-    pub const fn rgb(&self) -> Option<Color> {
+    pub const fn rgb(&self) -> Option<LinearRgb> {
         match self {
             Self::Rgb(color) => Some(*color),
             Self::Measured(_) => None,
@@ -40,8 +40,8 @@ impl Spectrum {
     }
 }
 
-impl From<Color> for Spectrum {
-    fn from(c: Color) -> Self {
+impl From<LinearRgb> for Spectrum {
+    fn from(c: LinearRgb) -> Self {
         Self::Rgb(c)
     }
 }

@@ -3,6 +3,7 @@
 use straal_math::DVec3;
 
 use crate::Bitmap;
+use crate::decode::Describe;
 use crate::desc::check;
 use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
@@ -10,6 +11,7 @@ use crate::describe::describe;
 use crate::limit::Limit;
 use crate::span::Span;
 use crate::value::{Asset, Link, Name};
+use crate::visit::Visitor;
 
 describe! {
     /// What differs from point to point of a surface.
@@ -326,19 +328,30 @@ describe! {
 }
 
 impl Texture {
-    /// The colours that it shows as they are.
+    /// The colours that it shows as they are: those that it has itself, but where it makes others of them.
     pub(crate) fn colours(&self) -> Vec<&Spectrum> {
-        match self {
-            Self::Checker(c) => [&c.first, &c.second].into_iter().filter_map(Varying::constant).collect(),
-            Self::Ramp(r) => r.stops.iter().map(|stop| &stop.color).collect(),
-            Self::Mix(m) => [&m.first, &m.second].into_iter().filter_map(Varying::constant).collect(),
-            Self::Image(_)
-            | Self::Attribute(_)
-            | Self::Scale(_)
-            | Self::Add(_)
-            | Self::Invert(_)
-            | Self::Remap(_) => Vec::new(),
+        struct Own<'a> {
+            /// How many textures within this one are open.
+            inside: u32,
+            found: Vec<&'a Spectrum>,
         }
+        impl<'a> Visitor<'a> for Own<'a> {
+            fn spectrum(&mut self, spectrum: &'a Spectrum, _: Limit) {
+                self.found.extend((self.inside == 0).then_some(spectrum));
+            }
+            fn texture(&mut self, _: &'a TextureOf, _: Limit, _: bool) {
+                self.inside += 1;
+            }
+            fn end_of_texture(&mut self) {
+                self.inside -= 1;
+            }
+        }
+        let mut own = Own { inside: 0, found: Vec::new() };
+        match self {
+            Self::Attribute(_) | Self::Scale(_) | Self::Add(_) | Self::Invert(_) | Self::Remap(_) => {}
+            other => other.show(Limit::FINITE, &mut own),
+        }
+        own.found
     }
 }
 

@@ -1,6 +1,6 @@
 //! Layers that tell the network what each pixel shows.
 
-use straal_formats::image::exr::{Layer, Picture};
+use straal_formats::image::exr::{Layer, Layered};
 
 /// Albedo and normal of each pixel, where they are there.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,7 +39,7 @@ const NORMAL: [&str; 12] = [
 
 impl Guides {
     /// The guides of a picture whose light is the layer `light`.
-    pub fn of(picture: &Picture, light: &str) -> Self {
+    pub fn of(picture: &Layered, light: &str) -> Self {
         let mut guides = Self::default();
         let pixels = picture.data_window.width * picture.data_window.height;
         for (names, is_albedo) in [(&ALBEDO[..], true), (&NORMAL[..], false)] {
@@ -75,7 +75,7 @@ impl Guides {
 }
 
 /// The layer with the best of these names; of several the one that stands nearest to the layer of light: `View.Albedo` goes with `View.Combined`.
-fn find<'a>(picture: &'a Picture, light: &str, names: &[&str]) -> Option<&'a Layer> {
+fn find<'a>(picture: &'a Layered, light: &str, names: &[&str]) -> Option<&'a Layer> {
     let group = |name: &str| name.rsplit_once('.').map_or("", |(group, _)| group).to_lowercase();
     let rank = |layer: &Layer| {
         let last = layer.name.rsplit('.').next().unwrap_or_default();
@@ -108,8 +108,8 @@ mod tests {
     use super::*;
     use straal_formats::image::exr::Channel;
 
-    fn picture(layers: &[(&str, [&str; 3])]) -> Picture {
-        let mut picture = Picture::of_size(1, 1);
+    fn picture(layers: &[(&str, [&str; 3])]) -> Layered {
+        let mut picture = Layered::of_size(1, 1);
         for (k, (name, channels)) in layers.iter().enumerate() {
             let channel = |name: &str| Channel { name: name.into(), samples: vec![k as f32] };
             let channels = channels.map(channel).to_vec();

@@ -2,6 +2,7 @@
 //!
 //! The network of [`straal_denoise`] sees the picture's light and, where they are there, albedo and normal of what each pixel shows.
 
+mod blend;
 mod fireflies;
 mod guides;
 
@@ -10,9 +11,12 @@ pub use guides::Guides;
 pub use straal_denoise::{Network, Signal, Weights, WeightsError};
 
 use crate::develop::PictureFile;
+use crate::picture::Picture;
 use std::fmt;
 use straal_denoise::{DenoiseError, Settings};
 use straal_math::simd::{Isa, Simd};
+use straal_render::film::channel::{self, Channel};
+use straal_render::film::{BLOCK, DARK, HalfPictures, Region};
 
 /// How much work the network does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -53,12 +57,24 @@ impl fmt::Display for Effort {
 }
 
 /// How a picture is denoised.
+///
+/// ```
+/// # use straal::{Control, EMBEDDED_SCENE, Job, LoadOptions, Overrides, denoise::Denoising, load_str};
+/// # let loaded = load_str("scene", EMBEDDED_SCENE, "".as_ref(), &LoadOptions::default()).map_err(|_| "wrong")?;
+/// let few = Overrides { size: Some([16, 9]), spp: Some(4), ..Overrides::default() };
+/// let mut picture = Job::new(loaded, few)?.render(&mut Control::to_the_end())?.picture;
+/// let denoised = picture.denoise(&Denoising::default(), None)?;
+/// assert_eq!(denoised.guides, ["albedo", "normal"]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Denoising {
     /// How much work the network does.
     pub effort: Effort,
     /// A network with other weights, and its name.
     pub network: Option<(String, Network)>,
+    /// Networks that take the noise out of albedo and normals before they guide: for weights that want guides without noise.
+    pub prefilters: [Option<Network>; 2],
     /// Take away light of single pixels that are brighter than this many times what is around them, before anything else.
     pub fireflies: Option<f32>,
     /// Worker threads; all cores when absent. They change the speed only.
@@ -76,6 +92,10 @@ pub struct Denoised {
     pub guides: Vec<String>,
     /// What was taken away before, where that was asked for.
     pub fireflies: Option<Fireflies>,
+    /// Of a render: the relative error of each block of 8 x 8 pixels, as film noise is told; empty where it isn't known.
+    pub noise: Vec<f64>,
+    /// The share of the denoised picture in the result, where it was weighed against the noisy one.
+    pub weight: Option<f64>,
     /// What a person should know, each a sentence without a full stop.
     pub notes: Vec<String>,
 }
@@ -184,10 +204,153 @@ impl Ready {
         Ok(self.pool.install(run)?)
     }
 
+    /// The guides without their noise, as far as there are networks for that.
+    pub fn prefiltered(
+        &self,
+        how: &Denoising,
+        mut guides: Guides,
+        width: usize,
+    ) -> Result<Guides, NoDenoise> {
+        let layers = [&mut guides.albedo, &mut guides.normal];
+        for (network, layer) in how.prefilters.iter().zip(layers) {
+            if let (Some(network), Some(layer)) = (network, layer) {
+                let height = layer.len() / width.max(1);
+                let picture =
+                    straal_denoise::Picture { width, height, color: layer, albedo: None, normal: None };
+                *layer = self.pool.install(|| straal_denoise::denoise(network, &picture, &self.settings))?;
+            }
+        }
+        Ok(guides)
+    }
+
+    /// Does something on the threads.
+    pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.pool.install(work)
+    }
+
     /// Names of the guides that the network sees.
     pub fn guides(&self, guides: &Guides) -> Vec<String> {
         let names = [(&guides.albedo_name, self.sees[0]), (&guides.normal_name, self.sees[1])];
         names.into_iter().filter(|(_, sees)| *sees).map(|(name, _)| name.clone()).collect()
+    }
+}
+
+impl Denoised {
+    /// Blocks of 8 x 8 pixels whose error is greater than this.
+    pub fn blocks_noisier_than(&self, noise: f64) -> u64 {
+        self.noise.iter().filter(|n| **n > noise).count() as u64
+    }
+
+    /// The error that nineteen of twenty blocks are within, where it is known.
+    pub fn noise(&self) -> Option<f64> {
+        let mut sorted = self.noise.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted.get((sorted.len() * 19 / 20).min(sorted.len().saturating_sub(1))).copied()
+    }
+}
+
+impl Denoising {
+    /// Bytes that denoising a rendered picture takes besides the film and its layers: two halves and three results, guides, and what the weights are
+    /// found by; and the network's rows.
+    pub(crate) fn bytes(&self, crop: Region) -> u64 {
+        const A_PIXEL: u64 = 5 * 12 + 2 * 12 + 9 * 4;
+        // Measured, with twice the rows for many threads.
+        const A_COLUMN: u64 = 70_000;
+        (crop.area() as u64).saturating_mul(A_PIXEL).saturating_add(u64::from(crop.width()) * A_COLUMN)
+    }
+}
+
+impl Picture {
+    /// Denoises a rendered picture. Where it is known as two halves, these are denoised as well: what they differ by tells how far the result is from the truth, which becomes
+    /// the layer `error`, and in which share the noisy light is nearer to it, which is blended back.
+    pub fn denoise(&mut self, how: &Denoising, halves: Option<&HalfPictures>) -> Result<Denoised, NoDenoise> {
+        if self.noisy.is_some() {
+            return Err(NoDenoise::Twice(self.tells("denoised").unwrap_or_default().to_owned()));
+        }
+        let guide = |channel: &'static Channel| {
+            let layer = self.layers.channel(channel)?;
+            let values = layer.values.as_chunks::<3>().0.to_vec();
+            (values.len() == self.layers.rgb.len()).then_some(values)
+        };
+        let name = |channel: &Channel| channel.layer.to_owned();
+        let guides = Guides {
+            albedo: guide(&channel::ALBEDO),
+            normal: guide(&channel::NORMAL),
+            albedo_name: name(&channel::ALBEDO),
+            normal_name: name(&channel::NORMAL),
+            notes: Vec::new(),
+        };
+        let ready = how.ready(&guides)?;
+        let width = self.layers.width;
+        let guides = ready.prefiltered(how, guides, width)?;
+        let tamed = |rgb: &[[f32; 3]]| {
+            let mut rgb = rgb.to_vec();
+            let found = how.fireflies.map(|times| fireflies::remove(width, &mut rgb, times));
+            (rgb, found)
+        };
+        let (noisy, fireflies) = tamed(&self.layers.rgb);
+        let run = |rgb: &[[f32; 3]]| ready.run(&Noisy { width, rgb, guides: &guides });
+        let clean = run(&noisy)?;
+        let mut notes = ready.notes.clone();
+        let (mut noise, mut weight) = (Vec::new(), None);
+        let rgb = match halves.filter(|halves| halves.share.len() == noisy.len()) {
+            Some(halves) => {
+                let parts = halves.rgb.each_ref().map(|half| tamed(half).0);
+                let denoised = [run(&parts[0])?, run(&parts[1])?];
+                let of = blend::Halves {
+                    width,
+                    noisy: [&parts[0], &parts[1]],
+                    share: &halves.share,
+                    clean: [&denoised[0], &denoised[1]],
+                };
+                let blended = ready.install(|| blend::blend(&of, &noisy, &clean));
+                noise = self.block_noise(&blended);
+                let sum: f64 = blended.weight.iter().map(|w| f64::from(*w)).sum();
+                weight = Some(sum / blended.weight.len().max(1) as f64);
+                if let Some(error) = &mut self.layers.error {
+                    error.rgb = blended.error;
+                }
+                blended.rgb
+            }
+            None => {
+                let why = "its error isn't known, and nothing is blended back: that takes two samples at least of each pixel, and none \
+                           that counts in several";
+                notes.push(why.to_owned());
+                self.layers.error = None;
+                clean
+            }
+        };
+        if self.layers.bands.take().is_some() {
+            notes.push("light by wavelengths isn't denoised and is left out".into());
+        }
+        self.noisy = Some(std::mem::replace(&mut self.layers.rgb, rgb));
+        let seen = ready.guides(&guides);
+        let told = [ready.name.as_str()].into_iter().chain(seen.iter().map(String::as_str));
+        self.metadata.push((DENOISED.into(), told.collect::<Vec<_>>().join(", ")));
+        Ok(Denoised { weights: ready.name, guides: seen, fireflies, noise, weight, notes })
+    }
+
+    /// The root mean square of the error over the mean brightness of each block, which is aligned to the whole picture.
+    fn block_noise(&self, of: &blend::Blended) -> Vec<f64> {
+        let [x0, y0] = self.crop.min;
+        let across = (self.crop.max[0].div_ceil(BLOCK) - x0 / BLOCK) as usize;
+        let down = (self.crop.max[1].div_ceil(BLOCK) - y0 / BLOCK) as usize;
+        let mut blocks = vec![[0.0_f64; 3]; across * down];
+        let width = self.layers.width.max(1);
+        for (k, (rgb, error)) in of.rgb.iter().zip(&of.error).enumerate() {
+            let [x, y] = [(k % width) as u32 + x0, (k / width) as u32 + y0];
+            let block = (y / BLOCK - y0 / BLOCK) as usize * across + (x / BLOCK - x0 / BLOCK) as usize;
+            for (v, e) in rgb.iter().zip(error) {
+                let [v, e] = [*v, *e].map(f64::from);
+                let sums = &mut blocks[block];
+                *sums = [sums[0] + v.abs(), sums[1] + e * e, sums[2] + 1.0];
+            }
+        }
+        let noise = |[brightness, square, count]: &[f64; 3]| {
+            let brightness = brightness / count;
+            (square / count).sqrt() / if brightness > DARK { brightness } else { DARK }
+        };
+        blocks.iter().filter(|b| b[2] > 0.0).map(noise).collect()
     }
 }
 
@@ -203,6 +366,7 @@ impl PictureFile {
         let ready = how.ready(&guides)?;
         let noisy = self.photo.pixels.clone();
         let width = self.photo.part.width;
+        let guides = ready.prefiltered(how, guides, width)?;
         let fireflies = how.fireflies.map(|times| fireflies::remove(width, &mut self.photo.pixels, times));
         let clean = ready.run(&Noisy { width, rgb: &self.photo.pixels, guides: &guides })?;
         let mut notes = ready.notes.clone();
@@ -214,6 +378,6 @@ impl PictureFile {
         let told = [ready.name.as_str()].into_iter().chain(guides.iter().map(String::as_str));
         let told = told.collect::<Vec<_>>().join(", ");
         self.picture.metadata.push((DENOISED.into(), told));
-        Ok(Denoised { weights: ready.name, guides, fireflies, notes })
+        Ok(Denoised { weights: ready.name, guides, fireflies, noise: Vec::new(), weight: None, notes })
     }
 }

@@ -83,6 +83,7 @@ impl Forecast {
         } else {
             plan.settings.threads
         };
+        let denoising = plan.denoise.as_ref().map_or(0, |how| how.bytes(plan.settings.crop));
         // Of samples that others come before, batches are kept exact, which takes as much again.
         let is_later = plan.first > 0 && extent.batches;
         let later =
@@ -102,7 +103,7 @@ impl Forecast {
                 .saturating_add(large.saturating_mul(ImageEnvironment::BYTES as u64)),
             textures: textures.kept,
             film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
-            layers: crop.saturating_mul(each),
+            layers: crop.saturating_mul(each).saturating_add(denoising),
             threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&plan.settings)),
             peak: 0,
         };

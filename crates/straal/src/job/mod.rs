@@ -6,6 +6,7 @@ mod run;
 pub use keep::Snapshot;
 pub use run::{Blocks, Control, Outcome, Progress, Verdict};
 
+use crate::denoise::Denoising;
 use crate::development::Development;
 use crate::forecast::Forecast;
 use crate::resolve::{Error, Overrides, Plan, check_custom, needs_count};
@@ -15,7 +16,7 @@ use straal_formats::load::Loaded;
 use straal_render::compile::{self, Custom, Detail, Request};
 use straal_render::film::Recording;
 use straal_render::integrator::{AnyIntegrator, PathTracer};
-use straal_render::settings::Settings;
+use straal_render::settings::{Guides, Settings};
 use straal_render::world::World;
 
 /// A compiled scene and its settings.
@@ -34,6 +35,10 @@ pub struct Job {
     pub integrator: AnyIntegrator,
     /// A fingerprint of the scene's texts and files.
     pub scene_hash: String,
+    /// How the picture is denoised when it is rendered, if it is.
+    pub denoise: Option<Denoising>,
+    /// Relative error of the denoised picture that ends the render, in nineteen of twenty blocks of 8 x 8 pixels.
+    pub denoised_noise: Option<f64>,
     /// What it takes of memory.
     pub forecast: Forecast,
     memory: Option<u64>,
@@ -95,6 +100,8 @@ impl Job {
             first,
             whole,
             integrator: plan.integrator,
+            denoise: plan.denoise,
+            denoised_noise: plan.denoised_noise,
             scene_hash: scene_hash(loaded, custom),
             forecast,
             memory: plan.memory,
@@ -161,6 +168,7 @@ impl Job {
     pub(crate) fn facts(&self) -> Vec<(String, String)> {
         let s = &self.settings;
         let noise = s.noise.map(|noise| ("noise", noise.to_string()));
+        let guides = (s.guides != Guides::First).then(|| ("guides_of", s.guides.name().to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         let recording = self.world.sensor.recording();
         let channels = (recording != Recording::Rgb).then(|| ("channels", recording.name().to_string()));
@@ -181,6 +189,7 @@ impl Job {
             ("crop", format!("{},{},{},{}", s.crop.min[0], s.crop.min[1], s.crop.max[0], s.crop.max[1])),
         ])
         .chain(noise)
+        .chain(guides)
         .chain(counted)
         .chain(magnified)
         .chain(channels)

@@ -1,11 +1,12 @@
 //! A job's render: passes until all samples are taken, noise is low enough or the caller ends it.
 
 use super::{Job, Snapshot};
+use crate::denoise::Denoised;
 use crate::picture::Picture;
 use crate::resolve::{Error, PASS, passes};
 use crate::sums::Kept;
 use straal_render::driver::{Pause, Render};
-use straal_render::film::{Film, MAX_SAMPLES, hash_of};
+use straal_render::film::{FIRST_CHECK, Film, MAX_SAMPLES, hash_of};
 use straal_render::integrator::{Integrator, WithIntegrator};
 use straal_render::settings::Settings;
 use straal_render::stopwatch::{Clock, Times};
@@ -97,6 +98,8 @@ pub struct Outcome {
     pub complete: bool,
     /// Blocks of 8 x 8 pixels that are noisier than was asked, of an adaptive render; in replicates, of all of them together.
     pub noisy_blocks: u64,
+    /// How it was denoised, where it was.
+    pub denoised: Option<Denoised>,
     /// Rays, and time by phase where a clock was lent.
     pub times: Times,
     /// Worker threads.
@@ -128,6 +131,10 @@ impl Job {
         let mut picture = Picture::new(&run.film, run.film.layers(), self.film_space());
         picture.metadata = self.metadata(run.samples);
         picture.metadata.push(("straal.passes".into(), run.passes.to_string()));
+        let denoised = match &self.denoise {
+            Some(how) => Some(picture.denoise(how, run.film.halves().as_ref())?),
+            None => None,
+        };
         picture.metadata.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
         Ok(Outcome {
             picture,
@@ -135,7 +142,11 @@ impl Job {
             mean_samples: run.film.mean_samples(),
             passes: run.passes,
             complete: control.open_ended || run.complete,
-            noisy_blocks: self.noisy_blocks(&run.film),
+            noisy_blocks: match (&denoised, self.denoised_noise) {
+                (Some(denoised), Some(target)) => denoised.blocks_noisier_than(target),
+                _ => self.noisy_blocks(&run.film),
+            },
+            denoised,
             times: run.times,
             threads: run.threads,
             dropped: run.film.dropped(),
@@ -181,17 +192,23 @@ impl Job {
         if let (Some(pause), true) = (&control.pause, control.keep.is_some()) {
             render.pause_when(pause.clone());
         }
-        let next_pass = |render: &Render<'_, I>, most: u32| {
-            if render.is_settled() { 0 } else { most.min(end - render.samples_done()) }
+        let mut look = Look::new(self.denoised_noise, render.samples_done());
+        let next_pass = |render: &Render<'_, I>, most: u32, look: &Look| {
+            if render.is_settled() || look.is_clean {
+                0
+            } else {
+                look.pass(most, render.samples_done()).min(end - render.samples_done())
+            }
         };
-        let mut next = next_pass(&render, if render.samples_done() == self.first { 1 } else { PASS });
+        let mut next = next_pass(&render, if render.samples_done() == self.first { 1 } else { PASS }, &look);
         while next > 0 && control.keep_on {
             render.advance(next);
             while render.is_midway() {
                 self.show(&render, control, [false, false]);
                 render.advance(0);
             }
-            next = next_pass(&render, PASS);
+            look.at(self, render.film(), render.samples_done())?;
+            next = next_pass(&render, PASS, &look);
             progress.samples = before + u64::from(render.samples_done() - self.first);
             progress.next = u64::from(next);
             progress.times = times;
@@ -215,6 +232,42 @@ impl Job {
             threads: render.threads(),
             film: render.into_film(),
         })
+    }
+}
+
+/// When a denoised picture is looked at, to end a render that is good enough: with 32, 64, 128, ... samples. A look costs as much as some
+/// samples, so that twice as many are taken before the next.
+struct Look {
+    /// The noise that is wanted.
+    target: Option<f64>,
+    /// Samples of the next look.
+    next: u32,
+    /// Whether the last one was content.
+    is_clean: bool,
+}
+
+impl Look {
+    fn new(target: Option<f64>, done: u32) -> Self {
+        let next = if done < FIRST_CHECK { FIRST_CHECK } else { (done + 1).next_power_of_two() };
+        Self { target, next, is_clean: false }
+    }
+
+    /// Samples of the next pass, so that it ends where a look comes.
+    fn pass(&self, most: u32, done: u32) -> u32 {
+        if self.target.is_some() { most.min(self.next - done) } else { most }
+    }
+
+    /// Looks at the film, where that is due.
+    fn at(&mut self, job: &Job, film: &Film, done: u32) -> Result<(), Error> {
+        let (Some(target), Some(how)) = (self.target, &job.denoise) else { return Ok(()) };
+        if done < self.next {
+            return Ok(());
+        }
+        self.next = self.next.saturating_mul(2);
+        let mut picture = Picture::new(film, film.layers(), job.film_space());
+        let denoised = picture.denoise(how, film.halves().as_ref())?;
+        self.is_clean = 20 * denoised.blocks_noisier_than(target) <= denoised.noise.len() as u64;
+        Ok(())
     }
 }
 

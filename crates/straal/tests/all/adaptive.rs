@@ -136,35 +136,61 @@ fn noise_of_well_spread_samples_is_told_as_it_is() {
     assert!(sobol < 0.7 * random, "{sobol} Sobol points, {random} independent ones");
 }
 
-/// The mean over seeds of the picture's mean, by channel, with its standard error.
-fn mean_of_runs(wish: &Overrides, seeds: std::ops::Range<u64>) -> [(f64, f64); 3] {
-    let n = seeds.clone().count() as f64;
-    let runs: Vec<[f64; 3]> = seeds
-        .map(|seed| {
-            let rgb =
-                common::render(SCENE, Overrides { seed: Some(seed), ..wish.clone() }).picture.layers.rgb;
-            std::array::from_fn(|c| rgb.iter().map(|p| f64::from(p[c])).sum::<f64>() / rgb.len() as f64)
-        })
-        .collect();
-    std::array::from_fn(|c| {
-        let mean = runs.iter().map(|r| r[c]).sum::<f64>() / n;
-        let spread = runs.iter().map(|r| (r[c] - mean) * (r[c] - mean)).sum::<f64>() / (n - 1.0);
-        (mean, (spread / n).sqrt())
-    })
-}
-
+/// Lamps in the dark, seen from straight ahead by four blocks of pixels of one unit. What each block shows is known: the area of its lamps. One has
+/// a corner of a single pixel, one an edge through all of its rows, one many small lamps, and one is bright all over but for an edge.
 #[test]
 fn stopping_early_does_not_darken() {
-    for kind in [PatternKind::Random, PatternKind::Sobol] {
-        let small = Overrides { size: Some([24, 24]), spp: Some(128), pattern: Some(kind), ..wish() };
-        // Sobol points end nearly all blocks at the first check by a larger target.
-        let noise = Some(if kind == PatternKind::Random { 0.12 } else { 0.08 });
-        let adaptive = mean_of_runs(&Overrides { noise, ..small.clone() }, 0..40);
-        let fixed = mean_of_runs(&Overrides { noise: None, spp: Some(64), ..small }, 1000..1040);
-        for (c, (a, f)) in adaptive.iter().zip(fixed).enumerate() {
-            let error = (a.1 * a.1 + f.1 * f.1).sqrt();
-            assert!((a.0 - f.0).abs() < 3.0 * error, "{kind}, channel {c}: {a:?}, fixed {f:?}");
+    // Corner and edges of each lamp, and the block that it lies in.
+    let mut lamps = vec![([14.1, 14.2, 0.3, 0.3], 0), ([0.0, 8.0, 3.35, 8.0], 1), ([8.0, 0.0, 8.0, 6.63], 3)];
+    lamps.extend((0..16).map(|i| {
+        let [x, y] = [i % 4, i / 4].map(f64::from);
+        ([2.0 * x + 0.3, 2.0 * y + 0.1 * x, 0.4, 0.2 + 0.1 * y], 2)
+    }));
+    let mut text = String::from(
+        "camera: { orthographic: { eye: [8, 8, 5], look_at: [8, 8, 0], width: 16 } }\nfilm: { size: [16, 16], filter: box }\nworld:\n",
+    );
+    let mut truth = [0.0; 4];
+    for ([x, y, w, h], block) in lamps {
+        text += &format!(
+            "  - rectangle: {{ corner: [{x}, {y}, 0], edges: [[{w}, 0, 0], [0, {h}, 0]], emission: 1 }}\n"
+        );
+        truth[block] += w * h / 64.0;
+    }
+    for (kind, noise) in [(PatternKind::Random, 0.4), (PatternKind::Sobol, 0.15)] {
+        let n = 128;
+        let mut counts = [0.0; 4];
+        let mut sums = [[0.0; 2]; 4];
+        for seed in 0..n {
+            let wish = Overrides {
+                noise: Some(noise),
+                spp: Some(256),
+                pattern: Some(kind),
+                seed: Some(seed),
+                ..Overrides::default()
+            };
+            let loaded =
+                straal::load_str("lamps", &text, &common::project(), &straal::LoadOptions::default());
+            let job = straal::Job::new(loaded.expect("a scene"), wish).expect("a job");
+            let layers = job.render(&mut Control::to_the_end()).expect("a picture").picture.layers;
+            for block in 0..4 {
+                // The picture's first rows are the highest.
+                let [x, y] = [[8, 0], [0, 0], [0, 8], [8, 8]][block];
+                let at = |k: usize| (y + k / 8) * 16 + x + k % 8;
+                let mean = (0..64).map(|k| f64::from(layers.rgb[at(k)][0])).sum::<f64>() / 64.0;
+                counts[block] +=
+                    (0..64).map(|k| f64::from(layers.samples[at(k)])).sum::<f64>() / (64 * n) as f64;
+                sums[block][0] += mean / n as f64;
+                sums[block][1] += (mean - truth[block]) * (mean - truth[block]);
+            }
         }
+        for (block, ([mean, squares], truth)) in sums.into_iter().zip(truth).enumerate() {
+            let error = squares.sqrt() / n as f64;
+            assert!(
+                (mean - truth).abs() < 3.0 * error,
+                "{kind}, block {block}: {mean} +- {error}, not {truth}"
+            );
+        }
+        assert!(counts.iter().any(|c| *c < 64.0) && counts.iter().any(|c| *c > 64.0), "{kind}: {counts:?}");
     }
 }
 

@@ -8,7 +8,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use straal::{Control, Job, LoadOptions, Overrides};
 use straal_math::lowdisc::PatternKind;
-use straal_scene::desc::{Camera, Integrator, Light, Material, MaterialRef, Node};
+use straal_scene::decode::Describe;
+use straal_scene::desc::{Camera, Integrator, Light, Material, MaterialRef, Node, Texture, TextureOf};
+use straal_scene::limit::Limit;
+use straal_scene::visit::Visitor;
 
 /// Standard errors that the mean may be off by.
 const SIGMAS: f64 = 4.5;
@@ -75,6 +78,17 @@ fn fault(rendered: [(f64, f64); 3], expected: &Expected) -> Option<String> {
     off.map(|((mean, error), want)| format!("{mean} +- {error}, expected {want}"))
 }
 
+/// Kinds of textures that are written where they are used.
+struct Textures<'s>(&'s mut BTreeSet<&'static str>);
+
+impl<'a> Visitor<'a> for Textures<'_> {
+    fn texture(&mut self, texture: &'a TextureOf, _: Limit, _: bool) {
+        if let TextureOf::Inline(texture) = texture {
+            self.0.insert(texture.kind());
+        }
+    }
+}
+
 /// Whatever a scene can be made of stands in one of these scenes: a new kind of thing fails this until it does.
 #[test]
 fn every_kind_of_thing_has_a_closed_form() {
@@ -85,6 +99,8 @@ fn every_kind_of_thing_has_a_closed_form() {
         seen.extend([scene.integrator.kind(), scene.camera.kind()]);
         seen.extend(scene.lights.iter().map(Light::kind));
         seen.extend(scene.materials.iter().map(|(_, m)| m.kind()));
+        seen.extend(scene.textures.iter().map(|(_, t)| t.kind()));
+        scene.show(Limit::FINITE, &mut Textures(&mut seen));
         scene.visit(|node| {
             seen.insert(node.kind());
             if let Some(MaterialRef::Inline(material)) = node.material() {
@@ -92,7 +108,8 @@ fn every_kind_of_thing_has_a_closed_form() {
             }
         });
     }
-    let all = [Integrator::KINDS, Camera::KINDS, Light::KINDS, Material::KINDS, Node::KINDS].concat();
+    let lit = [Integrator::KINDS, Camera::KINDS, Light::KINDS].concat();
+    let all = [lit, [Material::KINDS, Node::KINDS, Texture::KINDS].concat()].concat();
     let missing: Vec<&str> = all.into_iter().filter(|kind| !seen.contains(kind)).collect();
     assert!(missing.is_empty(), "no scene in tests/scenes has {}", missing.join(", "));
 }

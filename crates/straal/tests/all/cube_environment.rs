@@ -78,8 +78,7 @@ fn layouts_that_do_not_fit_are_told_with_their_place() {
     let load = |light: &str| {
         straal::load_str("test.yaml", &text("[8, 8]", light), folder.path(), &LoadOptions::default())
     };
-    let loaded = load("{ file: wide.exr, layout: cross }").expect("a scene");
-    let error = Job::new(loaded, Overrides::default()).err().expect("an error").to_string();
+    let error = load("{ file: wide.exr, layout: cross }").expect_err("an error").to_string();
     assert!(error.contains("64 x 32") && error.contains("4 by 3"), "{error}");
     let error = load("{ radiance: 1, layout: row }").expect_err("an error").to_string();
     assert!(error.contains("`layout` means nothing without `file`"), "{error}");

@@ -56,9 +56,9 @@ fn search_structures_take_what_was_said() {
     }
     let mut off = Vec::new();
     for (world, base) in &worlds {
-        for (i, structure) in STRUCTURES.into_iter().enumerate() {
-            // The bunny's 69,000 triangles take long: every third structure, so that each kind comes once.
-            if base.ends_with("stanford-bunny") && i % 3 != 0 {
+        for structure in STRUCTURES {
+            // The bunny's 69,000 triangles take long: what is built quickly.
+            if base.ends_with("stanford-bunny") && !matches!(structure, "bvh" | "bvh2" | "grid") {
                 continue;
             }
             let [forecast, truth] = search_bytes(world, structure, base);

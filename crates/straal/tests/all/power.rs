@@ -28,11 +28,12 @@ fn replicates(scene: &str, side: u32, seed: u64, spp: u32) -> Picture {
 
 /// The box under another seed, which two tests compare with.
 fn another() -> &'static Picture {
-    static ANOTHER: std::sync::LazyLock<Picture> = std::sync::LazyLock::new(|| replicates(BOX, 64, 1001, 32));
+    static ANOTHER: std::sync::LazyLock<Picture> = std::sync::LazyLock::new(|| replicates(BOX, 48, 1001, 10));
     &ANOTHER
 }
 
-const BOX: &str = "scenes/cornell-box.yaml";
+/// A room that needs few samples: one per cent of its light shows among 160 a pixel.
+const BOX: &str = "scenes/reference/box-diffuse.yaml";
 
 fn images(p: &Picture) -> (Image, Image) {
     let variance = Image { pixels: p.layers.variance.clone(), ..p.to_image() };
@@ -62,7 +63,7 @@ fn shifted(image: &Image) -> Image {
 
 #[test]
 fn independent_renders_agree_and_small_faults_show() {
-    let (mean, variance) = images(&replicates(BOX, 64, 1, 32));
+    let (mean, variance) = images(&replicates(BOX, 48, 1, 10));
     let b = another();
     assert!(!differs((&mean, &variance), b, Tails::Light), "independent renders differ");
     assert!(differs((&brighter(&mean, 1.01), &variance), b, Tails::Light), "x 1.01 passes");
@@ -72,7 +73,7 @@ fn independent_renders_agree_and_small_faults_show() {
 #[test]
 fn heavy_tails_hide_no_two_percent() {
     let scene = "scenes/glass-and-mirror.yaml";
-    let (a, b) = (replicates(scene, 48, 1, 64), replicates(scene, 48, 1001, 64));
+    let (a, b) = (replicates(scene, 40, 1, 56), replicates(scene, 40, 1001, 56));
     let (mean, variance) = images(&a);
     assert!(!differs((&mean, &variance), &b, Tails::Heavy), "independent renders differ");
     assert!(differs((&brighter(&mean, 1.02), &variance), &b, Tails::Heavy), "x 1.02 passes");
@@ -107,7 +108,7 @@ impl Integrator for Forgetful {
 
 #[test]
 fn a_roulette_weight_left_out_shows() {
-    let wish = Overrides { size: Some([64, 64]), pattern: Some(PatternKind::Random), ..Overrides::default() };
+    let wish = Overrides { size: Some([48, 48]), pattern: Some(PatternKind::Random), ..Overrides::default() };
     let job = common::job(BOX, wish);
     let mut settings = job.settings.clone();
     let render = |settings| {

@@ -62,8 +62,16 @@ fn structures() {
         assert_eq!(hash(scene, wish(structure)), hash(scene, small()), "{structure}");
     }
     // What tests every triangle of an object can't do a thousand teapots in a test.
-    let quick = other.iter().filter(|s| !matches!(s, Structure::Brute | Structure::Volumes(_)));
-    all_equal(&quick.map(|&s| (s.name(), wish(s))).collect::<Vec<_>>());
+    for &structure in other.iter().filter(|s| !matches!(s, Structure::Brute | Structure::Volumes(_))) {
+        let tiny = |wish| Overrides { size: Some([20, 15]), spp: Some(2), ..wish };
+        for scene in ["scenes/glass-and-mirror.yaml", "scenes/teapots.yaml"] {
+            assert_eq!(
+                hash(scene, tiny(wish(structure))),
+                hash(scene, tiny(small())),
+                "{scene}: {structure}"
+            );
+        }
+    }
 }
 
 /// Counts of tests are sums of integers: the same whatever the threads and batches, and no part of the picture.
@@ -104,6 +112,14 @@ fn a_crop_is_cut_from_the_whole() {
             }
         }
     }
+}
+
+/// What a ray stands for is carried where a texture is read, and not for the tangent of brushed metal.
+#[test]
+fn footprints_are_carried_where_they_are_read() {
+    let wants = |scene| common::job(scene, Overrides::default()).world.wants_footprints();
+    assert!(wants("tests/scenes/checker-from-afar.yaml"));
+    assert!(!wants("tests/scenes/furnace-brushed-metal.yaml"));
 }
 
 /// A path's last ray looks for lights alone: where none can be met, it isn't sent.

@@ -200,7 +200,7 @@ fn a_rendered_color_checker_is_that_of_the_oracle() {
 #[test]
 fn a_picture_of_reflectances_is_seen_under_daylight() {
     let Some(checker) = Checker::read() else { return };
-    let mut picture = exr::Picture::of_size(checker.patches.len(), 1);
+    let mut picture = exr::Layered::of_size(checker.patches.len(), 1);
     let channel = |(i, nm): (usize, &f64)| exr::Channel {
         name: format!("{nm:.3}nm").replace('.', ","),
         samples: checker.patches.iter().map(|p| p.values[i] as f32).collect(),

@@ -76,12 +76,18 @@ fn many_are_what_each_is() {
     let mut surfaces = Surfaces::default();
     for simd in Isa::ALL.into_iter().filter_map(Simd::new) {
         for order in order.chunks(BLOCK).chain(order.chunks(7)) {
-            surfaces.meet(&world, simd, &Met { order, rays: &rays, hits: &hits }, footprint);
+            surfaces.meet(
+                &world,
+                simd,
+                &Met { order, rays: &rays, hits: &hits, corner: &|_| 0.5 },
+                footprint,
+            );
             for (i, &k) in order.iter().enumerate() {
                 let (ray, hit) = (&rays[k as usize], &hits[k as usize]);
                 let one = world.surface(ray, hit, &PackedFootprint::NONE);
                 assert_eq!(surfaces.end(i), End::from(&one.point), "{simd:?} {hit:?}");
                 assert_eq!((surfaces.frame(i), surfaces.ng(i)), (one.frame, one.ng), "{simd:?} {hit:?}");
+                assert_eq!(surfaces.bulge(i), one.bulge, "{simd:?} {hit:?}");
                 assert_eq!(surfaces.wo.at(i), one.frame.to_local(-ray.d), "{simd:?} {hit:?}");
                 assert_eq!((surfaces.material[i], surfaces.emitter[i]), (one.material, one.emitter));
             }

@@ -5,6 +5,16 @@ use std::sync::Arc;
 use straal_accel::*;
 use straal_math::{Affine, Bounds, DVec3, Ray, Vec3};
 
+/// Whether the tests that try very much were asked for all of it, by `STRAAL_MILLION=1`; a plain run does with a part.
+pub fn is_whole() -> bool {
+    std::env::var_os("STRAAL_MILLION").is_some()
+}
+
+/// So many, or a part of them in a plain run.
+pub fn part(of: usize) -> usize {
+    if is_whole() { of } else { of / 3 }
+}
+
 /// A small generator (Steele et al. 2014, SplitMix64).
 pub struct Random(pub u64);
 
@@ -254,9 +264,8 @@ pub fn all_agree<S: Shapes>(input: &Input, shapes: &S, rays: &[Ray]) -> Vec<Hit>
     for options in all_options() {
         let scene = Scene::build(input.clone(), shapes, &options).unwrap();
         scene.validate().unwrap();
-        // Only the wide tree searches a slice otherwise than ray by ray.
-        let batches: &[usize] =
-            if matches!(options.structure, Structure::Bvh(_)) { &[1, 7, 32, 1024] } else { &[32] };
+        // Only the wide tree searches a slice otherwise than ray by ray, and that only by many.
+        let batches: &[usize] = if options.flight == Flight::Many { &[1, 7, 32, 1024] } else { &[32] };
         for &batch in batches {
             let mut hits = vec![Hit::MISS; rays.len()];
             let mut blocked = vec![false; rays.len()];

@@ -5,6 +5,7 @@
 //! from 1/2 to 1. Between nodes coefficients are interpolated by cubics. Darker colours are those of strength 1/2, scaled: so
 //! are the spectra, which then stay smooth and need no nodes.
 
+use super::nodes::{place_of_share, share};
 use super::wide::{self, WideTable};
 use super::{Smooth, Uplift, place};
 use std::sync::LazyLock;
@@ -49,12 +50,6 @@ impl Lifted {
         let x = (a * t + b) * t + c;
         self.base + self.scale * (0.5 + 0.5 * x / (1.0 + x * x).sqrt())
     }
-}
-
-/// Where one of some nodes lies: dense where a channel is weak, or nearly as strong as the strongest.
-pub(super) fn share(node: usize, nodes: usize) -> f64 {
-    let t = node as f64 / (nodes - 1) as f64;
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// The strength of a level: dense towards 1, where coefficients grow without bound.
@@ -184,13 +179,6 @@ impl UpliftTable {
         }
         Lifted { coefficients, base: 0.0, scale }
     }
-}
-
-/// Among so many nodes, the place of a share: where [`share`] has it.
-#[inline]
-pub(super) fn place_of_share(share: f32, nodes: usize) -> f32 {
-    let t = 0.5 - ops::sin(ops::asin(ops::clamp(1.0 - 2.0 * share, -1.0, 1.0)) * (1.0 / 3.0));
-    t * (nodes - 1) as f32
 }
 
 /// Four neighbouring nodes, and what each counts.

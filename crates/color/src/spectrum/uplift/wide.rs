@@ -6,7 +6,7 @@
 //! adds up: a mixture has the very colour that was asked for, however coarse the table. Only nodes at the edge of ACEScg, some
 //! of which are no colours of light, are themselves off.
 
-use super::table::{place_of_share, share};
+use super::nodes::{place_of_share, share};
 use super::{Smooth, Uplift, place};
 use crate::{Matrix3, Space};
 

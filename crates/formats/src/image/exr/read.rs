@@ -15,7 +15,7 @@ use straal_color::{Chromaticity, RgbSpace};
 use straal_scene::bitmap::Number;
 
 use super::choose::{Choice, Kind, Names};
-use super::{Beauty, Channel, Layer, Picture, Window, choice, nothing_to_show};
+use super::{Beauty, Channel, Layer, Layered, Window, choice, nothing_to_show};
 use crate::image;
 use crate::image::header::PIXEL;
 use crate::limits::check;
@@ -34,7 +34,7 @@ enum Wanted<'a> {
 }
 
 /// Reads a picture with all its layers. Parts that don't cover the window of all are filled with zeros.
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Picture, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Layered, ReadError> {
     let (plan, meta) = prepare(bytes, limits, Wanted::All)?;
     decode(bytes, &plan, &meta)
 }
@@ -44,7 +44,7 @@ pub fn read_colours(
     bytes: &[u8],
     limits: &Limits,
     layer: Option<&str>,
-) -> Result<(Picture, Beauty), ReadError> {
+) -> Result<(Layered, Beauty), ReadError> {
     let (plan, meta) = prepare(bytes, limits, Wanted::Picture(layer))?;
     let picture = decode(bytes, &plan, &meta)?;
     let choice = plan.choice.ok_or_else(nothing_to_show)?;
@@ -201,7 +201,7 @@ fn prepare(bytes: &[u8], limits: &Limits, wanted: Wanted<'_>) -> Result<(Plan, M
 }
 
 /// Reads what is planned.
-fn decode(bytes: &[u8], plan: &Plan, meta: &MetaData) -> Result<Picture, ReadError> {
+fn decode(bytes: &[u8], plan: &Plan, meta: &MetaData) -> Result<Layered, ReadError> {
     let headers = meta.headers.as_slice();
     let first = headers.first().ok_or_else(|| ReadError::file("the file has no part"))?;
     let size = plan.window.width * plan.window.height; // checked against the limits
@@ -221,7 +221,7 @@ fn decode(bytes: &[u8], plan: &Plan, meta: &MetaData) -> Result<Picture, ReadErr
             copy_block(header, &block, plan.window, &mut planes[block.index.layer])?;
         }
     }
-    let mut picture = Picture {
+    let mut picture = Layered {
         display_window: plan.display,
         data_window: plan.window,
         space: first.shared_attributes.chromaticities.and_then(space),

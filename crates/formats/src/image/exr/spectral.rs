@@ -8,7 +8,7 @@
 //! `T.400,000nm.550,000nm` is what light of 400 nm makes shine at 550 nm.
 
 use super::choose::Names;
-use super::{Channel, Layer, Picture};
+use super::{Channel, Layer, Layered};
 use straal_color::spectrum::bands::{xyz_of_reflectances, xyz_of_samples};
 use straal_color::spectrum::illuminant;
 
@@ -33,7 +33,7 @@ pub struct Contents {
 
 impl Contents {
     /// Those of a picture.
-    pub fn of(picture: &Picture) -> Self {
+    pub fn of(picture: &Layered) -> Self {
         let count = |name: &str| picture.layer(name).map_or(0, |l| named(l).len());
         let polarised = ["S1", "S2", "S3"].into_iter().any(|name| count(name) > 0);
         let fluorescent = picture.layers.iter().any(|l| is_fluorescence(&l.name));
@@ -93,7 +93,7 @@ pub(super) fn summed(layers: &[Names]) -> Option<&'static str> {
 }
 
 /// X, Y and Z of each pixel, from a layer that is [`summed`]: of reflectance under D65.
-pub(super) fn pixels(picture: &Picture, layer: &str) -> Option<Vec<[f32; 3]>> {
+pub(super) fn pixels(picture: &Layered, layer: &str) -> Option<Vec<[f32; 3]>> {
     let channels = named(picture.layer(layer)?);
     let wavelengths: Vec<f64> = channels.iter().map(|c| c.0).collect();
     let mut sums = vec![[0.0_f64; 3]; picture.data_window.width * picture.data_window.height];
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn light_of_one_at_all_wavelengths_has_a_luminance_of_one() {
-        let mut picture = Picture::of_size(2, 1);
+        let mut picture = Layered::of_size(2, 1);
         let (layer, attributes) = layer((0..470).map(|i| (360.5 + f64::from(i), vec![1.0, 0.25])));
         assert_eq!((layer.channels[0].name.as_str(), attributes.len()), ("360,500nm", 2));
         picture.layers.push(layer);
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn reflectances_are_seen_under_daylight() {
-        let mut picture = Picture::of_size(2, 1);
+        let mut picture = Layered::of_size(2, 1);
         let grey = [("400,000nm", 0.5), ("0,7um", 0.5), ("500nm", 0.5), ("A", 9.0)];
         picture.layers.push(layer_named("T", &grey));
         let white = Observer::Cie1931.light(&illuminant::d65());
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn what_is_by_wavelengths_is_told() {
-        let mut picture = Picture::of_size(2, 1);
+        let mut picture = Layered::of_size(2, 1);
         assert_eq!(Contents::of(&picture), Contents::default());
         let two = [("400nm", 1.0), ("700nm", 1.0)];
         picture.layers = ["S0", "S1", "T", "T.400,0nm"].map(|name| layer_named(name, &two)).into();

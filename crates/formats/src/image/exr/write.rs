@@ -5,14 +5,14 @@
 
 use std::io::{self, Write};
 
-use super::{Picture, Window};
+use super::{Layered, Window};
 use straal_color::RgbSpace;
 
 /// Scan lines that are compressed together (the format's ZIP_COMPRESSION).
 const LINES_PER_CHUNK: usize = 16;
 
 /// Writes a picture. Attributes come in the order of `metadata`, after those that the format asks for.
-pub fn write<W: Write>(mut writer: W, picture: &Picture) -> io::Result<()> {
+pub fn write<W: Write>(mut writer: W, picture: &Layered) -> io::Result<()> {
     let channels = sorted_channels(picture)?;
     let header = header(picture, &channels)?;
     let Window { y: top, width, height, .. } = picture.data_window;
@@ -48,7 +48,7 @@ fn wrong(problem: impl Into<String>) -> io::Error {
 }
 
 /// The channels of all layers by their full names, in the order that the format asks for.
-fn sorted_channels(picture: &Picture) -> io::Result<Vec<(String, &[f32])>> {
+fn sorted_channels(picture: &Layered) -> io::Result<Vec<(String, &[f32])>> {
     let Window { width, height, .. } = picture.data_window;
     let mut channels: Vec<(String, &[f32])> = Vec::new();
     for layer in &picture.layers {
@@ -77,7 +77,7 @@ fn sorted_channels(picture: &Picture) -> io::Result<Vec<(String, &[f32])>> {
 }
 
 /// The magic number, the version and the attributes.
-fn header(picture: &Picture, channels: &[(String, &[f32])]) -> io::Result<Vec<u8>> {
+fn header(picture: &Layered, channels: &[(String, &[f32])]) -> io::Result<Vec<u8>> {
     let mut list = Vec::new();
     for (name, _) in channels {
         put_name(&mut list, name)?;

@@ -61,13 +61,13 @@ fn glasses_take_each_colour_once() {
     let mut sum = [0.0; 3];
     for i in 0..64_u8 {
         let at = FilmPoint { lens: [(f32::from(i) + 0.5) / 64.0, 0.3], ..FilmPoint::at([50.0, 50.0]) };
-        for (s, t) in sum.iter_mut().zip(c.taken(&at)) {
+        for (s, t) in sum.iter_mut().zip(c.glasses(&at)) {
             *s += t / 64.0;
         }
     }
     assert_eq!(sum, [1.0; 3]);
     let left = FilmPoint { lens: [0.2, 0.5], ..FilmPoint::at([50.0, 50.0]) };
-    assert_eq!(c.taken(&left), [2.0, 0.0, 0.0], "red is the left eye's");
+    assert_eq!(c.glasses(&left), [2.0, 0.0, 0.0], "red is the left eye's");
 }
 
 /// A way of three poses. From the second to the third at half the pace.

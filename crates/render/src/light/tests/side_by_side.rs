@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::light::table::Picks;
-use straal_math::simd::{Isa, Kernel, Simd, Uint};
+use straal_math::simd::{BLOCK, Isa, Kernel, Simd, Uint};
 
 /// As many as two vectors of the widest set.
 const COUNT: usize = 2 * BLOCK;

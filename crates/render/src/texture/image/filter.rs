@@ -169,7 +169,7 @@ struct Seen {
     width: f32,
 }
 
-/// No pixel sees more texels than this in a row, but for being none the wiser. The fourth power of it is a number still.
+/// No pixel sees more texels than this in a row, but for being none the wiser. Its fourth power is a number yet.
 const MOST: f32 = 1e9;
 
 impl Seen {

@@ -56,7 +56,7 @@ impl Channel {
 
 impl ImageTexture {
     /// Of what a scene says.
-    pub(super) fn of(d: &desc::ImageTexture, make: &mut Maker<'_, '_>) -> Self {
+    pub(super) fn of(d: &desc::ImageTexture, make: &mut dyn Maker) -> Self {
         let sampling = Sampling::of(&d.filter, &d.wrap.0, d.anisotropy);
         let channel = Channel::of(&d.channel);
         let meaning = Meaning::of(&d.color_space, make.wants_number());

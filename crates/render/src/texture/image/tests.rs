@@ -211,7 +211,20 @@ fn a_drawn_texel_is_right_in_the_mean() {
 #[test]
 fn nothing_breaks_a_look_up() {
     let picture = bitmap([7, 300], Number::Byte, 4, |x, y, _| ((x * 31 + y * 17) % 256) as f32);
-    let odd = [0.0, 1e-30, 0.37, -12.5, 1e6, 3e9, -1e10, f32::MAX, f32::INFINITY, f32::NAN];
+    let odd = [
+        0.0,
+        1e-30,
+        0.37,
+        -12.5,
+        1e6,
+        3e9,
+        -1e10,
+        1e30,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+    ];
     for filter in &FILTERS {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Black] {
             let t = texture(&picture, filter, wrap.clone(), &TextureSpace::Srgb);
