@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use straal::{Blocks, FIRST_CHECK, Progress};
+use straal::{Blocks, FIRST_CHECK, Listener, LoadOptions, Progress, Reading};
 use straal_math::ops::{exp_d, ln_d};
 
 /// Time between two lines where no terminal is.
@@ -238,6 +238,26 @@ impl Announcer {
             None => out::say(&format!("{line}\n")),
         }
     }
+}
+
+/// Reads a scene's files under a bar that tells how many are read, where somebody watches.
+pub fn while_reading<T>(quiet: bool, options: &LoadOptions, read: impl FnOnce(&LoadOptions) -> T) -> T {
+    if quiet || !out::is_watched() {
+        return read(options);
+    }
+    let style = ProgressStyle::default_bar();
+    let told = "[{bar:16}] reading: {pos} of {len} files";
+    let style = style.clone().template(told).unwrap_or(style).progress_chars("=> ");
+    let bar = ProgressBar::new(0).with_style(style);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let heard = bar.clone();
+    let listener = Listener::new(move |Reading { done, of }| {
+        heard.set_length(of as u64);
+        heard.set_position(done as u64);
+    });
+    let result = read(&LoadOptions { listener, ..options.clone() });
+    bar.finish_and_clear();
+    result
 }
 
 fn thousandths(part: f64, whole: f64) -> u64 {

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use straal_scene::decode::{Strictness, write_json};
-use straal_scene::desc::{Light, Node};
+use straal_scene::desc::{Light, MaterialRef, Node};
 use straal_scene::diagnostic::start_of;
 use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
@@ -40,6 +41,50 @@ pub struct Options {
     /// are followed before this is asked. The scene itself may lie elsewhere, but one in the folder must not be a link out
     /// of it.
     pub root: Option<PathBuf>,
+    /// Who is told how far reading has come.
+    pub listener: Listener,
+}
+
+/// Who is told how far the reading of a scene's files has come, from any thread; nobody, unless it is made with [`Listener::new`].
+#[derive(Clone, Default)]
+pub struct Listener(Option<Arc<dyn Fn(Reading) + Send + Sync>>);
+
+/// How far the reading of files has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reading {
+    /// Files that are read.
+    pub done: usize,
+    /// Files that are known to be needed.
+    pub of: usize,
+}
+
+impl Listener {
+    /// Calls this after each file.
+    pub fn new(hear: impl Fn(Reading) + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(hear)))
+    }
+
+    fn tell(&self, done: usize, of: usize) {
+        if let Some(hear) = &self.0 {
+            hear(Reading { done, of });
+        }
+    }
+}
+
+impl std::fmt::Debug for Listener {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.0.is_some() { "Listener" } else { "nobody" })
+    }
+}
+
+/// The same where both are nobody, or the very same.
+impl PartialEq for Listener {
+    fn eq(&self, o: &Self) -> bool {
+        match (&self.0, &o.0) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        }
+    }
 }
 
 /// A scene without errors, and everything it names.
@@ -137,6 +182,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
         handles,
         pictures: Vec::new(),
         hashes: BTreeMap::new(),
+        progress: Progress::new(&options.listener, paths.len()),
         files,
         ledger,
         d: &mut d,
@@ -320,6 +366,31 @@ fn with_their_own_materials(scene: &Scene) -> BTreeSet<Handle<Mesh>> {
     found
 }
 
+/// Files that are read, of those that are known to be needed.
+struct Progress<'a> {
+    listener: &'a Listener,
+    done: AtomicUsize,
+    of: AtomicUsize,
+}
+
+impl<'a> Progress<'a> {
+    fn new(listener: &'a Listener, of: usize) -> Self {
+        listener.tell(0, of);
+        Self { listener, done: AtomicUsize::new(0), of: AtomicUsize::new(of) }
+    }
+
+    /// One file is read.
+    fn step(&self) {
+        let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+        self.listener.tell(done, self.of.load(Ordering::Relaxed).max(done));
+    }
+
+    /// So many more are needed.
+    fn more(&self, count: usize) {
+        self.of.fetch_add(count, Ordering::Relaxed);
+    }
+}
+
 /// What comes of a file, and the hash of its bytes; nothing after a complaint.
 type Read<T> = Option<(T, [u8; 32])>;
 
@@ -333,6 +404,8 @@ struct Reader<'a> {
     handles: Handles,
     /// Those of them that materials of meshes name, with what the scene calls the mesh.
     pictures: Vec<(FileRef, Picture)>,
+    /// How many files are read.
+    progress: Progress<'a>,
     /// BLAKE3 of each file, by the name that the scene gives it.
     hashes: BTreeMap<String, [u8; 32]>,
     /// What has been read so far.
@@ -379,6 +452,7 @@ impl Reader<'_> {
                 self.hashes.insert(file.value.clone(), *hash);
             }
         }
+        self.coordinates(scene, &assets);
         self.bitmaps(scene, paths, &mut assets);
         for Asset { file, handle } in scene.spectrum_files() {
             let Some(path) = paths.get(&file.value) else { continue };
@@ -401,6 +475,46 @@ impl Reader<'_> {
             }
         }
         assets
+    }
+
+    /// Complains of texture coordinates that a mapping wants and meshes don't have.
+    fn coordinates(&mut self, scene: &Scene, assets: &Assets) {
+        let has = |mesh: &Mesh, name: &str| mesh.attributes.iter().any(|a| a.name == name && a.channels >= 2);
+        let mut complaints: Vec<Diagnostic> = Vec::new();
+        let wanted = if self.d.has_errors() { Vec::new() } else { scene.coordinates() };
+        for name in &wanted {
+            if !assets.meshes.iter().any(|asset| has(&asset.mesh, name)) {
+                let message = format!("no mesh has the texture coordinates `{}`", suggest::brief(name));
+                let help = "PLY files have further sets as `u1` and `v1`, `s1` and `t1` or `texture_u1` and `texture_v1`, called `uv1` here";
+                complaints.push(Diagnostic::error(name.span, message).help(help));
+            }
+        }
+        if complaints.is_empty() && !wanted.is_empty() {
+            scene.visit(|node| {
+                let Node::Mesh(m) = node else { return };
+                let material = match &m.surface.material {
+                    Some(MaterialRef::Named(link)) => scene.materials.of(link),
+                    Some(MaterialRef::Inline(material)) => Some(&**material),
+                    None => None,
+                };
+                let wanted = material.map_or(Vec::new(), |material| scene.coordinates_of(material));
+                let file = m.file.as_ref();
+                let mesh = file.map(|asset| &*assets.mesh(asset.handle).mesh);
+                for name in wanted {
+                    if !mesh.is_some_and(|mesh| has(mesh, name)) {
+                        let which =
+                            file.map_or("a mesh".to_owned(), |f| format!("`{}`", suggest::brief(&f.file)));
+                        let message = format!(
+                            "{which} hasn't the texture coordinates `{}` that its material asks for",
+                            suggest::brief(name)
+                        );
+                        let place = file.map_or(name.span, |f| f.file.span);
+                        complaints.push(Diagnostic::error(place, message));
+                    }
+                }
+            });
+        }
+        complaints.into_iter().for_each(|complaint| self.d.push(complaint));
     }
 
     /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
@@ -556,6 +670,7 @@ fn in_studio(path: &Path, read: MeshFile, options: &Options, ledger: Ledger) -> 
         handles: Handles::default(),
         pictures: pictures.into_iter().map(|p| (name.clone().into(), p)).collect(),
         hashes: BTreeMap::new(),
+        progress: Progress::new(&options.listener, 0),
         files,
         ledger,
         d: &mut warnings,

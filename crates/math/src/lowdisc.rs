@@ -169,11 +169,13 @@ pub enum Purpose {
     Material = 11,
     /// Which corner of a triangle lends its colour.
     Corner = 12,
+    /// Which texel of a texture is read.
+    Texel = 13,
 }
 
 impl Purpose {
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Film,
         Self::Time,
         Self::Wavelength,
@@ -187,6 +189,7 @@ impl Purpose {
         Self::Custom,
         Self::Material,
         Self::Corner,
+        Self::Texel,
     ];
 }
 

@@ -1,4 +1,4 @@
-//! What a look-up of a texture costs: a picture of 4096 x 4096 in 8 bits, on one thread, here and there and along rows, with each filter.
+//! What a look-up of a texture costs, in the time of its thread: a picture of 4096 x 4096 in 8 bits, on one thread, here and there and along rows, with each filter.
 //!
 //! `cargo bench -p straal-render --bench textures`; the same in OpenImageIO: `python crates/render/benches/textures.py` (`pip install openimageio`).
 #![allow(clippy::print_stdout)] // the figures are what it is for
@@ -49,9 +49,14 @@ fn main() {
     println!("{:.2} s for the smaller copies of {SIDE} x {SIDE} texels", start.elapsed().as_secs_f64());
     println!("{:10} {:12} {:>8} {:>14}", "filter", "places", "texels", "million a second");
     let wrap = [Wrap::Repeat, Wrap::Repeat];
-    for filter in
-        [TextureFilter::Nearest, TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::Ewa]
-    {
+    let filters = [
+        TextureFilter::Nearest,
+        TextureFilter::Bilinear,
+        TextureFilter::Trilinear,
+        TextureFilter::Ewa,
+        TextureFilter::Stochastic,
+    ];
+    for filter in filters {
         let sampling = Sampling::of(&filter, &wrap, 16.0);
         // What a pixel sees: one texel, and three by three, and that twice as long.
         for (seen, long) in [(1.0, 1.0), (3.0, 1.0), (3.0, 2.0)] {
@@ -67,7 +72,8 @@ fn main() {
                     } else {
                         [unit(2 * i as u32), unit(2 * i as u32 + 1)]
                     };
-                    let found = sampling.look_up(&pyramid, &Spot { st, dx, dy });
+                    let lot = Some([st[1], (i % 97) as f32 / 97.0]);
+                    let found = sampling.look_up(&pyramid, &Spot { st, dx, dy, lot });
                     (0..4).for_each(|c| sum[c] += found[c]);
                 }
                 let seconds = (computed(began) - start).as_secs_f64();

@@ -19,7 +19,7 @@ use straal_scene::desc;
 use crate::lanes::{Colour, Rgb, SpectralTables};
 use crate::paint::Paint;
 use crate::surface::frame_along;
-use crate::texture::{Place, Reading, ShadingPoint, Value};
+use crate::texture::{OnMesh, Place, Reading, ShadingPoint, Value};
 use std::sync::LazyLock;
 
 /// What a surface pretends to be.
@@ -132,8 +132,17 @@ impl BumpMap {
                 let moved = |place: &Place, along: Vec3| Place { p: place.p + along * step, ..*place };
                 let mut uv = at.uv;
                 uv[k] += step;
+                let on_mesh = at.on_mesh.map(|on| {
+                    let duv = [0, 1].map(|i| if i == k { step } else { 0.0 });
+                    let [du, dv] = reading
+                        .meshes
+                        .get(on.mesh as usize)
+                        .map_or(duv, |mesh| mesh.place_change(on.triangle, duv));
+                    OnMesh { place: [on.place[0] + du, on.place[1] + dv], ..on }
+                });
                 let point = ShadingPoint {
                     uv,
+                    on_mesh,
                     world: moved(&at.world, along),
                     object: moved(&at.object, inside),
                     ..*at

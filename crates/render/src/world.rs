@@ -89,6 +89,8 @@ pub struct World {
     pub materials: Materials,
     /// What their values are read off.
     pub textures: Vec<Texture>,
+    /// Whether any of these draws texels: then vertices need numbers for it.
+    pub draws_texels: bool,
     /// Spectra of the colours, when light is computed by wavelengths.
     pub tables: SpectralTables,
     /// What the film sees of light.
@@ -279,6 +281,7 @@ impl World {
                 Kind::Mesh(mesh) => Some(OnMesh { mesh, triangle: hit.primitive, place: [hit.u, hit.v] }),
                 Kind::Shapes(_) => None,
             },
+            lot: None,
         };
         if let Some(relief) = self.materials.relief(surface.material) {
             let ways = Ways {

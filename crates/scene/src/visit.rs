@@ -3,9 +3,11 @@
 //! [`Describe::show`] comes from the same definition as reading and writing does: a new key of a new
 //! material is seen by all who look for colours, without a list of colours that anyone has to keep.
 
+use std::collections::BTreeSet;
+
 use crate::Bitmap;
 use crate::decode::Describe;
-use crate::desc::{MaterialRef, Scene, Spectrum, Texture, TextureOf};
+use crate::desc::{Material, MaterialRef, Scene, Spectrum, Texture, TextureOf};
 use crate::limit::Limit;
 use crate::value::{Asset, Link, Name};
 
@@ -30,6 +32,9 @@ pub trait Visitor<'a> {
 
     /// The name of what meshes have at their vertices or on their faces, and a texture reads.
     fn attribute(&mut self, _name: &'a Name) {}
+
+    /// The name of texture coordinates that a mapping takes of meshes; it was shown as an attribute before.
+    fn coordinates(&mut self, _name: &'a Name) {}
 
     /// A picture that a texture is read off.
     fn bitmap(&mut self, _bitmap: &'a Asset<Bitmap>) {}
@@ -58,7 +63,60 @@ impl<'a> Visitor<'a> for Attributes<'a> {
     }
 }
 
+/// A list of texture coordinates by name, and the textures and materials that are named on the way.
+#[derive(Default)]
+struct Coordinates<'a> {
+    found: Vec<&'a Name>,
+    textures: Vec<&'a Link<Texture>>,
+    materials: Vec<&'a Link<Material>>,
+}
+
+impl<'a> Visitor<'a> for Coordinates<'a> {
+    fn coordinates(&mut self, name: &'a Name) {
+        self.found.push(name);
+    }
+
+    fn texture_name(&mut self, name: &'a Link<Texture>) {
+        self.textures.push(name);
+    }
+
+    fn material(&mut self, material: &'a MaterialRef) -> bool {
+        if let MaterialRef::Named(link) = material {
+            self.materials.push(link);
+        }
+        true
+    }
+}
+
 impl Scene {
+    /// The texture coordinates, by name, that a material wants of the meshes it lies on, besides their own.
+    pub fn coordinates_of<'a>(&'a self, material: &'a Material) -> Vec<&'a Name> {
+        let mut all = Coordinates::default();
+        material.show(Limit::FINITE, &mut all);
+        // Each once: they may be made of one another.
+        let (mut textures, mut materials) = (BTreeSet::new(), BTreeSet::new());
+        loop {
+            if let Some(handle) = all.textures.pop().map(Link::to) {
+                let found =
+                    handle.filter(|handle| textures.insert(*handle)).and_then(|h| self.textures.at(h));
+                found.into_iter().for_each(|(_, texture)| texture.show(Limit::FINITE, &mut all));
+            } else if let Some(handle) = all.materials.pop().map(Link::to) {
+                let found =
+                    handle.filter(|handle| materials.insert(*handle)).and_then(|h| self.materials.at(h));
+                found.into_iter().for_each(|(_, material)| material.show(Limit::FINITE, &mut all));
+            } else {
+                return all.found;
+            }
+        }
+    }
+
+    /// The texture coordinates, by name, that any texture wants of meshes, besides their own.
+    pub fn coordinates(&self) -> Vec<&Name> {
+        let mut all = Coordinates::default();
+        self.show(Limit::FINITE, &mut all);
+        all.found
+    }
+
     /// What textures read of meshes, by name, with repetitions.
     pub fn attributes(&self) -> Vec<&Name> {
         let mut found = Attributes(Vec::new());

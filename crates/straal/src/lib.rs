@@ -35,7 +35,9 @@ pub use picture::Picture;
 pub use resolve::{Error, Overrides};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
-pub use straal_formats::load::{Loaded, Options as LoadOptions, is_mesh, load, load_str, load_stream};
+pub use straal_formats::load::{
+    Listener, Loaded, Options as LoadOptions, Reading, is_mesh, load, load_str, load_stream,
+};
 pub use straal_formats::studio::{self, Studio};
 pub use straal_math::lowdisc::PatternKind;
 pub use straal_render::camera::{Facts as CameraFacts, Focus as CameraFocus};

@@ -8,7 +8,7 @@ use crate::interrupt::{Cause, Interrupt};
 use crate::keeping::{ANEW, Keeping};
 use crate::out;
 use crate::places::refuse_inputs;
-use crate::progress::{Pace, Teller};
+use crate::progress::{Pace, Teller, while_reading};
 use crate::quantity::{count, tell_percent};
 use crate::report::Report;
 use crate::settings::RenderSettings;
@@ -108,7 +108,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
 fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
     let options = &settings.reading;
     match &settings.scene {
-        Some(path) => load(path, options),
+        Some(path) => while_reading(settings.quiet, options, |options| load(path, options)),
         None => straal::load_str("the embedded scene", EMBEDDED_SCENE, Path::new(""), options)
             .map_err(Failure::scene),
     }

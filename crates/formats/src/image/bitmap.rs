@@ -3,7 +3,7 @@
 use straal_scene::bitmap::{Bitmap, TexelFormat, Texels};
 
 use super::coded::no_memory;
-use super::{Format, Header, Photo, bmp, header, jpeg, png, tga, webp};
+use super::{Format, Header, Photo, bmp, header, jpeg, ktx2, png, tga, webp};
 use crate::{Limits, ReadError};
 
 /// Reads a picture for textures, and tells what a person should know of how it was read, each a sentence without a full stop.
@@ -18,6 +18,7 @@ pub fn bitmap(bytes: &[u8], limits: &Limits) -> Result<(Bitmap, Vec<String>), Re
         Format::Webp => webp::read_codes(bytes, limits)?.into_bitmap(),
         Format::Tga => tga::read_codes(bytes, limits)?.into_bitmap(),
         Format::Bmp => bmp::read_codes(bytes, limits)?.into_bitmap(),
+        Format::Ktx2 => ktx2::read_bitmap(bytes, limits),
         Format::Exr | Format::Hdr | Format::Pfm => {
             let (mut photo, space) = {
                 let mut photo = Photo::read(bytes, limits)?;

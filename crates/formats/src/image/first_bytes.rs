@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use super::{Format, Header, bmp, exr, hdr, jpeg, pfm, png, tga, webp};
+use super::{Format, Header, bmp, exr, hdr, jpeg, ktx2, pfm, png, tga, webp};
 use crate::{Limits, ReadError};
 
 impl Format {
@@ -18,11 +18,12 @@ impl Format {
             [0xff, 0xd8, 0xff, ..] => Ok(Self::Jpeg),
             [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Ok(Self::Webp),
             [b'B', b'M', ..] => Ok(Self::Bmp),
+            _ if bytes.starts_with(&ktx2::MAGIC) => Ok(Self::Ktx2),
             [] => Err(ReadError::file("the file is empty")),
             // It has no mark.
             _ if tga::is_one(bytes) => Ok(Self::Tga),
             _ => Err(ReadError::file(
-                "not a picture that straal knows: BMP, EXR, HDR, JPEG, PFM, PNG, TGA and WebP are",
+                "not a picture that straal knows: BMP, EXR, HDR, JPEG, KTX2, PFM, PNG, TGA and WebP are",
             )),
         }
     }
@@ -40,6 +41,7 @@ pub fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
         Format::Webp => webp::header(bytes, limits),
         Format::Tga => tga::header(bytes, limits),
         Format::Bmp => bmp::header(bytes, limits),
+        Format::Ktx2 => ktx2::header(bytes, limits),
     }?;
     limits.check_decoded(header.decoded_bytes)?;
     Ok(header)

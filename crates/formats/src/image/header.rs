@@ -21,6 +21,8 @@ pub enum Format {
     Tga,
     /// BMP.
     Bmp,
+    /// Khronos's textures, KTX2.
+    Ktx2,
 }
 
 /// A picture's size and what it costs to read.

@@ -9,6 +9,7 @@ pub mod hdr;
 mod header;
 mod icc;
 pub mod jpeg;
+pub mod ktx2;
 mod light;
 pub mod pfm;
 mod photo;

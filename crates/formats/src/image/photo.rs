@@ -4,7 +4,7 @@ use straal_color::{Adaptation, RgbSpace, Space};
 use straal_scene::Image;
 
 use super::exr::{self, Beauty, Window};
-use super::{Format, bmp, hdr, jpeg, pfm, png, tga, webp};
+use super::{Format, bmp, hdr, jpeg, ktx2, pfm, png, tga, webp};
 use crate::{Limits, ReadError};
 
 /// The colours of a picture, with what its file says of them.
@@ -62,6 +62,7 @@ impl Photo {
             Format::Webp => Ok(webp::read_codes(bytes, limits)?.into_photo()),
             Format::Tga => Ok(tga::read_codes(bytes, limits)?.into_photo()),
             Format::Bmp => Ok(bmp::read_codes(bytes, limits)?.into_photo()),
+            Format::Ktx2 => ktx2::read_photo(bytes, limits),
         }
     }
 

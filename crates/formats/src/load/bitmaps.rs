@@ -9,7 +9,7 @@ use straal_scene::handle::Handle;
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{Assets, Bitmap, Diagnostic, Scene, suggest};
 
-use super::{IMAGE_HELP, Reader};
+use super::{IMAGE_HELP, Progress, Reader};
 use crate::files::{self, Refusal};
 use crate::mesh_file::Picture;
 use crate::read_error::quoted;
@@ -78,7 +78,8 @@ impl Reader<'_> {
             wanted.push(Wanted { file, of_mesh, path, passing });
         }
         let threads = self.threads(&wanted);
-        let decoded = decode(&wanted, threads, self.limits);
+        self.progress.more(pictures.len());
+        let decoded = decode(&wanted, threads, (self.limits, &self.progress));
         for (wanted, decoded) in wanted.iter().zip(&decoded) {
             match decoded {
                 Ok((_, notes, _)) => {
@@ -123,7 +124,11 @@ impl Reader<'_> {
 }
 
 /// Decodes files in any order; gives them in theirs.
-fn decode(wanted: &[Wanted<'_>], threads: usize, limits: &Limits) -> Vec<Decoded> {
+fn decode(
+    wanted: &[Wanted<'_>],
+    threads: usize,
+    (limits, progress): (&Limits, &Progress<'_>),
+) -> Vec<Decoded> {
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
@@ -131,6 +136,7 @@ fn decode(wanted: &[Wanted<'_>], threads: usize, limits: &Limits) -> Vec<Decoded
             let i = next.fetch_add(1, Ordering::Relaxed);
             let Some(mine) = wanted.get(i) else { return done };
             done.push((i, one(mine.path, limits)));
+            progress.step();
         }
     };
     let mut decoded: Vec<Option<Decoded>> = wanted.iter().map(|_| None).collect();

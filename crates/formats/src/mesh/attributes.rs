@@ -23,6 +23,12 @@ const COLOURS: [[&str; 4]; 3] = [
     ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"],
 ];
 
+/// The names of a further set of texture coordinates; the set's number comes behind them.
+const COORDINATES: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
+
+/// So many sets have names: `uv1` to `uv7`.
+const SETS: std::ops::RangeInclusive<usize> = 1..=7;
+
 impl Columns {
     /// Of the properties that are wanted, and free.
     pub(super) fn new(
@@ -47,6 +53,15 @@ impl Columns {
         {
             let all: Vec<usize> = [r, g, b, a].into_iter().flatten().collect();
             columns.add(COLOUR, per, &all, scalar);
+        }
+        for set in SETS {
+            let name = format!("uv{set}");
+            let pair = COORDINATES
+                .iter()
+                .find_map(|[u, v]| find(&format!("{u}{set}")).zip(find(&format!("{v}{set}"))));
+            if let Some((u, v)) = pair.filter(|_| wanted(&name)) {
+                columns.add(&name, per, &[u, v], scalar);
+            }
         }
         for (i, property) in properties.iter().enumerate() {
             if columns.places[i].is_none()

@@ -270,7 +270,7 @@ fn an_obj_is_painted_with_the_pictures_of_its_materials() {
     let Material::OpenPbr(b) = &materials["b"].material else { panic!("{:?}", materials["b"]) };
     let Varying::Texture(rough) = &b.specular_roughness else { panic!("{b:?}") };
     assert_eq!(file_of(painted).handle, file_of(rough).handle);
-    assert!(loaded.assets.bitmap(file_of(painted).handle).texels.width() == 16);
+    assert_eq!(loaded.assets.bitmap(file_of(painted).handle).texels.width(), 16);
     assert!(b.relief.bump.as_ref().is_some_and(|bump| (bump.height - 0.01).abs() < 1e-6), "{b:?}");
     assert_eq!(loaded.assets.bitmaps.iter().count(), 2);
     assert!(loaded.files.iter().any(|f| f.ends_with("steps.png")), "{:?}", loaded.files);
@@ -288,4 +288,23 @@ fn an_obj_is_painted_with_the_pictures_of_its_materials() {
     );
     let both = load_str("scene.yaml", &scene, Path::new("tests/data"), &Options::default()).unwrap();
     assert_eq!(both.assets.bitmaps.iter().count(), 3);
+}
+
+#[test]
+fn texture_coordinates_that_a_mesh_lacks_are_told() {
+    const START: &str = "camera: {perspective: {eye: [0, 0, 5], look_at: [0, 0, 0]}}\n\
+        textures: {a: {checker: {mapping: {attribute: {name: uv1}}}}}\n\
+        materials: {b: {diffuse: {reflectance: {texture: a}}}}\n";
+    let says = |world: &str| {
+        let scene = format!("{START}world: [{world}]\n");
+        load_str("scene.yaml", &scene, Path::new("tests/data"), &Options::default())
+            .map(|_| ())
+            .map_err(|d| d.to_string())
+    };
+    let mesh = |file: &str| format!("mesh: {{file: {file}, material: {{mask: {{material: b}}}}}}");
+    assert_eq!(says(&mesh("two-sets.ply")), Ok(()));
+    let none = says("sphere: {material: b, emission: 1}").unwrap_err();
+    assert!(none.contains("no mesh has the texture coordinates `uv1`"), "{none}");
+    let one = says(&format!("{}, {}", mesh("two-sets.ply"), mesh("triangle.ply"))).unwrap_err();
+    assert!(one.contains("`triangle.ply` hasn't the texture coordinates `uv1`"), "{one}");
 }

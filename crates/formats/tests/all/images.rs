@@ -215,7 +215,7 @@ fn errors_say_what_and_where() {
     assert_eq!(told(b"").to_string(), "the file is empty");
     assert_eq!(
         told(b"what").to_string(),
-        "not a picture that straal knows: BMP, EXR, HDR, JPEG, PFM, PNG, TGA and WebP are"
+        "not a picture that straal knows: BMP, EXR, HDR, JPEG, KTX2, PFM, PNG, TGA and WebP are"
     );
     assert_eq!(told(b"PF\n4 x").to_string(), "byte 5: expected the height, found 'x'");
     assert_eq!(

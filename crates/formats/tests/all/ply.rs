@@ -348,3 +348,19 @@ fn attributes_are_read_when_somebody_asks_for_them() {
     assert_eq!(mesh.attributes[0].values[10], 0.0);
     assert_eq!((mesh.triangles.len(), mesh.attributes[1].values.as_slice()), (2, [7.0, 7.0].as_slice()));
 }
+
+#[test]
+fn further_sets_of_texture_coordinates_are_read_where_they_are_wanted() {
+    let bytes = std::fs::read("tests/data/two-sets.ply").unwrap();
+    let read = |wanted: &str| {
+        let file = ply::read_with(&bytes, &Limits::default(), &|name| name == wanted).unwrap();
+        (file.mesh, file.warnings)
+    };
+    let (mesh, warnings) = read("uv1");
+    assert_eq!(mesh.uvs, [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    let [set] = &mesh.attributes[..] else { panic!("{:?}", mesh.attributes) };
+    assert_eq!((set.name.as_str(), set.channels), ("uv1", 2));
+    assert_eq!(set.values, [5.0, 6.0, 7.0, 6.0, 5.0, 9.0]);
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert!(read("uv2").0.attributes.is_empty());
+}

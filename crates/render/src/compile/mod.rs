@@ -20,6 +20,7 @@ use crate::film::{Recording, Sensor};
 use crate::filter::{Filter, Profile, Separable};
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
+use crate::texture::Texture;
 use crate::world::World;
 use std::sync::Arc;
 use straal_accel::{self as accel, BuildError};
@@ -134,6 +135,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, BuildErr
         geometry,
         accel,
         materials,
+        draws_texels: paint.textures.iter().any(Texture::draws),
         textures: paint.textures,
         tables: paint.spectra,
         sensor,

@@ -209,6 +209,9 @@ impl PathTracer {
             if depth >= self.max_depth {
                 continue;
             }
+            if world.draws_texels {
+                surfaces.draw_lots(i, || queue.pattern.d2(&queue.paths[path as usize].name, Purpose::Texel));
+            }
             let (mut material, at) = (surfaces.material[i], surfaces.at(i));
             let in_front = surfaces.wo.at(i).z > 0.0;
             if world.materials.choose() {

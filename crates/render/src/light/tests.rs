@@ -13,6 +13,7 @@ use crate::testing::in_rgb;
 
 mod density;
 mod side_by_side;
+mod textured;
 
 pub(super) const RADIANCE: Light = Light::rgb([2.0, 3.0, 0.5]);
 

@@ -88,8 +88,9 @@ impl Maker for PartsOf<'_, '_> {
         self.paint.attribute(name)
     }
 
-    fn mapping(&self, said: &desc::Mapping) -> Mapping {
-        Mapping::of(said, self.paint.centre)
+    fn mapping(&mut self, said: &desc::Mapping) -> Mapping {
+        let centre = self.paint.centre;
+        Mapping::of(said, centre, |name| self.paint.attribute(name))
     }
 
     fn colour(&mut self, s: &desc::Spectrum) -> Colour {

@@ -200,6 +200,27 @@ impl TriangleMesh {
         found.unwrap_or_else(|| Tangents::about(self.surface(primitive, u, v).ng))
     }
 
+    /// Two numbers that the corners of a triangle have, by the attribute's number; `None` where there are none.
+    pub(crate) fn coordinates(&self, attribute: u32, primitive: u32) -> Option<[[f32; 2]; 3]> {
+        let found = self.attributes.iter().find(|a| a.id == attribute && a.channels >= 2)?;
+        let corners = self.indices.get(primitive as usize)?;
+        let of = |i: u32| found.values.get(i as usize * found.channels..)?.first_chunk::<2>().copied();
+        let [a, b, c] = corners.map(of);
+        Some([a?, b?, c?])
+    }
+
+    /// How the barycentric weights of a triangle's vertices 1 and 2 change where its texture coordinates change by `duv`: see
+    /// [`Self::tangents`], whose coordinates these are.
+    pub(crate) fn place_change(&self, primitive: u32, [du, dv]: [f32; 2]) -> [f32; 2] {
+        let corners = self.indices[primitive as usize].map(|i| self.uvs.get(i as usize));
+        let [Some(t0), Some(t1), Some(t2)] = corners else { return [du, dv] };
+        let (d1, d2) = ([t1[0] - t0[0], t1[1] - t0[1]], [t2[0] - t0[0], t2[1] - t0[1]]);
+        let det = d1[0] * d2[1] - d2[0] * d1[1];
+        let change = [(du * d2[1] - dv * d2[0]) / det, (dv * d1[0] - du * d1[1]) / det];
+        // Where they have no extent the weights themselves stand in.
+        if change.iter().all(|v| v.is_finite()) { change } else { [du, dv] }
+    }
+
     /// A point of a triangle, uniformly; `pdf_area` is that of the triangle alone.
     pub fn sample_triangle(&self, primitive: u32, u: [f32; 2]) -> AreaSample {
         let [b1, b2] = warp::uniform_triangle(u);
@@ -354,6 +375,55 @@ mod tests {
         assert!((t.dpdu - Vec3::new(0.0, 1.5, 0.0)).length() < 1e-6);
         // v grows along x, 4 over 2 metres.
         assert!((t.dpdv - Vec3::new(0.5, 0.0, 0.0)).length() < 1e-6);
+    }
+
+    /// Between the corners of a triangle that lies askew, coordinates are those of the point in space; mixed by the place on the film, as a
+    /// rasteriser that doesn't divide does, they would be far off.
+    #[test]
+    fn texture_coordinates_are_right_in_perspective() {
+        use straal_accel::{Geometry, GeometryKind, Group, Hit, Input, Options, Scene};
+        use straal_math::Ray;
+        // A floor from near to far, seen from the origin along -z.
+        let corners = [[-1.0, -1.0, -2.0], [1.0, -1.0, -2.0], [1.0, -1.0, -12.0]].map(Vec3::from_array);
+        let uvs = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+        let mesh = TriangleMesh {
+            positions: corners.into(),
+            indices: [[0, 1, 2]].into(),
+            uvs: uvs.to_vec(),
+            ..TriangleMesh::default()
+        };
+        let kind =
+            GeometryKind::Triangles { positions: mesh.positions.clone(), indices: mesh.indices.clone() };
+        let input = Input {
+            groups: vec![Group { geometries: vec![0], instances: vec![] }],
+            geometries: vec![Geometry { kind, mask: u32::MAX }],
+        };
+        let scene = Scene::build(input, &(), &Options::default()).unwrap();
+        let depths = corners.map(|p| -p.z);
+        let mut furthest = 0.0_f32;
+        for weights in [[0.6, 0.2, 0.2], [0.2, 0.3, 0.5], [0.1, 0.1, 0.8], [1.0, 1.0, 1.0]] {
+            let sum: f32 = weights.iter().sum();
+            // By weights on the film, and with each corner's over its depth.
+            let mixed = |weights: [f32; 3]| {
+                let sum: f32 = weights.iter().sum();
+                [0, 1].map(|k| (0..3).map(|i| weights[i] * uvs[i][k]).sum::<f32>() / sum)
+            };
+            let naive = mixed(weights);
+            let right = mixed([0, 1, 2].map(|i| weights[i] / depths[i]));
+            let place = (0..3).fold(Vec3::ZERO, |d, i| d + corners[i] * (weights[i] / depths[i] / sum));
+            let mut hit = [Hit::MISS];
+            scene.closest(&(), &[Ray::new(Vec3::ZERO, place.normalize())], &mut hit);
+            let found = mesh.surface(hit[0].primitive, hit[0].u, hit[0].v).uv;
+            for k in 0..2 {
+                assert!((found[k] - right[k]).abs() < 1e-5, "{weights:?}: {found:?}, not {right:?}");
+                furthest = if (naive[k] - right[k]).abs() > furthest {
+                    (naive[k] - right[k]).abs()
+                } else {
+                    furthest
+                };
+            }
+        }
+        assert!(furthest > 0.3, "the naive kind is as good: {furthest}");
     }
 
     #[test]

@@ -236,6 +236,14 @@ impl Surfaces {
         self.apart(i).and_then(|(_, _, at)| at.as_ref())
     }
 
+    /// Gives textures of surface `i` numbers by which they may draw texels.
+    pub fn draw_lots(&mut self, i: usize, lot: impl FnOnce() -> [f32; 2]) {
+        let apart = self.apart.iter_mut().find(|(k, ..)| *k as usize == i);
+        if let Some((_, _, Some(at))) = apart {
+            at.lot = Some(lot());
+        }
+    }
+
     /// The point of surface `i`. Its texture coordinates are 0 where neither its material nor its emitter wants them.
     pub fn point(&self, i: usize) -> SurfacePoint {
         let End { p, p_err, ng } = self.end(i);

@@ -10,6 +10,7 @@ use straal_scene::desc;
 
 use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use, Value};
 use crate::lanes::{Colour, Lanes};
+use crate::shape::TriangleMesh;
 
 /// Squares of two colours.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +38,8 @@ impl Checker {
     }
 
     /// The share of the second colour in what a pixel sees: 0 or 1 where that is a point.
-    fn share(&self, at: &ShadingPoint) -> f32 {
-        let [share] = self.mapping.over(at, |spot| {
+    fn share(&self, at: &ShadingPoint, meshes: &[TriangleMesh]) -> f32 {
+        let [share] = self.mapping.over(at, meshes, |spot| {
             let [a, b] = [0, 1].map(|k| {
                 let x = self.squares[k] * spot.st[k];
                 let seen = if self.averaged { spot.dx[k].abs() + spot.dy[k].abs() } else { 0.0 };
@@ -70,13 +71,13 @@ fn odd(x: f32, reach: f32) -> f32 {
 impl Pattern for Checker {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, _: Use) -> Light {
         let [first, second] = [0, 1].map(|i| reading.eval(&self.colours[i], at));
-        let share = self.share(at);
+        let share = self.share(at, reading.meshes);
         first * (1.0 - share) + second * share
     }
 
     fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
         let [first, second] = [0, 1].map(|i| reading.number(&self.colours[i], at));
-        let share = self.share(at);
+        let share = self.share(at, reading.meshes);
         first * (1.0 - share) + second * share
     }
 

@@ -23,7 +23,7 @@ pub(crate) trait Maker {
     fn attribute(&mut self, name: &str) -> u32;
 
     /// How it lies on a surface.
-    fn mapping(&self, said: &desc::Mapping) -> Mapping;
+    fn mapping(&mut self, said: &desc::Mapping) -> Mapping;
 
     /// A colour, or of what is read as a number, its numbers.
     fn colour(&mut self, s: &desc::Spectrum) -> Colour;

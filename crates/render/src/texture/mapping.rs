@@ -13,6 +13,7 @@ use straal_math::{Affine, DVec3, Transform, Vec3, ops};
 use straal_scene::desc;
 
 use super::{Place, ShadingPoint, Spot};
+use crate::shape::TriangleMesh;
 
 /// How a pattern lies on a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub enum Mapping {
     Coordinates,
     /// By the texture coordinates times a matrix of two rows; the last number of each is added.
     Plane([[f32; 3]; 2]),
+    /// By what a mesh has of two numbers, its number first, times a matrix as well. Where it has none, all is at the origin.
+    Attribute(u32, Box<[[f32; 3]; 2]>),
     /// By places in space.
     Space(Box<InSpace>),
 }
@@ -54,9 +57,12 @@ enum Onto {
 
 impl Mapping {
     /// Of what a scene says; `centre` is what of the description's space lies at the world's origin.
-    pub(crate) fn of(said: &desc::Mapping, centre: DVec3) -> Self {
+    pub(crate) fn of(said: &desc::Mapping, centre: DVec3, attribute: impl FnOnce(&str) -> u32) -> Self {
         let (space, transform, uv, onto) = match said {
             desc::Mapping::Uv(d) => return Self::of_uv(d),
+            desc::Mapping::Attribute(d) => {
+                return Self::Attribute(attribute(&d.name.0.value), Box::new(matrix(&d.uv)));
+            }
             desc::Mapping::Planar(d) => (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Plane),
             desc::Mapping::Polar(d) => (&d.space, transform(&d.transform), matrix(&d.uv), Onto::Disc),
             desc::Mapping::Cylindrical(d) => {
@@ -90,13 +96,33 @@ impl Mapping {
 
     /// What a pattern has at a point, where `pattern` tells it for places of the plane: the mean of several where it is blended.
     #[inline]
-    pub fn over<const N: usize>(&self, at: &ShadingPoint, pattern: impl Fn(&Spot) -> [f32; N]) -> [f32; N] {
+    pub fn over<const N: usize>(
+        &self,
+        at: &ShadingPoint,
+        meshes: &[TriangleMesh],
+        pattern: impl Fn(&Spot) -> [f32; N],
+    ) -> [f32; N] {
         match self {
-            Self::Coordinates => pattern(&Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy }),
-            Self::Plane(m) => pattern(&moved(m, &Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy })),
+            Self::Attribute(id, m) => pattern(&moved(m, &by_attribute(*id, at, meshes))),
+            Self::Coordinates => pattern(&spot_of(at)),
+            Self::Plane(m) => pattern(&moved(m, &spot_of(at))),
             Self::Space(mapping) => mapping.over(at, pattern),
         }
     }
+}
+
+/// By two numbers that the mesh has at its vertices.
+fn by_attribute(id: u32, at: &ShadingPoint, meshes: &[TriangleMesh]) -> Spot {
+    let nowhere = Spot { st: [0.0; 2], dx: [0.0; 2], dy: [0.0; 2], lot: at.lot };
+    let Some(on) = &at.on_mesh else { return nowhere };
+    let Some(mesh) = meshes.get(on.mesh as usize) else { return nowhere };
+    let Some([a, b, c]) = mesh.coordinates(id, on.triangle) else { return nowhere };
+    // From corner 0 to the others.
+    let [along, across] = [b, c].map(|corner| [corner[0] - a[0], corner[1] - a[1]]);
+    let of = |[u, v]: [f32; 2]| [0, 1].map(|k| u * along[k] + v * across[k]);
+    let [s, t] = of(on.place);
+    let change = |duv| of(mesh.place_change(on.triangle, duv));
+    Spot { st: [a[0] + s, a[1] + t], dx: change(at.duvdx), dy: change(at.duvdy), lot: at.lot }
 }
 
 /// Scaled, then turned, then moved.
@@ -111,7 +137,13 @@ fn matrix(d: &desc::UvMapping) -> [[f32; 3]; 2] {
 fn moved(m: &[[f32; 3]; 2], spot: &Spot) -> Spot {
     let along = |[u, v]: [f32; 2]| m.map(|row| row[0] * u + row[1] * v);
     let [s, t] = along(spot.st);
-    Spot { st: [s + m[0][2], t + m[1][2]], dx: along(spot.dx), dy: along(spot.dy) }
+    Spot { st: [s + m[0][2], t + m[1][2]], dx: along(spot.dx), dy: along(spot.dy), lot: spot.lot }
+}
+
+/// By the texture coordinates.
+#[inline(always)]
+fn spot_of(at: &ShadingPoint) -> Spot {
+    Spot { st: at.uv, dx: at.duvdx, dy: at.duvdy, lot: at.lot }
 }
 
 /// Validation has seen that it is none without an inverse.
@@ -129,18 +161,31 @@ impl InSpace {
             dpdy: m.inverse_vector(place.dpdy),
         };
         let Onto::Three(sharpness) = self.onto else {
-            return pattern(&self.spot(&own, self.onto));
+            return pattern(&self.spot(&own, self.onto, at.lot));
         };
         // Normals as seen from the mapping's space.
         let to = |axis: Vec3| m.vector(axis).dot(n).abs();
         let weights = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| ops::pow(to(axis), sharpness));
         let sum = weights[0] + weights[1] + weights[2];
+        if let Some([u, v]) = at.lot {
+            // One of them, by its share; what is left of the number is even again.
+            let mut rest = u * sum;
+            let last = if weights[2] > 0.0 { 2 } else { usize::from(weights[1] > 0.0) };
+            let mut k = 0;
+            while k < last && rest >= weights[k] {
+                rest -= weights[k];
+                k += 1;
+            }
+            let left = rest / weights[k];
+            let left = if left >= 0.0 { ops::min(left, 1.0 - f32::EPSILON) } else { 0.0 };
+            return pattern(&self.spot(&turned(&own, k), Onto::Plane, Some([left, v])));
+        }
         let mut out = [0.0; N];
         for (k, weight) in weights.into_iter().enumerate() {
             let share = if sum > 0.0 { weight / sum } else { [0.0, 0.0, 1.0][k] };
             // Where one counts for next to nothing it isn't asked.
             if share > 1e-3 {
-                let spot = self.spot(&turned(&own, k), Onto::Plane);
+                let spot = self.spot(&turned(&own, k), Onto::Plane, None);
                 let found = pattern(&spot);
                 (0..N).for_each(|i| out[i] += share * found[i]);
             }
@@ -150,12 +195,12 @@ impl InSpace {
         if told > 0.0 { out.map(|v| v / told) } else { out }
     }
 
-    fn spot(&self, at: &Place, onto: Onto) -> Spot {
+    fn spot(&self, at: &Place, onto: Onto, lot: Option<[f32; 2]>) -> Spot {
         let Place { p, dpdx, dpdy } = *at;
-        let Spot { st, dx, dy } = match onto {
+        let (st, dx, dy) = match onto {
             Onto::Plane | Onto::Three(_) => {
                 let of = |v: Vec3| [v.x, v.y];
-                Spot { st: of(p), dx: of(dpdx), dy: of(dpdy) }
+                (of(p), of(dpdx), of(dpdy))
             }
             Onto::Disc => {
                 let square = p.x * p.x + p.y * p.y;
@@ -165,11 +210,11 @@ impl InSpace {
                     [0.5 * FRAC_1_PI * (p.x * d.y - p.y * d.x) / square, along / square.sqrt()]
                 };
                 let around = if angle < 0.0 { angle + 1.0 } else { angle };
-                Spot { st: [around, square.sqrt()], dx: of(dpdx), dy: of(dpdy) }
+                ([around, square.sqrt()], of(dpdx), of(dpdy))
             }
             Onto::Cylinder => {
                 let of = |d: Vec3| [around(p, d), 0.5 * d.y];
-                Spot { st: [angle(p), 0.5 + 0.5 * p.y], dx: of(dpdx), dy: of(dpdy) }
+                ([angle(p), 0.5 + 0.5 * p.y], of(dpdx), of(dpdy))
             }
             Onto::Sphere => {
                 let across = (p.x * p.x + p.z * p.z).sqrt();
@@ -180,7 +225,7 @@ impl InSpace {
                     let out = (p.x * d.x + p.z * d.z) / across;
                     [around(p, d), FRAC_1_PI * (across * d.y - p.y * out) / square]
                 };
-                Spot { st: [angle(p), up], dx: of(dpdx), dy: of(dpdy) }
+                ([angle(p), up], of(dpdx), of(dpdy))
             }
             Onto::Cube => {
                 // Onto the side that a ray from the middle meets.
@@ -193,7 +238,7 @@ impl InSpace {
                     let deeper = depth.dot(d) / size;
                     [0.5 * (s.dot(d) / size - x * deeper), 0.5 * (t.dot(d) / size - y * deeper)]
                 };
-                Spot { st: [0.5 + 0.5 * x, 0.5 + 0.5 * y], dx: of(dpdx), dy: of(dpdy) }
+                ([0.5 + 0.5 * x, 0.5 + 0.5 * y], of(dpdx), of(dpdy))
             }
             Onto::Lens(half) => {
                 let depth = -p.z;
@@ -206,15 +251,15 @@ impl InSpace {
                     ]
                 };
                 if depth > 0.0 {
-                    Spot { st: [0.5 + 0.5 * x, 0.5 + 0.5 * y], dx: of(dpdx), dy: of(dpdy) }
+                    ([0.5 + 0.5 * x, 0.5 + 0.5 * y], of(dpdx), of(dpdy))
                 } else {
                     // What is behind lies far outside.
-                    Spot { st: [-1e6, -1e6], dx: [0.0; 2], dy: [0.0; 2] }
+                    ([-1e6, -1e6], [0.0; 2], [0.0; 2])
                 }
             }
         };
         let sound = |v: [f32; 2]| v.map(|v| if v.is_finite() { v } else { 1e6 });
-        moved(&self.uv, &Spot { st: sound(st), dx: sound(dx), dy: sound(dy) })
+        moved(&self.uv, &Spot { st: sound(st), dx: sound(dx), dy: sound(dy), lot })
     }
 }
 
@@ -349,11 +394,50 @@ mod tests {
         assert_eq!(place(Onto::Disc, [0.0, -0.5, 1.0]), [0.75, 0.5]);
     }
 
+    /// Where both sets of coordinates are linear in the place, one follows from the other, and so do footprints.
+    #[test]
+    fn another_set_of_coordinates_has_its_own_footprint() {
+        use crate::texture::{MeshAttribute, OnMesh};
+        use straal_scene::mesh::Per;
+        let corners = [[0.1, 0.2], [0.7, 0.3], [0.2, 0.9]];
+        let second = |[u, v]: [f32; 2]| [3.0 * u - v + 0.5, 0.5 * u + 2.0 * v - 1.0];
+        let linear = |[u, v]: [f32; 2]| [3.0 * u - v, 0.5 * u + 2.0 * v];
+        let values = corners.iter().flat_map(|uv| second(*uv)).collect();
+        let attribute = MeshAttribute { id: 4, per: Per::Vertex, channels: 2, is_code: false, values };
+        let mesh = TriangleMesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y].into(),
+            indices: vec![[0, 1, 2]].into(),
+            uvs: corners.to_vec(),
+            attributes: vec![attribute],
+            ..TriangleMesh::default()
+        };
+        let place = [0.3, 0.45];
+        let uv = [0, 1].map(|k| {
+            corners[0][k]
+                + place[0] * (corners[1][k] - corners[0][k])
+                + place[1] * (corners[2][k] - corners[0][k])
+        });
+        let (duvdx, duvdy) = ([0.01, 0.02], [-0.03, 0.005]);
+        let on_mesh = Some(OnMesh { mesh: 0, triangle: 0, place });
+        let at = ShadingPoint { on_mesh, duvdx, duvdy, ..ShadingPoint::of(uv, Vec3::ZERO) };
+        let mapping = Mapping::Attribute(4, Box::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]));
+        let got = |meshes: &[TriangleMesh]| {
+            mapping.over(&at, meshes, |s| [s.st[0], s.st[1], s.dx[0], s.dx[1], s.dy[0], s.dy[1]])
+        };
+        let want = [second(uv), linear(duvdx), linear(duvdy)].concat();
+        let found = got(std::slice::from_ref(&mesh));
+        for (got, want) in found.into_iter().zip(want) {
+            assert!((got - want).abs() < 1e-5, "{got}, not {want}");
+        }
+        assert_eq!(got(&[TriangleMesh { attributes: vec![], ..mesh }]), [0.0; 6]);
+    }
+
     #[test]
     fn a_uv_mapping_scales_then_turns_then_moves() {
         let said = desc::UvMapping { scale: [2.0, 3.0], rotate: 90.0, translate: [10.0, 20.0] };
         let at = ShadingPoint { duvdx: [1.0, 0.0], ..ShadingPoint::of([1.0, 1.0], Vec3::ZERO) };
-        let got = Mapping::of_uv(&said).over(&at, |spot| [spot.st[0], spot.st[1], spot.dx[0], spot.dx[1]]);
+        let got =
+            Mapping::of_uv(&said).over(&at, &[], |spot| [spot.st[0], spot.st[1], spot.dx[0], spot.dx[1]]);
         for (got, want) in got.into_iter().zip([7.0, 22.0, 0.0, 2.0]) {
             assert!((got - want).abs() < 1e-5, "{got} {want}");
         }

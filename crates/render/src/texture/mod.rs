@@ -78,6 +78,8 @@ pub struct ShadingPoint {
     pub frame: Frame,
     /// Where it is on a mesh, if it is on one.
     pub on_mesh: Option<OnMesh>,
+    /// Two random numbers in [0, 1) by which textures may take one texel for the mean of many; without them they take the mean.
+    pub lot: Option<[f32; 2]>,
 }
 
 /// A place on a mesh.
@@ -109,6 +111,7 @@ impl ShadingPoint {
             dpdv: Vec3::Y,
             frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
             on_mesh: None,
+            lot: None,
         }
     }
 }
@@ -279,6 +282,11 @@ impl Texture {
     pub fn new(kind: TextureKind, of: Use) -> Self {
         let most = if of == Use::Reflectance { 1.0 } else { f32::MAX };
         Self { kind, of, range: [0.0, most] }
+    }
+
+    /// Whether it draws texels where it may: see [`ShadingPoint::lot`].
+    pub(crate) fn draws(&self) -> bool {
+        matches!(&self.kind, TextureKind::Image(image) if image.sampling.draws())
     }
 }
 

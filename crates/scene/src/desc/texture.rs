@@ -31,7 +31,7 @@ describe! {
         }),
         /// A picture.
         "image" => Image(struct ImageTexture {
-            /// The picture: PNG, JPEG, WebP, TGA, BMP, EXR, HDR or PFM.
+            /// The picture: PNG, JPEG, WebP, TGA, BMP, KTX2, EXR, HDR or PFM.
             file: Asset<Bitmap>,
             /// What its numbers mean.
             color_space: TextureSpace = TextureSpace::Auto,
@@ -147,7 +147,7 @@ describe! {
 }
 
 describe! {
-    /// How a pattern lies on a surface. All but `uv` map places of space: onto things about the origin, from -1 to 1 and upright along y, with the middle
+    /// How a pattern lies on a surface. All but `uv` and `attribute` map places of space: onto things about the origin, from -1 to 1 and upright along y, with the middle
     /// of the picture in front, towards +z; `transform` puts these elsewhere.
     pub enum Mapping {
         /// By the surface's texture coordinates, scaled, then turned, then moved.
@@ -158,6 +158,13 @@ describe! {
             rotate: f64 = 0.0,
             /// What is added to u and v.
             translate: [f64; 2] = [0.0, 0.0],
+        }),
+        /// By other texture coordinates than the surface's own, which the mesh has by name: a further set of a file, such as `uv1`.
+        "attribute" => Attribute(struct AttributeMapping {
+            /// Their name.
+            name: CoordinatesName,
+            /// What is done to them.
+            uv: UvMapping = UvMapping::default(),
         }),
         /// Along z onto the plane of x and y: a copy for each unit.
         "planar" => Planar(struct PlanarMapping {
@@ -248,6 +255,10 @@ describe! {
         "world" => World,
     }
 }
+
+/// The name of texture coordinates that a mesh has besides its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoordinatesName(pub Name);
 
 /// The name of what a mesh has at its vertices or on its faces.
 #[derive(Clone, Debug, PartialEq)]
@@ -395,6 +406,8 @@ describe! {
         "trilinear" => Trilinear,
         /// A Gaussian as long and wide as what is seen (elliptical weighted average).
         "ewa" => Ewa,
+        /// One pixel of those that `ewa` takes the mean of, drawn anew for each path: quicker than the mean, and noisier.
+        "stochastic" => Stochastic,
     }
 }
 

@@ -10,7 +10,11 @@
 //! - *EWA* (Greene and Heckbert 1986; Heckbert 1989, "Fundamentals of Texture Mapping and Image Warping", 3.4) takes the mean of
 //!   all texels within an ellipse about the point, weighed by (1 - r²)², which is near a Gaussian, has an end, and in an
 //!   ellipse of radius R the variance R² / 8. It reads the level of which 2 to 4 texels lie across the parallelogram, and takes
-//!   the variance of these texels off the ellipse's; so levels fit one another and one is enough.
+//!   the variance of these texels off the ellipse's; so levels fit one another and one is enough;
+//! - *stochastic* (Fajardo et al. 2023, "Stochastic Texture Filtering"; Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering")
+//!   reads a single texel, drawn by the weights of EWA. What comes of it is right in the mean, and after shading, which isn't the same where shading isn't linear.
+//!   A place is drawn in the ellipse, and the texel that it lies in is read: which adds the variance of a texel, so that the ellipse is
+//!   smaller by as much. Where nothing is drawn (masks along shadow rays, bumps, lights, colours for a denoiser) it is EWA.
 
 use straal_math::ops;
 use straal_scene::bitmap::Texels;
@@ -28,6 +32,8 @@ pub struct Spot {
     pub dx: [f32; 2],
     /// Change from a pixel to the one below.
     pub dy: [f32; 2],
+    /// Two numbers in [0, 1) by which a texel is drawn, where one may be.
+    pub lot: Option<[f32; 2]>,
 }
 
 /// How a pyramid is read.
@@ -45,6 +51,7 @@ enum Filter {
     Bilinear,
     Trilinear,
     Ewa,
+    Stochastic,
 }
 
 /// What is beyond an edge.
@@ -70,13 +77,19 @@ impl Sampling {
             TextureFilter::Bilinear => Filter::Bilinear,
             TextureFilter::Trilinear => Filter::Trilinear,
             TextureFilter::Ewa => Filter::Ewa,
+            TextureFilter::Stochastic => Filter::Stochastic,
         };
         Self { filter, wrap: [mode(&wrap[0]), mode(&wrap[1])], anisotropy: anisotropy as f32 }
     }
 
     /// Whether it reads smaller copies of a picture.
     pub(crate) fn needs_smaller(&self) -> bool {
-        matches!(self.filter, Filter::Trilinear | Filter::Ewa)
+        matches!(self.filter, Filter::Trilinear | Filter::Ewa | Filter::Stochastic)
+    }
+
+    /// Whether it draws texels.
+    pub(crate) fn draws(&self) -> bool {
+        self.filter == Filter::Stochastic
     }
 
     /// Linear sRGB and alpha of a pyramid at a spot.
@@ -106,7 +119,13 @@ impl Formatted for LookUp<'_> {
             Filter::Nearest => reader.nearest(at),
             Filter::Bilinear => reader.bilinear(pyramid.level(0), at),
             Filter::Trilinear => reader.trilinear(at, &Seen::of(spot, pyramid.size())),
-            Filter::Ewa => reader.ewa(at, &Seen::of(spot, pyramid.size()), sampling.anisotropy),
+            Filter::Ewa | Filter::Stochastic => {
+                let seen = Seen::of(spot, pyramid.size());
+                match spot.lot.filter(|_| sampling.filter == Filter::Stochastic) {
+                    Some(lot) => reader.drawn(at, &seen, sampling.anisotropy, lot),
+                    None => reader.ewa(at, &seen, sampling.anisotropy),
+                }
+            }
         }
     }
 }
@@ -174,6 +193,14 @@ impl Seen {
     }
 }
 
+/// A matrix of squares of texels: within it lies x for which x times its inverse times x is below 1.
+#[derive(Clone, Copy)]
+struct Ellipse {
+    xx: f32,
+    xy: f32,
+    yy: f32,
+}
+
 /// Reads texels of a known format.
 struct Reader<'a, const NUMBER: u8, const CHANNELS: usize> {
     pyramid: &'a Pyramid,
@@ -197,10 +224,14 @@ impl<const NUMBER: u8, const CHANNELS: usize> Reader<'_, NUMBER, CHANNELS> {
     #[inline(always)]
     fn nearest(&self, [s, t]: [f32; 2]) -> [f32; 4] {
         let level = self.pyramid.level(0);
-        let (w, h) = (level.width(), level.height());
-        let place = |x: f32, n: usize| (x * n as f32).floor() as i32;
-        let x = shown(self.wrap[0], place(s, w), w);
-        let y = shown(self.wrap[1], place(t, h), h);
+        self.texel_at(level, [s * level.width() as f32, t * level.height() as f32])
+    }
+
+    /// The texel that a place lies in, in texels of its level.
+    #[inline(always)]
+    fn texel_at(&self, level: &Texels, [x, y]: [f32; 2]) -> [f32; 4] {
+        let x = shown(self.wrap[0], x.floor() as i32, level.width());
+        let y = shown(self.wrap[1], y.floor() as i32, level.height());
         self.at(level, x, y)
     }
 
@@ -239,11 +270,12 @@ impl<const NUMBER: u8, const CHANNELS: usize> Reader<'_, NUMBER, CHANNELS> {
         mixed(fine, coarse, share)
     }
 
+    /// The level that EWA reads, and its ellipse there; no ellipse where the four texels around will do.
     #[inline(always)]
-    fn ewa(&self, at: [f32; 2], seen: &Seen, anisotropy: f32) -> [f32; 4] {
+    fn ellipse(&self, seen: &Seen, anisotropy: f32) -> (&Texels, Option<Ellipse>) {
         let (length, mut width) = (seen.length, seen.width);
         if length <= 1.0 {
-            return self.bilinear(self.pyramid.level(0), at);
+            return (self.pyramid.level(0), None);
         }
         let least = length / (anisotropy * anisotropy);
         let fatter = ops::max(least - width, 0.0);
@@ -253,7 +285,7 @@ impl<const NUMBER: u8, const CHANNELS: usize> Reader<'_, NUMBER, CHANNELS> {
         let number = (log2_floor(ops::max(width, 1.0)) / 2).saturating_sub(1);
         if number > last {
             // Several times all of it.
-            return self.bilinear(self.pyramid.level(last), at);
+            return (self.pyramid.level(last), None);
         }
         let level = self.pyramid.level(number);
         let size = [level.width() as f32, level.height() as f32];
@@ -274,11 +306,42 @@ impl<const NUMBER: u8, const CHANNELS: usize> Reader<'_, NUMBER, CHANNELS> {
         // Sides that are halved to different numbers may leave an ellipse too thin.
         xx = ops::max(xx, 0.5);
         yy = ops::max(yy, 0.5);
+        (level, Some(Ellipse { xx, xy, yy }))
+    }
+
+    /// A texel, drawn by two numbers with the weights of [`Self::ewa`].
+    #[inline(always)]
+    fn drawn(&self, at: [f32; 2], seen: &Seen, anisotropy: f32, [u, v]: [f32; 2]) -> [f32; 4] {
+        let (level, ellipse) = self.ellipse(seen, anisotropy);
+        let centre = [at[0] * level.width() as f32, at[1] * level.height() as f32];
+        let Some(Ellipse { xx, xy, yy }) = ellipse else {
+            // Between the four around.
+            return self.texel_at(level, [centre[0] + (u - 0.5), centre[1] + (v - 0.5)]);
+        };
+        // Less the variance of drawing a texel by a place in it: 1/12, which is that of an ellipse of R² = 2/3.
+        const TEXEL: f32 = 2.0 / 3.0;
+        let (xx, yy) = (ops::max(xx - TEXEL, 0.05), ops::max(yy - TEXEL, 0.05));
+        let along = xx.sqrt();
+        let shear = xy / along;
+        let across = ops::max(yy - shear * shear, 0.0).sqrt();
+        // The weights (1 - r²)² leave 1 - (1 - r²)³ within r.
+        let r = ops::max(1.0 - ops::cbrt(1.0 - u), 0.0).sqrt();
+        let (sin, cos) = ops::sin_cos(std::f32::consts::TAU * v);
+        let (a, b) = (r * cos, r * sin);
+        self.texel_at(level, [centre[0] + along * a, centre[1] + shear * a + across * b])
+    }
+
+    #[inline(always)]
+    fn ewa(&self, at: [f32; 2], seen: &Seen, anisotropy: f32) -> [f32; 4] {
+        let (level, ellipse) = self.ellipse(seen, anisotropy);
+        let Some(Ellipse { xx, xy, yy }) = ellipse else { return self.bilinear(level, at) };
+        let size = [level.width() as f32, level.height() as f32];
         let det = ops::max(xx * yy - xy * xy, 0.25 * ops::max(xx, yy));
         let inverse = 1.0 / det;
         let (p, q, r) = (yy * inverse, -xy * inverse, xx * inverse);
         let centre = [at[0] * size[0] - 0.5, at[1] * size[1] - 0.5];
         let reach = [xx.sqrt(), yy.sqrt()];
+        debug_assert!(reach.iter().all(|r| *r < 1e3), "{reach:?}");
         let first = [0, 1].map(|k| (centre[k] - reach[k]).ceil());
         let end = [0, 1].map(|k| (centre[k] + reach[k]).floor());
         let mut sum = [0.0; 4];

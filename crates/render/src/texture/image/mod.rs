@@ -11,6 +11,7 @@ use straal_scene::desc::{self, TextureChannel};
 
 use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use};
 use crate::lanes::Lanes;
+use crate::shape::TriangleMesh;
 
 mod filter;
 mod pyramid;
@@ -65,19 +66,19 @@ impl ImageTexture {
 
     /// Linear sRGB and alpha.
     #[inline]
-    pub fn rgba(&self, at: &ShadingPoint) -> [f32; 4] {
-        self.mapping.over(at, |spot| self.sampling.look_up(&self.pyramid, spot))
+    pub fn rgba(&self, at: &ShadingPoint, meshes: &[TriangleMesh]) -> [f32; 4] {
+        self.mapping.over(at, meshes, |spot| self.sampling.look_up(&self.pyramid, spot))
     }
 }
 
 impl Pattern for ImageTexture {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, of: Use) -> Light {
-        let [r, g, b, _] = self.rgba(at);
+        let [r, g, b, _] = self.rgba(at, reading.meshes);
         of.read([r, g, b], reading)
     }
 
-    fn number<L: Lanes>(&self, at: &ShadingPoint, _: &Reading<'_, L>) -> f32 {
-        let rgba = self.rgba(at);
+    fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
+        let rgba = self.rgba(at, reading.meshes);
         match self.channel {
             Channel::Luminance if rgba[0] == rgba[1] && rgba[1] == rgba[2] => rgba[0],
             Channel::Luminance => luminance([rgba[0], rgba[1], rgba[2]]),

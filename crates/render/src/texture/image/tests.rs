@@ -7,8 +7,13 @@ use straal_scene::Bitmap;
 use straal_scene::bitmap::{Number, Response, TexelFormat, Texels};
 use straal_scene::desc::{TextureFilter, TextureSpace, Wrap};
 
-const FILTERS: [TextureFilter; 4] =
-    [TextureFilter::Nearest, TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::Ewa];
+const FILTERS: [TextureFilter; 5] = [
+    TextureFilter::Nearest,
+    TextureFilter::Bilinear,
+    TextureFilter::Trilinear,
+    TextureFilter::Ewa,
+    TextureFilter::Stochastic,
+];
 
 /// A picture of codes or of light; rows go downwards.
 fn bitmap(
@@ -48,7 +53,7 @@ fn numbers(i: u32) -> [f32; 4] {
 }
 
 fn point(st: [f32; 2]) -> Spot {
-    Spot { st, dx: [0.0; 2], dy: [0.0; 2] }
+    Spot { st, dx: [0.0; 2], dy: [0.0; 2], lot: None }
 }
 
 #[test]
@@ -141,7 +146,7 @@ fn pictures_from_afar_are_their_supersampled_truth() {
                     for k in 0..n {
                         let [x, y, ..] = numbers(100 + k);
                         let st = [0, 1].map(|j| [u, v][j] + (x - 0.5) * dx[j] + (y - 0.5) * dy[j]);
-                        sum += f64::from(t.sampling.look_up(&t.pyramid, &Spot { st, dx, dy })[1]);
+                        sum += f64::from(t.sampling.look_up(&t.pyramid, &Spot { st, dx, dy, lot: None })[1]);
                     }
                     sum / f64::from(n)
                 };
@@ -159,10 +164,67 @@ fn pictures_from_afar_are_their_supersampled_truth() {
     }
 }
 
+/// Over many draws, one texel at a time is the mean that EWA takes: near, far, askew, and longer than wide.
+#[test]
+fn a_drawn_texel_is_right_in_the_mean() {
+    const SIDE: usize = 256;
+    // Waves as long as some footprints tell a filter that is too wide or too narrow; in light, so that nothing is rounded.
+    let waves = bitmap([SIDE, SIDE], Number::Single, 1, |x, y, _| {
+        let wave = |v: usize, length: usize| if v % length < length / 2 { 1.0 } else { 0.0 };
+        0.5 * (wave(x, 64) + wave(y, 32))
+    });
+    let of = |filter| texture(&waves, &filter, Wrap::Repeat, &TextureSpace::Auto);
+    let (mean, drawn) = (of(TextureFilter::Ewa), of(TextureFilter::Stochastic));
+    for (texels, dx, dy) in [
+        (0.5, [1.0, 0.0], [0.0, 1.0]),
+        (3.0, [0.8, 0.6], [-0.6, 0.8]),
+        (12.0, [1.0, 0.0], [0.0, 1.0]),
+        (6.0, [4.0, 0.5], [0.0, 1.0]),
+        (1e4, [1.0, 0.0], [0.0, 1.0]),
+    ] {
+        let scale = texels / SIDE as f32;
+        let (dx, dy) = (dx.map(|v: f32| v * scale), dy.map(|v: f32| v * scale));
+        let (mut bias, mut square) = (0.0_f64, 0.0_f64);
+        for i in 0..64 {
+            let [s, t, ..] = numbers(i);
+            let look_up = |of: &ImageTexture, lot| {
+                f64::from(of.sampling.look_up(&of.pyramid, &Spot { st: [s, t], dx, dy, lot })[0])
+            };
+            let want = look_up(&mean, None);
+            assert_eq!(look_up(&drawn, None), want, "without a lot it is the mean");
+            let draws = 256;
+            let sum: f64 = (0..draws)
+                .map(|k| {
+                    let [u, v, ..] = numbers(1000 + k);
+                    look_up(&drawn, Some([u, v]))
+                })
+                .sum();
+            let off = sum / f64::from(draws) - want;
+            bias += off / 64.0;
+            square += off * off / 64.0;
+        }
+        // Numbers that fill the square leave less than 256 draws by chance would: 0.5 / 16.
+        assert!(bias.abs() < 0.004 && square.sqrt() < 0.02, "{texels}: {bias} {}", square.sqrt());
+    }
+}
+
 #[test]
 fn nothing_breaks_a_look_up() {
     let picture = bitmap([7, 300], Number::Byte, 4, |x, y, _| ((x * 31 + y * 17) % 256) as f32);
-    let odd = [0.0, 1e-30, 0.37, -12.5, 1e6, 1e9, 1e30, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
+    let odd = [
+        0.0,
+        1e-30,
+        0.37,
+        -12.5,
+        1e6,
+        3e9,
+        -1e10,
+        1e30,
+        f32::MAX,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+    ];
     for filter in &FILTERS {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Black] {
             let t = texture(&picture, filter, wrap.clone(), &TextureSpace::Srgb);
@@ -170,8 +232,9 @@ fn nothing_breaks_a_look_up() {
                 for b in odd {
                     for c in odd {
                         for spot in [
-                            Spot { st: [a, b], dx: [c, 0.0], dy: [0.0, c] },
-                            Spot { st: [0.1, a], dx: [b, c], dy: [c, 0.01] },
+                            Spot { st: [a, b], dx: [c, 0.0], dy: [0.0, c], lot: None },
+                            Spot { st: [0.1, a], dx: [b, c], dy: [c, 0.01], lot: None },
+                            Spot { st: [a, 0.2], dx: [c, b], dy: [0.01, c], lot: Some([0.999_999_9, 0.37]) },
                         ] {
                             let got = t.sampling.look_up(&t.pyramid, &spot);
                             assert!(
