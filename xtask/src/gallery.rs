@@ -1,9 +1,9 @@
-//! The gallery's pictures for the book and the README, rendered larger than they are shown and until they are clean.
+//! The gallery's pictures for the book and the README, rendered larger than they are shown, denoised, and until they are clean.
 
 use crate::{Failure, root, scenes};
 use std::time::{Duration, Instant};
 use straal::{Control, Job, LoadOptions, Overrides, PatternKind, Picture, Progress, Verdict};
-use straal_scene::desc::Integrator;
+use straal_scene::desc::{Denoise, Integrator};
 
 /// Where they go.
 const FOLDER: &str = "book/src/images";
@@ -14,14 +14,14 @@ const ROOM: [u32; 2] = [960, 720];
 /// Pixels that are rendered for three in the book, along both axes: a wide picture is rendered 1280 wide.
 const RENDERED: u32 = 4;
 
-/// Relative standard error of the pixels that are rendered; in the book's it is a quarter less.
+/// Error of the pixels that are rendered, relative to their brightness, by the denoiser's own estimate; in the book's it is a quarter less.
 const NOISE: f64 = 0.02;
 
 /// Samples that a pixel may get for each that its scene asks for, where noise decides.
 const PATIENCE: u32 = 8;
 
 /// Renders the scenes of `scenes/`, or those named. One whose files are not here is skipped, which is said. `--minutes M` among the
-/// names: a picture that isn't clean by then is kept as it is.
+/// names: a picture that isn't clean by then is denoised as it is.
 pub fn run(words: &[String]) -> Result<bool, Failure> {
     let (names, patience) = match words.iter().position(|w| w == "--minutes") {
         Some(at) => {
@@ -60,7 +60,7 @@ pub fn run(words: &[String]) -> Result<bool, Failure> {
         } else {
             let spp = Some(loaded.scene.sampler.spp * PATIENCE);
             let size = Some(shown.map(|v| v * RENDERED / 3));
-            Overrides { size, spp, noise: Some(NOISE), ..Overrides::default() }
+            Overrides { size, spp, noise: Some(NOISE), denoise: Some(Denoise::Best), ..Overrides::default() }
         };
         let job = Job::new(loaded, wish)?;
         let outcome = job.render(&mut Control::new(&mut ends))?;
