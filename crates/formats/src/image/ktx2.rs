@@ -2,9 +2,9 @@
 //!
 //! Smaller copies in the file aren't used, for straal makes its own in linear light. Of an array the first layer is taken; cubes and
 //! volumes are refused. So are Basis Universal (ETC1S and UASTC), ETC2, ASTC and PVRTC: no reader of them in Rust is small and well kept.
-//! The container is read by the `ktx2` crate, blocks by `bcdec_rs`, Zstandard by `ruzstd`.
+//! Formats and colours have their numbers from the `ktx2` crate, whose own reader trusts its file; blocks are decoded by `bcdec_rs`, Zstandard by `ruzstd`.
 
-use ::ktx2::{ColorPrimaries, Format as Vk, Reader, SupercompressionScheme, TransferFunction};
+use ::ktx2::{ColorPrimaries, Format as Vk, TransferFunction};
 use ruzstd::decoding::StreamingDecoder;
 use std::borrow::Cow;
 use std::io::Read;
@@ -224,6 +224,60 @@ impl Start {
     }
 }
 
+/// What lies where in a file (Khronos, KTX File Format Specification 2.0, section 3).
+struct Container<'a> {
+    /// The largest level.
+    level: &'a [u8],
+    /// What is told of the texture, by keys.
+    values: Vec<(&'a [u8], &'a [u8])>,
+    layers: u32,
+    /// The four bytes of the basic descriptor that tell of colours: model, primaries, transfer function and flags.
+    colours: Option<[u8; 4]>,
+}
+
+impl<'a> Container<'a> {
+    fn of(bytes: &'a [u8]) -> Result<Self, ReadError> {
+        let short = || damaged("it ends in its header");
+        let number = |at: usize| Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
+        let long = |at: usize| Some(u64::from_le_bytes(*bytes.get(at..)?.first_chunk()?));
+        let section = |start: u64, length: u64| {
+            let (start, end) =
+                (usize::try_from(start).ok()?, usize::try_from(start.checked_add(length)?).ok()?);
+            bytes.get(start..end)
+        };
+        let layers = number(32).ok_or_else(short)?;
+        let [descriptors, values] = [48, 56].map(|at| {
+            let (start, length) = (number(at)?, number(at + 4)?);
+            section(start.into(), length.into())
+        });
+        let (descriptors, values) = (descriptors.ok_or_else(short)?, values.ok_or_else(short)?);
+        let (start, length) = long(80).zip(long(88)).ok_or_else(|| damaged("it has no level"))?;
+        let level = section(start, length).ok_or_else(|| damaged("its level lies beyond its end"))?;
+        // The size of all, then a basic block: who defined it and its kind (0), its version and size, and the bytes that are wanted.
+        let is_basic = descriptors.get(4..8) == Some(&[0; 4]);
+        let colours = descriptors.get(12..).and_then(|d| d.first_chunk()).copied().filter(|_| is_basic);
+        Ok(Self { level, values: pairs(values), layers, colours })
+    }
+
+    fn value(&self, key: &str) -> Option<&'a [u8]> {
+        self.values.iter().find(|(k, _)| *k == key.as_bytes()).map(|(_, value)| *value)
+    }
+}
+
+/// Keys and values: the length of both, the key, a zero, the value, and zeros to the next multiple of four.
+fn pairs(mut bytes: &[u8]) -> Vec<(&[u8], &[u8])> {
+    let mut out = Vec::new();
+    while let Some((length, rest)) = bytes.split_first_chunk() {
+        let length = u32::from_le_bytes(*length) as usize;
+        let Some(pair) = rest.get(..length) else { break };
+        if let Some(end) = pair.iter().position(|b| *b == 0) {
+            out.push((&pair[..end], &pair[end + 1..]));
+        }
+        bytes = rest.get(length.next_multiple_of(4)..).unwrap_or_default();
+    }
+    out
+}
+
 /// What it promises.
 pub(super) fn header(bytes: &[u8], limits: &Limits) -> Result<Header, ReadError> {
     let Start { layout, width, height, scheme } = Start::of(bytes, limits)?;
@@ -293,20 +347,18 @@ struct Decoded {
 
 fn read_texels(bytes: &[u8], limits: &Limits) -> Result<Decoded, ReadError> {
     limits.check_bytes(bytes)?;
-    let Start { layout, width, height, .. } = Start::of(bytes, limits)?;
-    let reader = Reader::new(bytes).map_err(|e| damaged(&e.to_string()))?;
-    let value = |key: &str| reader.key_value_data().find(|(k, _)| *k == key).map(|(_, value)| value);
-    let level = reader.levels().next().ok_or_else(|| damaged("it has no level"))?;
+    let Start { layout, width, height, scheme } = Start::of(bytes, limits)?;
+    let container = Container::of(bytes)?;
     let size = usize::try_from(layout.bytes(width.into(), height.into())).map_err(|_| no_memory())?;
-    let data = unpacked(level.data, reader.header().supercompression_scheme, size)?;
+    let data = unpacked(container.level, scheme, size)?;
     if data.len() < size {
         return Err(damaged("texels are missing"));
     }
-    let (format, sources) = layout.texel(layout.sources(value("KTXswizzle")));
+    let (format, sources) = layout.texel(layout.sources(container.value("KTXswizzle")));
     let (width, height) = (width as usize, height as usize);
     let mut texels = Texels::new(width, height, format).ok_or_else(no_memory)?;
     // Rows run downwards, unless it says otherwise.
-    let runs_up = value("KTXorientation").is_some_and(|o| o.get(1) == Some(&b'u'));
+    let runs_up = container.value("KTXorientation").is_some_and(|o| o.get(1) == Some(&b'u'));
     layout.decode(&data, [width, height], |x, y, channels| {
         let number = |source: &Source| match source {
             Source::Channel(i) => channels[*i],
@@ -322,7 +374,7 @@ fn read_texels(bytes: &[u8], limits: &Limits) -> Result<Decoded, ReadError> {
         texels.put_numbers(x, if runs_up { height - 1 - y } else { y }, numbers);
     });
     let has_alpha = sources.len() % 2 == 0 && sources.last() != Some(&Source::One);
-    Ok(Decoded { texels, light: light_of(&reader, &layout), has_alpha })
+    Ok(Decoded { texels, light: light_of(&container, &layout), has_alpha })
 }
 
 impl Layout {
@@ -418,36 +470,39 @@ impl Block {
     }
 }
 
+/// How levels are packed, where they are.
+const ZSTANDARD: u32 = 2;
+const ZLIB: u32 = 3;
+
+/// A flag of the colours.
+const ALPHA_IS_MULTIPLIED: u8 = 1;
+
 /// The bytes of a level, unpacked to at most `size` of them.
-fn unpacked(
-    data: &[u8],
-    scheme: Option<SupercompressionScheme>,
-    size: usize,
-) -> Result<Cow<'_, [u8]>, ReadError> {
+fn unpacked(data: &[u8], scheme: u32, size: usize) -> Result<Cow<'_, [u8]>, ReadError> {
     match scheme {
-        None => Ok(Cow::Borrowed(data)),
-        Some(SupercompressionScheme::Zstandard) => {
+        0 => Ok(Cow::Borrowed(data)),
+        ZSTANDARD => {
             let decoder = StreamingDecoder::new(data).map_err(|e| damaged(&e.to_string()))?;
             let mut out = Vec::new();
             out.try_reserve_exact(size).map_err(|_| no_memory())?;
             decoder.take(size as u64).read_to_end(&mut out).map_err(|e| damaged(&e.to_string()))?;
             Ok(Cow::Owned(out))
         }
-        Some(SupercompressionScheme::ZLIB) => {
+        ZLIB => {
             let out = miniz_oxide::inflate::decompress_to_vec_zlib_with_limit(data, size);
             Ok(Cow::Owned(out.map_err(|e| damaged(&e.to_string()))?))
         }
-        Some(other) => Err(ReadError::file(format!(
-            "it is a KTX2 texture packed by the scheme {}, which is not supported",
-            other.value()
+        other => Err(ReadError::file(format!(
+            "it is a KTX2 texture packed by the scheme {other}, which is not supported"
         ))),
     }
 }
 
 /// How its codes become light.
-fn light_of(reader: &Reader<&[u8]>, layout: &Layout) -> Light {
+fn light_of(container: &Container<'_>, layout: &Layout) -> Light {
     let mut notes = Vec::new();
-    let transfer = reader.transfer_function();
+    let [_, primaries, transfer, flags] = container.colours.unwrap_or_default();
+    let transfer = TransferFunction::new(transfer);
     let is_srgb = layout.is_srgb || transfer == Some(TransferFunction::SRGB);
     if let Some(other) = transfer.filter(|t| ![TransferFunction::SRGB, TransferFunction::Linear].contains(t))
     {
@@ -455,13 +510,13 @@ fn light_of(reader: &Reader<&[u8]>, layout: &Layout) -> Light {
             "its transfer function {other:?} is not honoured: its numbers are taken for light"
         ));
     }
-    if reader.is_alpha_premultiplied() == Some(true) {
+    if flags & ALPHA_IS_MULTIPLIED != 0 {
         notes.push("its colours are multiplied by its alpha, which is not undone".into());
     }
-    if reader.header().layer_count > 1 {
+    if container.layers > 1 {
         notes.push("it is an array of pictures: the first is taken".into());
     }
-    let space: Option<RgbSpace> = match reader.color_primaries() {
+    let space: Option<RgbSpace> = match ColorPrimaries::new(primaries) {
         Some(ColorPrimaries::DISPLAYP3) => Some(Space::DisplayP3.rgb()),
         Some(ColorPrimaries::BT2020) => Some(Space::Rec2020.rgb()),
         Some(ColorPrimaries::ACES) => Some(Space::Aces.rgb()),
@@ -540,8 +595,6 @@ mod tests {
         }
         out.extend(&dfd);
         out.extend(level);
-        // The crate wants something behind what is empty.
-        out.push(0);
         out
     }
 
@@ -614,7 +667,7 @@ mod tests {
         assert!(says(&file(Vk::R8_UNORM, [8, 8], 2, 1, &level)).contains("damaged"));
         // Cut anywhere, or with any byte changed, it is an error or a picture.
         let whole = file(Vk::R8G8B8A8_SRGB, [4, 4], 0, 2, &level);
-        for length in 0..whole.len() - 1 {
+        for length in 0..whole.len() {
             assert!(read(&whole[..length]).is_err(), "{length}");
         }
         for i in 0..whole.len() - 64 {
