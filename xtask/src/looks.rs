@@ -8,7 +8,7 @@ use straal::focus::{Blur, Lens};
 use straal::{Control, Development, Job, LoadOptions, Overrides};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
-use straal_scene::desc::{AmbientOcclusion, Camera, Denoise, Filter, Gaussian, Integrator};
+use straal_scene::desc::{AmbientOcclusion, Camera, Denoise, Filter, Gaussian, Integrator, Whitted};
 
 const FOLDER: &str = "book/src/images";
 const SCENE: &str = "scenes/bright-colours.yaml";
@@ -23,6 +23,7 @@ const FILTERED: &str = "scenes/lights.yaml";
 /// The scene that shows the integrators, the size in which it does, and each with its samples a pixel.
 const WAYS: &str = "scenes/ways-of-light.yaml";
 const WAYS_SIZE: [u32; 2] = [480, 270];
+const EPSILONS: [(&str, f64); 2] = [("epsilon-small", 1e-7), ("epsilon-large", 0.1)];
 const INTEGRATORS: [(&str, u32); 4] = [("whitted", 64), ("ao", 256), ("direct", 256), ("path", 256)];
 
 /// The scene that is denoised, the size in which it is, and each of its pictures: samples, and what becomes of them.
@@ -52,16 +53,23 @@ pub fn run() -> Result<bool, Failure> {
     Ok(true)
 }
 
-/// One room by each integrator.
+/// One room by each integrator, and by the textbook's with rays that start too near and too far.
 fn by_each_integrator() -> Result<(), Failure> {
     let loaded = straal::load(&root().join(WAYS), &LoadOptions::default())
         .map_err(|_| format!("the scene is wrong; see `straal check {WAYS}`"))?;
-    for (name, spp) in INTEGRATORS {
+    let usual = INTEGRATORS.map(|(name, spp)| {
         let integrator = match Integrator::bare(name) {
             // In a closed room every ray ends at a wall.
             Some(Integrator::Ao(ao)) => Some(Integrator::Ao(AmbientOcclusion { radius: Some(1.0), ..ao })),
             other => other,
         };
+        (name, spp, integrator)
+    });
+    let false_starts = EPSILONS.map(|(name, epsilon)| {
+        let integrator = Integrator::Whitted(Whitted { epsilon: Some(epsilon), ..Whitted::default() });
+        (name, 64, Some(integrator))
+    });
+    for (name, spp, integrator) in usual.into_iter().chain(false_starts) {
         // Light that the balls gather takes long to become clean.
         let denoise = (name == "path").then_some(Denoise::Best);
         let wish =
