@@ -121,6 +121,9 @@ impl DirectLight {
             }
             return;
         }
+        if !state.first && world.geometries[hit.geometry as usize].emitter.is_none() {
+            return;
+        }
         let draw = |purpose| queue.pattern.d1(&path.name, purpose);
         let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         let point = &vertex.surface.point;
@@ -142,6 +145,7 @@ impl DirectLight {
         }
 
         let receiver = vertex.receiver();
+        let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
         if !vertex.shaded.bsdf.is_delta() {
             for k in 0..self.light_samples {
                 let name = nth(queue.pattern, &path.name, k, self.light_samples);
@@ -151,7 +155,6 @@ impl DirectLight {
                 let Some(mut light) = sample else { continue };
                 light.pdf *= pick.pmf;
                 let (value, pdf) = vertex.scattered(&light);
-                let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
                 let weight = if light.delta {
                     1.0
                 } else {
@@ -175,7 +178,7 @@ impl DirectLight {
             }
             let leaves = vertex.leave(drawn.wi, ray);
             let mut next = State {
-                beta: beta * drawn.weight * (1.0 / self.bsdf_samples as f32),
+                beta: beta * drawn.weight * (1.0 / of_bsdf),
                 from: receiver,
                 pdf: drawn.pdf,
                 delta: drawn.delta,
