@@ -13,6 +13,7 @@ mod lights;
 mod materials;
 mod meshes;
 mod place;
+mod round;
 
 pub use build::GLOWING_BYTES;
 

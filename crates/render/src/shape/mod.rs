@@ -46,6 +46,7 @@ pub mod offset;
 pub mod parallelogram;
 pub(crate) mod patch;
 pub mod plane;
+pub mod revolved;
 mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
@@ -58,6 +59,7 @@ pub use mesh::TriangleMesh;
 pub use offset::{offset_origin, ray_between};
 pub use parallelogram::Parallelogram;
 pub use plane::Plane;
+pub use revolved::Revolved;
 pub use smooth::SMOOTHING_BYTES;
 pub use sphere::Sphere;
 pub use straal_accel::{Analytic, ShapeHit};
@@ -76,6 +78,8 @@ list::shapes! {
     Parallelogram(Box<Parallelogram>),
     /// An affine image of the open unit cylinder.
     Cylinder(Box<Cylinder>),
+    /// A curve turned about an axis.
+    Revolved(Box<Revolved>),
 }
 
 /// What a kind of shape answers, by [the contract](self). One that says nothing of its area can't be sampled as a light.
@@ -99,7 +103,10 @@ trait Form {
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
 
     /// See [`Geometry::end`].
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F>;
+    #[inline(always)]
+    fn end<F: Float>(&self, _near: DVec3<F::Double>) -> Option<End<F>> {
+        None
+    }
 
     /// See [`Geometry::tangents`].
     fn tangents(&self, at: &SurfacePoint) -> Tangents;

@@ -129,7 +129,16 @@ impl Case {
     }
 
     fn is_flat(&self) -> bool {
-        matches!(self.geometry.shapes[0], Shape::Plane(_) | Shape::Disc(_) | Shape::Parallelogram(_))
+        match &self.geometry.shapes[0] {
+            Shape::Plane(_) | Shape::Disc(_) | Shape::Parallelogram(_) => true,
+            Shape::Revolved(s) => s.is_flat(),
+            _ => false,
+        }
+    }
+
+    /// Whether a line may meet it more than twice, or its outside twice.
+    fn is_hollow(&self) -> bool {
+        matches!(self.geometry.shapes[0], Shape::Revolved(_)) && !self.is_flat()
     }
 
     fn is_closed(&self) -> bool {
@@ -262,7 +271,7 @@ fn the_nearest_hit_is_found_and_the_interval_respected() {
             // Near the rim of open shapes the target's rounding decides too.
             let Some(hit) = hit else { continue };
             assert!(hit.t <= want * (1.0 + rounding), "{}: {} beyond {want}", case.name, hit.t);
-            if case.is_flat() || cos < 0.0 && !case.name.starts_with("cylinder") {
+            if case.is_flat() || cos < 0.0 && case.is_closed() {
                 assert!(hit.t >= want * (1.0 - rounding), "{}: {} before {want}", case.name, hit.t);
             }
             for (t_min, t_max) in [(hit.t.next_up(), f32::INFINITY), (0.0, hit.t.next_down())] {
@@ -310,6 +319,9 @@ fn rays_that_leave_do_not_hit_what_they_leave() {
                 }
                 let ray = Ray::new(offset_origin(s.p, s.p_err, s.ng, w), w);
                 if let Some(hit) = case.geometry.intersect(0, &ray) {
+                    if case.is_hollow() && hit.t * w.length() > 1e-3 * case.reach {
+                        continue; // another part of it
+                    }
                     // Inside a round shape the far wall is hit, from inside.
                     let there = case.geometry.surface(0, &ray, &hit);
                     let leaves = w.dot(there.ng) > 0.0;
@@ -328,7 +340,7 @@ fn rays_between_surfaces_see_neither() {
     for pair in cases.windows(8) {
         let (a, b) = (&pair[0], &pair[7]); // the same shape elsewhere
         for (one, other) in [(a, a), (a, b), (b, a)] {
-            if a.is_flat() && std::ptr::eq(one, other) {
+            if one.is_hollow() || other.is_hollow() || a.is_flat() && std::ptr::eq(one, other) {
                 continue;
             }
             for _ in 0..100 {

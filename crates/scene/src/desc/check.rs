@@ -8,12 +8,12 @@ use straal_color::spectrum::{self, Fault, TabulatedSpectrum};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    AmbientOcclusion, Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid,
-    Cylinder, Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film,
-    Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured,
-    Observer, OcclusionFalloff, Orthographic, Panorama, Perspective, Plane, Principled, RampTexture,
-    Rectangle, RemapTexture, SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle,
-    TriangleMesh, Varying, Viewpoint,
+    AmbientOcclusion, Annulus, Bezier, CameraAt, CameraMapping, Capsule, CoatedConductor, ColorIn, Conductor,
+    Cone, CubeMap, Cuboid, Cylinder, Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment,
+    EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian, Hyperboloid, Index,
+    Interior, Lens, LensProfile, Measured, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid,
+    Perspective, Plane, Principled, RampTexture, Rectangle, RemapTexture, SpectralChannels, Spectrum, Sphere,
+    SpotLight, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -545,11 +545,103 @@ pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 pub(super) fn cylinder(s: &Cylinder, keys: &Keys<'_>, d: &mut Decoder) {
-    if s.from == s.to {
-        d.push(Diagnostic::error(
-            keys.span("to"),
-            "`from` and `to` are the same point: the cylinder has no length",
-        ));
+    length("cylinder", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+    whole_when_closed(s.caps, s.phi, keys, d);
+}
+
+pub(super) fn sphere(s: &Sphere, keys: &Keys<'_>, d: &mut Decoder) {
+    turn("phi", s.phi, keys, d);
+    if let Some([from, to]) = s.heights {
+        let message = if from >= to {
+            format!("`heights` must grow: {from} is not below {to}")
+        } else if to <= -s.radius || from >= s.radius {
+            format!("`heights` leave nothing of a sphere of radius {}", s.radius)
+        } else {
+            return;
+        };
+        d.push(Diagnostic::error(keys.span("heights"), message));
+    }
+}
+
+pub(super) fn cone(s: &Cone, keys: &Keys<'_>, d: &mut Decoder) {
+    length("cone", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+    whole_when_closed(s.caps, s.phi, keys, d);
+}
+
+pub(super) fn annulus(s: &Annulus, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.normal, "normal", keys, d);
+    turn("phi", s.phi, keys, d);
+    if s.inner_radius >= s.radius {
+        let message = format!("`inner_radius` of {} is not below `radius` of {}", s.inner_radius, s.radius);
+        d.push(Diagnostic::error(keys.span("inner_radius"), message));
+    }
+}
+
+pub(super) fn torus(s: &Torus, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.axis, "axis", keys, d);
+    turn("phi", s.phi, keys, d);
+    turn("theta", s.theta, keys, d);
+    if s.tube_radius >= s.radius {
+        let message = format!("`tube_radius` of {} is not below `radius` of {}", s.tube_radius, s.radius);
+        let complaint = Diagnostic::error(keys.span("tube_radius"), message);
+        d.push(complaint.help("the tube would meet itself in the middle"));
+    }
+}
+
+pub(super) fn paraboloid(s: &Paraboloid, keys: &Keys<'_>, d: &mut Decoder) {
+    length("paraboloid", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+}
+
+pub(super) fn hyperboloid(s: &Hyperboloid, keys: &Keys<'_>, d: &mut Decoder) {
+    turn("phi", s.phi, keys, d);
+    let [a, b] = s.line;
+    let outward = |p: DVec3| DVec3::new(p.x, 0.0, p.z);
+    // Along a circle about the axis, or through the axis from one side to the other.
+    let area = (b - a).length() * (outward(a).length() + outward(b).length());
+    if area <= 0.0 || (a.y == b.y && outward(a).length() == outward(b).length()) {
+        let message = "this line sweeps no surface: its ends are one point, or both lie on the axis, or on one circle about it";
+        d.push(Diagnostic::error(keys.span("line"), message));
+    }
+}
+
+pub(super) fn capsule(s: &Capsule, keys: &Keys<'_>, d: &mut Decoder) {
+    length("capsule", s.from, s.to, keys, d);
+    let (a, b) = (s.radius, s.end_radius.unwrap_or(s.radius));
+    if (a - b).abs() >= (s.to - s.from).length() && s.from != s.to {
+        let complaint =
+            Diagnostic::error(keys.key_span("end_radius"), "the larger ball holds the smaller one");
+        d.push(complaint.help("write a `sphere`, or move `from` and `to` further apart"));
+    }
+}
+
+fn length(what: &str, from: DVec3, to: DVec3, keys: &Keys<'_>, d: &mut Decoder) {
+    if from == to {
+        let message = format!("`from` and `to` are the same point: the {what} has no length");
+        d.push(Diagnostic::error(keys.span("to"), message));
+    }
+}
+
+/// A part of a turn must be one.
+fn turn(key: &str, [from, to]: [f64; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    let message = if from >= to {
+        format!("`{key}` must grow: {from} is not below {to}")
+    } else if to - from > 360.0 {
+        format!("`{key}` spans {} degrees, more than 360", to - from)
+    } else {
+        return;
+    };
+    d.push(Diagnostic::error(keys.span(key), message).help("it is `[from, to]` in degrees"));
+}
+
+fn whole_when_closed(caps: bool, [from, to]: [f64; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    if caps && to - from < 360.0 {
+        let message = "`caps` close a whole turn only, and `phi` leaves some of it out";
+        d.push(
+            Diagnostic::error(keys.key_span("caps"), message).help("its ends can be written as `annulus`"),
+        );
     }
 }
 

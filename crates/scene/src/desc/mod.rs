@@ -9,7 +9,8 @@ mod keyframes;
 pub mod light;
 pub mod material;
 pub mod node;
-pub mod settings;
+pub mod round;
+mod settings;
 pub mod shape;
 pub mod spectrum;
 pub mod texture;
@@ -31,6 +32,7 @@ pub use light::{
 };
 pub use material::*;
 pub use node::{Group, Instance, Node};
+pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
     Lanczos, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind,

@@ -3,6 +3,7 @@
 use straal_math::{Affine, DVec3};
 
 use crate::desc::material::MaterialRef;
+use crate::desc::round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus};
 use crate::desc::shape::{
     Bezier, Cuboid, Cylinder, Disc, Plane, Rectangle, Sphere, Surface, Triangle, TriangleMesh,
 };
@@ -26,6 +27,18 @@ describe! {
         "box" => Box(Cuboid) has surface,
         /// A tube.
         "cylinder" => Cylinder(Cylinder) has surface,
+        /// A cone.
+        "cone" => Cone(Cone) has surface,
+        /// A flat ring.
+        "annulus" => Annulus(Annulus) has surface,
+        /// A ring of round section.
+        "torus" => Torus(Torus) has surface,
+        /// A bowl.
+        "paraboloid" => Paraboloid(Paraboloid) has surface,
+        /// A straight line turned about an axis.
+        "hyperboloid" => Hyperboloid(Hyperboloid) has surface,
+        /// A tube with round ends.
+        "capsule" => Capsule(Capsule) has surface,
         /// One triangle.
         "triangle" => Triangle(Triangle) has surface,
         /// A triangle mesh.
@@ -111,6 +124,11 @@ impl Node {
             }
             Self::Box(s) => ((s.min + s.max) * 0.5, Front::Axis),
             Self::Cylinder(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Cone(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Annulus(s) => (s.center, Front::Normal(s.normal)),
+            Self::Torus(s) => (s.center, Front::Axis),
+            Self::Paraboloid(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Capsule(s) => ((s.from + s.to) * 0.5, Front::Axis),
             Self::Triangle(s) => {
                 let [a, b, c] = s.vertices;
                 ((a + b + c) / 3.0, Front::Normal((b - a).cross(c - a)))

@@ -5,6 +5,7 @@ use straal_math::DVec3;
 use crate::Mesh;
 use crate::desc::check;
 use crate::desc::material::MaterialRef;
+use crate::desc::round::WHOLE_TURN;
 use crate::desc::spectrum::Spectrum;
 use crate::desc::texture::Varying;
 use crate::desc::transform::Transform;
@@ -36,11 +37,15 @@ describe! {
 
 describe! {
     /// A ball.
-    pub struct Sphere {
+    pub struct Sphere [check::sphere] {
         /// Its middle.
         center: DVec3 = DVec3::ZERO,
         /// Its radius.
         radius: f64 [Limit::POSITIVE] = 1.0,
+        /// From which height to which it is there, both as y from its middle; all of it without.
+        heights: Option<[f64; 2]> = None,
+        /// Which part of a turn about the y-axis through its middle there is, in degrees from z towards x.
+        phi: [f64; 2] = WHOLE_TURN,
     } with surface: Surface
 }
 
@@ -97,6 +102,8 @@ describe! {
         radius: f64 [Limit::POSITIVE] = 1.0,
         /// Whether discs close its ends.
         caps: bool = false,
+        /// Which part of a turn about its axis there is, in degrees.
+        phi: [f64; 2] = WHOLE_TURN,
     } with surface: Surface
 }
 
