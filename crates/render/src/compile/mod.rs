@@ -14,6 +14,7 @@ mod materials;
 mod meshes;
 mod place;
 mod round;
+mod solids;
 
 pub use build::GLOWING_BYTES;
 

@@ -75,7 +75,7 @@ impl<'a> Build<'a> {
     }
 
     /// A node that is a shape; `place` is that of its own coordinates.
-    fn one_shape(&mut self, node: &'a Node, place: Place) {
+    pub(super) fn one_shape(&mut self, node: &'a Node, place: Place) {
         let m = place.transform;
         match node {
             Node::Group(_) | Node::Instance(_) => (),
@@ -132,6 +132,11 @@ impl<'a> Build<'a> {
                 let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
                 self.whole_mesh(TriangleMesh::from(&mesh), &s.surface, place)
             }
+            Node::Bilinear(s) => self.bilinear(s, place),
+            Node::HeightField(s) => self.height_field(s, place),
+            Node::Curves(s) => self.curves(s, place),
+            Node::Union(_) | Node::Intersection(_) | Node::Difference(_) => self.combination(node, place),
+            Node::DistanceField(s) => self.distance_field(s, place),
             Node::Mesh(m) => self.mesh_node(m, place),
             Node::Bezier(b) => {
                 let is_draft = self.detail == Detail::Draft && !self.in_focus;

@@ -4,6 +4,7 @@ pub mod accel;
 pub mod camera;
 pub(crate) mod check;
 pub mod color;
+pub mod curves;
 pub mod development;
 mod keyframes;
 pub mod light;
@@ -12,6 +13,7 @@ pub mod node;
 pub mod round;
 mod settings;
 pub mod shape;
+pub mod solid;
 pub mod spectrum;
 pub mod texture;
 pub mod transform;
@@ -24,7 +26,9 @@ pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
 };
+pub use check::even_scale;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
+pub use curves::{CurveBasis, CurveForm, Curves};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
@@ -39,8 +43,13 @@ pub use settings::{
     SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
-    Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, MeshSource,
+    Patches, Plane, Rectangle, Shading, Smoothing, Sphere, Subdivide, Subdivision, Surface, Triangle,
+    TriangleMesh,
+};
+pub use solid::{
+    BallDistance, Blend, BoxDistance, CapsuleDistance, Combination, CylinderDistance, Distance,
+    DistanceField, GridDistance, Grown, Moved, RingDistance, Ripples,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;

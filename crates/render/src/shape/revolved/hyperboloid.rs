@@ -122,7 +122,13 @@ impl Profile for Hyperboloid {
         DVec3::new(s, 0.0, c)
     }
 
-    fn is_twisted(&self) -> bool {
-        true
+    /// Each turn of the line is straight: its ends are what is furthest.
+    fn twisted_support(&self, v: DVec3, sweep: f64) -> Option<f64> {
+        let end = |part: f64| {
+            let p = self.line(part);
+            let rho = self.squared(part)[0].sqrt();
+            rho * super::swept(v, ops::atan2_d(p.x, p.z), sweep) + v.y * p.y
+        };
+        Some(ops_max([end(0.0), end(1.0)]))
     }
 }

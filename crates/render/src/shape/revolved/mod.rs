@@ -87,9 +87,10 @@ pub(crate) trait Profile {
         DVec3::new(s, 0.0, c)
     }
 
-    /// Whether the support is that of a whole turn, whatever the sweep.
-    fn is_twisted(&self) -> bool {
-        false
+    /// The greatest coordinate along a direction of what the curve sweeps, for a curve that is turned by different angles at different
+    /// heights.
+    fn twisted_support(&self, _v: DVec3, _sweep: f64) -> Option<f64> {
+        None
     }
 }
 
@@ -215,22 +216,21 @@ impl Revolved {
     /// The greatest coordinate along a direction of its own space.
     fn support(&self, v: DVec3) -> f64 {
         let profile = self.curve.profile();
-        let away = (v.x * v.x + v.z * v.z).sqrt();
-        let a = if self.is_whole || profile.is_twisted() {
-            away
-        } else {
-            let angle = ops::atan2_d(v.x, v.z);
-            match within(angle, self.sweep) {
-                (_, true) => away,
-                (end, false) => {
-                    let (s, c) = ops::sin_cos_d(end);
-                    // The ends of the sweep: the nearer one is the greater.
-                    v.x * s + v.z * c
-                }
-            }
-        };
-        profile.support(a, v.y)
+        profile
+            .twisted_support(v, self.sweep)
+            .unwrap_or_else(|| profile.support(swept(v, 0.0, self.sweep), v.y))
     }
+}
+
+/// The greatest part of a direction that is away from the axis, of all in a sweep that begins at an angle.
+fn swept(v: DVec3, from: f64, sweep: f64) -> f64 {
+    let (end, is_there) = within((ops::atan2_d(v.x, v.z) - from) % TAU, sweep);
+    if is_there {
+        return (v.x * v.x + v.z * v.z).sqrt();
+    }
+    // Else the nearer end has the greater one.
+    let (s, c) = ops::sin_cos_d(from + end);
+    v.x * s + v.z * c
 }
 
 /// A direction of the half-plane that points away from the axis along `out`.
@@ -343,7 +343,7 @@ impl Form for Revolved {
 }
 
 /// Points in [0, 1] and their weights: five of Gauss and Legendre in each of N parts.
-fn gauss<const N: usize>() -> impl Iterator<Item = (f64, f64)> {
+pub(super) fn gauss<const N: usize>() -> impl Iterator<Item = (f64, f64)> {
     // Abramowitz & Stegun 1964, table 25.4.
     const NODES: [(f64, f64); 5] = [
         (-0.906_179_845_938_664, 0.236_926_885_056_189),
