@@ -1,7 +1,10 @@
 //! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it. How much memory
 //! that takes is not known here.
 
-use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, Subdivide, TriangleMesh};
+use crate::desc::{
+    Bezier, BezierPatches, CurveBasis, CurveForm, Light, MeshSource, Node, Scene, Shading, Subdivide,
+    TriangleMesh,
+};
 use crate::glow::Glow;
 use crate::{Assets, Handle};
 
@@ -56,6 +59,10 @@ pub struct Tally {
     pub rectangles: u64,
     /// Cylinders among them, without their caps.
     pub cylinders: u64,
+    /// Other shapes among them that turn about an axis.
+    pub revolved: u64,
+    /// Pieces of curves among them.
+    pub curves: u64,
     /// Instances of objects that don't glow; those of others are copies of all that is inside.
     pub instances: u64,
     /// Surfaces that glow.
@@ -78,6 +85,8 @@ impl Tally {
         sum(&mut self.discs, o.discs);
         sum(&mut self.rectangles, o.rectangles);
         sum(&mut self.cylinders, o.cylinders);
+        sum(&mut self.revolved, o.revolved);
+        sum(&mut self.curves, o.curves);
         sum(&mut self.instances, o.instances);
         sum(&mut self.lights, o.lights);
         sum(&mut self.lit_triangles, o.lit_triangles);
@@ -221,10 +230,17 @@ impl Walk<'_> {
             }
             Node::Cone(c) if c.caps => {
                 let discs = if c.top_radius > 0.0 { 2 } else { 1 };
-                let mut found = self.lit(node, Tally { shapes: 1 + discs, discs, ..Tally::default() });
+                let mut found =
+                    self.lit(node, Tally { shapes: 1 + discs, discs, revolved: 1, ..Tally::default() });
                 found.own.lights *= 1 + discs;
                 found
             }
+            Node::Cone(_)
+            | Node::Annulus(_)
+            | Node::Torus(_)
+            | Node::Paraboloid(_)
+            | Node::Hyperboloid(_)
+            | Node::Capsule(_) => self.lit(node, Tally::shape(Tally { revolved: 1, ..Tally::default() })),
             Node::HeightField(h) => {
                 let [width, depth] = match &h.file {
                     Some(file) => {
@@ -241,8 +257,13 @@ impl Walk<'_> {
             }
             Node::Curves(c) => {
                 let pieces = c.runs().filter_map(|run| c.pieces(run.len())).sum::<usize>() as u64;
+                if c.basis == CurveBasis::Linear && c.form == CurveForm::Round {
+                    let own = Tally { shapes: pieces, revolved: pieces, ..Tally::default() };
+                    return lights(self.lit(node, own), pieces);
+                }
                 // A long piece is kept in several.
-                self.lit(node, Tally { shapes: pieces.saturating_mul(CURVE_PARTS), ..Tally::default() })
+                let parts = pieces.saturating_mul(CURVE_PARTS);
+                lights(self.lit(node, Tally { shapes: parts, curves: parts, ..Tally::default() }), parts)
             }
             Node::Union(c) | Node::Intersection(c) | Node::Difference(c) => {
                 let mut all = Tally::default();
@@ -335,6 +356,12 @@ impl Walk<'_> {
         let lights = if own.meshes > 0 { own.meshes } else { 1 };
         Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
     }
+}
+
+/// What glows in so many pieces.
+fn lights(mut found: Found, pieces: u64) -> Found {
+    found.own.lights = found.own.lights.saturating_mul(pieces);
+    found
 }
 
 /// What a cage becomes whose polygons have so many corners in all.
