@@ -15,6 +15,7 @@ pub mod mesh;
 pub mod mesh_file;
 mod number;
 pub mod read_error;
+pub mod scene;
 pub mod spd;
 pub mod studio;
 mod temporary;

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value as Json, json};
 
 use crate::decode::{Decoder, Describe, Fields, Strictness};
-use crate::desc::{Light, Scene};
+use crate::desc::{Accel, Camera, ColorSettings, Film, Integrator, Light, Sampler, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::limit::Limit;
 use crate::schema::Definitions;
@@ -11,6 +11,7 @@ use crate::span::Span;
 use crate::suggest::fold;
 use crate::tree::{Datum, Entry, Tree};
 use crate::validate;
+use crate::value::Named;
 
 /// Reads a scene and checks it as a whole. The scene is only of use when there are no errors among the complaints;
 /// it is given all the same, so that the files it names can be looked for too.
@@ -39,6 +40,26 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
     }
     validate::validate(&scene, &mut diagnostics);
     (scene, diagnostics)
+}
+
+impl Scene {
+    /// An empty one that someone looks at, in which all else is as it is when a file doesn't say it.
+    pub fn seen_by(camera: Camera) -> Self {
+        Self {
+            camera,
+            film: Film::default(),
+            color: ColorSettings::default(),
+            sampler: Sampler::default(),
+            integrator: Integrator::default(),
+            accel: Accel::default(),
+            spectral: false,
+            textures: Named::default(),
+            materials: Named::default(),
+            objects: Named::default(),
+            world: Vec::new(),
+            lights: Vec::new(),
+        }
+    }
 }
 
 /// The JSON Schema of a scene file.
