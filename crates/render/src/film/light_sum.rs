@@ -90,15 +90,38 @@ impl LightSum {
     }
 
     /// The sum, rounded to single precision; not a number where it is spoiled.
-    #[inline]
+    #[inline(always)]
     pub fn light(&self) -> Light {
-        // Both are exact in double precision as far as the film takes light, so that their sum is rounded once.
-        let lane = |i| {
-            let (high, low) = self.carried(i);
-            ((high as f64 + low as f64 * (1.0 / LOW)) * (1.0 / HIGH)) as f32
-        };
-        Light(if is_full(self.high[0]) < 0 { [f32::NAN; 4] } else { [lane(0), lane(1), lane(2), lane(3)] })
+        // Nearly always both numbers are so small that they become doubles as they became integers.
+        const HALF: i64 = 1 << 51;
+        let (mut sum, mut large) = ([0.0; 4], 0);
+        for (i, sum) in sum.iter_mut().enumerate() {
+            let (high, low) = (self.high[i], self.low[i]);
+            large |= (high.wrapping_add(HALF) as u64 | low.wrapping_add(HALF) as u64) >> 52;
+            let double = |v: i64| f64::from_bits((v as u64).wrapping_add(ROUND.to_bits())) - ROUND;
+            *sum = rounded(double(high), double(low));
+        }
+        if large == 0 { Light(sum) } else { self.large() }
     }
+
+    /// The same, however large the numbers.
+    #[cold]
+    #[inline(never)]
+    fn large(&self) -> Light {
+        if is_full(self.high[0]) < 0 {
+            return Light([f32::NAN; 4]);
+        }
+        Light([0, 1, 2, 3].map(|i| {
+            let (high, low) = self.carried(i);
+            rounded(high as f64, low as f64)
+        }))
+    }
+}
+
+/// The sum of both numbers, which are exact in double precision as far as the film takes light, so that it is rounded once there.
+#[inline(always)]
+fn rounded(high: f64, low: f64) -> f32 {
+    ((high + low * (1.0 / LOW)) * (1.0 / HIGH)) as f32
 }
 
 #[cfg(test)]
