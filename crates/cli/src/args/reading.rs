@@ -1,6 +1,6 @@
 //! How the files of a scene are read, and how much memory may be used: the same for all commands that read one.
 
-use super::heading::{MACHINE, TALK};
+use super::heading::{MACHINE, PICTURE, TALK};
 use crate::machine;
 use crate::quantity;
 use clap::Args;
@@ -25,7 +25,7 @@ impl MemoryArgs {
 }
 
 /// How the files of a scene are read.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Args)]
+#[derive(Clone, Debug, Default, PartialEq, Args)]
 pub struct ReadingArgs {
     /// How much memory is taken
     #[command(flatten)]
@@ -37,6 +37,10 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "DIR", help_heading = MACHINE)]
     pub root: Option<PathBuf>,
 
+    /// The frame of a scene that moves, from 0; such as 12, or 12.5 between two
+    #[arg(long, value_name = "N", value_parser = quantity::frame, hide_short_help = true, help_heading = PICTURE)]
+    pub frame: Option<f64>,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long, help_heading = TALK)]
     pub lenient: bool,
@@ -46,6 +50,7 @@ impl ReadingArgs {
     /// What it means for who loads a scene.
     pub fn options(&self) -> LoadOptions {
         let (lenient, root, memory) = (self.lenient, self.root.clone(), self.memory.limit());
-        LoadOptions { lenient, root, memory, ..LoadOptions::default() }
+        let frame = self.frame.unwrap_or(0.0);
+        LoadOptions { lenient, root, memory, frame, ..LoadOptions::default() }
     }
 }

@@ -441,8 +441,7 @@ impl PathTracer {
         for i in asking.iter().copied().map(usize::from) {
             let path = block.paths[i] as usize;
             let ray = brought.ray(i, &queue.rays[path]);
-            let left =
-                left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
+            let left = left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
             out.shadow(ray, Contribution::own(&queue.paths[path], brought.light(i) * left));
         }
     }

@@ -1,6 +1,7 @@
 //! What a scene can say: plain data, as a file or a program says it.
 
 pub mod accel;
+pub mod animation;
 pub mod camera;
 pub(crate) mod check;
 pub mod color;
@@ -19,6 +20,7 @@ pub use accel::{
     Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, PlaneChoice, Split, Structure,
     UniformGrid, VolumeKind, WideBvh,
 };
+pub use animation::Animation;
 pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
@@ -64,6 +66,8 @@ describe! {
         accel: Accel = Accel::default(),
         /// Whether light is computed by wavelengths instead of red, green and blue.
         spectral: bool = false,
+        /// How a scene that moves is played.
+        animation: Animation = Animation::default(),
         /// Textures by name, for `{ texture: NAME }`.
         textures: Named<Texture> = Named::default(),
         /// Materials by name.
