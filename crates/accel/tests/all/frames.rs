@@ -8,7 +8,7 @@ use straal_math::{Affine, DVec3, Transform};
 fn scene(first: &Geometry, second: &Geometry, x: f64) -> Input {
     let place = |group, x: f64| Instance {
         group,
-        transform: Transform::new(Affine::translate(DVec3::new(x, 0.2, 0.0))).unwrap(),
+        transform: Transform::new(&Affine::translate(DVec3::new(x, 0.2, 0.0))).unwrap(),
         mask: u32::MAX,
     };
     let of = |geometry| Group { geometries: vec![geometry], instances: vec![] };

@@ -20,7 +20,7 @@ lights:
 fn each_frame_is_a_picture_and_all_are_an_animation() {
     let folder = Folder::with_scene(MOVING);
     let run = folder.straal("render scene.yaml --frames 0..3 -o film.##.png -o film.apng -q --json");
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert_eq!(run.code, Some(0), "{}", run.err);
     assert_eq!(run.json()["frames"].as_array().unwrap().len(), 3);
     assert_eq!(folder.names(), ["film.00.png", "film.01.png", "film.02.png", "film.apng", "scene.yaml"]);
     // A frame by itself is the same, and frame 0 is what is rendered without a word.
@@ -38,15 +38,15 @@ fn each_frame_is_a_picture_and_all_are_an_animation() {
     assert_eq!((has(b"acTL"), has(b"fcTL")), (1, 3));
 
     let run = folder.straal("render scene.yaml --frames all -o film.##.png --resume");
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(run.stderr.contains("frame 2 is there"), "{}", run.stderr);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(run.err.contains("frame 2 is there"), "{}", run.err);
 }
 
 #[test]
 fn a_frame_can_be_written_as_a_scene() {
     let folder = Folder::with_scene(MOVING);
     let run = folder.straal("render scene.yaml --frame 1 -o a.png --write-scene still.yaml -q");
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert_eq!(run.code, Some(0), "{}", run.err);
     let text = String::from_utf8(folder.read("still.yaml")).unwrap();
     assert!(text.contains("radius: 0.75") && !text.contains("keyframes"), "{text}");
     let hash = |words: &str| folder.json(words)["film_hash"].as_str().unwrap().to_owned();
@@ -64,7 +64,7 @@ fn what_is_no_frame_is_told() {
         ("render scene.yaml --frames 0..2 -o -", "frames can't go to standard output"),
     ] {
         let run = folder.straal(words);
-        assert_eq!(run.code, Some(2), "{words}: {}", run.stderr);
-        assert!(run.stderr.contains(complaint), "{words}: {}", run.stderr);
+        assert_eq!(run.code, Some(2), "{words}: {}", run.err);
+        assert!(run.err.contains(complaint), "{words}: {}", run.err);
     }
 }
