@@ -1,7 +1,7 @@
 //! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it. How much memory
 //! that takes is not known here.
 
-use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, TriangleMesh};
+use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, Subdivide, TriangleMesh};
 use crate::glow::Glow;
 use crate::{Assets, Handle};
 
@@ -94,6 +94,9 @@ impl Tally {
         Self { shapes: 1, ..kind }
     }
 }
+
+/// Parts of a curve's piece, on average, where it is long and thin.
+const CURVE_PARTS: u64 = 4;
 
 /// Control points of the built-in teapot make this many patches.
 const TEAPOT_PATCHES: u64 = 32;
@@ -216,6 +219,40 @@ impl Walk<'_> {
                 found.own.lights *= 3;
                 found
             }
+            Node::Cone(c) if c.caps => {
+                let discs = if c.top_radius > 0.0 { 2 } else { 1 };
+                let mut found = self.lit(node, Tally { shapes: 1 + discs, discs, ..Tally::default() });
+                found.own.lights *= 1 + discs;
+                found
+            }
+            Node::HeightField(h) => {
+                let [width, depth] = match &h.file {
+                    Some(file) => {
+                        let texels = &self.assets.bitmap(file.handle).texels;
+                        [texels.width(), texels.height()]
+                    }
+                    None => [h.heights.first().map_or(0, Vec::len), h.heights.len()],
+                };
+                let quads = (width.saturating_sub(1) * depth.saturating_sub(1)) as u64;
+                let normals = !matches!(h.shading, Shading::Flat);
+                let mut own = Tally::mesh(2 * quads, (width * depth) as u64, [normals, true]);
+                own.smoothed = if normals { own.vertices } else { 0 };
+                self.lit(node, own)
+            }
+            Node::Curves(c) => {
+                let pieces = c.runs().filter_map(|run| c.pieces(run.len())).sum::<usize>() as u64;
+                // A long piece is kept in several.
+                self.lit(node, Tally { shapes: pieces.saturating_mul(CURVE_PARTS), ..Tally::default() })
+            }
+            Node::Union(c) | Node::Intersection(c) | Node::Difference(c) => {
+                let mut all = Tally::default();
+                for child in &c.of {
+                    let own = self.node(child).own;
+                    // A mesh of a combination is a face in the world.
+                    all.add(&Tally { shapes: own.shapes.saturating_add(own.meshes), ..own });
+                }
+                self.lit(node, Tally { lights: 0, lit_triangles: 0, ..all })
+            }
             Node::Disc(_) => self.lit(node, Tally::shape(Tally { discs: 1, ..Tally::default() })),
             Node::Rectangle(_) => self.lit(node, Tally::shape(Tally { rectangles: 1, ..Tally::default() })),
             Node::Cylinder(_) => self.lit(node, Tally::shape(Tally { cylinders: 1, ..Tally::default() })),
@@ -263,6 +300,9 @@ impl Walk<'_> {
                     [smooth(!m.normals.is_empty()), !m.uvs.is_empty()],
                 );
                 own.smoothed = smoothed(!m.normals.is_empty(), own.vertices);
+                if let Some(how) = &m.subdivide {
+                    own = subdivided(own, 3 * own.triangles, how);
+                }
                 return self.lit(node, own);
             }
             MeshSource::Asset(asset) => self.assets.mesh(asset.handle),
@@ -274,6 +314,9 @@ impl Walk<'_> {
             [smooth(!mesh.normals.is_empty()), !mesh.uvs.is_empty()],
         );
         own.smoothed = smoothed(!mesh.normals.is_empty(), own.vertices);
+        if let Some(how) = &m.subdivide {
+            own = subdivided(own, mesh.corners(), how);
+        }
         if m.surface.material.is_none() && !asset.materials.is_empty() {
             let mut names: Vec<_> = mesh.parts.iter().map(|p| p.material.as_deref()).collect();
             names.sort_unstable();
@@ -292,6 +335,15 @@ impl Walk<'_> {
         let lights = if own.meshes > 0 { own.meshes } else { 1 };
         Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
     }
+}
+
+/// What a cage becomes whose polygons have so many corners in all.
+fn subdivided(own: Tally, corners: u64, how: &Subdivide) -> Tally {
+    let triangles = how.triangles(corners, own.triangles);
+    // A smooth surface has about two triangles for a vertex.
+    let vertices = if how.levels == 0 { own.vertices } else { triangles / 2 + own.vertices };
+    let uvs = if own.uvs > 0 { vertices } else { 0 };
+    Tally { triangles, vertices, normals: vertices, uvs, ..own }
 }
 
 fn patches(b: &Bezier) -> u64 {

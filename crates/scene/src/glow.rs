@@ -53,7 +53,10 @@ impl<'a> Glow<'a> {
             Node::Instance(i) => has_light || self.object(&i.of),
             surface => {
                 let own = surface.surface().is_some_and(|s| s.emission.is_some());
-                own || has_light || self.parts(surface).any(|p| p.emission.is_some() || p.material.shines())
+                let inside = surface.children().iter().any(|child| self.node(child));
+                own || inside
+                    || has_light
+                    || self.parts(surface).any(|p| p.emission.is_some() || p.material.shines())
             }
         }
     }
@@ -168,6 +171,7 @@ impl<'a> Surfaces<'_, 'a> {
                 }
             }
             surface => {
+                surface.children().iter().for_each(|child| self.node(child, given));
                 let own = surface.surface().and_then(|s| s.emission.as_ref());
                 let material = given.and_then(|given| resolved(scene, given));
                 self.surface(surface, own, material);

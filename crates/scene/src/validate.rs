@@ -77,6 +77,7 @@ impl Node {
     pub fn children(&self) -> &[Node] {
         match self {
             Self::Group(Group { children, .. }) => children,
+            Self::Union(c) | Self::Intersection(c) | Self::Difference(c) => &c.of,
             _ => &[],
         }
     }

@@ -13,6 +13,8 @@ mod lights;
 mod materials;
 mod meshes;
 mod place;
+mod round;
+mod solids;
 
 pub use build::GLOWING_BYTES;
 

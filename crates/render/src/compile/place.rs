@@ -2,6 +2,7 @@
 
 use super::build::{Build, Place};
 use super::meshes::{bezier_mesh, shaded};
+use super::round::standing;
 use super::{Custom, Detail};
 use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::world::INHERIT;
@@ -74,10 +75,13 @@ impl<'a> Build<'a> {
     }
 
     /// A node that is a shape; `place` is that of its own coordinates.
-    fn one_shape(&mut self, node: &'a Node, place: Place) {
+    pub(super) fn one_shape(&mut self, node: &'a Node, place: Place) {
         let m = place.transform;
         match node {
             Node::Group(_) | Node::Instance(_) => (),
+            Node::Sphere(s) if s.heights.is_some() || s.phi != desc::WHOLE_TURN => {
+                self.part_of_sphere(s, place)
+            }
             Node::Sphere(s) => {
                 let material = self.materials.of(s.surface.material.as_ref(), place.material);
                 // What is brushed must know which way it was turned.
@@ -113,6 +117,12 @@ impl<'a> Build<'a> {
                 self.shape(&s.surface, place, Shape::Parallelogram(Box::new(r)), false)
             }
             Node::Cylinder(s) => self.cylinder(s, place),
+            Node::Cone(s) => self.cone(s, place),
+            Node::Annulus(s) => self.annulus(s, place),
+            Node::Torus(s) => self.torus(s, place),
+            Node::Paraboloid(s) => self.paraboloid(s, place),
+            Node::Hyperboloid(s) => self.hyperboloid(s, place),
+            Node::Capsule(s) => self.capsule(s, place),
             Node::Box(s) => {
                 let mesh = TriangleMesh::cuboid(s.min.as_vec3(), s.max.as_vec3());
                 self.whole_mesh(mesh, &s.surface, place)
@@ -122,6 +132,11 @@ impl<'a> Build<'a> {
                 let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
                 self.whole_mesh(TriangleMesh::from(&mesh), &s.surface, place)
             }
+            Node::Bilinear(s) => self.bilinear(s, place),
+            Node::HeightField(s) => self.height_field(s, place),
+            Node::Curves(s) => self.curves(s, place),
+            Node::Union(_) | Node::Intersection(_) | Node::Difference(_) => self.combination(node, place),
+            Node::DistanceField(s) => self.distance_field(s, place),
             Node::Mesh(m) => self.mesh_node(m, place),
             Node::Bezier(b) => {
                 let is_draft = self.detail == Detail::Draft && !self.in_focus;
@@ -178,31 +193,23 @@ impl<'a> Build<'a> {
     }
 
     fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) {
-        let m = place.transform;
-        let axis = s.to - s.from;
-        let (a, b) = tangents(unit(axis));
-        let (a, b) = (a * s.radius, b * s.radius);
-        // The unit cylinder stands along y.
-        let unit_to_local = Affine {
-            rows: [[b.x, axis.x, a.x, s.from.x], [b.y, axis.y, a.y, s.from.y], [b.z, axis.z, a.z, s.from.z]],
-        };
-        let Some(wall) = Cylinder::new(unit_to_local.then(&m)) else { return self.leave_out() };
+        if s.phi != desc::WHOLE_TURN {
+            return self.part_of_cylinder(s, place);
+        }
+        let own = standing(s.from, s.to, s.radius);
+        let Some(wall) = Cylinder::new(own.then(&place.transform)) else { return self.leave_out() };
         self.shape(&s.surface, place, Shape::Cylinder(Box::new(wall)), s.surface.flip);
         if s.caps {
-            for (center, a, b) in [(s.from, b, a), (s.to, a, b)] {
-                let (mut a, mut b) = (m.vector(a), m.vector(b));
-                if s.surface.flip != (m.determinant() < 0.0) {
-                    (a, b) = (b, a);
-                }
-                let cap = Disc::new(m.point(center).as_vec3(), a.as_vec3(), b.as_vec3());
-                self.shape(&s.surface, place, Shape::Disc(Box::new(cap)), false);
-            }
+            let (a, b) = tangents(unit(s.to - s.from));
+            let (a, b) = (a * s.radius, b * s.radius);
+            self.cap(&s.surface, place, [s.from, b, a]);
+            self.cap(&s.surface, place, [s.to, a, b]);
         }
     }
 }
 
 /// Validation has seen that it has a length.
-fn unit(v: DVec3) -> DVec3 {
+pub(super) fn unit(v: DVec3) -> DVec3 {
     v.try_normalize().unwrap_or(DVec3::Y)
 }
 
@@ -212,7 +219,7 @@ fn placed(node: &Node, place: Place) -> Affine {
 }
 
 /// Two unit vectors that make a right-handed frame with `n`.
-fn tangents(n: DVec3) -> (DVec3, DVec3) {
+pub(super) fn tangents(n: DVec3) -> (DVec3, DVec3) {
     // Those of +z are x and y, so that a disc's texture coordinates are where one expects them.
     let helper = if n.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
     let a = helper - n * n.dot(helper);

@@ -5,13 +5,16 @@ pub mod animation;
 pub mod camera;
 pub(crate) mod check;
 pub mod color;
+pub mod curves;
 pub mod development;
 mod keyframes;
 pub mod light;
 pub mod material;
 pub mod node;
-pub mod settings;
+pub mod round;
+mod settings;
 pub mod shape;
+pub mod solid;
 pub mod spectrum;
 pub mod texture;
 pub mod transform;
@@ -25,7 +28,9 @@ pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
 };
+pub use check::even_scale;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
+pub use curves::{CurveBasis, CurveForm, Curves};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
@@ -33,14 +38,20 @@ pub use light::{
 };
 pub use material::*;
 pub use node::{Group, Instance, Node};
+pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
     Lanczos, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind,
     SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
-    Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, MeshSource,
+    Patches, Plane, Rectangle, Shading, Smoothing, Sphere, Subdivide, Subdivision, Surface, Triangle,
+    TriangleMesh,
+};
+pub use solid::{
+    BallDistance, Blend, BoxDistance, CapsuleDistance, Combination, CylinderDistance, Distance,
+    DistanceField, GridDistance, Grown, Moved, RingDistance, Ripples,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;

@@ -2,10 +2,14 @@
 
 use straal_math::{Affine, DVec3};
 
+use crate::desc::curves::Curves;
 use crate::desc::material::MaterialRef;
+use crate::desc::round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus};
 use crate::desc::shape::{
-    Bezier, Cuboid, Cylinder, Disc, Plane, Rectangle, Sphere, Surface, Triangle, TriangleMesh,
+    Bezier, Bilinear, Cuboid, Cylinder, Disc, HeightField, Plane, Rectangle, Sphere, Surface, Triangle,
+    TriangleMesh,
 };
+use crate::desc::solid::{Combination, DistanceField};
 use crate::desc::transform::{Transform, facing};
 use crate::describe::describe;
 use crate::span::Spanned;
@@ -26,12 +30,38 @@ describe! {
         "box" => Box(Cuboid) has surface,
         /// A tube.
         "cylinder" => Cylinder(Cylinder) has surface,
+        /// A cone.
+        "cone" => Cone(Cone) has surface,
+        /// A flat ring.
+        "annulus" => Annulus(Annulus) has surface,
+        /// A ring of round section.
+        "torus" => Torus(Torus) has surface,
+        /// A bowl.
+        "paraboloid" => Paraboloid(Paraboloid) has surface,
+        /// A straight line turned about an axis.
+        "hyperboloid" => Hyperboloid(Hyperboloid) has surface,
+        /// A tube with round ends.
+        "capsule" => Capsule(Capsule) has surface,
         /// One triangle.
         "triangle" => Triangle(Triangle) has surface,
         /// A triangle mesh.
         "mesh" => Mesh(TriangleMesh) has surface,
         /// Bicubic Bezier patches.
         "bezier" => Bezier(Bezier) has surface,
+        /// A patch between four corners.
+        "bilinear" => Bilinear(Bilinear) has surface,
+        /// Heights over a rectangle.
+        "height_field" => HeightField(HeightField) has surface,
+        /// Long, thin things.
+        "curves" => Curves(Curves) has surface,
+        /// Where any of several solids is.
+        "union" => Union(Combination) has surface,
+        /// Where all of several solids are.
+        "intersection" => Intersection(Combination) has surface,
+        /// Where the first of several solids is and no other.
+        "difference" => Difference(Combination) has surface,
+        /// A solid told by its distance.
+        "distance_field" => DistanceField(DistanceField) has surface,
         /// Several nodes placed together.
         "group" => Group(Group),
         /// One more copy of a named object, which costs next to no memory.
@@ -111,6 +141,15 @@ impl Node {
             }
             Self::Box(s) => ((s.min + s.max) * 0.5, Front::Axis),
             Self::Cylinder(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Cone(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Annulus(s) => (s.center, Front::Normal(s.normal)),
+            Self::Torus(s) => (s.center, Front::Axis),
+            Self::Paraboloid(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Capsule(s) => ((s.from + s.to) * 0.5, Front::Axis),
+            Self::Bilinear(s) => {
+                let [a, b, c, d] = s.corners;
+                ((a + b + c + d) * 0.25, Front::Normal((b + d - a - c).cross(c + d - a - b)))
+            }
             Self::Triangle(s) => {
                 let [a, b, c] = s.vertices;
                 ((a + b + c) / 3.0, Front::Normal((b - a).cross(c - a)))
