@@ -20,7 +20,7 @@ use straal_scene::{
 use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, Means, MeshFile, Picture};
 use crate::studio::{self, Studio};
-use crate::{Limits, ReadError, foreign, image, spd, yaml};
+use crate::{Limits, ReadError, foreign, image, photometry, spd, yaml};
 
 mod bitmaps;
 
@@ -309,7 +309,8 @@ fn locate(
     let images = scene.image_files().into_iter().map(|asset| &asset.file);
     let bitmaps = scene.bitmap_files().into_iter().map(|asset| &asset.file);
     let spectra = scene.spectrum_files().into_iter().map(|asset| &asset.file);
-    for file in meshes.chain(images).chain(bitmaps).chain(spectra) {
+    let lamps = scene.photometry_files().into_iter().map(|asset| &asset.file);
+    for file in meshes.chain(images).chain(bitmaps).chain(spectra).chain(lamps) {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
@@ -474,7 +475,32 @@ impl Reader<'_> {
                 Err(e) => self.fail(file, &e),
             }
         }
+        self.lamps(scene, paths, &mut assets);
         assets
+    }
+
+    /// What was measured of lamps.
+    fn lamps(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>, assets: &mut Assets) {
+        for Asset { file, handle } in scene.photometry_files() {
+            let Some(path) = paths.get(&file.value) else { continue };
+            if assets.photometries.get(*handle).is_some() {
+                continue;
+            }
+            let bytes = match files::read(path, photometry::MOST_BYTES) {
+                Ok(bytes) => bytes,
+                Err(refusal) => {
+                    self.refuse(file, refusal);
+                    continue;
+                }
+            };
+            match photometry::read(&bytes) {
+                Ok(lamp) => {
+                    assets.photometries.put(*handle, Arc::new(lamp));
+                    self.hashes.insert(file.value.clone(), blake3::hash(&bytes).into());
+                }
+                Err(e) => self.fail(file, &e),
+            }
+        }
     }
 
     /// Complains of texture coordinates that a mapping wants and meshes don't have.

@@ -11,6 +11,7 @@ pub mod material;
 pub mod node;
 pub mod settings;
 pub mod shape;
+pub mod sky;
 pub mod spectrum;
 pub mod texture;
 pub mod transform;
@@ -27,7 +28,8 @@ pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
-    AmbientLight, DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight,
+    AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
+    PointLight, Projector, SpotLight,
 };
 pub use material::*;
 pub use node::{Group, Instance, Node};
@@ -40,6 +42,7 @@ pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
     Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
 };
+pub use sky::{Sky, When};
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;
 pub use transform::{AxisAngle, Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint, facing};
