@@ -21,7 +21,7 @@ use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, MeshFile, Picture};
 use crate::scene::{Foreign, Made, Means, Translated};
 use crate::studio::{self, Studio};
-use crate::{Limits, ReadError, foreign, image, spd, yaml};
+use crate::{Limits, ReadError, foreign, image, photometry, spd, yaml};
 
 mod bitmaps;
 mod shelf;
@@ -421,7 +421,9 @@ fn locate(
         let meshes = meshes.map(|asset| &asset.file);
         let images = images.map(|asset| &asset.file);
         let bitmaps = bitmaps.map(|asset| &asset.file);
-        meshes.chain(images).chain(bitmaps).chain(spectra.map(|asset| &asset.file))
+        let spectra = spectra.map(|asset| &asset.file);
+        let lamps = scene.photometry_files().into_iter().map(|asset| &asset.file);
+        meshes.chain(images).chain(bitmaps).chain(spectra).chain(lamps)
     };
     for file in named() {
         // What couldn't be read has no name.
@@ -589,7 +591,32 @@ impl Reader<'_> {
                 Err(e) => self.fail(file, &e),
             }
         }
+        self.lamps(scene, paths, &mut assets);
         assets
+    }
+
+    /// What was measured of lamps.
+    fn lamps(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>, assets: &mut Assets) {
+        for Asset { file, handle } in scene.photometry_files() {
+            let Some(path) = paths.get(&file.value) else { continue };
+            if assets.photometries.get(*handle).is_some() {
+                continue;
+            }
+            let bytes = match files::read(path, photometry::MOST_BYTES) {
+                Ok(bytes) => bytes,
+                Err(refusal) => {
+                    self.refuse(file, refusal);
+                    continue;
+                }
+            };
+            match photometry::read(&bytes) {
+                Ok(lamp) => {
+                    assets.photometries.put(*handle, Arc::new(lamp));
+                    self.hashes.insert(file.value.clone(), blake3::hash(&bytes).into());
+                }
+                Err(e) => self.fail(file, &e),
+            }
+        }
     }
 
     /// Complains of texture coordinates that a mapping wants and meshes don't have.

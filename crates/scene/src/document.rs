@@ -29,7 +29,7 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
             matches!(tree.value, Datum::Mapping(_) | Datum::Null),
         ),
     };
-    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
+    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_) | Light::Sky(_)));
     // A key that is called otherwise here may be what the world was meant to be.
     let mut names = Vec::new();
     Scene::names(&mut names);

@@ -16,7 +16,7 @@ use crate::link::Places;
 use crate::span::Span;
 use crate::suggest;
 use crate::value::{Asset, LinearRgb, Link, Name};
-use crate::{Image, Mesh, materials, textures};
+use crate::{Image, Mesh, Photometry, materials, textures};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -139,6 +139,15 @@ impl Scene {
     /// The colours that are parts of the light that arrives.
     pub(crate) fn reflectances(&self) -> Vec<&Spectrum> {
         self.spectra().into_iter().filter(|(_, limit)| *limit == Limit::UNIT).map(|(s, _)| s).collect()
+    }
+
+    /// The files of measured lamps that are named, with repetitions.
+    pub fn photometry_files(&self) -> Vec<&Asset<Photometry>> {
+        let lamps = self.lights.iter().filter_map(|l| match l {
+            Light::Goniometric(lamp) => Some(&lamp.file),
+            _ => None,
+        });
+        lamps.collect()
     }
 
     /// The picture files that are named, with repetitions.

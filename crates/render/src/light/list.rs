@@ -98,7 +98,14 @@ macro_rules! emitters {
 
             /// Whether the light is all around: what a ray that hits nothing sees.
             pub fn is_environment(&self) -> bool {
-                match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Around, )+ }
+                match self {
+                    $( Self::$Kind(_) => matches!(<$Type as Shine>::EXTENT, Extent::Around | Extent::Disc), )+
+                }
+            }
+
+            /// Whether the light is all around and shines from one part of it as a lamp does.
+            pub fn is_disc(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Disc, )+ }
             }
 
             /// Whether the light comes from nowhere, see [`AmbientLight`].

@@ -15,6 +15,7 @@ pub mod round;
 mod settings;
 pub mod shape;
 pub mod solid;
+pub mod sky;
 pub mod spectrum;
 pub mod texture;
 pub mod transform;
@@ -34,7 +35,8 @@ pub use curves::{CurveBasis, CurveForm, Curves};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
-    AmbientLight, DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight,
+    AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
+    PointLight, Projector, SpotLight,
 };
 pub use material::*;
 pub use node::{Group, Instance, Node};
@@ -53,6 +55,7 @@ pub use solid::{
     BallDistance, Blend, BoxDistance, CapsuleDistance, Combination, CylinderDistance, Distance,
     DistanceField, GridDistance, Grown, Moved, RingDistance, Ripples,
 };
+pub use sky::{Sky, When};
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;
 pub use transform::{AxisAngle, Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint, facing};
