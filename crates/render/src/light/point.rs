@@ -52,6 +52,10 @@ impl Shine for PointLight {
         )
     }
 
+    fn starts_at(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
     fn power(&self, _: &Geometry, _: f64) -> f64 {
         4.0 * std::f64::consts::PI * strength(&self.intensity)
     }

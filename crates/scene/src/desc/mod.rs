@@ -33,8 +33,8 @@ pub use material::*;
 pub use node::{Group, Instance, Node};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
-    Lanczos, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind,
-    SpectralChannels, Technique, Tent, Whitted,
+    Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler,
+    SamplerKind, SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
     Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
