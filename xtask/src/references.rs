@@ -115,7 +115,11 @@ fn judge(scene: &Path, reference: &Path, judged: &Judged<'_>) -> Result<Comparis
     let job = Job::new(loaded, Overrides { spp: Some(spp), size: Some(size), ..Overrides::default() })?;
     let ours = job.render_replicates(REPLICATES, &mut Control::to_the_end())?.picture.layers;
     let picture = |pixels| Image { width: ours.width, height: ours.height, pixels };
-    let (mut mean, mut variance) = (picture(ours.rgb.clone()), picture(ours.variance.clone()));
+    // A picture without samples of its own has the error alone.
+    let error = ours.error.as_ref().filter(|_| ours.variance.is_empty());
+    let spread = error.map(|error| error.rgb.iter().map(|e| e.map(|e| e * e)).collect());
+    let (mut mean, mut variance) =
+        (picture(ours.rgb.clone()), picture(spread.unwrap_or_else(|| ours.variance.clone())));
     for i in 0..their_mean.pixels.len() {
         let (x, y) = (i % their_mean.width, i / their_mean.width);
         if without.iter().any(|[x0, y0, x1, y1]| (x0..x1).contains(&&x) && (y0..y1).contains(&&y)) {

@@ -369,6 +369,8 @@ pub struct Extent {
     pub signed: bool,
     /// Whether blocks end by themselves.
     pub adapts: bool,
+    /// Whether light is brought by paths that are no pixel's own.
+    pub light_splats: bool,
 }
 
 /// Samples that a film refused.
@@ -542,6 +544,7 @@ impl Film {
             + channel::held(of.layers, of.cost).map(|(_, channel)| channel.bytes()).sum::<usize>()
             + held(of.batches && !of.adapts, Self::BATCH_BYTES)
             + held(of.adapts, size_of::<Halves>())
+            + held(of.light_splats, size_of::<[Fixed; 3]>())
             + held(of.signed, size_of::<Control>() + bands * size_of::<Fixed>())
             + bands * size_of::<Fixed>()
     }

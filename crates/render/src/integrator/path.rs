@@ -55,11 +55,7 @@ impl PathTracer {
             Depth::Unlimited => u32::MAX,
             Depth::Edges(n) => n,
         };
-        let roulette = match path.roulette {
-            desc::Roulette::Root => Roulette::Root,
-            desc::Roulette::Throughput => Roulette::Throughput,
-            desc::Roulette::Off => Roulette::Off,
-        };
+        let roulette = Roulette::of(&path.roulette);
         let technique = Technique::of(&path.technique);
         Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique }
     }

@@ -14,8 +14,8 @@ pub mod node;
 pub mod round;
 mod settings;
 pub mod shape;
-pub mod solid;
 pub mod sky;
+pub mod solid;
 pub mod spectrum;
 pub mod texture;
 pub mod transform;
@@ -43,19 +43,19 @@ pub use node::{Group, Instance, Node};
 pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
-    Lanczos, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind,
-    SpectralChannels, Technique, Tent, Whitted,
+    Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler,
+    SamplerKind, SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
     Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, MeshSource,
     Patches, Plane, Rectangle, Shading, Smoothing, Sphere, Subdivide, Subdivision, Surface, Triangle,
     TriangleMesh,
 };
+pub use sky::{Sky, When};
 pub use solid::{
     BallDistance, Blend, BoxDistance, CapsuleDistance, Combination, CylinderDistance, Distance,
     DistanceField, GridDistance, Grown, Moved, RingDistance, Ripples,
 };
-pub use sky::{Sky, When};
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;
 pub use transform::{AxisAngle, Coordinate, Reflection, Rotation, Shear, Step, Transform, Viewpoint, facing};

@@ -110,6 +110,9 @@ impl Job {
         if let Some(why) = &world.out_of_focus {
             return Err(Error::scene(why.span, why.to_string()));
         }
+        if let Some(why) = plan.integrator.misfit(&world) {
+            return Err(Error::Request(why));
+        }
         Ok(Self {
             world,
             settings,
@@ -164,6 +167,11 @@ impl Job {
     /// Why this job can't be rendered without knowing how many samples there will be, if so.
     pub fn needs_count(&self) -> Option<String> {
         needs_count(self.settings.pattern.kind())
+    }
+
+    /// How light is gathered.
+    pub fn integrator(&self) -> AnyIntegrator {
+        self.integrator
     }
 
     /// The path tracer of the scene; the usual one where it asks for something else.
