@@ -37,15 +37,31 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "DIR", help_heading = MACHINE)]
     pub root: Option<PathBuf>,
 
+    /// What stands for a name that a scene of Mitsuba leaves open, such as -D spp=16 for $spp; may be given several times
+    #[arg(
+        short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition, hide_short_help = true,
+        help_heading = MACHINE
+    )]
+    pub define: Vec<(String, String)>,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long, help_heading = TALK)]
     pub lenient: bool,
+}
+
+/// A name and what stands for it.
+fn definition(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err("write NAME=VALUE, such as spp=16".to_owned()),
+    }
 }
 
 impl ReadingArgs {
     /// What it means for who loads a scene.
     pub fn options(&self) -> LoadOptions {
         let (lenient, root, memory) = (self.lenient, self.root.clone(), self.memory.limit());
-        LoadOptions { lenient, root, memory, ..LoadOptions::default() }
+        let define = self.define.iter().cloned().collect();
+        LoadOptions { lenient, root, memory, define, ..LoadOptions::default() }
     }
 }
