@@ -4,9 +4,9 @@
 //! it, since here each has its own; so is what fills a clear one.
 
 use straal_scene::desc::{
-    Bump, CoatedConductor, Conductor, Dielectric, Diffuse, DiffuseTransmission, Distribution, GreenAxis, Highlight,
-    Index, Interior, Mask, Material, MaterialRef, Mirror, Mix, NormalMap, NormalSpace, OpenPbr, Phong, Plastic,
-    Principled, Relief, RoughDiffuse, Spectrum, ThinDielectric, TwoFaces, Varying,
+    Bump, CoatedConductor, Conductor, Dielectric, Diffuse, DiffuseTransmission, Distribution, GreenAxis,
+    Highlight, Index, Interior, Mask, Material, MaterialRef, Mirror, Mix, NormalMap, NormalSpace, OpenPbr,
+    Phong, Plastic, Principled, Relief, RoughDiffuse, Spectrum, ThinDielectric, TwoFaces, Varying,
 };
 use straal_scene::limit::Limit;
 use straal_scene::value::{Known, LinearRgb, Link};
@@ -90,7 +90,11 @@ impl<'o> Translator<'o, '_, '_> {
         let around = self.that_counts(i, around);
         let Some(id) = &o.id else {
             let is_allowed = self.spend(o.plugin.span);
-            return MaterialRef::Inline(Box::new(if is_allowed { self.new_bsdf(i, around) } else { black() }));
+            return MaterialRef::Inline(Box::new(if is_allowed {
+                self.new_bsdf(i, around)
+            } else {
+                black()
+            }));
         };
         if let Some(known) = self.materials.get(&(i, around)) {
             return known.clone();
@@ -157,12 +161,22 @@ impl<'o> Translator<'o, '_, '_> {
             }
             "roughdiffuse" => {
                 self.only(o, &["reflectance", "alpha", "use_fast_approx"]);
-                self.alike("rough", o, "`roughdiffuse` is Oren and Nayar's qualitative model here".to_owned());
+                self.alike(
+                    "rough",
+                    o,
+                    "`roughdiffuse` is Oren and Nayar's qualitative model here".to_owned(),
+                );
                 let reflectance = self.colour(o, "reflectance", 0.5, For::Share, uv);
                 // Mitsuba's alpha is that of Beckmann's slopes, whose standard deviation is alpha / √2.
                 let alpha = self.within(o, "alpha", 0.2, ALPHA);
                 let roughness = Varying::Constant(alpha / std::f64::consts::SQRT_2);
-                Material::Diffuse(Diffuse { reflectance, roughness, model: RoughDiffuse::OrenNayar, two_sided, relief })
+                Material::Diffuse(Diffuse {
+                    reflectance,
+                    roughness,
+                    model: RoughDiffuse::OrenNayar,
+                    two_sided,
+                    relief,
+                })
             }
             "dielectric" | "roughdielectric" => self.dielectric(o, around, relief),
             "thindielectric" => {
@@ -170,7 +184,13 @@ impl<'o> Translator<'o, '_, '_> {
                 let (eta, eta_outside) = (self.index(o, "int_ior", "bk7"), self.index(o, "ext_ior", "air"));
                 let reflectance = self.colour(o, "specular_reflectance", 1.0, For::Share, uv);
                 let transmittance = self.colour(o, "specular_transmittance", 1.0, For::Share, uv);
-                Material::ThinDielectric(ThinDielectric { eta, eta_outside, reflectance, transmittance, relief })
+                Material::ThinDielectric(ThinDielectric {
+                    eta,
+                    eta_outside,
+                    reflectance,
+                    transmittance,
+                    relief,
+                })
             }
             "conductor" | "roughconductor" => self.conductor(o, around, relief),
             "plastic" | "roughplastic" | "pplastic" => self.plastic(o, around, relief),
@@ -179,13 +199,27 @@ impl<'o> Translator<'o, '_, '_> {
                 self.only(
                     o,
                     &[
-                        "base_color", "roughness", "anisotropic", "spec_trans", "eta", "spec_tint", "sheen",
-                        "sheen_tint", "flatness", "diff_trans", "specular_reflectance_sampling_rate",
-                        "specular_transmittance_sampling_rate", "diffuse_transmittance_sampling_rate",
+                        "base_color",
+                        "roughness",
+                        "anisotropic",
+                        "spec_trans",
+                        "eta",
+                        "spec_tint",
+                        "sheen",
+                        "sheen_tint",
+                        "flatness",
+                        "diff_trans",
+                        "specular_reflectance_sampling_rate",
+                        "specular_transmittance_sampling_rate",
+                        "diffuse_transmittance_sampling_rate",
                         "diffuse_reflectance_sampling_rate",
                     ],
                 );
-                self.alike("thin", o, "`principledthin` is `open_pbr` with thin walls here: alike, not the same".to_owned());
+                self.alike(
+                    "thin",
+                    o,
+                    "`principledthin` is `open_pbr` with thin walls here: alike, not the same".to_owned(),
+                );
                 let m = OpenPbr {
                     base_color: self.colour(o, "base_color", 0.5, For::Share, uv),
                     specular_roughness: self.varying(o, "roughness", 0.5, Limit::UNIT, uv),
@@ -207,7 +241,11 @@ impl<'o> Translator<'o, '_, '_> {
                     [one] => self.same_as(*one, around),
                     [front, back, ..] => {
                         let (front, back) = (self.bsdf(*front, around), self.bsdf(*back, around));
-                        Material::TwoFaces(TwoFaces { front: Box::new(front), back: Box::new(back), relief: Relief::default() })
+                        Material::TwoFaces(TwoFaces {
+                            front: Box::new(front),
+                            back: Box::new(back),
+                            relief: Relief::default(),
+                        })
                     }
                     [] => self.lacks_bsdf(o),
                 }
@@ -229,7 +267,12 @@ impl<'o> Translator<'o, '_, '_> {
                 let parts = self.inside(o, Class::Bsdf);
                 let [first, second, ..] = parts[..] else { return self.lacks_bsdf(o) };
                 let (first, second) = (self.bsdf(first, around), self.bsdf(second, around));
-                Material::Mix(Mix { first: Box::new(first), second: Box::new(second), weight, relief: Relief::default() })
+                Material::Mix(Mix {
+                    first: Box::new(first),
+                    second: Box::new(second),
+                    weight,
+                    relief: Relief::default(),
+                })
             }
             "mixturebsdf" => self.mixture(o, around),
             "bumpmap" => {
@@ -244,12 +287,19 @@ impl<'o> Translator<'o, '_, '_> {
                 self.only(o, &["flip_invalid_normals", "use_shadowing_function", "*"]);
                 self.in_relief(o, around, |t, texture, relief| {
                     let texture = t.texture(texture, uv, Role::Light);
-                    relief.normal_map =
-                        Some(NormalMap { texture, space: NormalSpace::Tangent, green: GreenAxis::Up, strength: 1.0 });
+                    relief.normal_map = Some(NormalMap {
+                        texture,
+                        space: NormalSpace::Tangent,
+                        green: GreenAxis::Up,
+                        strength: 1.0,
+                    });
                 })
             }
             "phong" => {
-                self.only(o, &["diffuse_reflectance", "specular_reflectance", "exponent", "specular_sampling_weight"]);
+                self.only(
+                    o,
+                    &["diffuse_reflectance", "specular_reflectance", "exponent", "specular_sampling_weight"],
+                );
                 let m = Phong {
                     reflectance: self.colour(o, "diffuse_reflectance", 0.5, For::Share, uv),
                     specular: self.colour(o, "specular_reflectance", 0.2, For::Share, uv),
@@ -262,9 +312,28 @@ impl<'o> Translator<'o, '_, '_> {
                 Material::Phong(m)
             }
             "ward" => {
-                self.only(o, &["diffuse_reflectance", "specular_reflectance", "alpha", "alpha_u", "alpha_v", "variant"]);
-                self.alike("ward", o, "Ward's `ward` is `phong` here, as sharp: alike, not the same".to_owned());
-                let alpha = self.within(o, if o.has("alpha_u") { "alpha_u" } else { "alpha" }, 0.1, Limit::within(0.005, 1.0));
+                self.only(
+                    o,
+                    &[
+                        "diffuse_reflectance",
+                        "specular_reflectance",
+                        "alpha",
+                        "alpha_u",
+                        "alpha_v",
+                        "variant",
+                    ],
+                );
+                self.alike(
+                    "ward",
+                    o,
+                    "Ward's `ward` is `phong` here, as sharp: alike, not the same".to_owned(),
+                );
+                let alpha = self.within(
+                    o,
+                    if o.has("alpha_u") { "alpha_u" } else { "alpha" },
+                    0.1,
+                    Limit::within(0.005, 1.0),
+                );
                 let m = Phong {
                     reflectance: self.colour(o, "diffuse_reflectance", 0.5, For::Share, uv),
                     specular: self.colour(o, "specular_reflectance", 0.2, For::Share, uv),
@@ -283,7 +352,19 @@ impl<'o> Translator<'o, '_, '_> {
                 Material::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance, relief })
             }
             "coating" | "roughcoating" => {
-                self.only(o, &["int_ior", "ext_ior", "thickness", "sigma_a", "alpha", "distribution", "specular_reflectance", "*"]);
+                self.only(
+                    o,
+                    &[
+                        "int_ior",
+                        "ext_ior",
+                        "thickness",
+                        "sigma_a",
+                        "alpha",
+                        "distribution",
+                        "specular_reflectance",
+                        "*",
+                    ],
+                );
                 self.coating(o, around, relief)
             }
             _ => {
@@ -319,8 +400,18 @@ impl<'o> Translator<'o, '_, '_> {
             self.push(Diagnostic::error(o.plugin.span, message));
             return black();
         };
-        let mut relief = self.reliefs[around.relief].clone();
+        let outer = self.reliefs[around.relief].clone();
+        let mut relief = outer.clone();
         make(self, texture, &mut relief);
+        let is_lost = outer.bump.is_some() && outer.bump != relief.bump
+            || outer.normal_map.is_some() && outer.normal_map != relief.normal_map;
+        if is_lost {
+            self.alike(
+                "reliefs",
+                o,
+                "of two maps of the same kind inside one another the inner one counts".to_owned(),
+            );
+        }
         let known = self.reliefs.iter().position(|other| *other == relief);
         let place = known.unwrap_or_else(|| {
             self.reliefs.push(relief);
@@ -333,7 +424,11 @@ impl<'o> Translator<'o, '_, '_> {
         match self.word(o, "distribution", &["beckmann", "ggx", "phong", "as"]) {
             Some("ggx") => Distribution::Ggx,
             Some("phong" | "as") => {
-                self.alike("facets", o, "facets after Phong are Beckmann's here: alike, not the same".to_owned());
+                self.alike(
+                    "facets",
+                    o,
+                    "facets after Phong are Beckmann's here: alike, not the same".to_owned(),
+                );
                 Distribution::Beckmann
             }
             _ => Distribution::Beckmann,
@@ -346,7 +441,11 @@ impl<'o> Translator<'o, '_, '_> {
             return (self.varying(o, "alpha", 0.1, ALPHA, uv), None);
         }
         if uv == Uv::Disc {
-            self.alike("disc", o, "on a disc what is brushed runs across it here, not out from its middle".to_owned());
+            self.alike(
+                "disc",
+                o,
+                "on a disc what is brushed runs across it here, not out from its middle".to_owned(),
+            );
         }
         let along = self.varying(o, "alpha_u", 0.1, ALPHA, uv);
         (along, Some(self.varying(o, "alpha_v", 0.1, ALPHA, uv)))
@@ -362,7 +461,8 @@ impl<'o> Translator<'o, '_, '_> {
             None => absent,
             Some((Value::Text(text), span)) => by_name(text).unwrap_or_else(|| {
                 let names = INDICES.iter().map(|(known, _)| *known);
-                let message = format!("`{}` is no material whose index of refraction is known", suggest::brief(text));
+                let message =
+                    format!("`{}` is no material whose index of refraction is known", suggest::brief(text));
                 let help = suggest::did_you_mean(text, names.clone());
                 let help = help.unwrap_or_else(|| format!("known are {}", suggest::list(names)));
                 self.push(Diagnostic::error(span, message).help(help));
@@ -374,10 +474,15 @@ impl<'o> Translator<'o, '_, '_> {
 
     fn dielectric(&mut self, o: &'o Object, around: Around, relief: Relief) -> Material {
         let is_rough = o.plugin.as_str() == "roughdielectric";
-        let more: &[&str] = if is_rough { &["alpha", "alpha_u", "alpha_v", "distribution", "sample_visible"] } else { &[] };
-        self.only(o, &[&["int_ior", "ext_ior", "specular_reflectance", "specular_transmittance"], more].concat());
+        let more: &[&str] =
+            if is_rough { &["alpha", "alpha_u", "alpha_v", "distribution", "sample_visible"] } else { &[] };
+        self.only(
+            o,
+            &[&["int_ior", "ext_ior", "specular_reflectance", "specular_transmittance"], more].concat(),
+        );
         let (eta, eta_outside) = (self.index(o, "int_ior", "bk7"), self.index(o, "ext_ior", "air"));
-        let (roughness, roughness_v) = if is_rough { self.alpha(o, around.uv) } else { (Varying::Constant(0.0), None) };
+        let (roughness, roughness_v) =
+            if is_rough { self.alpha(o, around.uv) } else { (Varying::Constant(0.0), None) };
         let interior = match around.interior {
             0 => Interior::default(),
             medium => self.interior(medium - 1),
@@ -397,7 +502,10 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// A metal by name or by its index; `None` for the perfect mirror.
-    fn metal(&mut self, o: &'o Object) -> Option<(Option<Known<straal_color::spectrum::refraction::Metal>>, [Option<Spectrum>; 2])> {
+    fn metal(
+        &mut self,
+        o: &'o Object,
+    ) -> Option<(Option<Known<straal_color::spectrum::refraction::Metal>>, [Option<Spectrum>; 2])> {
         let said = self.text(o, "material");
         if o.has("eta") || o.has("k") {
             let eta = self.constant(o, "eta", 0.0, For::Any);
@@ -416,11 +524,14 @@ impl<'o> Translator<'o, '_, '_> {
         if name.eq_ignore_ascii_case("none") {
             return None;
         }
-        let known = METALS.iter().find(|(theirs, _)| theirs.eq_ignore_ascii_case(name)).map(|(_, ours)| *ours);
+        let known =
+            METALS.iter().find(|(theirs, _)| theirs.eq_ignore_ascii_case(name)).map(|(_, ours)| *ours);
         let metal = known.and_then(|ours| Known::new(ours.to_owned()));
         if metal.is_none() {
-            let message = format!("the metal `{}` isn't known: chromium stands in for it", suggest::brief(name));
-            let help = format!("known are {}; others are told by `eta` and `k`", suggest::list(METALS.map(|m| m.0)));
+            let message =
+                format!("the metal `{}` isn't known: chromium stands in for it", suggest::brief(name));
+            let help =
+                format!("known are {}; others are told by `eta` and `k`", suggest::list(METALS.map(|m| m.0)));
             let span = said.as_ref().map_or(o.plugin.span, |s| s.span);
             self.push(Diagnostic::warning(span, message).help(help));
             return Some((Known::new("chromium".to_owned()), [None, None]));
@@ -430,11 +541,13 @@ impl<'o> Translator<'o, '_, '_> {
 
     fn conductor(&mut self, o: &'o Object, around: Around, relief: Relief) -> Material {
         let is_rough = o.plugin.as_str() == "roughconductor";
-        let more: &[&str] = if is_rough { &["alpha", "alpha_u", "alpha_v", "distribution", "sample_visible"] } else { &[] };
+        let more: &[&str] =
+            if is_rough { &["alpha", "alpha_u", "alpha_v", "distribution", "sample_visible"] } else { &[] };
         self.only(o, &[&["material", "eta", "k", "ext_eta", "specular_reflectance"], more].concat());
         let Around { two_sided, uv, .. } = around;
         let reflectance = self.colour(o, "specular_reflectance", 1.0, For::Share, uv);
-        let (roughness, roughness_v) = if is_rough { self.alpha(o, uv) } else { (Varying::Constant(0.0), None) };
+        let (roughness, roughness_v) =
+            if is_rough { self.alpha(o, uv) } else { (Varying::Constant(0.0), None) };
         let (metal, [eta, k]) = match self.metal(o) {
             Some(found) => found,
             None if !is_rough => {
@@ -464,12 +577,17 @@ impl<'o> Translator<'o, '_, '_> {
             "pplastic" => &["alpha", "alpha_u", "alpha_v", "distribution", "sample_visible", "eta"],
             _ => &[],
         };
-        self.only(o, &[&["int_ior", "ext_ior", "diffuse_reflectance", "specular_reflectance", "nonlinear"], more].concat());
+        self.only(
+            o,
+            &[&["int_ior", "ext_ior", "diffuse_reflectance", "specular_reflectance", "nonlinear"], more]
+                .concat(),
+        );
         if o.plugin.as_str() == "pplastic" {
             self.alike("pplastic", o, "`pplastic` is `plastic` here: alike, not the same".to_owned());
         }
         let Around { two_sided, uv, .. } = around;
-        let (mut eta, mut eta_outside) = (self.index(o, "int_ior", "polypropylene"), self.index(o, "ext_ior", "air"));
+        let (mut eta, mut eta_outside) =
+            (self.index(o, "int_ior", "polypropylene"), self.index(o, "ext_ior", "air"));
         if o.has("eta") {
             (eta, eta_outside) = (self.within(o, "eta", 1.49, Limit::within(1.0001, 10.0)), 1.0);
         }
@@ -495,9 +613,22 @@ impl<'o> Translator<'o, '_, '_> {
         self.only(
             o,
             &[
-                "base_color", "roughness", "anisotropic", "metallic", "spec_trans", "eta", "specular", "spec_tint",
-                "sheen", "sheen_tint", "flatness", "clearcoat", "clearcoat_gloss", "diffuse_reflectance_sampling_rate",
-                "main_specular_sampling_rate", "clearcoat_sampling_rate",
+                "base_color",
+                "roughness",
+                "anisotropic",
+                "metallic",
+                "spec_trans",
+                "eta",
+                "specular",
+                "spec_tint",
+                "sheen",
+                "sheen_tint",
+                "flatness",
+                "clearcoat",
+                "clearcoat_gloss",
+                "diffuse_reflectance_sampling_rate",
+                "main_specular_sampling_rate",
+                "clearcoat_sampling_rate",
             ],
         );
         let Around { two_sided, uv, .. } = around;
@@ -540,7 +671,11 @@ impl<'o> Translator<'o, '_, '_> {
         let sum: f64 = weights.iter().sum();
         let is_sound = weights.iter().all(|w| *w >= 0.0) && sum > 0.0 && sum.is_finite();
         if parts.is_empty() || parts.len() != weights.len() || !is_sound {
-            let message = format!("`mixturebsdf` has {} BSDFs and {} weights of 0 or above", parts.len(), weights.len());
+            let message = format!(
+                "`mixturebsdf` has {} BSDFs and {} weights of 0 or above",
+                parts.len(),
+                weights.len()
+            );
             self.push(Diagnostic::error(o.plugin.span, message));
             return black();
         }
@@ -584,10 +719,15 @@ impl<'o> Translator<'o, '_, '_> {
     fn coating(&mut self, o: &'o Object, around: Around, relief: Relief) -> Material {
         let Some(&part) = self.inside(o, Class::Bsdf).first() else { return self.lacks_bsdf(o) };
         let (eta, eta_outside) = (self.index(o, "int_ior", "bk7"), self.index(o, "ext_ior", "air"));
-        let alpha = if o.plugin.as_str() == "roughcoating" { self.within(o, "alpha", 0.1, ALPHA) } else { 0.0 };
+        let alpha =
+            if o.plugin.as_str() == "roughcoating" { self.within(o, "alpha", 0.1, ALPHA) } else { 0.0 };
         let distribution = self.distribution(o);
         let beneath = self.same_as(part, around);
-        self.alike("coat", o, format!("`{}` is a coat of straal's own here: alike, not the same", o.plugin.value));
+        self.alike(
+            "coat",
+            o,
+            format!("`{}` is a coat of straal's own here: alike, not the same", o.plugin.value),
+        );
         let relative = if eta / eta_outside > 1.0001 { eta / eta_outside } else { 1.0001 };
         match beneath {
             Material::Diffuse(m) => Material::Plastic(Plastic {
@@ -623,8 +763,16 @@ impl<'o> Translator<'o, '_, '_> {
 /// Whether a medium behind it counts, or behind what it is made of.
 fn is_clear_or_holds(plugin: &str) -> bool {
     [
-        "dielectric", "roughdielectric", "mask", "blendbsdf", "twosided", "bumpmap", "normalmap", "mixturebsdf",
-        "coating", "roughcoating",
+        "dielectric",
+        "roughdielectric",
+        "mask",
+        "blendbsdf",
+        "twosided",
+        "bumpmap",
+        "normalmap",
+        "mixturebsdf",
+        "coating",
+        "roughcoating",
     ]
     .contains(&plugin)
 }

@@ -5,7 +5,7 @@
 
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
-    DirectionalLight, Environment, Falloff, Light, PointLight, SpotLight, Spectrum, Varying,
+    DirectionalLight, Environment, Falloff, Light, PointLight, Spectrum, SpotLight, Varying,
 };
 use straal_scene::limit::Limit;
 use straal_scene::{Diagnostic, Spanned, suggest};
@@ -40,7 +40,9 @@ impl<'o> Translator<'o, '_, '_> {
         let light = match o.plugin.as_str() {
             "point" => {
                 self.known_light(o, &["position", "intensity"]);
-                let position = self.vector(o, "position").unwrap_or_else(|| self.transform(o, "to_world").point(DVec3::ZERO));
+                let position = self
+                    .vector(o, "position")
+                    .unwrap_or_else(|| self.transform(o, "to_world").point(DVec3::ZERO));
                 let intensity = self.constant(o, "intensity", 1.0, For::Light);
                 Light::Point(PointLight { position, intensity })
             }
@@ -53,7 +55,12 @@ impl<'o> Translator<'o, '_, '_> {
                     return;
                 }
                 let irradiance = self.constant(o, "irradiance", 1.0, For::Light);
-                Light::Directional(DirectionalLight { direction: Some(direction), from: None, look_at: None, irradiance })
+                Light::Directional(DirectionalLight {
+                    direction: Some(direction),
+                    from: None,
+                    look_at: None,
+                    irradiance,
+                })
             }
             "spot" => self.spot(o),
             "constant" => {

@@ -8,8 +8,16 @@ use super::translate::Translator;
 use super::tree::{Class, Object};
 
 /// What every one may have, here or in older versions, and what says nothing about the picture.
-const COMMON: [&str; 8] =
-    ["hide_emitters", "timeout", "block_size", "samples_per_pass", "strict_normals", "max_depth", "rr_depth", "*"];
+const COMMON: [&str; 8] = [
+    "hide_emitters",
+    "timeout",
+    "block_size",
+    "samples_per_pass",
+    "strict_normals",
+    "max_depth",
+    "rr_depth",
+    "*",
+];
 
 impl<'o> Translator<'o, '_, '_> {
     /// The way light is computed.
@@ -24,7 +32,10 @@ impl<'o> Translator<'o, '_, '_> {
                 self.path(o);
             }
             "direct" => {
-                self.only(o, &[&COMMON[..], &["emitter_samples", "bsdf_samples", "shading_samples"]].concat());
+                self.only(
+                    o,
+                    &[&COMMON[..], &["emitter_samples", "bsdf_samples", "shading_samples"]].concat(),
+                );
                 let shading = self.count(o, "shading_samples", 1, [1, 4096]);
                 let lights = self.count(o, "emitter_samples", shading, [0, 4096]);
                 let bsdf = self.count(o, "bsdf_samples", shading, [0, 4096]);
@@ -44,7 +55,8 @@ impl<'o> Translator<'o, '_, '_> {
                 let rays = self.count(o, "shading_samples", 1, [1, 4096]);
                 let length = self.float(o, "ray_length").filter(|v| *v > 0.0);
                 let radius = length.map(|v| self.held(o.plugin.span, "ray_length", v, Limit::POSITIVE));
-                self.scene.integrator = Integrator::Ao(AmbientOcclusion { rays, radius, ..AmbientOcclusion::default() });
+                self.scene.integrator =
+                    Integrator::Ao(AmbientOcclusion { rays, radius, ..AmbientOcclusion::default() });
             }
             "aov" | "moment" => {
                 self.only(o, &[&COMMON[..], &["aovs"]].concat());

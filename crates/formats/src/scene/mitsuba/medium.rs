@@ -23,7 +23,19 @@ impl<'o> Translator<'o, '_, '_> {
             self.medium_is_left_out(medium, "it scatters, and the glass is clear");
             return Interior::default();
         }
-        self.only(o, &["albedo", "sigma_t", "sigma_a", "sigma_s", "scale", "sample_emitters", "has_spectral_extinction", "*"]);
+        self.only(
+            o,
+            &[
+                "albedo",
+                "sigma_t",
+                "sigma_a",
+                "sigma_s",
+                "scale",
+                "sample_emitters",
+                "has_spectral_extinction",
+                "*",
+            ],
+        );
         let scale = self.within(o, "scale", 1.0, straal_scene::limit::Limit::NON_NEGATIVE);
         let sigma = self.constant(o, if by_parts { "sigma_a" } else { "sigma_t" }, 1.0, For::Any);
         let sigma_a: Spectrum = self.times(o.plugin.span, sigma, scale);
@@ -34,7 +46,8 @@ impl<'o> Translator<'o, '_, '_> {
     pub fn medium_is_left_out(&mut self, medium: usize, why: &str) {
         if self.media.insert(medium) {
             let o: &'o Object = &self.objects[medium];
-            let message = format!("the medium `{}` isn't rendered yet: {why}", straal_scene::suggest::brief(&o.plugin));
+            let message =
+                format!("the medium `{}` isn't rendered yet: {why}", straal_scene::suggest::brief(&o.plugin));
             self.warn(o.plugin.span, message);
         }
     }

@@ -96,7 +96,8 @@ fn around(base: &Path) -> Vec<Vec<String>> {
         steps.push(vec![up.clone()]);
         let entries = std::fs::read_dir(base.join(&up)).into_iter().flatten().take(MOST).flatten();
         let folders = entries.filter(|e| e.path().is_dir()).filter_map(|e| e.file_name().into_string().ok());
-        let mut beside: Vec<String> = folders.filter(|f| !f.starts_with('.')).map(|f| format!("{up}/{f}")).collect();
+        let mut beside: Vec<String> =
+            folders.filter(|f| !f.starts_with('.')).map(|f| format!("{up}/{f}")).collect();
         beside.sort();
         steps.push(beside);
         up += "/..";

@@ -4,8 +4,8 @@
 
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
-    BlackmanHarris, Camera, Channels, Film, Filter, FovAxis, Gaussian, Lanczos, Lens, Mitchell, Observer, Orthographic,
-    Panorama, Perspective, Sampler, SamplerKind, Tent,
+    BlackmanHarris, Camera, Channels, Film, Filter, FovAxis, Gaussian, Lanczos, Lens, Mitchell, Observer,
+    Orthographic, Panorama, Perspective, Sampler, SamplerKind, Tent,
 };
 use straal_scene::limit::Limit;
 
@@ -15,7 +15,15 @@ use super::xml;
 
 /// What every sensor may have. Clip planes don't cut anything off here.
 const COMMON: [&str; 10] = [
-    "to_world", "near_clip", "far_clip", "focus_distance", "shutter_open", "shutter_close", "srf", "medium", "*",
+    "to_world",
+    "near_clip",
+    "far_clip",
+    "focus_distance",
+    "shutter_open",
+    "shutter_close",
+    "srf",
+    "medium",
+    "*",
     "focal_length",
 ];
 
@@ -39,7 +47,10 @@ impl<'o> Translator<'o, '_, '_> {
             self.warn(o.plugin.span, "nothing moves here: the shutter has no effect");
         }
         if o.has("srf") {
-            self.warn(o.plugin.span, "`srf`, the spectral response of a sensor, isn't supported: it sees red, green and blue");
+            self.warn(
+                o.plugin.span,
+                "`srf`, the spectral response of a sensor, isn't supported: it sees red, green and blue",
+            );
         }
         let camera = match o.plugin.as_str() {
             "perspective" | "thinlens" | "perspective_rdist" => self.perspective(o),
@@ -66,7 +77,8 @@ impl<'o> Translator<'o, '_, '_> {
                 self.only(o, &[&COMMON[..], &["origin", "direction"]].concat());
                 self.unsupported(o, "a camera with an angle of 0.01 degrees stands in for it");
                 let mut observer = self.observer(o);
-                if let (Some(eye), Some(direction)) = (self.vector(o, "origin"), self.vector(o, "direction")) {
+                if let (Some(eye), Some(direction)) = (self.vector(o, "origin"), self.vector(o, "direction"))
+                {
                     observer = looking(eye, direction, DVec3::Y).unwrap_or(observer);
                 }
                 Camera::Perspective(Perspective { fov: Some(0.01), observer, ..Perspective::default() })
@@ -143,7 +155,8 @@ impl<'o> Translator<'o, '_, '_> {
             Lens { radius: Some(radius), focus_distance, ..Lens::default() }
         });
         let offset = |t: &mut Self, name: &str| t.within(o, name, 0.0, Limit::within(-100.0, 100.0));
-        let [across, down] = [offset(self, "principal_point_offset_x"), offset(self, "principal_point_offset_y")];
+        let [across, down] =
+            [offset(self, "principal_point_offset_x"), offset(self, "principal_point_offset_y")];
         let observer = self.observer(o);
         Camera::Perspective(Perspective {
             fov: Some(fov),
@@ -163,7 +176,10 @@ impl<'o> Translator<'o, '_, '_> {
         let m = self.to_world(o);
         let [across, up] = [m.vector(DVec3::X).length(), m.vector(DVec3::Y).length()];
         if (across - up).abs() > 1e-4 * across {
-            self.warn(o.plugin.span, "pixels of this sensor aren't square, which isn't supported: its width counts");
+            self.warn(
+                o.plugin.span,
+                "pixels of this sensor aren't square, which isn't supported: its width counts",
+            );
         }
         let observer = self.observer(o);
         let width = self.held(o.plugin.span, "width", 2.0 * across, Limit::POSITIVE);
@@ -175,18 +191,43 @@ impl<'o> Translator<'o, '_, '_> {
         self.only(
             o,
             &[
-                "width", "height", "crop_width", "crop_height", "crop_offset_x", "crop_offset_y", "file_format",
-                "pixel_format", "component_format", "sample_border", "compensate", "banner", "high_quality_edges",
-                "attach_log", "gamma", "exposure", "tonemap_method", "key", "burn", "label", "size", "variable",
-                "digits", "render_time", "*",
+                "width",
+                "height",
+                "crop_width",
+                "crop_height",
+                "crop_offset_x",
+                "crop_offset_y",
+                "file_format",
+                "pixel_format",
+                "component_format",
+                "sample_border",
+                "compensate",
+                "banner",
+                "high_quality_edges",
+                "attach_log",
+                "gamma",
+                "exposure",
+                "tonemap_method",
+                "key",
+                "burn",
+                "label",
+                "size",
+                "variable",
+                "digits",
+                "render_time",
+                "*",
             ],
         );
         match o.plugin.as_str() {
             "hdrfilm" | "ldrfilm" | "tiledhdrfilm" => {}
-            "specfilm" => self.warn(o.plugin.span, "`specfilm` is a film of red, green and blue here; `channels: spectral` of straal has bands"),
+            "specfilm" => self.warn(
+                o.plugin.span,
+                "`specfilm` is a film of red, green and blue here; `channels: spectral` of straal has bands",
+            ),
             _ => self.unsupported(o, "it is `hdrfilm` here"),
         }
-        let [width, height] = [self.count(o, "width", 768, [1, 65_536]), self.count(o, "height", 576, [1, 65_536])];
+        let [width, height] =
+            [self.count(o, "width", 768, [1, 65_536]), self.count(o, "height", 576, [1, 65_536])];
         let (width, height) = if u64::from(width) * u64::from(height) > 1 << 30 {
             self.fail(o.plugin.span, format!("a picture of {width} x {height} has more than 2^30 pixels"));
             (768, 576)
@@ -199,7 +240,10 @@ impl<'o> Translator<'o, '_, '_> {
         let y1 = y0 + self.count(o, "crop_height", height - y0, [1, height - y0]);
         let crop = ([x0, y0, x1, y1] != [0, 0, width, height]).then_some([x0, y0, x1, y1]);
         let channels = match self.get(o, "pixel_format").map(|p| &p.value) {
-            Some(Value::Text(format)) if format.trim().eq_ignore_ascii_case("xyz") || format.trim().eq_ignore_ascii_case("xyza") => {
+            Some(Value::Text(format))
+                if format.trim().eq_ignore_ascii_case("xyz")
+                    || format.trim().eq_ignore_ascii_case("xyza") =>
+            {
                 Channels::Xyz
             }
             _ => Channels::Rgb,
@@ -234,7 +278,8 @@ impl<'o> Translator<'o, '_, '_> {
             "mitchell" => {
                 self.only(o, &["B", "C", "b", "c"]);
                 let (b, c) = (if o.has("B") { "B" } else { "b" }, if o.has("C") { "C" } else { "c" });
-                let (b, c) = (self.within(o, b, 1.0 / 3.0, Limit::UNIT), self.within(o, c, 1.0 / 3.0, Limit::UNIT));
+                let (b, c) =
+                    (self.within(o, b, 1.0 / 3.0, Limit::UNIT), self.within(o, c, 1.0 / 3.0, Limit::UNIT));
                 Filter::Mitchell(Mitchell { radius: 2.0, b, c })
             }
             "catmullrom" => {

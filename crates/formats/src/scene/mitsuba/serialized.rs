@@ -83,7 +83,10 @@ fn stream_of(bytes: &[u8], version: u16, index: u32) -> Result<&[u8], ReadError>
             return Err(ReadError::file(format!("it has {count} meshes: there is none of index {index}")));
         }
         let size = if version >= 4 { 8 } else { 4 };
-        (count - index).checked_mul(size).and_then(|n| n.checked_add(4)).and_then(|from_end| number(from_end, size))
+        (count - index)
+            .checked_mul(size)
+            .and_then(|n| n.checked_add(4))
+            .and_then(|from_end| number(from_end, size))
     };
     let stream = start.and_then(|start| bytes.get(start.checked_add(4)?..));
     stream.ok_or_else(|| ReadError::file("it says that a mesh begins beyond its end"))
@@ -103,7 +106,11 @@ impl Stream<'_> {
             self.rest = &self.rest[step.bytes_consumed..];
             out = &mut out[step.bytes_written..];
             if step.bytes_consumed == 0 && step.bytes_written == 0 {
-                let what = if step.status.is_err() && !self.rest.is_empty() { "is damaged" } else { "ends too early" };
+                let what = if step.status.is_err() && !self.rest.is_empty() {
+                    "is damaged"
+                } else {
+                    "ends too early"
+                };
                 return Err(ReadError::file(format!("the mesh {what}")));
             }
         }
@@ -141,13 +148,20 @@ impl Stream<'_> {
             return Err(ReadError::file("the mesh promises more than the file can hold"));
         }
         if bytes > self.most {
-            return Err(ReadError::file(format!("the mesh takes {bytes} bytes, and there is memory for {}", self.most)));
+            return Err(ReadError::file(format!(
+                "the mesh takes {bytes} bytes, and there is memory for {}",
+                self.most
+            )));
         }
         Ok(())
     }
 
     /// So many records of numbers, each made of its bytes.
-    fn records<const N: usize, T>(&mut self, count: usize, of: impl Fn([u8; N]) -> T) -> Result<Vec<T>, ReadError> {
+    fn records<const N: usize, T>(
+        &mut self,
+        count: usize,
+        of: impl Fn([u8; N]) -> T,
+    ) -> Result<Vec<T>, ReadError> {
         const TOGETHER: usize = 256;
         let mut out = Vec::new();
         let mut buffer = vec![0; N * TOGETHER];
@@ -181,7 +195,8 @@ fn counts(stream: &mut Stream<'_>, limits: &Limits) -> Result<[usize; 2], ReadEr
     let (vertices, triangles) = (stream.u64()?, stream.u64()?);
     check("vertices", vertices, limits.max_vertices)?;
     check("triangles", triangles, limits.max_triangles)?;
-    let fits = |n: u64| usize::try_from(n).map_err(|_| ReadError::file("the mesh is too large for this machine"));
+    let fits =
+        |n: u64| usize::try_from(n).map_err(|_| ReadError::file("the mesh is too large for this machine"));
     Ok([fits(vertices)?, fits(triangles)?])
 }
 
@@ -214,7 +229,8 @@ fn packed(stream: &mut Stream<'_>, flags: u32, limits: &Limits) -> Result<(Mesh,
     stream.promise(vertices as u64, 32)?;
     stream.promise(triangles as u64, 16)?;
     let records: Vec<[f32; 8]> = stream.floats(vertices, false)?;
-    let mut mesh = Mesh { positions: records.iter().map(|r| [r[0], r[1], r[2]]).collect(), ..Mesh::default() };
+    let mut mesh =
+        Mesh { positions: records.iter().map(|r| [r[0], r[1], r[2]]).collect(), ..Mesh::default() };
     // With tangents the three numbers are a frame in a form of its own; normals are computed then.
     if flags & NORMALS != 0 && flags & TANGENTS == 0 {
         mesh.normals = records.iter().map(|r| [r[3], r[4], r[5]]).collect();
@@ -242,7 +258,9 @@ fn packed(stream: &mut Stream<'_>, flags: u32, limits: &Limits) -> Result<(Mesh,
         stream.skip(1)?;
         let channels = stream.u32()? as usize;
         if !(1..=4).contains(&channels) {
-            return Err(ReadError::file(format!("an attribute of the mesh has {channels} numbers: 1 to 4 are known")));
+            return Err(ReadError::file(format!(
+                "an attribute of the mesh has {channels} numbers: 1 to 4 are known"
+            )));
         }
         let count = if name.starts_with("face_") { triangles } else { vertices };
         stream.promise(count as u64, 4 * channels as u64)?;
@@ -362,7 +380,8 @@ pub(super) mod tests {
 
     #[test]
     fn what_is_promised_is_not_believed() {
-        for (at, count) in [(9, u64::MAX), (9, 1 << 33), (9, 300_000_000), (17, 300_000_000), (17, u64::MAX)] {
+        for (at, count) in [(9, u64::MAX), (9, 1 << 33), (9, 300_000_000), (17, 300_000_000), (17, u64::MAX)]
+        {
             let mut stream = triangle(0.0);
             stream[at..at + 8].copy_from_slice(&count.to_le_bytes());
             assert!(get(&file(4, &[stream]), 0).is_err(), "{at} {count}");

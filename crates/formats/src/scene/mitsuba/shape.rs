@@ -22,7 +22,8 @@ use super::{bsdf, serialized};
 use crate::files::{self, Refusal};
 
 /// What every shape may have.
-const COMMON: [&str; 6] = ["to_world", "interior", "exterior", "flip_normals", "silhouette_sampling_weight", "*"];
+const COMMON: [&str; 6] =
+    ["to_world", "interior", "exterior", "flip_normals", "silhouette_sampling_weight", "*"];
 
 /// Straal's ball has its pole along y and begins at z; Mitsuba's along z, and begins at x.
 const BALL: Affine = Affine { rows: [[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]] };
@@ -95,7 +96,8 @@ impl<'o> Translator<'o, '_, '_> {
                 if let Some(medium) = interior {
                     self.medium_is_left_out(medium, "nothing is there instead");
                 }
-                let is_boundary = o.is_old && (interior.is_some() || exterior.is_some()) && emission.is_none();
+                let is_boundary =
+                    o.is_old && (interior.is_some() || exterior.is_some()) && emission.is_none();
                 let made = if is_boundary {
                     bsdf::nothing()
                 } else {
@@ -197,7 +199,12 @@ impl<'o> Translator<'o, '_, '_> {
         let flip = self.flips(o);
         let surface = self.surface(o, &at, Uv::Same, flip);
         let file = self.cube_asset(o);
-        Some(Node::Mesh(TriangleMesh { file: Some(file), shading: Shading::Flat, surface, ..TriangleMesh::default() }))
+        Some(Node::Mesh(TriangleMesh {
+            file: Some(file),
+            shading: Shading::Flat,
+            surface,
+            ..TriangleMesh::default()
+        }))
     }
 
     /// One mesh for all cubes.
@@ -220,9 +227,24 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     fn mesh_file(&mut self, o: &'o Object) -> Option<Node> {
-        self.known(o, &["filename", "face_normals", "flip_tex_coords", "max_smooth_angle", "collapse", "srgb", "shape_index"]);
+        self.known(
+            o,
+            &[
+                "filename",
+                "face_normals",
+                "flip_tex_coords",
+                "max_smooth_angle",
+                "collapse",
+                "srgb",
+                "shape_index",
+            ],
+        );
         if o.has("max_smooth_angle") {
-            self.alike("crease", o, "`max_smooth_angle` isn't supported: normals are smooth over all edges".to_owned());
+            self.alike(
+                "crease",
+                o,
+                "`max_smooth_angle` isn't supported: normals are smooth over all edges".to_owned(),
+            );
         }
         let Some(file) = self.text(o, "filename") else {
             self.fail(o.plugin.span, format!("this {} has no `filename`", suggest::brief(&o.plugin)));
@@ -281,17 +303,22 @@ impl<'o> Translator<'o, '_, '_> {
         Some(Node::Mesh(TriangleMesh { file, shading, surface, ..TriangleMesh::default() }))
     }
 
-    fn read_serialized(&mut self, path: &std::path::Path, index: u32) -> Result<(Mesh, [u8; 32], bool), Refusal> {
+    fn read_serialized(
+        &mut self,
+        path: &std::path::Path,
+        index: u32,
+    ) -> Result<(Mesh, [u8; 32], bool), Refusal> {
         let length = files::size(path, self.means.limits.max_bytes)?;
         let what = || format!("reading `{}`", path.display());
-        if let Some(shortage) = self.means.ledger.refuse(length, what, "a mesh of fewer triangles takes less") {
+        if let Some(shortage) = self.means.ledger.refuse(length, what, "a mesh of fewer triangles takes less")
+        {
             self.means.d.lacks_memory = true;
             return Err(Refusal::new(shortage.to_string()).help(shortage.help()));
         }
         let bytes = files::read(path, self.means.limits.max_bytes)?;
         let most = self.means.ledger.limit.unwrap_or(u64::MAX);
-        let (mesh, is_flat) =
-            serialized::read(&bytes, index, self.means.limits, most).map_err(|e| Refusal::new(e.to_string()))?;
+        let (mesh, is_flat) = serialized::read(&bytes, index, self.means.limits, most)
+            .map_err(|e| Refusal::new(e.to_string()))?;
         self.means.ledger.pass(length + 2 * mesh.heap_bytes());
         Ok((mesh, blake3::hash(&bytes).into(), is_flat))
     }
@@ -306,7 +333,9 @@ impl<'o> Translator<'o, '_, '_> {
         let inner = self.inside(o, Class::Shape);
         let mut children: Vec<Node> = Vec::new();
         for inner in inner {
-            if self.objects[inner].class == Class::Shape && !self.inside(&self.objects[inner], Class::Emitter).is_empty() {
+            if self.objects[inner].class == Class::Shape
+                && !self.inside(&self.objects[inner], Class::Emitter).is_empty()
+            {
                 self.alike("lamps", o, "lamps in a `shapegroup` shine here; Mitsuba refuses them".to_owned());
             }
             children.extend(self.shape(inner));
@@ -314,13 +343,8 @@ impl<'o> Translator<'o, '_, '_> {
         let own = o.id.clone().unwrap_or_else(|| format!("shapegroup {i}"));
         let name = free_name(&own, &[], |name| self.scene.objects.get(name).is_some());
         let name = Spanned::new(name, o.plugin.span);
-        let group = Group {
-            transform: Default::default(),
-            look_at: None,
-            material: None,
-            children,
-            name: None,
-        };
+        let group =
+            Group { transform: Default::default(), look_at: None, material: None, children, name: None };
         self.scene.objects.insert(name.clone(), Node::Group(group));
         self.groups.insert(i, name.clone());
         Some(name)
@@ -328,8 +352,11 @@ impl<'o> Translator<'o, '_, '_> {
 
     fn instance(&mut self, o: &'o Object) -> Option<Node> {
         self.known(o, &[]);
-        let groups: Vec<usize> =
-            self.inside(o, Class::Shape).into_iter().filter(|i| self.objects[*i].plugin.as_str() == "shapegroup").collect();
+        let groups: Vec<usize> = self
+            .inside(o, Class::Shape)
+            .into_iter()
+            .filter(|i| self.objects[*i].plugin.as_str() == "shapegroup")
+            .collect();
         let Some(&group) = groups.first() else {
             let help = "such as `<ref id=\"...\"/>` to a shape of `type=\"shapegroup\"`";
             self.push(Diagnostic::error(o.plugin.span, "an instance needs a `shapegroup`").help(help));
@@ -362,10 +389,7 @@ fn frame(n: DVec3) -> (DVec3, DVec3) {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    (
-        DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x),
-        DVec3::new(b, sign + n.y * n.y * a, -n.y),
-    )
+    (DVec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), DVec3::new(b, sign + n.y * n.y * a, -n.y))
 }
 
 /// From -1 to 1 on each axis, with texture coordinates from 0 to 1 on each side, as Mitsuba lays them.

@@ -136,7 +136,13 @@ impl<'o> Translator<'o, '_, '_> {
         if let Some(v) = beyond {
             self.warn(span, format!("{}: it is cut off", limit.complaint(name, v)));
             for v in &mut values {
-                *v = if limit.allows(*v) { *v } else if *v > 0.0 && limit.max == 1.0 { 1.0 } else { 0.0 };
+                *v = if limit.allows(*v) {
+                    *v
+                } else if *v > 0.0 && limit.max == 1.0 {
+                    1.0
+                } else {
+                    0.0
+                };
             }
         }
         let checked = TabulatedSpectrum::new(wavelengths.to_vec(), values.clone());
@@ -200,7 +206,8 @@ impl<'o> Translator<'o, '_, '_> {
                     (0..values.len()).map(|k| low + (high - low) * k as f64 / steps).collect()
                 };
                 if wavelengths.len() != values.len() {
-                    let message = format!("there are {} wavelengths and {} values", wavelengths.len(), values.len());
+                    let message =
+                        format!("there are {} wavelengths and {} values", wavelengths.len(), values.len());
                     self.fail(span, message);
                     return Spectrum::grey(0.5);
                 }
@@ -237,7 +244,9 @@ impl<'o> Translator<'o, '_, '_> {
     pub fn varying(&mut self, o: &'o Object, name: &str, absent: f64, limit: Limit, uv: Uv) -> Varying<f64> {
         let Some(property) = self.get(o, name) else { return Varying::Constant(absent) };
         match &property.value {
-            Value::Object(i) if self.objects[*i].class == Class::Texture && !is_spectrum(&self.objects[*i].plugin) => {
+            Value::Object(i)
+                if self.objects[*i].class == Class::Texture && !is_spectrum(&self.objects[*i].plugin) =>
+            {
                 Varying::Texture(Box::new(self.texture(*i, uv, Role::Number)))
             }
             Value::Rgb(rgb) => {

@@ -93,8 +93,20 @@ impl<'o> Translator<'o, '_, '_> {
         self.only(
             o,
             &[
-                "filename", "raw", "filter_type", "wrap_mode", "to_uv", "format", "accel", "gamma", "channel",
-                "max_anisotropy", "wrap_mode_u", "wrap_mode_v", "cache", "id",
+                "filename",
+                "raw",
+                "filter_type",
+                "wrap_mode",
+                "to_uv",
+                "format",
+                "accel",
+                "gamma",
+                "channel",
+                "max_anisotropy",
+                "wrap_mode_u",
+                "wrap_mode_v",
+                "cache",
+                "id",
             ],
         );
         let Some(file) = self.text(o, "filename") else {
@@ -111,7 +123,10 @@ impl<'o> Translator<'o, '_, '_> {
             () => TextureSpace::Srgb,
         };
         if gamma != 1.0 && gamma != -1.0 {
-            self.warn(o.plugin.span, format!("a picture's own `gamma` of {gamma} isn't supported: it is read as sRGB"));
+            self.warn(
+                o.plugin.span,
+                format!("a picture's own `gamma` of {gamma} isn't supported: it is read as sRGB"),
+            );
         }
         let filter = match self.word(o, "filter_type", &["bilinear", "nearest", "ewa", "trilinear"]) {
             Some("nearest") => TextureFilter::Nearest,
@@ -128,7 +143,10 @@ impl<'o> Translator<'o, '_, '_> {
             _ => TextureChannel::Luminance,
         };
         if o.has("channel") && role != Role::Number {
-            self.warn(o.plugin.span, "one `channel` of a picture as a colour isn't supported: all of them are taken");
+            self.warn(
+                o.plugin.span,
+                "one `channel` of a picture as a colour isn't supported: all of them are taken",
+            );
         }
         let words = ["repeat", "mirror", "clamp", "zero", "one"];
         let wrap = |t: &mut Self, name: &str, absent: Wrap| match t.word(o, name, &words) {
@@ -172,7 +190,8 @@ impl<'o> Translator<'o, '_, '_> {
             other => other,
         };
         // As a number Mitsuba's has its two colours the other way round.
-        let (first, second) = if role == Role::Number { (plain(second), plain(first)) } else { (first, second) };
+        let (first, second) =
+            if role == Role::Number { (plain(second), plain(first)) } else { (first, second) };
         let mapping = self.mapping(o, uv, false);
         Texture::Checker(Checker { first, second, squares: [2.0, 2.0], averaged: false, mapping })
     }
@@ -182,7 +201,10 @@ impl<'o> Translator<'o, '_, '_> {
         let (mapping, is_exact) = uv.mapping(&to_uv, is_picture);
         if !is_exact {
             let span = self.get(o, "to_uv").map_or(o.plugin.span, |p| p.span);
-            self.warn(span, "this `to_uv` slants the texture, which isn't supported: it is scaled and turned only");
+            self.warn(
+                span,
+                "this `to_uv` slants the texture, which isn't supported: it is scaled and turned only",
+            );
         }
         mapping
     }
@@ -198,7 +220,8 @@ impl<'o> Translator<'o, '_, '_> {
             Some(("vertex", rest)) => (AttributePer::Vertex, rest),
             Some(("face", rest)) => (AttributePer::Face, rest),
             _ => {
-                let message = format!("`{}` begins with neither `vertex_` nor `face_`", suggest::brief(&name));
+                let message =
+                    format!("`{}` begins with neither `vertex_` nor `face_`", suggest::brief(&name));
                 self.push(straal_scene::Diagnostic::error(name.span, message));
                 return grey(0.0);
             }

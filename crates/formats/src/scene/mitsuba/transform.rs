@@ -58,9 +58,7 @@ impl Reader<'_, '_> {
                 let text = self.attribute(element, "value")?;
                 let all = numbers(&text);
                 let rows = match all.as_deref() {
-                    Some(&[a, b, c, d, e, f, g, h, i]) => {
-                        [[a, b, c, 0.0], [d, e, f, 0.0], [g, h, i, 0.0]]
-                    }
+                    Some(&[a, b, c, d, e, f, g, h, i]) => [[a, b, c, 0.0], [d, e, f, 0.0], [g, h, i, 0.0]],
                     Some(&[a, b, c, d, e, f, g, h, i, j, k, l, 0.0, 0.0, 0.0, 1.0]) => {
                         [[a, b, c, d], [e, f, g, h], [i, j, k, l]]
                     }
@@ -78,7 +76,8 @@ impl Reader<'_, '_> {
             }
             other => {
                 let known = ["translate", "scale", "rotate", "lookat", "matrix"];
-                let message = format!("`<{}>` is no step of a transform", straal_scene::suggest::brief(other));
+                let message =
+                    format!("`<{}>` is no step of a transform", straal_scene::suggest::brief(other));
                 let help = straal_scene::suggest::did_you_mean(other, known);
                 let span = self.span(element);
                 self.push(Diagnostic::error(span, message).maybe_help(help));
@@ -91,11 +90,7 @@ impl Reader<'_, '_> {
 /// +z looks from the origin to the target, +y is up and +x to the left. An `up` of zeros is any.
 fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> Option<Affine> {
     let ahead = (target - origin).try_normalize()?;
-    let up = if up == DVec3::ZERO {
-        if ahead.y.abs() < 0.9 { DVec3::Y } else { DVec3::X }
-    } else {
-        up
-    };
+    let up = if up == DVec3::ZERO { if ahead.y.abs() < 0.9 { DVec3::Y } else { DVec3::X } } else { up };
     let left = up.try_normalize()?.cross(ahead);
     let left = if left.length() < 1e-9 { return None } else { left.try_normalize()? };
     let up = ahead.cross(left);

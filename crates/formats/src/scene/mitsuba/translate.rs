@@ -8,11 +8,11 @@ use straal_scene::value::{Link, Name};
 use straal_scene::{Diagnostic, Severity, Span, Spanned, suggest};
 
 use super::bsdf::Around;
+use super::kinds;
 use super::search::Search;
 use super::texture::Role;
 use super::tree::{Class, Object, Property, Tree, Value};
 use super::uv::Uv;
-use super::kinds;
 use crate::files::Refusal;
 use crate::scene::{Made, Means, Translated};
 use straal_math::{Affine, DVec3};
@@ -111,7 +111,8 @@ impl<'o> Translator<'o, '_, '_> {
                 // What has a name is made where it is used; a look shows what is wrong with it all the same.
                 Class::Bsdf | Class::Texture | Class::Medium | Class::Volume | Class::Phase => {}
                 Class::Film | Class::Sampler | Class::Filter | Class::Subsurface | Class::Scene => {
-                    let message = format!("a {} means nothing here: it belongs into a sensor", object.class.word());
+                    let message =
+                        format!("a {} means nothing here: it belongs into a sensor", object.class.word());
                     self.warn(property.span, message);
                 }
             }
@@ -129,13 +130,17 @@ impl<'o> Translator<'o, '_, '_> {
         match sensors.as_slice() {
             [] => {
                 let help = "such as `<sensor type=\"perspective\">` with a `<lookat>`";
-                let complaint = Diagnostic::error(root.plugin.span, "nobody looks at this scene: it has no sensor");
+                let complaint =
+                    Diagnostic::error(root.plugin.span, "nobody looks at this scene: it has no sensor");
                 self.push(complaint.help(help));
             }
             [first, others @ ..] => {
                 self.sensor(*first);
                 for &other in others {
-                    self.warn(self.objects[other].plugin.span, "a picture is made by the first sensor: this one isn't used");
+                    self.warn(
+                        self.objects[other].plugin.span,
+                        "a picture is made by the first sensor: this one isn't used",
+                    );
                 }
             }
         }
@@ -176,7 +181,11 @@ impl<'o> Translator<'o, '_, '_> {
         let low = if limit.open { limit.min + tiny } else { limit.min };
         let high = if limit.open { limit.max - tiny } else { limit.max };
         let near = if v > low { if v < high { v } else { high } } else { low };
-        let near = if near.is_finite() && (near as f32).is_finite() { near } else { f64::from(f32::MAX) * near.signum() * 1e-6 };
+        let near = if near.is_finite() && (near as f32).is_finite() {
+            near
+        } else {
+            f64::from(f32::MAX) * near.signum() * 1e-6
+        };
         let near = if limit.allows(near) { near } else { low };
         let complaint = format!("{}: {near} is taken", limit.complaint(name, v));
         self.warn(span, complaint);
@@ -237,7 +246,11 @@ impl<'o> Translator<'o, '_, '_> {
         let text = self.text(o, name)?;
         let found = words.iter().find(|word| word.eq_ignore_ascii_case(text.trim())).copied();
         if found.is_none() {
-            let message = format!("`{name}` is one of {}, found `{}`", suggest::list(words.iter().copied()), suggest::brief(&text));
+            let message = format!(
+                "`{name}` is one of {}, found `{}`",
+                suggest::list(words.iter().copied()),
+                suggest::brief(&text)
+            );
             let help = suggest::did_you_mean(&text, words.iter().copied());
             self.push(Diagnostic::error(text.span, message).maybe_help(help));
         }
@@ -295,7 +308,8 @@ impl<'o> Translator<'o, '_, '_> {
             Ok(found) => {
                 if let Some(folder) = &found.told {
                     let (shown, folder) = (suggest::brief(name), suggest::brief(folder));
-                    let message = format!("`{shown}` isn't beside the scene: it is looked for in `{folder}` as well");
+                    let message =
+                        format!("`{shown}` isn't beside the scene: it is looked for in `{folder}` as well");
                     let span = o.get("filename").map_or(name.span, |p| p.span);
                     self.warn(span, message);
                 }
@@ -315,7 +329,11 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// A texture that may have a name of its own, made but once for each way in which it is used.
-    pub fn shared_texture(&mut self, key: (usize, Uv, Role), make: impl FnOnce(&mut Self) -> Texture) -> TextureOf {
+    pub fn shared_texture(
+        &mut self,
+        key: (usize, Uv, Role),
+        make: impl FnOnce(&mut Self) -> Texture,
+    ) -> TextureOf {
         let object = &self.objects[key.0];
         // What an attribute is depends on the mesh.
         let own = object.id.as_ref().filter(|_| object.plugin.as_str() != "mesh_attribute");
@@ -359,7 +377,8 @@ impl<'o> Translator<'o, '_, '_> {
             if is_child && known.contains(&"*") || is_of_no_use {
                 continue;
             }
-            let message = format!("`{}` has no `{}`", suggest::brief(&o.plugin), suggest::brief(&property.name));
+            let message =
+                format!("`{}` has no `{}`", suggest::brief(&o.plugin), suggest::brief(&property.name));
             let help = suggest::did_you_mean(&property.name, known.iter().copied().filter(|k| *k != "*"));
             self.push(Diagnostic::warning(property.span, message).maybe_help(help));
         }

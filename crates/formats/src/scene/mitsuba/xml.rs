@@ -139,15 +139,19 @@ impl Reader<'_, '_> {
     /// What is wrong with a text that is no XML.
     fn refuse_text(&mut self, file: FileId, text: &str, e: &roxmltree::Error) {
         let at = e.pos();
-        let line = text.split('\n').take(at.row.saturating_sub(1) as usize).map(|l| l.len() + 1).sum::<usize>();
+        let line =
+            text.split('\n').take(at.row.saturating_sub(1) as usize).map(|l| l.len() + 1).sum::<usize>();
         let rest = text.get(line..).unwrap_or("");
-        let within = rest.char_indices().nth(at.col.saturating_sub(1) as usize).map_or(rest.len(), |(i, _)| i);
+        let within =
+            rest.char_indices().nth(at.col.saturating_sub(1) as usize).map_or(rest.len(), |(i, _)| i);
         let at = u32::try_from((line + within).min(text.len())).unwrap_or(u32::MAX);
         let said = e.to_string();
         // The place is told beside it.
         let said = said.rsplit_once(" at ").map_or(said.as_str(), |(what, _)| what);
         let message = match e {
-            roxmltree::Error::DtdDetected => "a document type (`<!DOCTYPE`) isn't read, nor what it defines".to_owned(),
+            roxmltree::Error::DtdDetected => {
+                "a document type (`<!DOCTYPE`) isn't read, nor what it defines".to_owned()
+            }
             _ => format!("this is not XML: {}", suggest::brief(said)),
         };
         self.push(Diagnostic::error(Span { file, start: at, end: at }, message));
@@ -280,7 +284,8 @@ impl Reader<'_, '_> {
         let properties = &mut self.tree.objects[parent].properties;
         // Several may be without a name; of others the last counts, as in Mitsuba.
         let is_object = matches!(value, Value::Object(_) | Value::Reference(_));
-        let before = if name.is_empty() || is_object { None } else { properties.iter().position(|p| p.name == name) };
+        let before =
+            if name.is_empty() || is_object { None } else { properties.iter().position(|p| p.name == name) };
         match before {
             Some(i) => {
                 let earlier = properties[i].span;
@@ -304,20 +309,27 @@ impl Reader<'_, '_> {
                 self.attribute(element, "value").and_then(|text| {
                     let found = text.trim().parse().ok();
                     if found.is_none() {
-                        self.fail_at(element, "value", format!("`{}` is no whole number", suggest::brief(&text)));
+                        self.fail_at(
+                            element,
+                            "value",
+                            format!("`{}` is no whole number", suggest::brief(&text)),
+                        );
                     }
                     found.map(Value::Integer)
                 })
             }
             "boolean" => {
                 self.only(element, &["name", "value"]);
-                self.attribute(element, "value").and_then(|text| match text.trim().to_ascii_lowercase().as_str() {
-                    "true" => Some(Value::Boolean(true)),
-                    "false" => Some(Value::Boolean(false)),
-                    _ => {
-                        let message = format!("`{}` is neither `true` nor `false`", suggest::brief(&text));
-                        self.fail_at(element, "value", message);
-                        None
+                self.attribute(element, "value").and_then(|text| {
+                    match text.trim().to_ascii_lowercase().as_str() {
+                        "true" => Some(Value::Boolean(true)),
+                        "false" => Some(Value::Boolean(false)),
+                        _ => {
+                            let message =
+                                format!("`{}` is neither `true` nor `false`", suggest::brief(&text));
+                            self.fail_at(element, "value", message);
+                            None
+                        }
                     }
                 })
             }
@@ -347,7 +359,8 @@ impl Reader<'_, '_> {
                     }
                     found
                 });
-                let scale = if element.has_attribute("scale") { self.number(element, "scale") } else { Some(1.0) };
+                let scale =
+                    if element.has_attribute("scale") { self.number(element, "scale") } else { Some(1.0) };
                 kelvin.zip(scale).map(|(k, s)| Value::Spectrum(Numbers::BlackBody(k, s)))
             }
             "transform" => {
@@ -361,9 +374,32 @@ impl Reader<'_, '_> {
             }
             _ => {
                 let known = [
-                    "float", "integer", "boolean", "string", "point", "vector", "rgb", "spectrum", "transform",
-                    "ref", "shape", "bsdf", "emitter", "sensor", "film", "sampler", "rfilter", "integrator",
-                    "texture", "medium", "volume", "phase", "default", "include", "alias", "path",
+                    "float",
+                    "integer",
+                    "boolean",
+                    "string",
+                    "point",
+                    "vector",
+                    "rgb",
+                    "spectrum",
+                    "transform",
+                    "ref",
+                    "shape",
+                    "bsdf",
+                    "emitter",
+                    "sensor",
+                    "film",
+                    "sampler",
+                    "rfilter",
+                    "integrator",
+                    "texture",
+                    "medium",
+                    "volume",
+                    "phase",
+                    "default",
+                    "include",
+                    "alias",
+                    "path",
                 ];
                 let message = format!("`<{}>` is no element of a scene", suggest::brief(tag));
                 let help = suggest::did_you_mean(tag, known);
@@ -384,7 +420,8 @@ impl Reader<'_, '_> {
             }
             return;
         };
-        let span = if element.has_attribute("value") { self.span_of(element, "value") } else { self.span(element) };
+        let span =
+            if element.has_attribute("value") { self.span_of(element, "value") } else { self.span(element) };
         if let Some(value) = value {
             self.add(parent, name, value, span);
         }
@@ -419,7 +456,10 @@ impl Reader<'_, '_> {
                 let text = self.attribute(element, "value")?;
                 let found = table(&text);
                 if found.is_none() {
-                    let message = format!("`{}` is no spectrum: it has a number, or `wavelength:value` pairs", suggest::brief(&text));
+                    let message = format!(
+                        "`{}` is no spectrum: it has a number, or `wavelength:value` pairs",
+                        suggest::brief(&text)
+                    );
                     self.fail_at(element, "value", message);
                 }
                 found?
@@ -434,7 +474,8 @@ impl Reader<'_, '_> {
 
     fn default_value(&mut self, element: Node<'_, '_>) {
         self.only(element, &["name", "value"]);
-        let (Some(name), Some(value)) = (self.attribute(element, "name"), self.attribute(element, "value")) else {
+        let (Some(name), Some(value)) = (self.attribute(element, "name"), self.attribute(element, "value"))
+        else {
             return;
         };
         if name.is_empty() {
@@ -523,7 +564,9 @@ impl Reader<'_, '_> {
                 let wanted = &after[..end];
                 let message = format!("nothing says what `${}` is", suggest::brief(wanted));
                 let help = suggest::did_you_mean(wanted, self.defaults.keys().map(String::as_str))
-                    .unwrap_or_else(|| "say it by `-D name=value`, or by `<default name=\"...\" value=\"...\"/>`".to_owned());
+                    .unwrap_or_else(|| {
+                        "say it by `-D name=value`, or by `<default name=\"...\" value=\"...\"/>`".to_owned()
+                    });
                 self.push(Diagnostic::error(self.span_of(element, name), message).help(help));
                 return None;
             };
@@ -571,7 +614,11 @@ impl Reader<'_, '_> {
                 Some(&[x, y, z]) => Some(DVec3::new(x, y, z)),
                 Some(&[v]) => Some(DVec3::splat(v)),
                 _ => {
-                    self.fail_at(element, "value", format!("`{}` is not three numbers", suggest::brief(&text)));
+                    self.fail_at(
+                        element,
+                        "value",
+                        format!("`{}` is not three numbers", suggest::brief(&text)),
+                    );
                     None
                 }
             };
@@ -590,7 +637,11 @@ impl Reader<'_, '_> {
         for attribute in element.attributes() {
             if !known.contains(&attribute.name()) {
                 let tag = element.tag_name().name();
-                let message = format!("`<{}>` has no attribute `{}`", suggest::brief(tag), suggest::brief(attribute.name()));
+                let message = format!(
+                    "`<{}>` has no attribute `{}`",
+                    suggest::brief(tag),
+                    suggest::brief(attribute.name())
+                );
                 let help = suggest::did_you_mean(attribute.name(), known.iter().copied());
                 let span = self.at(attribute.range());
                 self.push(Diagnostic::warning(span, message).maybe_help(help));
@@ -602,7 +653,8 @@ impl Reader<'_, '_> {
     pub fn span(&self, element: Node<'_, '_>) -> Span {
         let range = element.range();
         // The tag alone, not all that is in it.
-        let end = if element.is_element() { range.start + 1 + element.tag_name().name().len() } else { range.end };
+        let end =
+            if element.is_element() { range.start + 1 + element.tag_name().name().len() } else { range.end };
         self.at(range.start..end)
     }
 
@@ -683,10 +735,13 @@ fn cut_cycles(tree: &mut Tree, means: &mut Means<'_>) {
             let (at, i) = (*object, *next);
             let Some(property) = tree.objects[at].properties.get(i) else {
                 met[at] = Met::Done;
-                height[at] = 1 + tree.objects[at].objects().map(|(_, inner)| height[inner]).max().unwrap_or(0);
+                height[at] =
+                    1 + tree.objects[at].objects().map(|(_, inner)| height[inner]).max().unwrap_or(0);
                 if height[at] > DEEPEST {
                     let span = tree.objects[at].plugin.span;
-                    let message = format!("by its references this is made of more than {DEEPEST} objects inside one another");
+                    let message = format!(
+                        "by its references this is made of more than {DEEPEST} objects inside one another"
+                    );
                     means.d.push(Diagnostic::error(span, message));
                     tree.objects[at].properties.clear();
                     height[at] = 1;
@@ -764,7 +819,10 @@ fn snake(name: &str) -> String {
 /// A number as Mitsuba reads it.
 pub(super) fn number(text: &str) -> Option<f64> {
     let text = text.trim();
-    let text = text.strip_suffix(['f', 'F']).filter(|t| t.ends_with(|c: char| c.is_ascii_digit() || c == '.')).unwrap_or(text);
+    let text = text
+        .strip_suffix(['f', 'F'])
+        .filter(|t| t.ends_with(|c: char| c.is_ascii_digit() || c == '.'))
+        .unwrap_or(text);
     let is_number = text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
     text.parse::<f64>().ok().filter(|v| v.is_finite() && is_number)
 }
