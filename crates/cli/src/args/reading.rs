@@ -41,9 +41,24 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "N", value_parser = quantity::frame, hide_short_help = true, help_heading = PICTURE)]
     pub frame: Option<f64>,
 
+    /// What stands for a name that a scene of Mitsuba leaves open, such as -D spp=16 for $spp; may be given several times
+    #[arg(
+        short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition, hide_short_help = true,
+        help_heading = MACHINE
+    )]
+    pub define: Vec<(String, String)>,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long, help_heading = TALK)]
     pub lenient: bool,
+}
+
+/// A name and what stands for it.
+fn definition(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err("write NAME=VALUE, such as spp=16".to_owned()),
+    }
 }
 
 impl ReadingArgs {
@@ -51,6 +66,7 @@ impl ReadingArgs {
     pub fn options(&self) -> LoadOptions {
         let (lenient, root, memory) = (self.lenient, self.root.clone(), self.memory.limit());
         let frame = self.frame.unwrap_or(0.0);
-        LoadOptions { lenient, root, memory, frame, ..LoadOptions::default() }
+        let define = self.define.iter().cloned().collect();
+        LoadOptions { lenient, root, memory, frame, define, ..LoadOptions::default() }
     }
 }

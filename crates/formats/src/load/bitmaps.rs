@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use straal_scene::handle::Handle;
 use straal_scene::value::{Asset, FileRef};
-use straal_scene::{Assets, Bitmap, Diagnostic, Scene, suggest};
+use straal_scene::{Assets, Bitmap, Scene};
 
 use super::shelf::{Kept, Shelf, Thing};
 use super::{IMAGE_HELP, Progress, Reader};

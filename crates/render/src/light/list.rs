@@ -134,7 +134,7 @@ macro_rules! emitters {
             pub fn is_from_afar(&self) -> bool {
                 match self {
                     $( Self::$Kind(l) => match <$Type as Shine>::EXTENT {
-                        Extent::Around => true,
+                        Extent::Around | Extent::Disc => true,
                         Extent::None => l.starts_at().is_none(),
                         Extent::Surface | Extent::Nowhere => false,
                     }, )+
