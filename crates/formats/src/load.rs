@@ -165,7 +165,7 @@ pub fn load_str(name: &str, text: &str, base: &Path, options: &Options) -> Resul
 /// Loads a scene of another program.
 fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let fail = |refusal: Refusal| cannot_read(path, refusal);
-    let mut finder = finder(options)?;
+    let finder = finder(options)?;
     let place = finder.named(path).map_err(fail)?;
     let length = files::size(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
     let mut ledger = Ledger::new(options.memory);
@@ -175,6 +175,25 @@ fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded,
     }
     let bytes = files::read(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
     ledger.pass(length);
+    of_bytes(kind, (path, bytes), (finder, ledger), options)
+}
+
+/// Loads a scene of another program from its bytes, as if they were those of a file.
+pub fn load_foreign_bytes(
+    kind: Foreign,
+    path: &Path,
+    bytes: Vec<u8>,
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
+    of_bytes(kind, (path, bytes), (finder(options)?, Ledger::new(options.memory)), options)
+}
+
+fn of_bytes(
+    kind: Foreign,
+    (path, bytes): (&Path, Vec<u8>),
+    (mut finder, mut ledger): (Finder, Ledger),
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
     let base = path.parent().unwrap_or(Path::new(""));
     let mut d = Diagnostics::default();
     let mut means = Means {

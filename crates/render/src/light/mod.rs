@@ -31,6 +31,7 @@ pub mod area;
 pub(crate) mod cube;
 pub mod directional;
 pub mod environment;
+mod equal_area;
 mod facing;
 mod list;
 pub mod point;

@@ -30,7 +30,7 @@ pub use light::{
     AmbientLight, DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight,
 };
 pub use material::*;
-pub use node::{Group, Instance, Node};
+pub use node::{Group, Instance, Instances, Node};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
     Lanczos, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind,
