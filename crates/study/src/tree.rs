@@ -54,8 +54,10 @@ impl Walk {
     fn node(&mut self, node: &Node, depth: usize, outer: &Affine, outside: &str) {
         let indent = "  ".repeat(depth);
         let mut line = format!("{indent}{}", node.kind());
-        if let Node::Instance(i) = node {
-            let _ = write!(line, " of {}", i.of.name.value);
+        match node {
+            Node::Instance(i) => line += &format!(" of {}", i.of.name.value),
+            Node::Instances(i) => line += &format!(" of {}, {}", i.of.name.value, i.transforms.len()),
+            _ => {}
         }
         if let Some(name) = node.name() {
             let _ = write!(line, " \"{}\"", name.value);
@@ -200,7 +202,7 @@ fn points_of(node: &Node) -> (Vec<(String, DVec3)>, usize) {
         (shown, all.len().saturating_sub(MOST_POINTS))
     };
     let points = match node {
-        Node::Group(_) | Node::Instance(_) => named(&[("origin", DVec3::ZERO)]),
+        Node::Group(_) | Node::Instance(_) | Node::Instances(_) => named(&[("origin", DVec3::ZERO)]),
         Node::Sphere(s) => named(&[("center", s.center), ("top", s.center + DVec3::Y * s.radius)]),
         Node::Plane(s) => named(&[("point", s.point)]),
         Node::Disc(s) => named(&[("center", s.center)]),

@@ -128,14 +128,18 @@ impl<'a> Build<'a> {
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
             let glow = self.glow_of(radiance, material);
-            let emission_varies = glow.as_ref().is_some_and(|g| g.radiance.varies() || g.below.is_some());
+            let spread = surface.emission_spread;
+            let emission_varies =
+                glow.as_ref().is_some_and(|g| g.radiance.varies() || g.below.is_some() || spread < 180.0);
             let emitter = match glow {
                 Some(Glow { radiance, below, both_sides }) => {
                     let opacity = self.materials.opacity(material);
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
                     let flip = false;
-                    Some(self.glow(Glowing { kind, radiance, opacity, below, two_sided, flip, placement }))
+                    let glowing =
+                        Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+                    Some(self.glow(glowing))
                 }
                 None => None,
             };

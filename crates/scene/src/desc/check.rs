@@ -12,10 +12,10 @@ use crate::desc::{
     CoatedConductor, ColorIn, Combination, Conductor, Cone, CubeMap, Cuboid, CurveBasis, CurveForm, Curves,
     Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
     Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
-    GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved, Node,
-    Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Principled,
-    RampTexture, Rectangle, RemapTexture, SpectralChannels, Spectrum, Sphere, SpotLight, Surface, Texture,
-    Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
+    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Principled,
+    Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere, SpotLight,
+    Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -484,28 +484,146 @@ fn shown_vector(v: DVec3) -> String {
     format!("[{x}, {y}, {z}]")
 }
 
-pub(super) fn spot(l: &SpotLight, keys: &Keys<'_>, d: &mut Decoder) {
-    let axis = (("look_at", l.look_at.is_some()), ("direction", l.direction.is_some()));
-    if one_of("spot", axis.0, axis.1, keys, d) && l.axis() == DVec3::ZERO {
-        let (key, message) = match l.look_at {
-            Some(_) => ("look_at", "`look_at` and `position` are the same point"),
-            None => ("direction", "`direction` has no direction: all three numbers are 0"),
+/// The axis of a lamp that has one, and what is up for its picture.
+fn aim(owner: &str, (look_at, direction, axis): (bool, bool, DVec3), keys: &Keys<'_>, d: &mut Decoder) {
+    if one_of(owner, ("look_at", look_at), ("direction", direction), keys, d) && axis == DVec3::ZERO {
+        let (key, message) = if look_at {
+            ("look_at", "`look_at` and `position` are the same point")
+        } else {
+            ("direction", "`direction` has no direction: all three numbers are 0")
         };
         d.push(Diagnostic::error(keys.span(key), message));
     }
+}
+
+/// What is up for the picture of a lamp with such an axis.
+fn upright(up: DVec3, axis: DVec3, keys: &Keys<'_>, d: &mut Decoder) {
+    if up == DVec3::ZERO {
+        d.push(Diagnostic::error(keys.span("up"), "`up` has no direction: all three numbers are 0"));
+    } else if axis != DVec3::ZERO && Affine::look_at(DVec3::ZERO, axis, up).is_none() {
+        let help = "choose another `up`, such as `up: [0, 0, 1]` or `up: [0, 1, 0]`";
+        d.push(Diagnostic::error(keys.span("up"), "`up` is along the light's axis").help(help));
+    }
+}
+
+pub(super) fn spot(l: &SpotLight, keys: &Keys<'_>, d: &mut Decoder) {
+    aim("spot", (l.look_at.is_some(), l.direction.is_some(), l.axis()), keys, d);
     if l.full_beam() > l.cutoff {
         let message = format!("`beam` of {} degrees is wider than `cutoff` of {}", l.full_beam(), l.cutoff);
         let help = "light is full up to `beam` and ends at `cutoff`, both measured from the axis";
         d.push(Diagnostic::error(keys.span("beam"), message).help(help));
     }
+    if l.texture.is_some() {
+        upright(l.up, l.axis(), keys, d);
+        if l.cutoff >= 90.0 {
+            let message = format!("a `texture` fits no cone with a `cutoff` of {} degrees", shown(l.cutoff));
+            let help = "it lies on a square across the axis: `cutoff` must be below 90 degrees";
+            d.push(Diagnostic::error(keys.span("cutoff"), message).help(help));
+        }
+    }
+}
+
+pub(super) fn projector(l: &Projector, keys: &Keys<'_>, d: &mut Decoder) {
+    aim("projector", (l.look_at.is_some(), l.direction.is_some(), l.axis()), keys, d);
+    upright(l.up, l.axis(), keys, d);
+}
+
+pub(super) fn goniometric(l: &Goniometric, keys: &Keys<'_>, d: &mut Decoder) {
+    if l.direction.is_some() || l.look_at.is_some() {
+        aim("goniometric", (l.look_at.is_some(), l.direction.is_some(), l.axis()), keys, d);
+    }
+    let (axis, zero) = (l.axis(), l.zero);
+    if zero == DVec3::ZERO {
+        d.push(Diagnostic::error(keys.span("zero"), "`zero` has no direction: all three numbers are 0"));
+    } else if axis != DVec3::ZERO && Affine::look_at(DVec3::ZERO, axis, zero).is_none() {
+        let help =
+            "choose another `zero`, such as `zero: [0, 1, 0]`: it says how the lamp is turned about its axis";
+        d.push(Diagnostic::error(keys.span("zero"), "`zero` is along the lamp's axis").help(help));
+    }
+    if let Spectrum::Rgb(LinearRgb(rgb)) = l.color
+        && rgb == [0.0; 3]
+    {
+        let message = "a lamp whose `color` is black has no colour: how bright it is `scale` says";
+        d.push(Diagnostic::error(keys.span("color"), message));
+    }
+}
+
+pub(super) fn sky(l: &Sky, keys: &Keys<'_>, d: &mut Decoder) {
+    let ways = (("sun_direction", l.sun_direction.is_some()), ("when", l.when.is_some()));
+    if !one_of("sky", ways.0, ways.1, keys, d) {
+        return;
+    }
+    if l.sun_direction == Some(DVec3::ZERO) {
+        let message = "`sun_direction` has no direction: all three numbers are 0";
+        d.push(Diagnostic::error(keys.span("sun_direction"), message));
+        return;
+    }
+    let up = l.towards_sun().y;
+    if up < 0.0 {
+        let below = ops::acos_d(-up);
+        let degrees = (90.0 - below.to_degrees()).abs();
+        let key = if l.when.is_some() { "when" } else { "sun_direction" };
+        let message =
+            format!("the sun is {degrees:.1} degrees below the horizon, where there is no model of the sky");
+        let help = if l.when.is_some() {
+            "choose another hour, and look at `utc_offset`: hours that clocks there are ahead of Universal Time"
+        } else {
+            "`sun_direction` leads towards the sun, and local +y is up"
+        };
+        d.push(Diagnostic::error(keys.span(key), message).help(help));
+    }
+}
+
+pub(super) fn when(w: &When, keys: &Keys<'_>, d: &mut Decoder) {
+    if !w.is_sound() {
+        let [year, month, day] = w.date;
+        let message = format!("there is no such date: year {year}, month {month}, day {day}");
+        d.push(Diagnostic::error(keys.span("date"), message).help("it is `[year, month, day]`"));
+    }
 }
 
 pub(super) fn environment(l: &Environment, keys: &Keys<'_>, d: &mut Decoder) {
-    one_of("environment", ("radiance", l.radiance.is_some()), ("file", l.file.is_some()), keys, d);
-    if l.file.is_none() && l.layout != EnvironmentLayout::LatitudeLongitude {
-        d.push(Diagnostic::error(keys.key_span("layout"), "`layout` means nothing without `file`"));
+    let ways = [
+        ("radiance", l.radiance.is_some()),
+        ("gradient", !l.gradient.is_empty()),
+        ("file", l.file.is_some()),
+    ];
+    let mut given = ways.iter().filter(|(_, is_given)| *is_given);
+    match (given.next(), given.next()) {
+        (None, _) => {
+            let message = "`environment` needs `radiance`, `gradient` or `file`";
+            d.push(Diagnostic::error(keys.owner(), message));
+        }
+        (Some((a, _)), Some((b, _))) => {
+            let message = format!("`environment` takes `{a}` or `{b}`, not both");
+            let complaint = Diagnostic::error(keys.key_span(b), message);
+            d.push(complaint.related(keys.key_span(a), format!("`{a}` is here")));
+        }
+        _ => {}
+    }
+    if l.gradient.len() == 1 {
+        let message = "a gradient of one colour is none";
+        d.push(Diagnostic::error(keys.span("gradient"), message).help("write it as `radiance`"));
+    } else if l.gradient.len() > MOST_STEPS {
+        let message =
+            format!("a gradient has {MOST_STEPS} colours at the most, this has {}", l.gradient.len());
+        d.push(Diagnostic::error(keys.span("gradient"), message));
+    }
+    let unused = [
+        ("layout", l.layout != EnvironmentLayout::LatitudeLongitude),
+        ("tint", l.tint != Spectrum::grey(1.0)),
+    ];
+    for (key, _) in unused.iter().filter(|(_, is_given)| *is_given && l.file.is_none()) {
+        d.push(Diagnostic::error(keys.key_span(key), format!("`{key}` means nothing without `file`")));
+    }
+    if l.compensate && l.radiance.is_some() {
+        let message = "`compensate` means nothing where the same light comes from everywhere";
+        d.push(Diagnostic::error(keys.key_span("compensate"), message));
     }
 }
+
+/// The most colours of a gradient.
+const MOST_STEPS: usize = 64;
 
 pub(super) fn plane(s: &Plane, keys: &Keys<'_>, d: &mut Decoder) {
     direction(s.normal, "normal", keys, d);
@@ -720,7 +838,9 @@ fn closed(node: &Node, keys: &Keys<'_>, d: &mut Decoder) {
     let (kind, surface) = (node.kind(), node.surface());
     let wrong = match node {
         Node::Group(g) => return g.children.iter().for_each(|child| closed(child, keys, d)),
-        Node::Instance(_) => "an instance can't be combined: write what it shows here".to_owned(),
+        Node::Instance(_) | Node::Instances(_) => {
+            "an instance can't be combined: write what it shows here".to_owned()
+        }
         Node::Sphere(s) if s.heights.is_some() || !is_whole(s.phi) => "a part of a sphere is open".to_owned(),
         Node::Cylinder(s) if !s.caps => "a cylinder without `caps: true` is open".to_owned(),
         Node::Cone(s) if !s.caps => "a cone without `caps: true` is open".to_owned(),

@@ -1,6 +1,7 @@
 //! What a scene can say: plain data, as a file or a program says it.
 
 pub mod accel;
+pub mod animation;
 pub mod camera;
 pub(crate) mod check;
 pub mod color;
@@ -13,6 +14,7 @@ pub mod node;
 pub mod round;
 mod settings;
 pub mod shape;
+pub mod sky;
 pub mod solid;
 pub mod spectrum;
 pub mod texture;
@@ -22,6 +24,7 @@ pub use accel::{
     Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, PlaneChoice, Split, Structure,
     UniformGrid, VolumeKind, WideBvh,
 };
+pub use animation::Animation;
 pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
@@ -32,21 +35,23 @@ pub use curves::{CurveBasis, CurveForm, Curves};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
-    AmbientLight, DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight,
+    AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
+    PointLight, Projector, SpotLight,
 };
 pub use material::*;
-pub use node::{Group, Instance, Node};
+pub use node::{Group, Instance, Instances, Node};
 pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
-    Lanczos, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler, SamplerKind,
-    SpectralChannels, Technique, Tent, Whitted,
+    Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler,
+    SamplerKind, SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
     Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, MeshSource,
     Patches, Plane, Rectangle, Shading, Smoothing, Sphere, Subdivide, Subdivision, Surface, Triangle,
     TriangleMesh,
 };
+pub use sky::{Sky, When};
 pub use solid::{
     BallDistance, Blend, BoxDistance, CapsuleDistance, Combination, CylinderDistance, Distance,
     DistanceField, GridDistance, Grown, Moved, RingDistance, Ripples,
@@ -75,6 +80,8 @@ describe! {
         accel: Accel = Accel::default(),
         /// Whether light is computed by wavelengths instead of red, green and blue.
         spectral: bool = false,
+        /// How a scene that moves is played.
+        animation: Animation = Animation::default(),
         /// Textures by name, for `{ texture: NAME }`.
         textures: Named<Texture> = Named::default(),
         /// Materials by name.

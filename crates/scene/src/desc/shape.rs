@@ -23,6 +23,9 @@ describe! {
         emission: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// Whether the back glows as well.
         two_sided_emission: bool = false,
+        /// The angle of the cone around the normal, in degrees from rim to rim, that its light stays in, as behind a honeycomb: `emission` along the normal, less and
+        /// less towards the rim.
+        emission_spread: f64 [Limit::within(0.1, 180.0)] = 180.0,
         /// Places the shape.
         transform: Transform = Transform::default(),
         /// A point that the front is turned towards, after `transform` and about the middle of the shape; the front of a shape that
