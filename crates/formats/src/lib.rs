@@ -22,6 +22,6 @@ mod temporary;
 pub mod yaml;
 
 pub use limits::Limits;
-pub use load::{Loaded, Options, load, load_bytes, load_str};
+pub use load::{Loaded, Options, load, load_bytes, load_foreign_bytes, load_str};
 pub use read_error::{Place, ReadError};
 pub use straal_scene::Diagnostics;

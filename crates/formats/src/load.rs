@@ -106,6 +106,8 @@ pub struct Loaded {
     pub text_bytes: u64,
     /// Bytes that reading took at a time, the program's own among them.
     pub peak_bytes: u64,
+    /// Names of the meshes and pictures that aren't in files of their own: they stand in the scene's own file or in a buffer.
+    pub held: BTreeSet<String>,
     /// The files that were read, but for the one that the scene is told in; a mesh by itself is one of them.
     pub files: Vec<PathBuf>,
 }
@@ -115,10 +117,10 @@ const MOST_TEXT: u64 = 1 << 28;
 
 /// Whether a file is taken for a bare mesh, by its name.
 pub fn is_mesh(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply") || e.eq_ignore_ascii_case("obj"))
+    path.extension().is_some_and(|e| ["ply", "obj", "stl"].iter().any(|known| e.eq_ignore_ascii_case(known)))
 }
 
-/// Loads a scene (YAML or JSON), or a bare `.ply` or `.obj` mesh, which gets a studio around it.
+/// Loads a scene (YAML or JSON), or a bare `.ply`, `.obj` or `.stl` mesh, which gets a studio around it.
 ///
 /// The files that a scene names are looked for in its folder. On failure all complaints are given at once.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
@@ -130,7 +132,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         return load_foreign(kind, path, options);
     }
     if let Some(what) = foreign::kind(&extension) {
-        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt and Mitsuba, and meshes (.ply, .obj)";
+        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt and Mitsuba, and meshes (.ply, .obj, .stl)";
         let message = format!("`{}` is {what}: .{extension} files are not supported", path.display());
         return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
     }
@@ -151,7 +153,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         // What another file holds may not be for everyone's eyes, and a complaint would quote it.
         let message =
             format!("`{name}` is no scene: none of a scene's keys, such as `camera:` and `world:`, is in it");
-        let help = "straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj)";
+        let help = "straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj, .stl)";
         return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
     }
     loaded
@@ -165,7 +167,7 @@ pub fn load_str(name: &str, text: &str, base: &Path, options: &Options) -> Resul
 /// Loads a scene of another program.
 fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let fail = |refusal: Refusal| cannot_read(path, refusal);
-    let mut finder = finder(options)?;
+    let finder = finder(options)?;
     let place = finder.named(path).map_err(fail)?;
     let length = files::size(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
     let mut ledger = Ledger::new(options.memory);
@@ -175,6 +177,25 @@ fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded,
     }
     let bytes = files::read(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
     ledger.pass(length);
+    of_bytes(kind, (path, bytes), (finder, ledger), options)
+}
+
+/// Loads a scene of another program from its bytes, as if they were those of a file.
+pub fn load_foreign_bytes(
+    kind: Foreign,
+    path: &Path,
+    bytes: Vec<u8>,
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
+    of_bytes(kind, (path, bytes), (finder(options)?, Ledger::new(options.memory)), options)
+}
+
+fn of_bytes(
+    kind: Foreign,
+    (path, bytes): (&Path, Vec<u8>),
+    (mut finder, mut ledger): (Finder, Ledger),
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
     let base = path.parent().unwrap_or(Path::new(""));
     let mut d = Diagnostics::default();
     let mut means = Means {
@@ -249,6 +270,7 @@ fn with_files(
     mut d: Diagnostics,
 ) -> Result<Loaded, Diagnostics> {
     let Described { scene, made: Made { handles, assets }, hashes, mut files, at, text_bytes } = described;
+    let held = held(&scene, &assets);
     let paths = locate(&scene, &assets, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
         d.sort();
@@ -281,7 +303,17 @@ fn with_files(
     if d.has_errors() {
         return Err(d);
     }
-    Ok(Loaded { scene, assets, warnings: d, hash, files, text_bytes, peak_bytes: ledger.most() })
+    let peak_bytes = ledger.most();
+    Ok(Loaded { scene, assets, warnings: d, hash, held, files, text_bytes, peak_bytes })
+}
+
+/// Names of what is there before any file is looked for.
+fn held(scene: &Scene, made: &Assets) -> BTreeSet<String> {
+    let meshes = scene.mesh_files().into_iter().filter(|a| made.meshes.get(a.handle).is_some());
+    let images = scene.image_files().into_iter().filter(|a| made.images.get(a.handle).is_some());
+    let bitmaps = scene.bitmap_files().into_iter().filter(|a| made.bitmaps.get(a.handle).is_some());
+    let images = images.map(|a| &a.file).chain(bitmaps.map(|a| &a.file));
+    meshes.map(|a| &a.file).chain(images).map(|file| file.value.clone()).collect()
 }
 
 /// What makes a mesh take less memory.
@@ -784,5 +816,6 @@ fn in_studio(path: &Path, read: MeshFile, options: &Options, ledger: Ledger) -> 
     }
     hashes.insert(file_name, read.hash);
     let hash = hash(&scene, &hashes);
-    Ok(Loaded { scene, assets, warnings, hash, files, text_bytes: 0, peak_bytes: ledger.most() })
+    let (held, peak_bytes) = (BTreeSet::new(), ledger.most());
+    Ok(Loaded { scene, assets, warnings, hash, held, files, text_bytes: 0, peak_bytes })
 }
