@@ -14,6 +14,7 @@ pub mod load;
 pub mod mesh;
 pub mod mesh_file;
 mod number;
+pub mod photometry;
 pub mod read_error;
 pub mod scene;
 pub mod spd;

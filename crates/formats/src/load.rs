@@ -13,7 +13,7 @@ use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{
-    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow,
+    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, frames, glow::Glow,
     read_scene, suggest, whole,
 };
 
@@ -21,9 +21,13 @@ use crate::files::{self, Finder, Found, Refusal};
 use crate::mesh_file::{self, MeshFile, Picture};
 use crate::scene::{Foreign, Made, Means, Translated};
 use crate::studio::{self, Studio};
-use crate::{Limits, ReadError, foreign, image, spd, yaml};
+use crate::{Limits, ReadError, foreign, image, photometry, spd, yaml};
 
 mod bitmaps;
+mod shelf;
+
+pub use shelf::Shelf;
+use shelf::{Kept, Thing};
 
 /// How a scene is loaded.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,6 +48,10 @@ pub struct Options {
     pub root: Option<PathBuf>,
     /// Who is told how far reading has come.
     pub listener: Listener,
+    /// The frame of a scene that moves, and part of it; the first is 0.
+    pub frame: f64,
+    /// What was read before.
+    pub shelf: Shelf,
     /// What stands for names that a scene of another program leaves open.
     pub define: BTreeMap<String, String>,
 }
@@ -204,6 +212,7 @@ fn of_bytes(
         finder: &mut finder,
         ledger: &mut ledger,
         define: &options.define,
+        frame: options.frame,
         lenient: options.lenient,
         d: &mut d,
     };
@@ -211,7 +220,8 @@ fn of_bytes(
         d.sort();
         return Err(d);
     };
-    let Translated { scene, made, files: more, text_bytes } = translated;
+    let Translated { mut scene, made, files: more, text_bytes } = translated;
+    differ(&mut scene, options.frame);
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let mut hashes = BTreeMap::from([(name, blake3::hash(&bytes).into())]);
     drop(bytes);
@@ -280,6 +290,7 @@ fn with_files(
     let attributes = scene.attributes().into_iter().map(|name| name.value.clone()).collect();
     let mut reader = Reader {
         limits: &options.files,
+        shelf: options.shelf.clone(),
         finder,
         attributes,
         handles,
@@ -407,10 +418,21 @@ fn describe(
         }
     };
     let file = d.sources.add(name, text);
-    let tree = yaml::read(file, &options.text, d)?;
-    let (scene, complaints) = read_scene(&tree, std::mem::take(d), Strictness { lenient: options.lenient });
+    let mut tree = yaml::read(file, &options.text, d)?;
+    frames::settle(&mut tree, options.frame, d);
+    let (mut scene, complaints) =
+        read_scene(&tree, std::mem::take(d), Strictness { lenient: options.lenient });
     *d = complaints;
+    differ(&mut scene, options.frame);
     Some((scene, file, tree.heap_bytes()))
+}
+
+/// Gives each frame noise of its own: the same in all would look like dirt on the lens. The first has that of a still.
+fn differ(scene: &mut Scene, frame: f64) {
+    let frame = frame as u64;
+    if frame > 0 {
+        scene.sampler.seed = scene.sampler.seed.wrapping_add(frame) % (1 << 53);
+    }
 }
 
 /// Where each file is that the scene names and that isn't `made` yet; complains of all that aren't there.
@@ -431,7 +453,9 @@ fn locate(
         let meshes = meshes.map(|asset| &asset.file);
         let images = images.map(|asset| &asset.file);
         let bitmaps = bitmaps.map(|asset| &asset.file);
-        meshes.chain(images).chain(bitmaps).chain(spectra.map(|asset| &asset.file))
+        let spectra = spectra.map(|asset| &asset.file);
+        let lamps = scene.photometry_files().into_iter().map(|asset| &asset.file);
+        meshes.chain(images).chain(bitmaps).chain(spectra).chain(lamps)
     };
     for file in named() {
         // What couldn't be read has no name.
@@ -521,6 +545,7 @@ type Read<T> = Option<(T, [u8; 32])>;
 /// Reads the files of a scene, each once.
 struct Reader<'a> {
     limits: &'a Limits,
+    shelf: Shelf,
     finder: Finder,
     /// What textures read of meshes.
     attributes: BTreeSet<String>,
@@ -598,7 +623,32 @@ impl Reader<'_> {
                 Err(e) => self.fail(file, &e),
             }
         }
+        self.lamps(scene, paths, &mut assets);
         assets
+    }
+
+    /// What was measured of lamps.
+    fn lamps(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>, assets: &mut Assets) {
+        for Asset { file, handle } in scene.photometry_files() {
+            let Some(path) = paths.get(&file.value) else { continue };
+            if assets.photometries.get(*handle).is_some() {
+                continue;
+            }
+            let bytes = match files::read(path, photometry::MOST_BYTES) {
+                Ok(bytes) => bytes,
+                Err(refusal) => {
+                    self.refuse(file, refusal);
+                    continue;
+                }
+            };
+            match photometry::read(&bytes) {
+                Ok(lamp) => {
+                    assets.photometries.put(*handle, Arc::new(lamp));
+                    self.hashes.insert(file.value.clone(), blake3::hash(&bytes).into());
+                }
+                Err(e) => self.fail(file, &e),
+            }
+        }
     }
 
     /// Complains of texture coordinates that a mapping wants and meshes don't have.
@@ -643,6 +693,13 @@ impl Reader<'_> {
 
     /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
     fn mesh(&mut self, (file, has_materials): (&FileRef, bool), path: &Path) -> Read<MeshAsset> {
+        let of_attributes: Vec<&str> = self.attributes.iter().map(String::as_str).collect();
+        let key = self.shelf.key(path, of_attributes.join(" "));
+        if let Some(Kept { thing: Thing::Mesh(asset), notes, hash }) = self.shelf.get(key.as_ref()) {
+            self.told(file, &notes);
+            self.ledger.keep(asset.mesh.heap_bytes());
+            return Some((asset, hash));
+        }
         // As many bytes as the file has for the mesh that it holds, and the file's own.
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, 2 * length, MESH_HELP) {
@@ -657,15 +714,17 @@ impl Reader<'_> {
         };
         match mesh_file::load(path, means) {
             Ok(MeshFile { asset, warnings, hash, libraries, pictures }) => {
+                // What other files belong to is read again with them.
+                if libraries.is_empty() {
+                    let (thing, notes) = (Thing::Mesh(asset.clone()), warnings.clone());
+                    self.shelf.put(key, Kept { thing, notes, hash });
+                }
                 self.files.extend(libraries);
                 if has_materials {
                     self.files.extend(pictures.iter().map(|p| p.path.clone()));
                     self.pictures.extend(pictures.into_iter().map(|p| (file.clone(), p)));
                 }
-                for warning in warnings {
-                    let message = format!("in `{}`: {warning}", file.value);
-                    self.d.push(Diagnostic::warning(file.span, message));
-                }
+                self.told(file, &warnings);
                 let own = asset.mesh.heap_bytes();
                 self.ledger.pass(length + own);
                 self.ledger.keep(own);
@@ -678,8 +737,22 @@ impl Reader<'_> {
         }
     }
 
+    /// Tells what is to be said of a file.
+    fn told(&mut self, file: &FileRef, notes: &[String]) {
+        for note in notes {
+            let message = format!("in `{}`: {note}", suggest::brief(file));
+            self.d.push(Diagnostic::warning(file.span, message));
+        }
+    }
+
     /// A picture; none after a complaint.
     fn image(&mut self, file: &FileRef, path: &Path) -> Read<Arc<Image>> {
+        let key = self.shelf.key(path, "surroundings".to_owned());
+        if let Some(Kept { thing: Thing::Image(image), notes, hash }) = self.shelf.get(key.as_ref()) {
+            self.told(file, &notes);
+            self.ledger.keep(image.heap_bytes());
+            return Some((image, hash));
+        }
         // What is wrong with a header is told by reading the rest.
         let decoded = image::Header::open(path, self.limits).map_or(0, |header| header.decoded_bytes);
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
@@ -695,13 +768,12 @@ impl Reader<'_> {
         };
         match image::surroundings(&bytes, self.limits) {
             Ok((image, notes)) => {
-                for note in notes {
-                    let message = format!("in `{}`: {note}", suggest::brief(file));
-                    self.d.push(Diagnostic::warning(file.span, message));
-                }
+                self.told(file, &notes);
                 self.ledger.pass(length.saturating_add(decoded));
                 self.ledger.keep(image.heap_bytes());
-                Some((Arc::new(image), blake3::hash(&bytes).into()))
+                let (image, hash) = (Arc::new(image), blake3::hash(&bytes).into());
+                self.shelf.put(key, Kept { thing: Thing::Image(image.clone()), notes, hash });
+                Some((image, hash))
             }
             Err(e) => {
                 self.fail(file, &e);
@@ -793,6 +865,7 @@ fn in_studio(path: &Path, read: MeshFile, options: &Options, ledger: Ledger) -> 
     files.extend(pictures.iter().map(|p| p.path.clone()));
     let mut reader = Reader {
         limits: &options.files,
+        shelf: options.shelf.clone(),
         finder: Finder::default(),
         attributes: BTreeSet::new(),
         handles: Handles::default(),

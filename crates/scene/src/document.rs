@@ -3,8 +3,9 @@
 use serde_json::{Map, Value as Json, json};
 
 use crate::decode::{Decoder, Describe, Fields, Strictness};
-use crate::desc::{Accel, Camera, ColorSettings, Film, Integrator, Light, Sampler, Scene};
+use crate::desc::{Accel, Animation, Camera, ColorSettings, Film, Integrator, Light, Sampler, Scene};
 use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::frames;
 use crate::limit::Limit;
 use crate::schema::Definitions;
 use crate::span::Span;
@@ -28,7 +29,7 @@ pub fn read_scene(tree: &Tree, diagnostics: Diagnostics, strictness: Strictness)
             matches!(tree.value, Datum::Mapping(_) | Datum::Null),
         ),
     };
-    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_)));
+    let lit_by_all = scene.lights.iter().any(|l| matches!(l, Light::Environment(_) | Light::Sky(_)));
     // A key that is called otherwise here may be what the world was meant to be.
     let mut names = Vec::new();
     Scene::names(&mut names);
@@ -53,6 +54,7 @@ impl Scene {
             integrator: Integrator::default(),
             accel: Accel::default(),
             spectral: false,
+            animation: Animation::default(),
             textures: Named::default(),
             materials: Named::default(),
             objects: Named::default(),
@@ -72,8 +74,46 @@ pub fn schema() -> Json {
     if let Json::Object(root) = root {
         out.extend(root);
     }
-    out.insert("$defs".to_owned(), Json::Object(defs.into_map()));
+    let mut defs = defs.into_map();
+    out.iter_mut().chain(defs.iter_mut()).for_each(|(_, schema)| may_move(schema));
+    defs.insert(MOVING.to_owned(), frames::schema());
+    out.insert("$defs".to_owned(), Json::Object(defs));
     Json::Object(out)
+}
+
+/// The schema's name of what stands in place of a value.
+const MOVING: &str = "Keyframes of a value";
+
+/// Lets keyframes stand in place of every value that a key may have.
+fn may_move(schema: &mut Json) {
+    match schema {
+        Json::Object(map) => {
+            for (key, value) in map.iter_mut() {
+                if key == "properties"
+                    && let Json::Object(properties) = value
+                {
+                    for property in properties.values_mut() {
+                        may_move(property);
+                        let mut own = property.take();
+                        let mut either = Map::new();
+                        if let Json::Object(own) = &mut own {
+                            let told = ["description", "default"].map(|word| (word, own.remove(word)));
+                            either.extend(told.into_iter().filter_map(|(k, v)| Some((k.to_owned(), v?))));
+                        }
+                        either.insert(
+                            "anyOf".to_owned(),
+                            json!([own, { "$ref": format!("#/$defs/{MOVING}") }]),
+                        );
+                        *property = Json::Object(either);
+                    }
+                } else {
+                    may_move(value);
+                }
+            }
+        }
+        Json::Array(list) => list.iter_mut().for_each(may_move),
+        _ => {}
+    }
 }
 
 /// Whether a word is one of a scene's own, in whatever letters, or one that only another renderer has in its place. Words that stand

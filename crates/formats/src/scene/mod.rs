@@ -81,6 +81,8 @@ pub(crate) struct Means<'a> {
     pub ledger: &'a mut Ledger,
     /// What was said besides for names in it, as by `-D`.
     pub define: &'a BTreeMap<String, String>,
+    /// The frame of a scene that moves.
+    pub frame: f64,
     /// Whether what is unknown is only warned of.
     pub lenient: bool,
     /// What is complained of. Texts that are read go to its sources first, so that complaints can point into them.

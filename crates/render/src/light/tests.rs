@@ -12,6 +12,7 @@ use crate::shape::{Disc, Parallelogram, Shape, Sphere, TriangleMesh};
 use crate::testing::in_rgb;
 
 mod density;
+mod emitted;
 mod side_by_side;
 mod textured;
 
@@ -36,6 +37,7 @@ pub(super) fn shape(name: &'static str, shape: Shape, sides: Sides) -> Example {
             opacity: None,
             below: None,
             sides,
+            spread: area::Spread::default(),
             placement: None,
         }),
     }
@@ -53,9 +55,18 @@ pub(super) fn mesh(name: &'static str, mesh: TriangleMesh, sides: Sides) -> Exam
             opacity: None,
             below: None,
             sides,
+            spread: area::Spread::default(),
             placement: None,
         }),
     }
+}
+
+/// The same with its light in a cone of some degrees.
+pub(super) fn narrowed(name: &'static str, mut example: Example, degrees: f64) -> Example {
+    if let Emitter::Area(light) = &mut example.emitter {
+        light.spread = area::Spread::degrees(degrees);
+    }
+    Example { name, ..example }
 }
 
 pub(super) fn image(width: usize, height: usize, f: impl Fn(usize, usize) -> [f32; 3]) -> Image {
@@ -357,7 +368,7 @@ fn delta_lights_give_their_irradiance() {
         );
         s.map_or(0.0, |s| s.radiance[0])
     };
-    let point = Emitter::Point(PointLight { position, intensity: intensity.into() });
+    let point = Emitter::Point(PointLight { position, intensity: intensity.into(), falls: true });
     assert_eq!(at(&point, Vec3::ZERO), 2.0);
     assert_eq!(at(&point, Vec3::new(0.0, -2.0, 0.0)), 0.5);
     assert_eq!(at(&point, position), 0.0);
@@ -432,7 +443,7 @@ fn power_is_what_leaves_in_all_directions() {
         let cone = Cone { axis: Vec3::X, beam: cutoff, cutoff, falloff: Falloff::Linear };
         Emitter::Spot(SpotLight::new(Vec3::ZERO, RADIANCE, &cone).unwrap()).power(&Geometry::default(), 1.0)
     };
-    let point = Emitter::Point(PointLight { position: Vec3::ZERO, intensity: RADIANCE.into() });
+    let point = Emitter::Point(PointLight { position: Vec3::ZERO, intensity: RADIANCE.into(), falls: true });
     let point = point.power(&Geometry::default(), 1.0);
     assert!((spot(180.0) / point - 1.0).abs() < 1e-6 && (spot(90.0) / point - 0.5).abs() < 1e-6);
 }
@@ -506,8 +517,9 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
 
 #[test]
 fn many_lights_are_picked_by_power_and_evenly() {
-    let at =
-        |i: f32| Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into() });
+    let at = |i: f32| {
+        Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into(), falls: true })
+    };
     let mut emitters = vec![at(1.0), at(0.0), at(3.0), at(f32::NAN), at(4.0)];
     // So many that they are not weighed by the place.
     emitters.extend((0..20).map(|_| at(1.0)));
@@ -538,8 +550,9 @@ fn many_lights_are_picked_by_power_and_evenly() {
 
 #[test]
 fn few_lights_are_picked_by_what_they_bring() {
-    let point =
-        |position, i: f32| Emitter::Point(PointLight { position, intensity: Light::rgb([i; 3]).into() });
+    let point = |position, i: f32| {
+        Emitter::Point(PointLight { position, intensity: Light::rgb([i; 3]).into(), falls: true })
+    };
     let sun = DirectionalLight::new(-Vec3::Z, Light::rgb([1.0; 3])).unwrap();
     let sky = ConstantEnvironment { radiance: Light::rgb([0.5; 3]).into() };
     let emitters = [
