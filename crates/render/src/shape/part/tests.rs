@@ -32,6 +32,9 @@ const EVERYWHERE: Bounds = Bounds { min: Vec3::splat(-f32::MAX), max: Vec3::spla
 
 /// A ball with a bite far away: on this side it is the whole ball.
 pub(super) fn examples(stand: &Setting) -> Vec<Example> {
+    if stand.scale != 1.0 {
+        return vec![];
+    }
     let (map, inverse) = (stand.map, stand.map.inverse().expect("it has one"));
     let ball =
         |map: Affine| leaf(Shape::Ellipsoid(Box::new(Ellipsoid::new(map).expect("it has an inverse"))));
