@@ -49,6 +49,7 @@ pub mod plane;
 mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
+mod spherical;
 mod tangents;
 
 pub use cylinder::Cylinder;

@@ -29,7 +29,7 @@ pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
     AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
-    PointLight, Projector, SpotLight,
+    PointLight, Portal, Projector, SpotLight,
 };
 pub use material::*;
 pub use node::{Group, Instance, Node};
@@ -39,8 +39,8 @@ pub use settings::{
     SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
-    Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, LightSampling, MeshSource, Patches,
+    Plane, Rectangle, Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
 };
 pub use sky::{Sky, When};
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
