@@ -24,7 +24,8 @@ const FILTERED: &str = "scenes/lights.yaml";
 const WAYS: &str = "scenes/ways-of-light.yaml";
 const WAYS_SIZE: [u32; 2] = [480, 270];
 const EPSILONS: [(&str, f64); 2] = [("epsilon-small", 1e-7), ("epsilon-large", 0.1)];
-const INTEGRATORS: [(&str, u32); 4] = [("whitted", 64), ("ao", 256), ("direct", 256), ("path", 256)];
+const INTEGRATORS: [(&str, u32); 5] =
+    [("whitted", 64), ("ao", 256), ("direct", 256), ("light", 1024), ("path", 256)];
 
 /// The scene that is denoised, the size in which it is, and each of its pictures: samples, and what becomes of them.
 const DENOISED: &str = "scenes/glass-and-mirror.yaml";

@@ -102,6 +102,7 @@ impl Settings {
             cost: self.cost,
             signed: self.signed,
             adapts: self.noise.is_some(),
+            light_splats: false,
         }
     }
 

@@ -6,7 +6,7 @@ use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::table::Picks;
-use crate::light::{AmbientLight, Emitter, LightSample, LightTable, Receiver};
+use crate::light::{AmbientLight, Ball, Emitter, LightSample, LightTable, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::relief::Ways;
@@ -139,6 +139,17 @@ impl World {
     /// What each ray hits first.
     pub fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         self.accel.closest(&self.geometry, rays, hits);
+    }
+
+    /// A ball that holds all that has bounds.
+    pub fn ball(&self) -> Ball {
+        let bounds = self.accel.bounds();
+        if bounds.is_empty() {
+            return Ball { center: Vec3::ZERO, radius: 1.0 };
+        }
+        // A little more, for rounding.
+        let radius = 0.501 * bounds.extent().length();
+        Ball { center: bounds.center(), radius: if radius > 0.0 { radius } else { 1.0 } }
     }
 
     /// The share of light that passes along each ray, in four lanes: all or nothing, since every material stops a

@@ -15,6 +15,7 @@ pub mod desc;
 mod describe;
 pub mod diagnostic;
 mod document;
+pub mod frames;
 pub mod glow;
 pub mod handle;
 pub mod image;

@@ -54,7 +54,8 @@ impl Job {
             whole += 1;
             mean_samples += run.film.mean_samples();
             sums.get_or_insert_with(|| {
-                Sums::new(Picture::new(&run.film, Layers::default(), self.film_space()))
+                let sums = Sums::new(Picture::new(&run.film, Layers::default(), self.film_space()));
+                Sums { tells_error: self.integrator.splats(), ..sums }
             })
             .add(&layers);
         }
@@ -124,7 +125,8 @@ impl Sums {
 
     fn add(&mut self, l: &Layers) {
         self.count += 1.0;
-        self.tells_error = l.error.is_some();
+        // What single pictures can't tell, several do.
+        self.tells_error |= l.error.is_some();
         if self.channels.is_empty() {
             self.channels = l.channels.iter().map(|l| (l.channel, vec![0.0; l.values.len()])).collect();
         }
@@ -140,7 +142,7 @@ impl Sums {
         }
         // A picture that keeps to colours has none of the other layers.
         let held = l.samples.len();
-        let spreads = if l.error.is_some() { self.rgb.len() } else { held };
+        let spreads = if self.tells_error { self.rgb.len() } else { held };
         self.spread.resize(spreads, [0.0; 3]);
         self.samples.resize(held, 0);
         for i in 0..self.rgb.len() {

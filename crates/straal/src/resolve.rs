@@ -183,6 +183,13 @@ impl Plan {
                     .into(),
             ));
         }
+        let integrator = integrator(wish.integrator.as_ref().unwrap_or(&scene.integrator), wish.max_depth);
+        // Pixels have next to no samples of their own.
+        let by_light = integrator.splats();
+        if by_light {
+            let wants_noise = noise.is_some() || wish.error == Some(true);
+            check_light_splats(wants_noise, splat, denoise.is_some(), recording)?;
+        }
         let settings = Settings {
             size,
             crop,
@@ -190,10 +197,10 @@ impl Plan {
             seed: wish.seed.unwrap_or(scene.sampler.seed),
             // All pixels get as many samples, until the denoised picture is good enough.
             noise: noise.filter(|_| denoise.is_none()),
-            error: wish.error.unwrap_or(true) || denoise.is_some(),
+            error: wish.error.unwrap_or(!by_light) || denoise.is_some(),
             halves: denoise.is_some(),
             guides: wish.guides.unwrap_or(if denoise.is_some() { Guides::Specular } else { Guides::First }),
-            layers: wish.layers.unwrap_or(true) || denoise.is_some(),
+            layers: wish.layers.unwrap_or(true) && !by_light || denoise.is_some(),
             signed: !splat && scene.film.filter.is_signed(),
             splat,
             threads: wish.threads.unwrap_or(0),
@@ -205,9 +212,7 @@ impl Plan {
             return Err(Error::scene(Span::NONE, reason));
         }
         let filter_radius = scene.film.filter.radius();
-        check_size(&settings, &settings.extent(recording, filter_radius))?;
-        let integrator = integrator(wish.integrator.as_ref().unwrap_or(&scene.integrator), wish.max_depth);
-        Ok(Self {
+        let plan = Self {
             settings,
             first,
             end,
@@ -222,7 +227,23 @@ impl Plan {
             space: scene.color.space.space(),
             filter_radius,
             memory: wish.memory,
-        })
+        };
+        check_size(&plan)?;
+        Ok(plan)
+    }
+
+    /// What the film holds.
+    pub fn extent(&self) -> Extent {
+        let light_splats = self.integrator.splats();
+        Extent { light_splats, ..self.settings.extent(self.recording, self.filter_radius) }
+    }
+
+    /// The part of the picture that is rendered.
+    pub fn rendered(&self) -> Region {
+        match self.integrator.splats() {
+            true => Region::whole(self.settings.size),
+            false => self.settings.rendered(self.filter_radius),
+        }
     }
 }
 
@@ -289,7 +310,8 @@ fn recorded(channels: &desc::Channels) -> Result<Recording, Error> {
 }
 
 /// Whether the film of a picture or crop can be held.
-fn check_size(settings: &Settings, extent: &Extent) -> Result<(), Error> {
+fn check_size(plan: &Plan) -> Result<(), Error> {
+    let (settings, extent) = (&plan.settings, &plan.extent());
     let pixels = settings.crop.area();
     let usual = Film::bytes_a_pixel(&Extent { batches: true, layers: true, ..Extent::default() }) as u64;
     let bytes = Film::bytes(extent, settings.crop, settings.size);
@@ -301,6 +323,22 @@ fn check_size(settings: &Settings, extent: &Extent) -> Result<(), Error> {
         )));
     }
     Ok(())
+}
+
+/// What doesn't go together with light that is brought to the whole picture by paths that are no pixel's own.
+fn check_light_splats(noise: bool, splat: bool, denoise: bool, recording: Recording) -> Result<(), Error> {
+    let cannot = if noise {
+        "tell the noise of a pixel, since the light in it comes from paths that are no samples of it: --replicates 8 measures it"
+    } else if splat {
+        "splat its own samples by the filter as well: the light that it brings counts in every pixel that the filter reaches anyway"
+    } else if denoise {
+        "guide the denoiser: no ray comes from the camera, so that there are no layers of albedo and normals"
+    } else if recording.bands().is_some() {
+        "bring its light in bands of wavelengths, only as red, green and blue or X, Y and Z"
+    } else {
+        return Ok(());
+    };
+    Err(Error::Request(format!("an integrator that brings light to the whole picture can't {cannot}")))
 }
 
 /// Whether a film of such numbers can take the light of a scene.

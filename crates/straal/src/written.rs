@@ -67,6 +67,7 @@ fn apply(scene: &mut desc::Scene, wish: &Overrides) -> Result<(), Error> {
     }
     match (wish.max_depth, &mut scene.integrator) {
         (Some(depth), desc::Integrator::Path(path)) => path.max_depth = Depth::Edges(depth),
+        (Some(depth), desc::Integrator::Light(light)) => light.max_depth = Depth::Edges(depth),
         (Some(depth), desc::Integrator::Whitted(whitted)) => whitted.max_depth = depth,
         _ => {}
     }

@@ -31,6 +31,17 @@ macro_rules! cameras {
                 match self { $( Self::$Kind(c) => c.rays(at), )+ }
             }
 
+            /// Whether [`Camera::shows`] is of use: a pinhole, a thin lens, a camera at infinity.
+            pub fn can_show(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Kind as Sees>::SHOWS, )+ }
+            }
+
+            /// Where a thing is seen through a place on the lens that a point of the unit square says; `None` where it is behind the camera, and for
+            /// cameras that don't know.
+            pub fn shows(&self, what: Sought, lens: [f32; 2]) -> Option<Shown> {
+                match self { $( Self::$Kind(c) => c.shows(what, lens), )+ }
+            }
+
             /// How the ray changes from the pixel to its neighbours, moment and place on the lens staying the same;
             /// [`Footprint::NONE`] where nothing is seen.
             pub fn footprint(&self, at: &FilmPoint) -> Footprint {

@@ -10,6 +10,8 @@
 //!   light, and its guides are 0.
 //! - The place may be outside of the pixel, where a filter is wider than that. Where a picture is put together from several
 //!   (two eyes, six faces), the pixel says which of them it belongs to, so that none bleeds into another.
+//! - Some can be asked the other way round ([`Camera::shows`]): where on the film a point is seen through a place on the lens. It is the very
+//!   place whose ray goes through that point.
 //! - [`Camera::footprint`] is the ray's derivative by the place on the film: what a pixel sees, to first order.
 //! - It is a pure function of what it is given, of plain operations in a fixed order.
 //! - Rays are asked for one by one or many side by side ([`Camera::rays`]). The commonest kinds are written once for both; the
@@ -137,6 +139,29 @@ impl CameraRays<f32> {
     }
 }
 
+/// What a camera is asked for by [`Camera::shows`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sought {
+    /// A point of the world.
+    Point(Vec3),
+    /// What is infinitely far away in a direction, a unit vector.
+    Direction(Vec3),
+}
+
+/// Where a camera shows a thing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// Where the camera's ray to it starts.
+    pub o: Vec3,
+    /// Which way that goes: a unit vector.
+    pub d: Vec3,
+    /// On the whole picture in pixels, x to the right, y down; it may lie outside.
+    pub position: [f32; 2],
+    /// Pixels (the area of one is 1) that the film has for each square metre of a small surface at the point that faces the camera; for a direction,
+    /// for each steradian. That is what light that is sent from there has to be multiplied by: a camera's importance.
+    pub density: f32,
+}
+
 impl FilmPoint {
     /// A place within its pixel, seen through the middle of the lens when the shutter opens.
     pub fn at(position: [f32; 2]) -> Self {
@@ -199,6 +224,14 @@ trait Sees {
             #[inline(always)]
             |i| self.ray(&at.lane(i)),
         )
+    }
+
+    /// Whether it knows [`Self::shows`].
+    const SHOWS: bool = false;
+
+    /// See [`Camera::shows`].
+    fn shows(&self, _what: Sought, _lens: [f32; 2]) -> Option<Shown> {
+        None
     }
 
     /// See [`Camera::footprint`].

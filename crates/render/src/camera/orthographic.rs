@@ -1,6 +1,6 @@
 //! A camera at infinity.
 
-use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, View};
+use super::{Camera, CameraRays, Facts, FilmPoint, FilmPoints, Sees, Setup, Shown, Sought, View};
 use crate::footprint::Footprint;
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
@@ -40,6 +40,18 @@ impl Sees for Orthographic {
         let [x, y] = at.position;
         let o = Vec3::uniform(self.corner) + Vec3::uniform(self.dx) * x + Vec3::uniform(self.dy) * y;
         CameraRays { o, d: Vec3::uniform(self.forward), seen: Mask::splat(true) }
+    }
+
+    const SHOWS: bool = true;
+
+    /// Of what is infinitely far away it sees a single direction.
+    fn shows(&self, what: Sought, _: [f32; 2]) -> Option<Shown> {
+        let Sought::Point(p) = what else { return None };
+        let (way, [dx, dy]) = (p - self.corner, [self.dx, self.dy].map(Vec3::length_squared));
+        let position = [way.dot(self.dx) / dx, way.dot(self.dy) / dy];
+        let (depth, density) = (way.dot(self.forward), 1.0 / (dx * dy).sqrt());
+        let sound = depth > 0.0 && density.is_finite() && position.iter().all(|v| v.is_finite());
+        sound.then(|| Shown { o: p - self.forward * depth, d: self.forward, position, density })
     }
 
     fn footprint(&self, _: &FilmPoint) -> Footprint {

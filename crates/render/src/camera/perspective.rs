@@ -2,7 +2,8 @@
 
 use super::facts::degrees;
 use super::{
-    Camera, CameraRays, Facts, FilmPoint, FilmPoints, Iris, Sees, Setup, Stereo, ThinLens, View, turned,
+    Camera, CameraRays, Facts, FilmPoint, FilmPoints, Iris, Sees, Setup, Shown, Sought, Stereo, ThinLens,
+    View, turned,
 };
 use crate::footprint::Footprint;
 use straal_math::Vec3;
@@ -80,6 +81,29 @@ impl ViewPlane {
     }
 }
 
+impl ViewPlane {
+    /// See [`super::Camera::shows`]: through a lens at `o`, which lies `aside` of the middle over the distance of what is in focus.
+    pub fn shows(&self, what: Sought, o: Vec3, aside: Vec3) -> Option<Shown> {
+        let forward = self.dx.cross(self.dy).normalize();
+        let way = match what {
+            Sought::Point(p) => p - o,
+            Sought::Direction(d) => d,
+        };
+        let (depth, length) = (way.dot(forward), way.length());
+        let on_plane = way / depth + aside - self.corner;
+        let [dx, dy] = [self.dx, self.dy].map(Vec3::length_squared);
+        let cos = depth / length;
+        let of_direction = 1.0 / ((dx * dy).sqrt() * cos * cos * cos);
+        let density = match what {
+            Sought::Point(_) => of_direction / (length * length),
+            Sought::Direction(_) => of_direction,
+        };
+        let position = [on_plane.dot(self.dx) / dx, on_plane.dot(self.dy) / dy];
+        let sound = depth > 0.0 && density.is_finite() && position.iter().all(|v| v.is_finite());
+        sound.then(|| Shown { o, d: way / length, position, density })
+    }
+}
+
 impl Perspective {
     /// Sees a part of the view plane.
     pub fn new(view: &View, window: &Window) -> Self {
@@ -101,6 +125,12 @@ impl Sees for Perspective {
     fn rays<F: Float>(&self, at: &FilmPoints<F>) -> CameraRays<F> {
         let d = self.plane.direction(at.position).normalize();
         CameraRays { o: Vec3::uniform(self.eye), d, seen: Mask::splat(true) }
+    }
+
+    const SHOWS: bool = true;
+
+    fn shows(&self, what: Sought, _: [f32; 2]) -> Option<Shown> {
+        self.plane.shows(what, self.eye, Vec3::ZERO)
     }
 
     fn footprint(&self, at: &FilmPoint) -> Footprint {

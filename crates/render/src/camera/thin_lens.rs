@@ -4,7 +4,9 @@
 use super::Camera;
 use super::facts::degrees;
 use super::perspective::ViewPlane;
-use super::{CameraRays, Facts, FilmPoint, FilmPoints, Focus, Iris, Needs, Sees, View, Window, turned};
+use super::{
+    CameraRays, Facts, FilmPoint, FilmPoints, Focus, Iris, Needs, Sees, Shown, Sought, View, Window, turned,
+};
 use crate::footprint::Footprint;
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
@@ -59,6 +61,14 @@ impl Sees for ThinLens {
         let towards = self.plane.direction(at.position) * F::splat(self.focus) - place;
         let o = Vec3::uniform(self.middle) + place;
         CameraRays { o, d: towards.normalize(), seen: Mask::splat(true) }
+    }
+
+    const SHOWS: bool = true;
+
+    fn shows(&self, what: Sought, lens: [f32; 2]) -> Option<Shown> {
+        let [x, y] = self.iris.sample(lens);
+        let place = self.right * x + self.up * y;
+        self.plane.shows(what, self.middle + place, place / self.focus)
     }
 
     fn footprint(&self, at: &FilmPoint) -> Footprint {

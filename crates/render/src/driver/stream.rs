@@ -1,10 +1,27 @@
 //! The samples of a tile, one after the other.
 
 use crate::film::{FilmTile, Region, Sampled};
+use crate::settings::Settings;
 use std::ops::Range;
+use straal_math::lowdisc::{PatternKind, SampleName};
 
 /// Which sample of which pixel.
 pub(super) type Name = ([u32; 2], u32);
+
+/// The name of a path that starts at a light, of which a pass has as many as the picture has pixels: by its index among those of all passes, so that
+/// all of them are points of one pattern. Patterns that know the size of their set are one for each pixel.
+pub(super) fn light_path(settings: &Settings, pixel: [u32; 2], index: u32) -> SampleName {
+    match settings.pattern.kind() {
+        PatternKind::Sobol | PatternKind::Halton | PatternKind::Random => {
+            let [width, height] = settings.size.map(u64::from);
+            let in_pass = u64::from(pixel[1]) * width + u64::from(pixel[0]);
+            let all = u64::from(index) * width * height + in_pass;
+            // A place that no pixel has.
+            settings.pattern.name(settings.seed, [u32::MAX, (all >> 32) as u32], all as u32)
+        }
+        _ => settings.pattern.name(settings.seed, pixel, index),
+    }
+}
 
 /// The samples that a tile wants, pixel by pixel and row by row: neighbours' rays go the same way.
 pub(super) struct Stream {

@@ -8,7 +8,7 @@ use super::guides;
 use super::samples::{Pending, Samples};
 use super::sorting::{Ranks, Sorting};
 use super::starting::{self, Starting, Wanted};
-use super::stream::{Name, Stream};
+use super::stream::{self, Name, Stream};
 use crate::camera::Needs;
 use crate::film::channel::{FirstHit, Seen, see};
 use crate::film::{BandSample, FilmTile, Flying, LightSum, Sample, TILE};
@@ -219,7 +219,10 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         });
         let starting = &self.starting;
         for (i, &(pixel, index)) in self.names.iter().enumerate() {
-            let Some(name) = starting.names[i] else { continue };
+            let Some(mut name) = starting.names[i] else { continue };
+            if !from_camera {
+                name = stream::light_path(settings, pixel, index);
+            }
             let lanes = L::drawn(&world.tables, if L::DRAWN { starting.wavelength(i) } else { 0.0 });
             let at = || starting.film_point(i, pixel);
             let pending = Pending {
@@ -238,7 +241,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
             // Where nothing is seen there is no path, and the sample is black.
             let camera_ray = starting.ray(i);
-            let start = Start { world, pattern: settings.pattern, name, lanes, camera_ray, footprint };
+            let (size, pattern) = (settings.size, settings.pattern);
+            let start = Start { world, size, pattern, name, lanes, camera_ray, footprint };
             if let Some((ray, state)) = self.integrator.start(&start) {
                 self.rays.push(ray);
                 self.paths.push(Path { name, sample, state });
@@ -306,8 +310,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         }
         self.sorting.sort(world, &self.hits);
         for (kind, order) in self.sorting.queues() {
-            let (pattern, simd) = (self.settings.pattern, self.simd);
-            let queue = Queue { kind, pattern, simd, order, paths, rays, hits: &self.hits };
+            let (size, pattern, simd) = (self.settings.size, self.settings.pattern, self.simd);
+            let queue = Queue { kind, size, pattern, simd, order, paths, rays, hits: &self.hits };
             let mut out = Out {
                 sums: &mut self.samples.sums,
                 next: &mut self.next,

@@ -288,8 +288,9 @@ impl FilmTile {
             ends.note(self.first + p.count, &p.value);
         }
         p.count += 1;
-        let fits = { sample.rgb.iter() }.chain(bands.iter().map(|b| &b.value)).all(|v| v.abs() < MAX_VALUE);
-        if !fits {
+        let fits = |v: f32| v.abs() < MAX_VALUE;
+        let [red, green, blue] = sample.rgb.map(fits);
+        if !(red & green & blue) || !bands.iter().all(|b| fits(b.value)) {
             p.dropped += 1;
             let at = (pixel, index);
             let order = |(p, i): ([u32; 2], u32)| (p[1], p[0], i);
@@ -368,6 +369,8 @@ pub struct Extent {
     pub signed: bool,
     /// Whether blocks end by themselves.
     pub adapts: bool,
+    /// Whether light is brought by paths that are no pixel's own.
+    pub light_splats: bool,
 }
 
 /// Samples that a film refused.
@@ -541,6 +544,7 @@ impl Film {
             + channel::held(of.layers, of.cost).map(|(_, channel)| channel.bytes()).sum::<usize>()
             + held(of.batches && !of.adapts, Self::BATCH_BYTES)
             + held(of.adapts, size_of::<Halves>())
+            + held(of.light_splats, size_of::<[Fixed; 3]>())
             + held(of.signed, size_of::<Control>() + bands * size_of::<Fixed>())
             + bands * size_of::<Fixed>()
     }

@@ -21,6 +21,16 @@ macro_rules! integrators {
                 match self { $( Self::$Kind(_) => <$Type>::NAME, )+ }
             }
 
+            /// See [`Integrator::SPLATS`].
+            pub const fn splats(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Integrator>::SPLATS, )+ }
+            }
+
+            /// See [`Integrator::misfit`].
+            pub fn misfit(&self, world: &World) -> Option<String> {
+                match self { $( Self::$Kind(i) => i.misfit(world), )+ }
+            }
+
             /// See [`Integrator::limit_depth`].
             pub fn limit_depth(&mut self, edges: u32) {
                 match self { $( Self::$Kind(i) => i.limit_depth(edges), )+ }

@@ -11,6 +11,7 @@
 mod ambient_occlusion;
 mod direct;
 mod leaving;
+mod light_tracing;
 mod lighting;
 mod list;
 mod numbers;
@@ -26,6 +27,7 @@ mod whitted;
 
 pub use ambient_occlusion::{AmbientOcclusion, Falloff, Warp};
 pub use direct::DirectLight;
+pub use light_tracing::LightTracer;
 pub use out::{Contribution, Out, Target};
 pub use path::PathTracer;
 pub(crate) use path::Scratch;
@@ -49,6 +51,8 @@ list::integrators! {
     Direct(DirectLight),
     /// How much of an even sky is seen.
     Ao(AmbientOcclusion),
+    /// Rays from lamps.
+    Light(LightTracer),
     /// The textbook's recursive ray tracer.
     Whitted(Whitted),
     /// A function in place of light.
@@ -84,6 +88,11 @@ pub trait Integrator: Sync {
         Vec::new()
     }
 
+    /// Why it can't make a picture of a world, if so: a sentence without a full stop.
+    fn misfit(&self, _world: &World) -> Option<String> {
+        None
+    }
+
     /// Lets paths have at most so many edges, the camera's included, if that means anything to it.
     fn limit_depth(&mut self, _edges: u32) {}
 
@@ -111,6 +120,8 @@ pub enum Origin {
 pub struct Start<'a, L> {
     /// The scene.
     pub world: &'a World,
+    /// Width and height of the whole picture in pixels.
+    pub size: [u32; 2],
     /// Source of random numbers.
     pub pattern: Pattern,
     /// Names the random numbers of the path's first node.

@@ -25,6 +25,8 @@ pub enum Kind {
 pub struct Queue<'a, S> {
     /// What must be computed.
     pub kind: Kind,
+    /// Width and height of the whole picture in pixels.
+    pub size: [u32; 2],
     /// Source of random numbers.
     pub pattern: Pattern,
     /// By which instruction set many vertices are worked on at once.

@@ -9,6 +9,7 @@ use crate::surface::{Column, Surfaces};
 use straal_color::Light;
 use straal_math::Ray;
 use straal_math::simd::{Float, Kernel, Mask, Simd};
+use straal_scene::desc;
 
 /// By which chance roulette lets a path go on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +21,16 @@ pub enum Roulette {
     Throughput,
     /// It isn't played before a path has 1000 edges.
     Off,
+}
+
+impl Roulette {
+    pub(super) fn of(said: &desc::Roulette) -> Self {
+        match said {
+            desc::Roulette::Root => Self::Root,
+            desc::Roulette::Throughput => Self::Throughput,
+            desc::Roulette::Off => Self::Off,
+        }
+    }
 }
 
 /// Where paths go on.

@@ -33,11 +33,22 @@ impl<'w> Vertex<'w> {
         lanes: L,
         draw: impl Fn(Purpose) -> f32,
     ) -> Self {
-        let (mut surface, d) = if world.geometries[hit.geometry as usize].colours_at_corners {
+        let (surface, d) = if world.geometries[hit.geometry as usize].colours_at_corners {
             world.surface_at_corner(ray, hit, footprint, draw(Purpose::Corner))
         } else {
             (world.surface(ray, hit, footprint), ray.d)
         };
+        Self::on(world, surface, d, lanes, draw)
+    }
+
+    /// On a surface that a ray met which goes in the direction `d`.
+    pub fn on<L: Lanes>(
+        world: &'w World,
+        mut surface: Surface,
+        d: Vec3,
+        lanes: L,
+        draw: impl Fn(Purpose) -> f32,
+    ) -> Self {
         let wo = surface.frame.to_local(-d);
         if world.materials.choose() {
             let u = draw(Purpose::Material);

@@ -4,12 +4,12 @@ use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, Readings, ShadingPoint, Value, own_normal};
 use straal_color::Light;
 use straal_math::simd::{Float, Mask};
-use straal_math::{Transform, Vec3, ops, table::Table1};
+use straal_math::{Frame, Transform, Vec3, ops, table::Table1, warp};
 
 use super::reach::Lamp;
-use super::{Extent, LightSample, Reach, Receiver, Shine, strength};
+use super::{Ball, Emitted, Extent, LightSample, Reach, Receiver, Shine, Shows, strength};
 use crate::material::Material;
-use crate::shape::{DirSamples, Geometry, Shape, SurfacePoint, by_solid_angle, solid_angle_pdf};
+use crate::shape::{AreaSample, DirSamples, Geometry, Shape, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
 /// A surface that sends the same radiance in every direction on its lit side, or less towards its horizon.
 #[derive(Clone, Debug)]
@@ -302,6 +302,46 @@ impl Shine for AreaLight {
                 solid_angle_pdf(p, hit, (1.0 / area) as f32 * chosen)
             }
         }
+    }
+
+    fn emit<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        _: &Ball,
+        u: [f32; 4],
+        reading: &Reading<'_, L>,
+    ) -> Option<Emitted> {
+        let AreaSample { point, pdf_area } = match &self.surface {
+            LitSurface::Shape(shape) => geometry.sample_area(*shape, [u[0], u[1]])?,
+            LitSurface::Mesh { mesh, triangles, .. } => {
+                let choice = triangles.as_ref()?.sample(u[0]);
+                let mesh = &geometry.meshes[*mesh as usize];
+                let mut s = mesh.sample_triangle(choice.index as u32, [choice.rest, u[1]]);
+                s.pdf_area *= choice.pmf;
+                s
+            }
+        };
+        let v = u[3];
+        let (side, of_side, u) = match self.sides {
+            Sides::Front => (point.ng, 1.0, u[2]),
+            Sides::Back => (-point.ng, 1.0, u[2]),
+            Sides::Both if u[2] < 0.5 => (point.ng, 0.5, 2.0 * u[2]),
+            Sides::Both => (-point.ng, 0.5, 2.0 * u[2] - 1.0),
+        };
+        let local = warp::cosine_hemisphere([u, v]);
+        let d = Frame::from_normal(side).to_world(local).try_normalize()?;
+        let opacity =
+            self.opacity.as_ref().map_or(1.0, |o| ops::clamp(reading.eval(o, &self.at(&point)), 0.0, 1.0));
+        let sound = pdf_area > 0.0 && pdf_area.is_finite() && local.z > 0.0 && opacity > 0.0;
+        sound.then(|| Emitted {
+            from: (&point).into(),
+            d,
+            light: self.radiance_at(&point, d, reading) * opacity,
+            cos: local.z,
+            pdf_place: pdf_area,
+            pdf_direction: warp::cosine_hemisphere_pdf(local.z) * of_side,
+            shows: Shows::Surface { point, opacity },
+        })
     }
 
     /// pi A L for each lit side, and of that what gets through.

@@ -31,6 +31,18 @@ macro_rules! emitters {
                 match self { $( Self::$Kind(l) => Shine::sample(l, geometry, (at, u), reading), )+ }
             }
 
+            /// A ray that leaves it, into a scene that the ball holds; `u` uniform in the unit cube of four dimensions. `None` where nothing
+            /// comes of it.
+            pub fn emit<L: Lanes>(
+                &self,
+                geometry: &Geometry,
+                ball: &Ball,
+                u: [f32; 4],
+                reading: &Reading<'_, L>,
+            ) -> Option<Emitted> {
+                match self { $( Self::$Kind(l) => Shine::emit(l, geometry, ball, u, reading), )+ }
+            }
+
             /// [`Emitter::sample`] for many places side by side.
             #[inline(always)]
             pub(crate) fn sample_many<F: Float, L: Lanes>(
@@ -121,6 +133,17 @@ macro_rules! emitters {
             /// Whether the light has no extent, so that only sampling finds it.
             pub fn is_delta(&self) -> bool {
                 match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::None, )+ }
+            }
+
+            /// Whether its light comes from infinitely far away: neither from a surface nor from a point.
+            pub fn is_from_afar(&self) -> bool {
+                match self {
+                    $( Self::$Kind(l) => match <$Type as Shine>::EXTENT {
+                        Extent::Around | Extent::Disc => true,
+                        Extent::None => l.starts_at().is_none(),
+                        Extent::Surface | Extent::Nowhere => false,
+                    }, )+
+                }
             }
 
             /// An estimate of the power in W that the light sends into a scene of the given radius, by its strongest

@@ -11,6 +11,9 @@
 //!   [`Emitter::radiance_from`] and [`Emitter::pdf_from`]. The pdf is that with which `sample` at the
 //!   same reference point would have found the same direction, and 0 where it never would.
 //!
+//! It also sends rays ([`Emitter::emit`]): a place and a direction, each with its density, so that the light that goes that way over both densities
+//! is a sample of its power. What a camera sees of the very lamp is told beside it.
+//!
 //! To add one: its file, which implements `Shine` and gives examples to be tested; its line in the list below; its keys in the
 //! description. Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
 //! and mesh ids are those of its [`Geometry`].
@@ -19,7 +22,7 @@ use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, Readings, Value};
 use straal_color::Light;
 use straal_math::simd::{Float, Mask};
-use straal_math::{DVec3, Ray, Vec3};
+use straal_math::{DVec3, Ray, Vec3, warp};
 use straal_scene::desc;
 
 use crate::paint::Paint;
@@ -32,7 +35,9 @@ mod cells;
 pub(crate) mod cube;
 pub mod directional;
 pub mod disc;
+mod emission;
 pub mod environment;
+mod equal_area;
 mod facing;
 pub mod goniometric;
 mod list;
@@ -48,6 +53,7 @@ pub use ambient::AmbientLight;
 pub use area::{AreaLight, LitSurface, Sides};
 pub use directional::DirectionalLight;
 pub use disc::SunDisc;
+pub use emission::{Ball, Emitted, Shows};
 pub use environment::{ConstantEnvironment, ImageEnvironment};
 pub use goniometric::Goniometric;
 pub use point::PointLight;
@@ -171,6 +177,36 @@ trait Shine {
     #[inline]
     fn pdf_from(&self, _at: &Receiver, _wi: Vec3) -> f32 {
         0.0
+    }
+
+    /// Where all of its light starts from, of a light without extent that isn't infinitely far away.
+    fn starts_at(&self) -> Option<Vec3> {
+        None
+    }
+
+    /// A direction of its light, of one that has a [`Self::starts_at`], and its density by solid angle: all around, unless it says otherwise.
+    fn starts_towards(&self, u: [f32; 2]) -> (Vec3, f32) {
+        (warp::uniform_sphere(u), warp::uniform_sphere_pdf())
+    }
+
+    /// See [`Emitter::emit`]: of lights without extent, and from afar, by what [`Self::sample`] finds.
+    fn emit<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        ball: &Ball,
+        u: [f32; 4],
+        reading: &Reading<'_, L>,
+    ) -> Option<Emitted> {
+        match self.starts_at() {
+            Some(place) => emission::from_point(place, self.starts_towards([u[2], u[3]]), |from| {
+                self.sample(geometry, (from, [u[0], u[1]]), reading)
+            }),
+            None => {
+                let sample =
+                    self.sample(geometry, (&Receiver::anywhere(ball.center), [u[0], u[1]]), reading)?;
+                emission::from_afar(&sample, ball, [u[2], u[3]])
+            }
+        }
     }
 
     /// See [`Emitter::power`]; `disc` is the area of the scene's, which light from afar falls on.

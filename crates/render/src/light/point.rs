@@ -55,6 +55,10 @@ impl Shine for PointLight {
         )
     }
 
+    fn starts_at(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
     /// Of one that doesn't fall, what it would send out if it did.
     fn power(&self, _: &Geometry, _: f64) -> f64 {
         4.0 * std::f64::consts::PI * strength(&self.intensity)

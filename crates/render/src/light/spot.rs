@@ -167,6 +167,15 @@ impl Shine for SpotLight {
         )
     }
 
+    fn starts_at(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
+    fn starts_towards(&self, u: [f32; 2]) -> (Vec3, f32) {
+        let spread = ops::max(1.0 - self.cos_cutoff, f32::MIN_POSITIVE);
+        (self.direction(u), warp::uniform_cone_pdf(spread))
+    }
+
     /// The full beam, and half of what is between it and the cutoff; of that what a mask lets through.
     fn power(&self, _: &Geometry, _: f64) -> f64 {
         let cosines = 0.5 * (f64::from(self.cos_beam) + f64::from(self.cos_cutoff));

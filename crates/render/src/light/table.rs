@@ -21,6 +21,8 @@ const FEW: usize = 16;
 #[derive(Clone, Debug)]
 pub struct LightTable {
     way: Way,
+    /// By power, for rays that leave lights.
+    by_power: Option<Table1>,
 }
 
 #[derive(Clone, Debug)]
@@ -81,13 +83,22 @@ impl LightTable {
             }
             _ => Self::by_power(&powers, shining.len()),
         };
-        Self { way }
+        // Relative to the strongest, so that single precision holds them.
+        let most = powers.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+        let relative: Vec<f32> = powers.iter().map(|&w| (w / most) as f32).collect();
+        Self { way, by_power: Table1::new(&relative) }
     }
 
     fn by_power(powers: &[f64], shining: usize) -> Way {
         let total: f64 = powers.iter().sum();
         let weight = |w: &f64| if *w > 0.0 { (0.5 / shining as f64 + 0.5 * (w / total)) as f32 } else { 0.0 };
         Table1::new(&powers.iter().map(weight).collect::<Vec<_>>()).map_or(Way::Nothing, Way::Many)
+    }
+
+    /// Picks the light that a ray is to leave, by power; `None` when nothing shines.
+    pub fn pick_by_power(&self, u: f32) -> Option<Pick> {
+        let choice = self.by_power.as_ref()?.sample(u);
+        Some(Pick { index: choice.index as u32, pmf: choice.pmf, rest: choice.rest })
     }
 
     /// Picks for a point by `u` in [0, 1); `None` when nothing shines on it.

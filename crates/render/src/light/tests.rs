@@ -12,6 +12,7 @@ use crate::shape::{Disc, Parallelogram, Shape, Sphere, TriangleMesh};
 use crate::testing::in_rgb;
 
 mod density;
+mod emitted;
 mod side_by_side;
 mod textured;
 

@@ -74,8 +74,9 @@ pub(super) const KINDS: &[Table] = &[
             ("volpath volpathmis volumepath", MEDIA),
             ("directlighting directlight directillumination simplepath", Called("direct")),
             ("ray raytracing raytracer recursive", Called("whitted")),
+            ("lightpath lighttracer lighttracing ptracer particletracer", Called("light")),
             (
-                "bdpt bidir bidirectional bidircpu mlt pssmlt sppm photonmapper photonmap photon vcm lightpath lighttracer ptracer particletracer metropolis radiosity",
+                "bdpt bidir bidirectional bidircpu mlt pssmlt sppm photonmapper photonmap photon vcm metropolis radiosity",
                 NotYet("ways of computing light other than path tracing"),
             ),
             ("ambientocclusion occlusion ambientocclusionintegrator", Called("ao")),

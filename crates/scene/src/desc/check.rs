@@ -8,12 +8,14 @@ use straal_color::spectrum::{self, Fault, TabulatedSpectrum};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    AmbientOcclusion, Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid,
-    Cylinder, Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film,
-    Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian, Goniometric, Index, Interior, Lens, LensProfile,
-    Measured, Observer, OcclusionFalloff, Orthographic, Panorama, Perspective, Plane, Portal, Principled,
-    Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, SpotLight, Texture,
-    Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
+    AmbientOcclusion, Annulus, Bezier, Bilinear, Blend, BoxDistance, CameraAt, CameraMapping, Capsule,
+    CoatedConductor, ColorIn, Combination, Conductor, Cone, CubeMap, Cuboid, CurveBasis, CurveForm, Curves,
+    Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
+    Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
+    Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
+    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Portal,
+    Principled, Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere,
+    SpotLight, Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -663,7 +665,11 @@ fn flat(a: DVec3, b: DVec3) -> bool {
 }
 
 pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
-    for (axis, (a, b)) in ["x", "y", "z"].iter().zip(s.min.to_array().into_iter().zip(s.max.to_array())) {
+    grows(s.min, s.max, keys, d);
+}
+
+fn grows(min: DVec3, max: DVec3, keys: &Keys<'_>, d: &mut Decoder) {
+    for (axis, (a, b)) in ["x", "y", "z"].iter().zip(min.to_array().into_iter().zip(max.to_array())) {
         if a >= b {
             let message =
                 format!("`max` must be greater than `min` on every axis: in {axis}, {b} is not above {a}");
@@ -673,11 +679,295 @@ pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 pub(super) fn cylinder(s: &Cylinder, keys: &Keys<'_>, d: &mut Decoder) {
-    if s.from == s.to {
-        d.push(Diagnostic::error(
-            keys.span("to"),
-            "`from` and `to` are the same point: the cylinder has no length",
-        ));
+    length("cylinder", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+    whole_when_closed(s.caps, s.phi, keys, d);
+}
+
+pub(super) fn sphere(s: &Sphere, keys: &Keys<'_>, d: &mut Decoder) {
+    turn("phi", s.phi, keys, d);
+    if let Some([from, to]) = s.heights {
+        let message = if from >= to {
+            format!("`heights` must grow: {from} is not below {to}")
+        } else if to <= -s.radius || from >= s.radius {
+            format!("`heights` leave nothing of a sphere of radius {}", s.radius)
+        } else {
+            return;
+        };
+        d.push(Diagnostic::error(keys.span("heights"), message));
+    }
+}
+
+pub(super) fn cone(s: &Cone, keys: &Keys<'_>, d: &mut Decoder) {
+    length("cone", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+    whole_when_closed(s.caps, s.phi, keys, d);
+}
+
+pub(super) fn annulus(s: &Annulus, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.normal, "normal", keys, d);
+    turn("phi", s.phi, keys, d);
+    if s.inner_radius >= s.radius {
+        let message = format!("`inner_radius` of {} is not below `radius` of {}", s.inner_radius, s.radius);
+        d.push(Diagnostic::error(keys.span("inner_radius"), message));
+    }
+}
+
+pub(super) fn torus(s: &Torus, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.axis, "axis", keys, d);
+    turn("phi", s.phi, keys, d);
+    turn("theta", s.theta, keys, d);
+    if s.tube_radius >= s.radius {
+        let message = format!("`tube_radius` of {} is not below `radius` of {}", s.tube_radius, s.radius);
+        let complaint = Diagnostic::error(keys.span("tube_radius"), message);
+        d.push(complaint.help("the tube would meet itself in the middle"));
+    }
+}
+
+pub(super) fn paraboloid(s: &Paraboloid, keys: &Keys<'_>, d: &mut Decoder) {
+    length("paraboloid", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+}
+
+pub(super) fn hyperboloid(s: &Hyperboloid, keys: &Keys<'_>, d: &mut Decoder) {
+    turn("phi", s.phi, keys, d);
+    let [a, b] = s.line;
+    let outward = |p: DVec3| DVec3::new(p.x, 0.0, p.z);
+    // Along a circle about the axis, or through the axis from one side to the other.
+    let area = (b - a).length() * (outward(a).length() + outward(b).length());
+    if area <= 0.0 || (a.y == b.y && outward(a).length() == outward(b).length()) {
+        let message = "this line sweeps no surface: its ends are one point, or both lie on the axis, or on one circle about it";
+        d.push(Diagnostic::error(keys.span("line"), message));
+    }
+}
+
+pub(super) fn capsule(s: &Capsule, keys: &Keys<'_>, d: &mut Decoder) {
+    length("capsule", s.from, s.to, keys, d);
+    let (a, b) = (s.radius, s.end_radius.unwrap_or(s.radius));
+    if (a - b).abs() >= (s.to - s.from).length() && s.from != s.to {
+        let complaint =
+            Diagnostic::error(keys.key_span("end_radius"), "the larger ball holds the smaller one");
+        d.push(complaint.help("write a `sphere`, or move `from` and `to` further apart"));
+    }
+}
+
+pub(super) fn bilinear(s: &Bilinear, keys: &Keys<'_>, d: &mut Decoder) {
+    let [a, b, c, e] = s.corners;
+    if flat(b - a, c - a) && flat(b - e, c - e) {
+        let message = "this patch has no area: its corners are on one line";
+        d.push(Diagnostic::error(keys.span("corners"), message));
+    }
+}
+
+pub(super) fn height_field(s: &HeightField, keys: &Keys<'_>, d: &mut Decoder) {
+    let inline = !s.heights.is_empty();
+    if !one_of("height_field", ("file", s.file.is_some()), ("heights", inline), keys, d) || !inline {
+        return;
+    }
+    let width = s.heights.first().map_or(0, Vec::len);
+    if s.heights.len() < 2 || width < 2 {
+        let message = "`heights` needs two rows of two numbers at least";
+        d.push(Diagnostic::error(keys.span("heights"), message));
+    } else if let Some((i, row)) = s.heights.iter().enumerate().find(|(_, row)| row.len() != width) {
+        let message = format!("row {i} of `heights` has {} numbers, and the first has {width}", row.len());
+        d.push(Diagnostic::error(keys.span("heights"), message).help("all rows are equally long"));
+    }
+}
+
+pub(super) fn curves(s: &Curves, keys: &Keys<'_>, d: &mut Decoder) {
+    let [first, further] = s.basis.points();
+    let ends = s.starts.iter().skip(1).copied().chain([s.points.len() as u32]);
+    let grows = s.starts.first().is_none_or(|s| *s == 0) && s.starts.iter().zip(ends).all(|(a, b)| *a < b);
+    if !grows {
+        let message = "`starts` must begin with 0 and grow, each less than the number of `points`";
+        d.push(Diagnostic::error(keys.key_span("starts"), message));
+        return;
+    }
+    for (i, run) in s.runs().enumerate() {
+        if s.pieces(run.len()).is_none() {
+            let message = format!(
+                "curve {i} has {} points: `{}` takes {first}, and {further} for each further piece",
+                run.len(),
+                s.basis.kind()
+            );
+            d.push(Diagnostic::error(keys.key_span("points"), message));
+            return;
+        }
+    }
+    if !(matches!(s.radii.len(), 1 | 2) || s.radii.len() == s.points.len()) {
+        let message = format!("`radii` lists {} for the {} of `points`", s.radii.len(), s.points.len());
+        let help = "it has one number for all, two for the ends of each curve, or one for each point";
+        d.push(Diagnostic::error(keys.span("radii"), message).help(help));
+    } else if s.radii.iter().all(|r| *r == 0.0) {
+        d.push(Diagnostic::error(keys.span("radii"), "these curves have no thickness"));
+    }
+    let wanted: usize = s.runs().filter_map(|run| Some(s.pieces(run.len())? + 1)).sum();
+    match s.form {
+        CurveForm::Ribbon if s.basis == CurveBasis::Linear => {
+            let message = "a ribbon along straight pieces is folded at each point";
+            d.push(Diagnostic::error(keys.key_span("form"), message).help("give it `basis: bezier`"));
+        }
+        CurveForm::Ribbon if s.normals.len() != wanted => {
+            let message = format!("`ribbon` needs {wanted} `normals`, found {}", s.normals.len());
+            let help = "one for the beginning of each curve, and one for the end of each piece";
+            d.push(Diagnostic::error(keys.key_span("form"), message).help(help));
+        }
+        CurveForm::Ribbon if s.normals.contains(&DVec3::ZERO) => {
+            let message = "one of `normals` has no direction: all three numbers are 0";
+            d.push(Diagnostic::error(keys.span("normals"), message));
+        }
+        CurveForm::Round | CurveForm::Flat if !s.normals.is_empty() => {
+            let message = "`normals` mean something for `form: ribbon` only";
+            d.push(Diagnostic::error(keys.key_span("normals"), message));
+        }
+        _ => {}
+    }
+}
+
+pub(super) fn combination(s: &Combination, keys: &Keys<'_>, d: &mut Decoder) {
+    dark(&s.surface, "a combination of solids", keys, d);
+    if s.of.is_empty() {
+        d.push(Diagnostic::error(keys.span("of"), "there is nothing to combine"));
+    }
+    for node in &s.of {
+        closed(node, keys, d);
+    }
+}
+
+/// Complains of what glows and can't.
+fn dark(surface: &Surface, what: &str, keys: &Keys<'_>, d: &mut Decoder) {
+    if surface.emission.is_some() {
+        let message = format!("{what} cannot glow");
+        d.push(Diagnostic::error(keys.key_span("emission"), message));
+    }
+}
+
+/// Complains of what isn't a solid.
+fn closed(node: &Node, keys: &Keys<'_>, d: &mut Decoder) {
+    let is_whole = |[from, to]: [f64; 2]| to - from >= 360.0;
+    let open = match node {
+        Node::Sphere(s) if s.heights.is_some() || !is_whole(s.phi) => "a part of a sphere is open",
+        Node::Cylinder(s) if !s.caps => "a cylinder without `caps: true` is open",
+        Node::Cone(s) if !s.caps => "a cone without `caps: true` is open",
+        Node::Torus(s) if !is_whole(s.phi) || !is_whole(s.theta) => "a part of a torus is open",
+        Node::Instance(_) => "an instance stands by itself: write the solid here",
+        Node::Sphere(_)
+        | Node::Cylinder(_)
+        | Node::Cone(_)
+        | Node::Torus(_)
+        | Node::Capsule(_)
+        | Node::Box(_)
+        | Node::Mesh(_)
+        | Node::DistanceField(_)
+        | Node::Union(_)
+        | Node::Intersection(_)
+        | Node::Difference(_) => "",
+        Node::Group(g) => return g.children.iter().for_each(|child| closed(child, keys, d)),
+        _ => "",
+    };
+    let is_solid = matches!(
+        node,
+        Node::Sphere(_)
+            | Node::Cylinder(_)
+            | Node::Cone(_)
+            | Node::Torus(_)
+            | Node::Capsule(_)
+            | Node::Box(_)
+            | Node::Mesh(_)
+            | Node::DistanceField(_)
+            | Node::Union(_)
+            | Node::Intersection(_)
+            | Node::Difference(_)
+            | Node::Instance(_)
+    );
+    let message = match open {
+        "" if is_solid => {
+            if let Some(surface) = node.surface() {
+                dark(surface, "a part of a combination of solids", keys, d);
+            }
+            return;
+        }
+        "" => format!("a `{}` is not a solid: it has no inside", node.kind()),
+        open => open.to_owned(),
+    };
+    d.push(Diagnostic::error(keys.span("of"), message).help("what is combined must be closed"));
+}
+
+pub(super) fn distance_field(s: &DistanceField, keys: &Keys<'_>, d: &mut Decoder) {
+    dark(&s.surface, "a distance field", keys, d);
+}
+
+pub(super) fn box_distance(s: &BoxDistance, keys: &Keys<'_>, d: &mut Decoder) {
+    grows(s.min, s.max, keys, d);
+}
+
+pub(super) fn cylinder_distance(s: &CylinderDistance, keys: &Keys<'_>, d: &mut Decoder) {
+    length("cylinder", s.from, s.to, keys, d);
+}
+
+pub(super) fn blend(s: &Blend, keys: &Keys<'_>, d: &mut Decoder) {
+    if s.of.is_empty() {
+        d.push(Diagnostic::error(keys.span("of"), "there is nothing to combine"));
+    }
+}
+
+pub(super) fn moved(s: &Moved, keys: &Keys<'_>, d: &mut Decoder) {
+    if s.transform.affine().is_some_and(|m| even_scale(&m).is_none()) {
+        let message = "a distance can be moved, turned, mirrored and scaled evenly, not stretched or sheared";
+        let complaint = Diagnostic::error(keys.span("transform"), message);
+        d.push(complaint.help("stretch the whole `distance_field` by its own `transform`"));
+    }
+}
+
+/// By how much a map that keeps angles scales.
+pub fn even_scale(m: &Affine) -> Option<f64> {
+    let column = |j: usize| DVec3::new(m.rows[0][j], m.rows[1][j], m.rows[2][j]);
+    let (a, b, c) = (column(0), column(1), column(2));
+    let scale = a.length();
+    let near = |x: f64| x.abs() < 1e-9 * scale * scale;
+    let even = near(a.dot(b))
+        && near(b.dot(c))
+        && near(c.dot(a))
+        && near(b.length_squared() - scale * scale)
+        && near(c.length_squared() - scale * scale);
+    even.then_some(scale)
+}
+
+pub(super) fn grid_distance(s: &GridDistance, keys: &Keys<'_>, d: &mut Decoder) {
+    grows(s.min, s.max, keys, d);
+    let wanted: u64 = s.size.iter().map(|n| u64::from(*n)).product();
+    if s.values.len() as u64 != wanted {
+        let [x, y, z] = s.size;
+        let message = format!("`values` lists {} for {x} x {y} x {z} points", s.values.len());
+        d.push(Diagnostic::error(keys.key_span("values"), message));
+    }
+}
+
+fn length(what: &str, from: DVec3, to: DVec3, keys: &Keys<'_>, d: &mut Decoder) {
+    if from == to {
+        let message = format!("`from` and `to` are the same point: the {what} has no length");
+        d.push(Diagnostic::error(keys.span("to"), message));
+    }
+}
+
+/// A part of a turn must be one.
+fn turn(key: &str, [from, to]: [f64; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    let message = if from >= to {
+        format!("`{key}` must grow: {from} is not below {to}")
+    } else if to - from > 360.0 {
+        format!("`{key}` spans {} degrees, more than 360", to - from)
+    } else {
+        return;
+    };
+    d.push(Diagnostic::error(keys.span(key), message).help("it is `[from, to]` in degrees"));
+}
+
+fn whole_when_closed(caps: bool, [from, to]: [f64; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    if caps && to - from < 360.0 {
+        let message = "`caps` close a whole turn only, and `phi` leaves some of it out";
+        d.push(
+            Diagnostic::error(keys.key_span("caps"), message).help("its ends can be written as `annulus`"),
+        );
     }
 }
 

@@ -215,6 +215,8 @@ describe! {
         "direct" => Direct(DirectLight),
         /// Ambient occlusion: of each point the share of an even sky that it sees, whatever lights and materials there are.
         "ao" => Ao(AmbientOcclusion),
+        /// Rays from lamps, whose light is brought to the camera from wherever they arrive: for bright spots by way of glass and mirrors.
+        "light" => Light(LightTracer),
         /// The textbook's recursive ray tracer: light straight from lamps, hard shadows, perfect mirrors and glass; no noise at one sample a pixel.
         "whitted" => Whitted(Whitted),
         /// No light but a test of aliasing: (1 + sin(x²y²))/2 of the point where a ray meets the plane z = 0.
@@ -251,6 +253,18 @@ describe! {
         roulette: Roulette = Roulette::Root,
         /// How the light that falls on a point is found: `bsdf` is naive path tracing, `lights` has next-event estimation, `mis` both.
         technique: Technique = Technique::Mis,
+    }
+}
+
+describe! {
+    /// A tracer of rays from lamps.
+    pub struct LightTracer {
+        /// Most edges a path may have, the camera's included: 1 sees emitters, 2 is direct light; or `unlimited`.
+        max_depth: Depth = Depth::Unlimited,
+        /// Number of edges after which Russian roulette may end a path.
+        roulette_depth: u32 = 5,
+        /// By which chance roulette lets a path go on.
+        roulette: Roulette = Roulette::Root,
     }
 }
 

@@ -74,8 +74,8 @@ impl Forecast {
         let large = contents.surroundings.iter().filter(|pixels| **pixels > 500).count() as u64;
         let largest = contents.surroundings.iter().copied().max().unwrap_or(0);
         let textures = textures_of(loaded);
-        let extent = plan.settings.extent(plan.recording, plan.filter_radius);
-        let region = plan.settings.rendered(plan.filter_radius);
+        let extent = plan.extent();
+        let region = plan.rendered();
         let crop = plan.settings.crop.area() as u64;
         let each = Film::layer_bytes_a_pixel(&extent, [plan.settings.error, true]) as u64;
         let threads = if plan.settings.threads == 0 {

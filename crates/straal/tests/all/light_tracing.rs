@@ -1,25 +1,19 @@
-//! A light tracer, to prove the doors of an integrator: paths that start at a light, and light for any place of the film.
+//! Light tracing: paths that start at lights, and light for any place of the film.
 
 use std::path::Path;
-use straal::{Job, LoadOptions, Overrides};
+use straal::{Control, Error, Job, LoadOptions, Overrides, Recording};
 use straal_accel::Isa;
-use straal_color::Light;
-use straal_math::lowdisc::Purpose;
-use straal_math::{Ray, Vec3, warp};
 use straal_render::driver::{Render, RenderError};
-use straal_render::film::{Layers, hash_of};
-use straal_render::footprint::PackedFootprint;
-use straal_render::integrator::{Contribution, Integrator, Origin, Out, PathTracer, Queue, Start};
-use straal_render::lanes::Lanes;
-use straal_render::material::{Shaded, Transport};
+use straal_render::film::hash_of;
+use straal_render::integrator::{AnyIntegrator, LightTracer};
 use straal_render::settings::Settings;
-use straal_render::shape::offset::{End, ray_between};
-use straal_render::world::World;
+use straal_scene::desc::Denoise;
 
-/// A point light of one intensity above a ball and a table with a wall, seen through a pinhole at the origin that looks along -z.
-const SCENE: &str = "\
+const SIZE: [u32; 2] = [48, 32];
+
+/// A point light above a ball and a table with a wall.
+const POINT: &str = "\
 camera: { perspective: { eye: [0, 0, 0], look_at: [0, 0, -1], fov: 60 } }
-film: { size: [48, 32] }
 world:
   - rectangle: { corner: [-4, -1, 1], edges: [[8, 0, 0], [0, 0, -8]], material: { diffuse: { reflectance: [0.7, 0.6, 0.5] } } }
   - rectangle: { corner: [-4, -1, -6], edges: [[8, 0, 0], [0, 6, 0]], material: { diffuse: { reflectance: [0.3, 0.5, 0.7] } } }
@@ -27,77 +21,55 @@ world:
 lights:
   - point: { position: [1, 2.5, -2], intensity: [9, 7, 5] }
 ";
-const LIGHT: Vec3 = Vec3::new(1.0, 2.5, -2.0);
-const SIZE: [u32; 2] = [48, 32];
 
-/// Direct and indirect light up to some number of edges, by paths from the light.
-struct LightTracer {
-    max_depth: u32,
-    focal_pixels: f32,
+/// Lamps with an area, of either side and with a picture of their own, through a lens: gloss, a smooth mesh of few triangles, light that goes
+/// through, and a mixture.
+const AREA: &str = "\
+camera: { perspective: { eye: [0, 0.4, 0.5], look_at: [0, -0.2, -3], fov: 50, lens: { radius: 0.1, focus_distance: 3 } } }
+film: { filter: tent }
+materials:
+  gold: { conductor: { metal: gold, roughness: 0.5 } }
+  clay: { diffuse: { reflectance: [0.7, 0.5, 0.4] } }
+world:
+  - rectangle: { corner: [-3, -1, 0], edges: [[6, 0, 0], [0, 0, -6]], material: { mix: { first: clay, second: gold, amount: 0.4 } } }
+  - rectangle: { corner: [0.5, -0.6, -2.5], edges: [[1, 0, 0.4], [0, 1, 0]], material: { diffuse_transmission: { reflectance: 0.2, transmittance: 0.6 } } }
+  - bezier: { builtin: teapot, resolution: 2, material: { plastic: {} }, transform: [{ scale: 0.3 }, { translate: [-0.5, -1, -2.6] }] }
+  - sphere: { center: [-1.2, 1, -3.5], radius: 0.3, emission: [16, 12, 8] }
+  - rectangle: { corner: [1, -0.9, -3.5], edges: [[0.4, 0, 0], [0, 0.9, 0]], two_sided: true, emission: { checker: { even: 6, odd: 1, size: 0.25 } } }
+";
+
+/// Light from afar and in a cone, by parallel rays; a boundary that absorbs, and light through rough glass.
+const AFAR: &str = "\
+camera: { orthographic: { eye: [1, 2, 3], look_at: [0, 0, 0], width: 4 } }
+world:
+  - rectangle: { corner: [-2, 0, 2], edges: [[4, 0, 0], [0, 0, -4]], material: { diffuse: { reflectance: 0.6 } } }
+  - sphere: { center: [-0.7, 0.7, 0], radius: 0.5, material: { dielectric: { eta: 1.5, roughness: 0.4 } } }
+  - box: { min: [0.3, 0, -0.5], max: [0.9, 0.8, 0.2], material: { phong: { reflectance: 0.4, specular: 0.4, exponent: 8 } } }
+lights:
+  - directional: { direction: [-1, -2, -1], irradiance: [2, 1.5, 1] }
+  - environment: { radiance: [0.3, 0.4, 0.6] }
+  - spot: { position: [1.5, 2, 1], look_at: [0, 0, 0], intensity: 3, cutoff: 30 }
+";
+
+fn job_of(scene: &str, integrator: &str, wish: Overrides) -> Job {
+    let text = format!("{scene}integrator: {integrator}\n");
+    let loaded = straal::load_str("test.yaml", &text, Path::new(""), &LoadOptions::default());
+    Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), Overrides { size: Some(SIZE), ..wish })
+        .expect("a world")
 }
 
-impl Integrator for LightTracer {
-    type State<L: Lanes> = (Light, u32);
-    const ORIGIN: Origin = Origin::Light;
-    const SPLATS: bool = true;
-
-    fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, (Light, u32))> {
-        let d = warp::uniform_sphere(start.pattern.d2(&start.name, Purpose::Custom));
-        let intensity = start.lanes.radiance_of_rgb(&start.world.tables, Light::rgb([9.0, 7.0, 5.0]));
-        let share = 4.0 * std::f32::consts::PI / (SIZE[0] * SIZE[1]) as f32;
-        Some((Ray::new(LIGHT, d), (intensity * share, 2)))
-    }
-
-    fn step<L: Lanes>(
-        &self,
-        world: &World,
-        queue: &Queue<'_, (Light, u32)>,
-        out: &mut Out<'_, (Light, u32)>,
-    ) {
-        for a in queue.arrivals().filter(|a| a.hit.is_hit()) {
-            let (surface, (beta, depth)) =
-                (world.surface(a.ray, a.hit, &PackedFootprint::NONE), a.path.state);
-            let shaded = Shaded { bsdf: world.bsdf(&surface, L::drawn(&world.tables, 0.0)), ng: surface.ng };
-            let (wo, end) = (surface.frame.to_local(-a.ray.d), End::from(&surface.point));
-
-            // To the pinhole, and from there to the film.
-            let pinhole = End { p: Vec3::ZERO, p_err: Vec3::ZERO, ng: Vec3::ZERO };
-            let (d2, towards) = (end.p.length_squared(), -end.p.normalize());
-            let value = shaded.eval_pdf(wo, surface.frame.to_local(towards), Transport::Importance).0;
-            if towards.z > 0.0 && !value.is_black() {
-                let f = self.focal_pixels;
-                let at = [24.0 + f * end.p.x / -end.p.z, 16.0 - f * end.p.y / -end.p.z];
-                let density = f * f / (towards.z * towards.z * towards.z * d2);
-                out.shadow(
-                    ray_between(&end, &pinhole),
-                    Contribution::splat(a.path, beta * value * density, at),
-                );
-            }
-
-            // And on.
-            let u = queue.pattern.d2(&a.path.name, Purpose::Direction);
-            let drawn = shaded.sample(wo, 0.0, u, Transport::Importance);
-            if let Some(s) = drawn.filter(|_| depth < self.max_depth) {
-                let d = surface.frame.to_world(s.wi);
-                out.go_on(a.path, 0, Ray::new(end.leave(d), d), (beta * s.weight, depth + 1));
-            }
-        }
-    }
-}
-
-fn job_of(text: &str, wish: Overrides) -> Job {
-    let loaded = straal::load_str("test.yaml", text, Path::new(""), &LoadOptions::default());
-    Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), wish).expect("a world")
-}
-
-fn tracer(world: &World, max_depth: u32) -> LightTracer {
-    LightTracer { max_depth, focal_pixels: world.camera.focal_pixels().expect("a pinhole") as f32 }
-}
-
-fn render<I: Integrator>(integrator: I, world: &World, settings: Settings, passes: &[u32]) -> Layers {
-    let mut render = Render::new(world, integrator, settings, None).expect("threads");
-    passes.iter().for_each(|samples| render.advance(*samples));
-    render.into_film().layers()
+/// Pictures of several seeds.
+fn pictures(scene: &str, integrator: &str, seeds: std::ops::Range<u64>, spp: u32) -> Vec<Vec<[f32; 3]>> {
+    seeds
+        .map(|seed| {
+            let wish =
+                Overrides { seed: Some(seed), spp: Some(spp), layers: Some(false), ..Overrides::default() };
+            let wish = Overrides { error: Some(false), ..wish };
+            let outcome = job_of(scene, integrator, wish).render(&mut Control::to_the_end()).unwrap();
+            assert_eq!(outcome.dropped.count, 0);
+            outcome.picture.layers.rgb
+        })
+        .collect()
 }
 
 /// By blocks of 8 x 8 pixels and colour: the difference of two means of pictures over its standard error.
@@ -128,64 +100,129 @@ fn z_values(a: &[Vec<[f32; 3]>], b: &[Vec<[f32; 3]>]) -> Vec<f64> {
 }
 
 /// Light tracing tells no noise: it is told by pictures of other seeds.
+fn agrees(scene: &str, max_depth: u32, spp: u32) {
+    let by_light = pictures(scene, &format!("{{ light: {{ max_depth: {max_depth} }} }}"), 1..13, spp);
+    let by_path = pictures(scene, &format!("{{ path: {{ max_depth: {max_depth} }} }}"), 101..113, spp);
+    let moments = |by_light: &[Vec<[f32; 3]>]| -> (f64, f64) {
+        let z = z_values(by_light, &by_path);
+        let square = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
+        (square, z.iter().fold(0.0, |worst, z| if z.abs() > worst { z.abs() } else { worst }))
+    };
+    // Student's t of 22 degrees of freedom has the variance 22 / 20 = 1.1, and the deviation of its square is 1.7. Blocks, and
+    // colours of one block, aren't independent: the 24 blocks count.
+    let limit = 1.1 + 3.0 * 1.7 / 24.0_f64.sqrt();
+    let (square, worst) = moments(&by_light);
+    assert!(square < limit && worst < 5.5, "depth {max_depth}: {square} {worst}");
+    let mut brighter = by_light;
+    brighter.iter_mut().flatten().for_each(|rgb| *rgb = rgb.map(|v| 1.05 * v));
+    assert!(moments(&brighter).0 > limit, "5 % more light isn't seen: {}", moments(&brighter).0);
+}
+
 #[test]
-fn agrees_with_path_tracing() {
-    let job = job_of(SCENE, Overrides::default());
-    for max_depth in [2, 4] {
-        let pictures = |seeds: std::ops::Range<u64>, by_light: bool| -> Vec<Vec<[f32; 3]>> {
-            seeds
-                .map(|seed| {
-                    let settings = Settings { seed, ..job.settings.clone() };
-                    if by_light {
-                        render(tracer(&job.world, max_depth), &job.world, settings, &[32]).rgb
-                    } else {
-                        let path = PathTracer { max_depth, ..PathTracer::default() };
-                        render(path, &job.world, settings, &[32]).rgb
-                    }
-                })
-                .collect()
-        };
-        let (mut by_light, by_path) = (pictures(1..13, true), pictures(101..113, false));
-        let moments = |by_light: &[Vec<[f32; 3]>]| -> (f64, f64) {
-            let z = z_values(by_light, &by_path);
-            let square = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
-            (square, z.iter().fold(0.0, |worst, z| if z.abs() > worst { z.abs() } else { worst }))
-        };
-        // Student's t of 22 degrees of freedom has the variance 22 / 20 = 1.1, and the deviation of its square is 1.7. Blocks, and
-        // colours of one block, aren't independent: the 24 blocks count.
-        let limit = 1.1 + 3.0 * 1.7 / 24.0_f64.sqrt();
-        let (square, worst) = moments(&by_light);
-        assert!(square < limit && worst < 5.5, "depth {max_depth}: {square} {worst}");
-        by_light.iter_mut().flatten().for_each(|rgb| *rgb = rgb.map(|v| 1.05 * v));
-        assert!(moments(&by_light).0 > limit, "5 % more light isn't seen");
-    }
+fn agrees_with_path_tracing_on_a_point_light() {
+    agrees(POINT, 2, 16);
+    agrees(POINT, 4, 16);
+}
+
+#[test]
+fn agrees_with_path_tracing_on_lamps_with_an_area() {
+    agrees(AREA, 1, 16);
+    agrees(AREA, 4, 16);
+}
+
+#[test]
+fn agrees_with_path_tracing_on_light_from_afar() {
+    agrees(AFAR, 5, 16);
 }
 
 #[test]
 fn has_the_same_bits_in_any_order() {
-    let job = job_of(SCENE, Overrides::default());
-    let hash = |settings: Settings, passes: &[u32]| {
-        hash_of(&render(tracer(&job.world, 4), &job.world, settings, passes).rgb)
-    };
-    let plain = || Settings { threads: 1, ..job.settings.clone() };
-    let want = hash(plain(), &[6]);
-    assert_eq!(hash(Settings { threads: 7, batch: 7, ..plain() }, &[6]), want);
-    assert_eq!(hash(Settings { threads: 2, batch: 1, shuffle_tiles: Some(3), ..plain() }, &[1, 3, 2]), want);
-    for isa in Isa::ALL.into_iter().filter(|isa| isa.is_available()) {
-        let job = job_of(SCENE, Overrides { isa: Some(isa), ..Overrides::default() });
-        let layers = render(tracer(&job.world, 4), &job.world, plain(), &[6]);
-        assert_eq!(hash_of(&layers.rgb), want, "{isa:?}");
+    for scene in [POINT, AREA, AFAR] {
+        let job = job_of(scene, "light", Overrides::default());
+        let AnyIntegrator::Light(tracer) = job.integrator() else { panic!("another integrator") };
+        let hash = |job: &Job, settings: Settings, passes: &[u32]| {
+            let mut render = Render::new(&job.world, tracer, settings, None).expect("threads");
+            passes.iter().for_each(|samples| render.advance(*samples));
+            hash_of(&render.into_film().layers().rgb)
+        };
+        let plain = || Settings { threads: 1, ..job.settings.clone() };
+        let want = hash(&job, plain(), &[3]);
+        assert_eq!(hash(&job, Settings { threads: 7, batch: 7, ..plain() }, &[3]), want);
+        let shuffled = Settings { threads: 2, batch: 1, shuffle_tiles: Some(3), ..plain() };
+        assert_eq!(hash(&job, shuffled, &[1, 2]), want);
+        for isa in Isa::ALL.into_iter().filter(|isa| isa.is_available()) {
+            let job = job_of(scene, "light", Overrides { isa: Some(isa), ..Overrides::default() });
+            assert_eq!(hash(&job, plain(), &[3]), want, "{isa:?}");
+        }
     }
 }
 
 #[test]
+fn by_wavelengths_it_is_the_same_picture() {
+    let mean = |scene: &str, integrator: &str| -> f64 {
+        let all = pictures(&format!("{scene}spectral: true\n"), integrator, 1..3, 16);
+        all.iter().flatten().map(|rgb| f64::from(rgb[1])).sum()
+    };
+    let (by_light, by_path) =
+        (mean(POINT, "{ light: { max_depth: 3 } }"), mean(POINT, "{ path: { max_depth: 3 } }"));
+    assert!((by_light / by_path - 1.0).abs() < 0.02, "{by_light} {by_path}");
+}
+
+#[test]
+fn its_error_is_told_by_replicates() {
+    let job = job_of(POINT, "light", Overrides { spp: Some(2), ..Overrides::default() });
+    let one = job.render(&mut Control::to_the_end()).unwrap().picture.layers;
+    assert!(one.error.is_none() && one.variance.is_empty());
+    let error = job.render_replicates(4, &mut Control::to_the_end()).unwrap().picture.layers.error;
+    assert!(error.is_some_and(|e| e.rgb.iter().filter(|e| e[1] > 0.0).count() > 1000));
+}
+
+#[test]
 fn what_does_not_go_with_it_is_refused() {
-    let job = job_of(SCENE, Overrides::default());
+    let refused = |scene: &str, wish: Overrides| {
+        let text = format!("{scene}integrator: light\n");
+        let loaded = straal::load_str("test.yaml", &text, Path::new(""), &LoadOptions::default());
+        match Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), wish) {
+            Err(Error::Request(why)) => why,
+            Err(other) => panic!("{other}"),
+            Ok(_) => panic!("it isn't refused"),
+        }
+    };
+    let none = Overrides::default;
+    for (wish, why) in [
+        (Overrides { noise: Some(0.1), ..none() }, "--replicates"),
+        (Overrides { error: Some(true), ..none() }, "--replicates"),
+        (Overrides { splat: Some(true), ..none() }, "every pixel that the filter reaches"),
+        (Overrides { denoise: Some(Denoise::Best), ..none() }, "denoiser"),
+    ] {
+        assert!(refused(POINT, wish).contains(why), "{why}");
+    }
+    let bands = Recording::Spectral(straal_color::spectrum::Bands::new(400.0, 700.0, 3).unwrap());
+    let wish = Overrides { recording: Some(bands), spectral: Some(true), ..none() };
+    assert!(refused(POINT, wish).contains("bands"));
+    let fisheye = POINT.replace(
+        "perspective: { eye: [0, 0, 0], look_at: [0, 0, -1], fov: 60 }",
+        "fisheye: { eye: [0, 0, 0], look_at: [0, 0, -1] }",
+    );
+    assert!(refused(&fisheye, none()).contains("fisheye"));
+    let ambient = POINT.replace("lights:\n", "lights:\n  - ambient: { radiance: 1 }\n");
+    assert!(refused(&ambient, none()).contains("nowhere"));
+    let plane = AFAR.replace("world:\n", "world:\n  - plane: {}\n");
+    assert!(refused(&plane, none()).contains("without an end"));
+    let glows = POINT.replace("world:\n", "world:\n  - plane: { emission: 1 }\n");
+    assert!(refused(&glows, none()).contains("shines"));
+    // A plane that a lamp stands over may be lit.
+    let lit = POINT.replace("world:\n", "world:\n  - plane: {}\n");
+    job_of(&lit, "light", none());
+
+    let job = job_of(POINT, "light", none());
+    let AnyIntegrator::Light(tracer) = job.integrator() else { panic!("another integrator") };
+    assert_eq!(LightTracer { max_depth: u32::MAX, ..tracer }, tracer);
     for settings in [
         Settings { noise: Some(0.1), ..job.settings.clone() },
         Settings { splat: true, ..job.settings.clone() },
     ] {
-        let refused = Render::new(&job.world, tracer(&job.world, 2), settings, None).err();
+        let refused = Render::new(&job.world, tracer, settings, None).err();
         assert!(matches!(refused, Some(RenderError::LightSplats(_))));
     }
 }

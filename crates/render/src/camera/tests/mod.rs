@@ -5,6 +5,7 @@ mod course;
 mod eyes_and_motion;
 mod footprints;
 mod lens;
+mod shown;
 
 use super::*;
 use straal_math::{DVec3, Vec3};
