@@ -179,6 +179,8 @@ impl<'a> Build<'a> {
                 }
                 let corner = m.point(s.corner).as_vec3();
                 let r = Parallelogram::new(corner, a.as_vec3(), b.as_vec3());
+                let by_solid_angle = s.light_sampling == desc::LightSampling::SolidAngle;
+                let r = if by_solid_angle { r.by_solid_angle() } else { r };
                 self.shape(&s.surface, place, Shape::Parallelogram(Box::new(r)), false)
             }
             Node::Cylinder(s) => self.cylinder(s, place),
