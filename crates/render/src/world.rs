@@ -6,7 +6,7 @@ use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::table::Picks;
-use crate::light::{AmbientLight, Ball, Emitter, LightSample, LightTable, Receiver};
+use crate::light::{AmbientLight, Ball, Emitter, LightSample, LightTable, Pick, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::relief::Ways;
@@ -551,6 +551,28 @@ impl World {
         self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
     }
 
+    /// [`Self::sample_light`] of what was picked, by what is left of the number that picked it and another; the density is that of both.
+    #[inline]
+    pub fn sample_picked<L: Lanes>(
+        &self,
+        pick: &Pick,
+        at: &Receiver,
+        v: f32,
+        lanes: L,
+    ) -> Option<LightSample> {
+        let reading = self.reading(lanes);
+        let part = self.lights.splits(pick.index).then_some(pick.part);
+        let light = &self.emitters[pick.index as usize];
+        let sample = light.sample_parts::<f32, L>(
+            &self.geometry,
+            (at, [pick.rest, v]),
+            part,
+            &Readings::one(&reading),
+        );
+        let pdf = sample.pdf * pick.pmf;
+        (pdf > 0.0).then_some(LightSample { pdf, ..sample })
+    }
+
     /// [`Self::sample_light`] at many points side by side, of each the emitter that was picked there.
     #[inline(always)]
     pub(crate) fn sample_lights<F: Float, L: Lanes>(
@@ -568,14 +590,16 @@ impl World {
             let emitter = picked.index.lane(first);
             let these = left & picked.index.eq(F::Uint::splat(emitter));
             let light = &self.emitters[emitter as usize];
+            let splits = self.lights.splits(emitter);
             let sample = if F::WIDTH > 1 && these.to_bits().is_power_of_two() {
                 // By itself: of many lights each is picked by few.
                 let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
                 let u = [u[0].lane(first), u[1].lane(first)];
-                let one = light.sample_many::<f32, L>(&self.geometry, &at, u, &readings.from(first));
+                let part = splits.then(|| picked.part.lane(first));
+                let one = light.sample_parts::<f32, L>(&self.geometry, (&at, u), part, &readings.from(first));
                 LightSample::uniform(&one)
             } else {
-                light.sample_many(&self.geometry, at, u, readings)
+                light.sample_parts(&self.geometry, (at, u), splits.then_some(picked.part), readings)
             };
             all = LightSample::select(these, sample, all);
             left = left & !these;
@@ -588,6 +612,11 @@ impl World {
     #[inline]
     pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, point: &SurfacePoint) -> f32 {
         let light = &self.emitters[emitter as usize];
+        if self.lights.splits(emitter) {
+            let pdf = light.pdf_of_part(&self.geometry, from.p, hit.primitive, point);
+            let pmf = || self.lights.pmf_of_part(emitter, hit.primitive, from);
+            return if pdf > 0.0 { pmf() * pdf } else { 0.0 };
+        }
         let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
         if pdf > 0.0 { self.lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
