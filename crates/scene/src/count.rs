@@ -1,8 +1,12 @@
 //! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it. How much memory
 //! that takes is not known here.
 
-use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, Subdivide, TriangleMesh};
+use crate::desc::{
+    Bezier, BezierPatches, EnvironmentLayout, Light, MaterialRef, MeshSource, Node, Scene, Shading,
+    Subdivide, TriangleMesh,
+};
 use crate::glow::Glow;
+use crate::value::Link;
 use crate::{Assets, Handle};
 
 /// What a world will hold.
@@ -83,6 +87,43 @@ impl Tally {
         sum(&mut self.lit_triangles, o.lit_triangles);
     }
 
+    /// So many times all of it.
+    fn times(&self, count: u64) -> Self {
+        let Self {
+            triangles,
+            vertices,
+            normals,
+            uvs,
+            smoothed,
+            meshes,
+            shapes,
+            spheres,
+            discs,
+            rectangles,
+            cylinders,
+            instances,
+            lights,
+            lit_triangles,
+        } = *self;
+        let of = |n: u64| n.saturating_mul(count);
+        Self {
+            triangles: of(triangles),
+            vertices: of(vertices),
+            normals: of(normals),
+            uvs: of(uvs),
+            smoothed: of(smoothed),
+            meshes: of(meshes),
+            shapes: of(shapes),
+            spheres: of(spheres),
+            discs: of(discs),
+            rectangles: of(rectangles),
+            cylinders: of(cylinders),
+            instances: of(instances),
+            lights: of(lights),
+            lit_triangles: of(lit_triangles),
+        }
+    }
+
     /// One mesh; of what its vertices have besides positions.
     fn mesh(triangles: u64, vertices: u64, [normals, uvs]: [bool; 2]) -> Self {
         let of = |is_held: bool| if is_held { vertices } else { 0 };
@@ -123,7 +164,10 @@ pub fn count(scene: &Scene, assets: &Assets) -> Contents {
         if let Light::Environment(l) = light
             && let Some(file) = &l.file
         {
-            surroundings.push(assets.image(file.handle).pixels.len() as u64);
+            let pixels = assets.image(file.handle).pixels.len() as u64;
+            // In latitude and longitude it has twice as many.
+            let is_square = l.layout == EnvironmentLayout::EqualArea;
+            surroundings.push(if is_square { pixels.saturating_mul(2) } else { pixels });
         }
     }
     Contents { kept: walk.kept, visible, spaces: walk.spaces, surroundings }
@@ -142,6 +186,7 @@ impl Scene {
                         + size_of_val(triangles.as_slice())
                 }
                 Node::Bezier(b) => size_of_val(b.points.as_slice()) + size_of_val(b.patches.as_slice()),
+                Node::Instances(i) => size_of_val(i.transforms.as_slice()),
                 _ => 0,
             };
             bytes += (size_of::<Node>() + lists) as u64;
@@ -182,6 +227,17 @@ impl Walk<'_> {
         };
     }
 
+    /// So many instances of an object.
+    fn instances(&mut self, of: &Link<Node>, material: Option<&MaterialRef>, count: u64) -> Found {
+        let Some(object) = of.to() else { return Found::default() };
+        let inside = self.object(object);
+        let visible = inside.visible.saturating_mul(count);
+        if inside.glows || self.glow.material(material) {
+            return Found { own: inside.own.times(count), visible, ..inside };
+        }
+        Found { own: Tally { instances: count, ..Tally::default() }, visible, ..inside }
+    }
+
     fn node(&mut self, node: &Node) -> Found {
         match node {
             Node::Group(g) => {
@@ -194,14 +250,8 @@ impl Walk<'_> {
                 }
                 all
             }
-            Node::Instance(i) => {
-                let Some(object) = i.of.to() else { return Found::default() };
-                let inside = self.object(object);
-                if inside.glows || self.glow.material(i.material.as_ref()) {
-                    return inside;
-                }
-                Found { own: Tally { instances: 1, ..Tally::default() }, ..inside }
-            }
+            Node::Instance(i) => self.instances(&i.of, i.material.as_ref(), 1),
+            Node::Instances(i) => self.instances(&i.of, i.material.as_ref(), i.transforms.len() as u64),
             Node::Mesh(m) => self.mesh(node, m),
             Node::Bezier(b) => {
                 let side = u64::from(b.resolution);

@@ -2,7 +2,7 @@
 //! fail then.
 
 use crate::desc::check::too_bright;
-use crate::desc::{Light, Node, Scene, Spectrum};
+use crate::desc::{EnvironmentLayout, Light, Node, Scene, Spectrum};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::{Assets, glow, suggest};
 
@@ -84,10 +84,13 @@ fn surroundings(scene: &Scene, assets: &Assets, d: &mut Diagnostics) {
         let message = if !image.is_whole() {
             format!("the picture `{}` has no pixels", suggest::brief(&asset.file))
         } else if let Some([across, down]) = l.layout.faces().filter(|_| l.layout.side(image).is_none()) {
-            format!(
-                "a picture of {} x {} pixels is not made of {across} by {down} squares, as a cube map of this layout is",
-                image.width, image.height
-            )
+            let pixels = format!("a picture of {} x {} pixels", image.width, image.height);
+            match l.layout {
+                EnvironmentLayout::EqualArea => format!("{pixels} is not square, as one of equal areas is"),
+                _ => format!(
+                    "{pixels} is not made of {across} by {down} squares, as a cube map of this layout is"
+                ),
+            }
         } else {
             continue;
         };

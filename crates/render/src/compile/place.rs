@@ -11,6 +11,7 @@ use straal_math::{Affine, DVec3, Transform};
 use straal_scene::Mesh;
 use straal_scene::desc::{self, Node};
 use straal_scene::glow::MOST_COPIES;
+use straal_scene::value::Link;
 
 /// Quads along a patch's edge in a draft.
 const DRAFT: u32 = 4;
@@ -68,7 +69,14 @@ impl<'a> Build<'a> {
             }
             Node::Instance(i) => {
                 let inner = self.step_into(node, i.material.as_ref(), place);
-                self.instance(i, place.group, inner)
+                self.instance(&i.of, place.group, inner)
+            }
+            Node::Instances(i) => {
+                let all = self.step_into(node, i.material.as_ref(), place);
+                for own in &i.transforms {
+                    let inner = Place { transform: own.0.then(&all.transform), ..all };
+                    self.instance(&i.of, place.group, inner);
+                }
             }
             shape => self.one_shape(shape, Place { transform: placed(shape, place), ..place }),
         }
@@ -78,7 +86,7 @@ impl<'a> Build<'a> {
     pub(super) fn one_shape(&mut self, node: &'a Node, place: Place) {
         let m = place.transform;
         match node {
-            Node::Group(_) | Node::Instance(_) => (),
+            Node::Group(_) | Node::Instance(_) | Node::Instances(_) => (),
             Node::Sphere(s) if s.heights.is_some() || s.phi != desc::WHOLE_TURN => {
                 self.part_of_sphere(s, place)
             }
@@ -156,13 +164,13 @@ impl<'a> Build<'a> {
     }
 
     /// An instance in a group; `inner` is the place of the object's own coordinates.
-    fn instance(&mut self, i: &'a desc::Instance, outer: u32, inner: Place) {
+    fn instance(&mut self, of: &'a Link<Node>, outer: u32, inner: Place) {
         // A scene without errors leads everywhere.
         let objects = &self.scene.objects;
-        let Some((id, (name, object))) = i.of.to().and_then(|id| Some((id, objects.at(id)?))) else {
+        let Some((id, (name, object))) = of.to().and_then(|id| Some((id, objects.at(id)?))) else {
             return;
         };
-        if self.glow.object(&i.of) || self.materials.shining(inner.material).is_some() {
+        if self.glow.object(of) || self.materials.shining(inner.material).is_some() {
             // Validation has counted them.
             self.dissolved += 1;
             if self.dissolved <= MOST_COPIES {

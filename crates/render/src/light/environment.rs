@@ -12,6 +12,7 @@ use straal_scene::{Image, desc, value};
 
 use super::cells::{Cells, Drawn, Grid, Place};
 use super::cube::latitude_longitude;
+use super::equal_area;
 use super::facing::Facing;
 use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength};
 use crate::camera::CubeLayout;
@@ -203,7 +204,7 @@ impl ImageEnvironment {
     /// Bytes that it takes besides while the tables are made: a weight in double precision and one in single.
     pub const MAKING_BYTES_A_PIXEL: usize = size_of::<f64>() + size_of::<f32>();
 
-    /// A picture times `scale` in each channel, turned by the rotation in `to_world` (its scaling and translation don't matter). NaN counts as 0, what is
+    /// A picture times `scale` in each channel, turned and mirrored as `to_world` does it (its scaling and translation don't matter). NaN counts as 0, what is
     /// infinite as the most that a sum of it can hold, and a pixel without any channel above 0 is black. Single channels below 0 are of colours that the
     /// picture's space doesn't hold: for wavelengths only. `None` when the picture has no pixels, or not as many as it says, or
     /// the map is singular.
@@ -242,12 +243,16 @@ impl ImageEnvironment {
     fn of(l: &desc::Environment, asset: &value::Asset<Image>, paint: &mut Paint<'_>) -> Emitter {
         let (file, image) = (&asset.file, paint.assets().image(asset.handle));
         let cube = match l.layout {
-            desc::EnvironmentLayout::LatitudeLongitude => None,
+            desc::EnvironmentLayout::LatitudeLongitude | desc::EnvironmentLayout::EqualArea => None,
             desc::EnvironmentLayout::Cross => Some(CubeLayout::Cross),
             desc::EnvironmentLayout::Row => Some(CubeLayout::Row),
         };
         let side = l.layout.side(image);
-        let unfolded = cube.zip(side).map(|(layout, side)| latitude_longitude(image, layout, side));
+        let unfolded = match (l.layout == desc::EnvironmentLayout::EqualArea, cube, side) {
+            (true, _, Some(_)) => Some(equal_area::latitude_longitude(image)),
+            (_, Some(layout), Some(side)) => Some(latitude_longitude(image, layout, side)),
+            _ => None,
+        };
         let image = unfolded.as_ref().unwrap_or(image);
         let sound = sound(image, &file.value, &mut paint.notes);
         Self::placed(l, &paint.surroundings(file, &sound), paint.tint(&l.tint).map(|t| t * l.factor()))
@@ -375,5 +380,7 @@ pub(super) fn turned(to_world: &Affine) -> Option<[DVec3; 3]> {
     let x = to_world.vector(DVec3::X).try_normalize()?;
     let y = to_world.vector(DVec3::Y);
     let y = (y - x * x.dot(y)).try_normalize()?;
-    Some([x, y, x.cross(y)])
+    // A mirror image stays one.
+    let z = if to_world.determinant() < 0.0 { y.cross(x) } else { x.cross(y) };
+    Some([x, y, z])
 }

@@ -37,6 +37,7 @@ pub mod directional;
 pub mod disc;
 mod emission;
 pub mod environment;
+mod equal_area;
 mod facing;
 pub mod goniometric;
 mod list;

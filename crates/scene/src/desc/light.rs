@@ -248,6 +248,9 @@ describe! {
         "cross" => Cross,
         /// On the faces of a cube in a row: right, left, up, down, back, front.
         "row" => Row,
+        /// A square of which equal areas show equal solid angles (Clarberg 2008), as pbrt-v4 has it: local +z in its middle, -z in its corners,
+        /// +x in the middle of its right edge, +y in that of its lower one.
+        "equal_area" => EqualArea,
     }
 }
 
@@ -259,12 +262,13 @@ impl Environment {
 }
 
 impl EnvironmentLayout {
-    /// How many faces of a cube a picture of this layout has across and down, if it has any.
+    /// How many faces of a cube a picture of this layout has across and down, if it has any; a square is one.
     pub const fn faces(&self) -> Option<[usize; 2]> {
         match self {
             Self::LatitudeLongitude => None,
             Self::Cross => Some([4, 3]),
             Self::Row => Some([6, 1]),
+            Self::EqualArea => Some([1, 1]),
         }
     }
 
@@ -273,8 +277,9 @@ impl EnvironmentLayout {
         let [across, down] = self.faces()?;
         let side = (image.width / across).min(image.height / down);
         // Where there is room for another face, the picture is of another layout.
-        (image.is_whole() && side > 0 && image.width / side == across && image.height / side == down)
-            .then_some(side)
+        let fits = image.is_whole() && side > 0;
+        let is_square = *self != Self::EqualArea || image.width == image.height;
+        (fits && is_square && image.width / side == across && image.height / side == down).then_some(side)
     }
 }
 
@@ -295,5 +300,7 @@ mod tests {
         assert_eq!(side(EnvironmentLayout::Cross, 4, 3), Some(1));
         assert_eq!(side(EnvironmentLayout::Row, 60, 10), Some(10));
         assert_eq!(side(EnvironmentLayout::LatitudeLongitude, 4, 3), None);
+        assert_eq!(side(EnvironmentLayout::EqualArea, 8, 8), Some(8));
+        assert_eq!(side(EnvironmentLayout::EqualArea, 9, 8), None);
     }
 }

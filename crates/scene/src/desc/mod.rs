@@ -39,7 +39,7 @@ pub use light::{
     PointLight, Projector, SpotLight,
 };
 pub use material::*;
-pub use node::{Group, Instance, Node};
+pub use node::{Group, Instance, Instances, Node};
 pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,

@@ -13,7 +13,7 @@ use crate::desc::solid::{Combination, DistanceField};
 use crate::desc::transform::{Transform, facing};
 use crate::describe::describe;
 use crate::span::Spanned;
-use crate::value::{Link, Name};
+use crate::value::{Link, Matrix, Name};
 
 describe! {
     /// Something in the world.
@@ -66,6 +66,8 @@ describe! {
         "group" => Group(Group),
         /// One more copy of a named object, which costs next to no memory.
         "instance" => Instance(Instance),
+        /// Many copies of a named object, of which each costs less than an `instance`.
+        "instances" => Instances(Instances),
     }
 }
 
@@ -101,6 +103,24 @@ describe! {
     }
 }
 
+describe! {
+    /// Copies of a named object.
+    pub struct Instances {
+        /// Which of the scene's `objects`.
+        of: Link<Node>,
+        /// Where each copy is: three or four rows of four numbers, as in the step `matrix` of a transform.
+        transforms: Vec<Matrix>,
+        /// Places all of them, after their own.
+        transform: Transform = Transform::default(),
+        /// A point that +z of all together is turned towards, after `transform` and about where that puts its origin.
+        look_at: Option<Spanned<DVec3>> = None,
+        /// Material of what has none of its own in the object.
+        material: Option<MaterialRef> = None,
+        /// What the camera's `focus_on` calls them, besides the name of the object.
+        name: Option<Name> = None,
+    }
+}
+
 impl Node {
     /// Where the node stands: its transform, and the turn towards what it looks at. `None` when the transform is singular, or when
     /// it stands where it looks.
@@ -125,6 +145,7 @@ impl Node {
         match self {
             Self::Group(g) => g.look_at.as_ref(),
             Self::Instance(i) => i.look_at.as_ref(),
+            Self::Instances(i) => i.look_at.as_ref(),
             _ => self.surface().and_then(|s| s.look_at.as_ref()),
         }
     }
