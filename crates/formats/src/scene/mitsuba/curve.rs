@@ -27,11 +27,20 @@ impl<'o> Translator<'o, '_, '_> {
     pub fn curves(&mut self, o: &'o Object) -> Option<Node> {
         self.only(
             o,
-            &["filename", "to_world", "silhouette_sampling_weight", "radius", "angle_threshold", "reduction", "*"],
+            &[
+                "filename",
+                "to_world",
+                "silhouette_sampling_weight",
+                "radius",
+                "angle_threshold",
+                "reduction",
+                "*",
+            ],
         );
         let is_linear = o.plugin.as_str() != "bsplinecurve";
         // Of version 0.5: points alone, and one radius for all.
-        let radius = (o.plugin.as_str() == "hair").then(|| self.within(o, "radius", 0.025, Limit::NON_NEGATIVE));
+        let radius =
+            (o.plugin.as_str() == "hair").then(|| self.within(o, "radius", 0.025, Limit::NON_NEGATIVE));
         let Some(file) = self.text(o, "filename") else {
             self.fail(o.plugin.span, "these curves have no `filename`");
             return None;

@@ -46,7 +46,8 @@ impl<'o> Translator<'o, '_, '_> {
 
 /// Points along each axis, and the distance at each.
 fn read(bytes: &[u8]) -> Result<([u32; 3], Vec<f64>), String> {
-    let number = |at: usize| -> Option<u32> { Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?)) };
+    let number =
+        |at: usize| -> Option<u32> { Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?)) };
     if !bytes.starts_with(b"VOL\x03") {
         return Err("it is no volume of Mitsuba of version 3".to_owned());
     }
@@ -66,7 +67,8 @@ fn read(bytes: &[u8]) -> Result<([u32; 3], Vec<f64>), String> {
     let Some(rest) = rest.get(..4 * count) else {
         return Err(format!("it ends too early: {count} distances are promised"));
     };
-    let values: Vec<f64> = rest.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect();
+    let values: Vec<f64> =
+        rest.as_chunks::<4>().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect();
     if values.iter().any(|v| !v.is_finite()) {
         return Err("a distance is no finite number".to_owned());
     }

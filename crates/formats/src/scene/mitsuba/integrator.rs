@@ -1,6 +1,8 @@
 //! Integrators.
 
-use straal_scene::desc::{AmbientOcclusion, DirectLight, Integrator, LightTracer, PathTracer, Roulette, Technique};
+use straal_scene::desc::{
+    AmbientOcclusion, DirectLight, Integrator, LightTracer, PathTracer, Roulette, Technique,
+};
 use straal_scene::limit::Limit;
 use straal_scene::value::Depth;
 
