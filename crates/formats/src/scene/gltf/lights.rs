@@ -5,7 +5,7 @@ use std::sync::Arc;
 use straal_color::Exposure;
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
-    DirectionalLight, Environment, Falloff, Light, Observer, PointLight, Spectrum, SpotLight,
+    Decay, DirectionalLight, Environment, Falloff, Light, Observer, PointLight, Spectrum, SpotLight,
 };
 use straal_scene::value::LinearRgb;
 use straal_scene::{Diagnostic, Image, Span};
@@ -34,7 +34,9 @@ impl<'a> Translation<'a, '_> {
             let power = Spectrum::Rgb(LinearRgb(power));
             let kind = required(light, "type")?;
             let light = match (text(kind)?, direction) {
-                ("point", _) => Light::Point(PointLight { position, intensity: power }),
+                ("point", _) => {
+                    Light::Point(PointLight { position, intensity: power, decay: Decay::InverseSquare })
+                }
                 (_, None) => {
                     self.warn(
                         &tree.nodes[node],
@@ -43,6 +45,7 @@ impl<'a> Translation<'a, '_> {
                     continue;
                 }
                 ("directional", Some(_)) => Light::Directional(DirectionalLight {
+                    angle: 0.0,
                     direction,
                     from: None,
                     look_at: None,
@@ -56,6 +59,8 @@ impl<'a> Translation<'a, '_> {
                     let beam = Some(inner.clamp(0.0, cutoff));
                     let falloff = Falloff::Smooth;
                     Light::Spot(SpotLight {
+                        texture: None,
+                        up: DVec3::Y,
                         position,
                         direction,
                         look_at: None,
