@@ -6,6 +6,7 @@
 mod accel;
 mod check;
 mod completions;
+mod convert;
 mod denoise;
 mod develop;
 mod development;
@@ -25,6 +26,7 @@ mod unknown;
 pub use accel::AccelArgs;
 pub use check::CheckArgs;
 pub use completions::CompletionsArgs;
+pub use convert::ConvertArgs;
 pub use denoise::DenoiseArgs;
 pub use develop::DevelopArgs;
 pub use development::DevelopmentArgs;
@@ -98,6 +100,9 @@ pub enum Command {
     /// Check a scene without rendering it
     #[command(long_about = check::CHECK_ABOUT)]
     Check(CheckArgs),
+    /// Write a scene of any format in the scene language
+    #[command(long_about = convert::CONVERT_ABOUT)]
+    Convert(ConvertArgs),
     /// Compare search structures on the rays of a scene
     #[command(long_about = accel::ACCEL_ABOUT)]
     Accel(AccelArgs),
