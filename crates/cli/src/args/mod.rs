@@ -21,6 +21,7 @@ mod reading;
 mod render;
 mod sampler;
 mod studio;
+mod tree;
 mod unknown;
 
 pub use accel::AccelArgs;
@@ -40,6 +41,7 @@ pub use reading::{MemoryArgs, ReadingArgs};
 pub use render::RenderArgs;
 pub use sampler::SamplerArgs;
 pub use studio::StudioArgs;
+pub use tree::TreeArgs;
 pub use unknown::failure;
 
 use crate::exit;
@@ -103,6 +105,9 @@ pub enum Command {
     /// Write a scene of any format in the scene language
     #[command(long_about = convert::CONVERT_ABOUT)]
     Convert(ConvertArgs),
+    /// Print what stands in a scene, and where
+    #[command(long_about = tree::TREE_ABOUT)]
+    Tree(TreeArgs),
     /// Compare search structures on the rays of a scene
     #[command(long_about = accel::ACCEL_ABOUT)]
     Accel(AccelArgs),

@@ -306,7 +306,7 @@ fn sweep() -> [Node; 3] {
     /// Where a cubic has its inner points to come nearest to a quarter of a circle.
     const INNER: f64 = 0.5523;
     let flat = |corner: DVec3, edges: [DVec3; 2]| {
-        Node::Rectangle(Rectangle { corner, edges, surface: Surface::default() })
+        Node::Rectangle(Rectangle { corner, edges, ..Rectangle::default() })
     };
     let profile = [[0.0, 0.0], [0.0, INNER], [1.0 - INNER, 1.0], [1.0, 1.0]];
     let across = [-WIDTH, -WIDTH / 4.0, WIDTH / 4.0, WIDTH];

@@ -163,7 +163,9 @@ fn nodes_move_from_frame_to_frame() {
     let text = file(&bytes, views, accessors, more);
     for (frame, x) in [(0.0, 0.0), (6.0, 6.0), (99.0, 24.0)] {
         let options = Options { frame, ..Options::default() };
-        let loaded = load_foreign_bytes(Foreign::Gltf, Path::new("a.gltf"), text.clone().into_bytes(), &options).unwrap();
+        let loaded =
+            load_foreign_bytes(Foreign::Gltf, Path::new("a.gltf"), text.clone().into_bytes(), &options)
+                .unwrap();
         assert_eq!(places(&loaded).map_points(), [[x + 1.0, 0.0, 0.0]]);
         assert_eq!(loaded.scene.animation.frames, 25);
     }
@@ -173,10 +175,14 @@ fn nodes_move_from_frame_to_frame() {
 #[test]
 fn copies_stand_where_their_lists_say() {
     let mut bytes = floats(&CORNERS);
-    bytes.extend(floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0]));
+    bytes.extend(floats(&[
+        0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0,
+    ]));
     let views = r#"{"buffer": 0, "byteLength": 108}"#;
     let vectors = |at: u32| {
-        format!(r#"{{"bufferView": 0, "byteOffset": {at}, "componentType": 5126, "type": "VEC3", "count": 3}}"#)
+        format!(
+            r#"{{"bufferView": 0, "byteOffset": {at}, "componentType": 5126, "type": "VEC3", "count": 3}}"#
+        )
     };
     let more = r#", "extensionsRequired": ["EXT_mesh_gpu_instancing"], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
         "nodes": [{"mesh": 0, "translation": [10, 0, 0], "extensions": {"EXT_mesh_gpu_instancing": {"attributes":

@@ -37,7 +37,8 @@ impl<'a> Translation<'a, '_> {
     /// several that move the same, the first counts.
     pub fn poses(&mut self) -> Result<BTreeMap<usize, Pose>> {
         let all = self.document.list("animations");
-        let name_of = |i: usize| match all[i].get("name").and_then(Json::text).filter(|name| !name.is_empty()) {
+        let name_of = |i: usize| match all[i].get("name").and_then(Json::text).filter(|name| !name.is_empty())
+        {
             Some(name) => suggest::brief(name).to_string(),
             None => format!("animations[{i}]"),
         };
@@ -51,7 +52,11 @@ impl<'a> Translation<'a, '_> {
                 self.means.d.push(Diagnostic::error(Span::NONE, message));
             }
         }
-        let fps = self.means.define.get("fps").map(|fps| fps.parse::<f64>().ok().filter(|v| (0.001..=1000.0).contains(v)));
+        let fps = self
+            .means
+            .define
+            .get("fps")
+            .map(|fps| fps.parse::<f64>().ok().filter(|v| (0.001..=1000.0).contains(v)));
         let Some(fps) = fps.unwrap_or(Some(FPS)) else {
             let message = "`-D fps=N` says how many frames a second has: a number above 0";
             self.means.d.push(Diagnostic::error(Span::NONE, message));
@@ -159,8 +164,15 @@ impl Track<'_> {
                 // Hermite's polynomials.
                 let (out, into) = (self.value(next - 1, 2), self.value(next, 0));
                 let (t2, t3) = (t * t, t * t * t);
-                let weights = [2.0 * t3 - 3.0 * t2 + 1.0, length * (t3 - 2.0 * t2 + t), 3.0 * t2 - 2.0 * t3, length * (t3 - t2)];
-                let mixed = |i: usize| weights[0] * a[i] + weights[1] * out[i] + weights[2] * b[i] + weights[3] * into[i];
+                let weights = [
+                    2.0 * t3 - 3.0 * t2 + 1.0,
+                    length * (t3 - 2.0 * t2 + t),
+                    3.0 * t2 - 2.0 * t3,
+                    length * (t3 - t2),
+                ];
+                let mixed = |i: usize| {
+                    weights[0] * a[i] + weights[1] * out[i] + weights[2] * b[i] + weights[3] * into[i]
+                };
                 (0..self.width).map(mixed).collect()
             }
         }
@@ -191,7 +203,9 @@ mod tests {
 
     #[test]
     fn values_go_from_key_to_key() {
-        for (time, step, linear) in [(0.0, 10.0, 10.0), (1.0, 10.0, 10.0), (2.5, 10.0, 25.0), (3.0, 30.0, 30.0), (9.0, 30.0, 30.0)] {
+        for (time, step, linear) in
+            [(0.0, 10.0, 10.0), (1.0, 10.0, 10.0), (2.5, 10.0, 25.0), (3.0, 30.0, 30.0), (9.0, 30.0, 30.0)]
+        {
             assert_eq!(at(Way::Step, &[10.0, 30.0], 1, time), [step]);
             assert_eq!(at(Way::Linear, &[10.0, 30.0], 1, time), [linear]);
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use straal_color::Exposure;
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
-    DirectionalLight, Environment, Falloff, Light, Observer, PointLight, Spectrum, SpotLight,
+    Decay, DirectionalLight, Environment, Falloff, Light, Observer, PointLight, Spectrum, SpotLight,
 };
 use straal_scene::value::LinearRgb;
 use straal_scene::{Diagnostic, Image, Span};
@@ -34,7 +34,9 @@ impl<'a> Translation<'a, '_> {
             let power = Spectrum::Rgb(LinearRgb(power));
             let kind = required(light, "type")?;
             let light = match (text(kind)?, direction) {
-                ("point", _) => Light::Point(PointLight { position, intensity: power }),
+                ("point", _) => {
+                    Light::Point(PointLight { position, intensity: power, decay: Decay::InverseSquare })
+                }
                 (_, None) => {
                     self.warn(
                         &tree.nodes[node],
@@ -47,6 +49,7 @@ impl<'a> Translation<'a, '_> {
                     from: None,
                     look_at: None,
                     irradiance: power,
+                    angle: 0.0,
                 }),
                 ("spot", Some(_)) => {
                     let cone = light.get("spot").unwrap_or(light);
@@ -63,6 +66,8 @@ impl<'a> Translation<'a, '_> {
                         cutoff,
                         beam,
                         falloff,
+                        texture: None,
+                        up: DVec3::Y,
                     })
                 }
                 _ => return Err(Fault::of(kind, "a light is `point`, `spot` or `directional`")),

@@ -30,7 +30,11 @@ pub(super) const DEEPEST: usize = 64;
 
 impl<'a> Tree<'a> {
     /// The tree of a document; `scene` is the one that is shown, or all roots where there is none.
-    pub fn of(document: &Document<'a>, scene: Option<&'a Json>, poses: BTreeMap<usize, Pose>) -> Result<Self> {
+    pub fn of(
+        document: &Document<'a>,
+        scene: Option<&'a Json>,
+        poses: BTreeMap<usize, Pose>,
+    ) -> Result<Self> {
         let nodes = document.list("nodes");
         let mut parents = vec![None; nodes.len()];
         for (i, node) in nodes.iter().enumerate() {

@@ -131,7 +131,14 @@ impl<'a> Translation<'a, '_> {
             return Ok(Vec::new());
         }
         let (of, transform) = (Link::new(name.clone()), Transform::default());
-        Ok(vec![Node::Instances(Instances { of, transforms, transform, look_at: None, material: None, name: None })])
+        Ok(vec![Node::Instances(Instances {
+            of,
+            transforms,
+            transform,
+            look_at: None,
+            material: None,
+            name: None,
+        })])
     }
 
     /// A mesh as one of the scene's objects, and the box around it; none where there is nothing to see.
