@@ -50,6 +50,7 @@ impl<'a> Translation<'a, '_> {
                     from: None,
                     look_at: None,
                     irradiance: power,
+                    angle: 0.0,
                 }),
                 ("spot", Some(_)) => {
                     let cone = light.get("spot").unwrap_or(light);
@@ -68,6 +69,8 @@ impl<'a> Translation<'a, '_> {
                         cutoff,
                         beam,
                         falloff,
+                        texture: None,
+                        up: DVec3::Y,
                     })
                 }
                 _ => return Err(Fault::of(kind, "a light is `point`, `spot` or `directional`")),
