@@ -98,7 +98,13 @@ impl Cluster {
     /// Of what is known of a light; `None` for one from afar.
     fn of_reach(reach: &Reach) -> Option<Self> {
         match reach {
-            Reach::Point { position, intensity } => Some(Self::of_point(*position, *intensity)),
+            Reach::Point { position, intensity, falls } => {
+                falls.then(|| Self::of_point(*position, *intensity))
+            }
+            Reach::Projector { projector, intensity } => {
+                Some(Self::of_point(projector.position(), *intensity))
+            }
+            Reach::Measured { lamp, intensity } => Some(Self::of_point(lamp.position(), *intensity)),
             Reach::Spot { spot, intensity } => {
                 let whole = Self::of_point(spot.position(), *intensity);
                 let (axis, cos_reach) = spot.cone();
