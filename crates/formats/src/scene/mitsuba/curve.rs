@@ -62,7 +62,7 @@ impl<'o> Translator<'o, '_, '_> {
             }
         };
         self.read.push((found.path, found.name, blake3::hash(&bytes).into()));
-        let to_world = self.to_world(o);
+        let to_world = self.world_of(o);
         let surface = self.surface(o, &Affine::IDENTITY, Uv::Same, false);
         Some(Node::Curves(Curves {
             points: read.points.iter().map(|p| to_world.point(*p)).collect(),
