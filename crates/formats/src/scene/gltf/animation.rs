@@ -79,7 +79,7 @@ impl<'a> Translation<'a, '_> {
         if !poses.is_empty() {
             // The last frame is that at which the last key is reached.
             let frames = (end * fps).ceil().clamp(0.0, 999_999.0) as u32 + 1;
-            self.scene.animation = Animation { frames, fps };
+            self.scene.animation = Animation { frames, fps, ..Animation::default() };
         }
         Ok(poses)
     }

@@ -45,7 +45,6 @@ impl<'a> Translation<'a, '_> {
                     continue;
                 }
                 ("directional", Some(_)) => Light::Directional(DirectionalLight {
-                    angle: 0.0,
                     direction,
                     from: None,
                     look_at: None,
@@ -60,8 +59,6 @@ impl<'a> Translation<'a, '_> {
                     let beam = Some(inner.clamp(0.0, cutoff));
                     let falloff = Falloff::Smooth;
                     Light::Spot(SpotLight {
-                        texture: None,
-                        up: DVec3::Y,
                         position,
                         direction,
                         look_at: None,
