@@ -20,6 +20,7 @@ mod reading;
 mod render;
 mod sampler;
 mod studio;
+mod tree;
 mod unknown;
 
 pub use accel::AccelArgs;
@@ -38,6 +39,7 @@ pub use reading::{MemoryArgs, ReadingArgs};
 pub use render::RenderArgs;
 pub use sampler::SamplerArgs;
 pub use studio::StudioArgs;
+pub use tree::TreeArgs;
 pub use unknown::failure;
 
 use crate::exit;
@@ -98,6 +100,9 @@ pub enum Command {
     /// Check a scene without rendering it
     #[command(long_about = check::CHECK_ABOUT)]
     Check(CheckArgs),
+    /// Print what stands in a scene, and where
+    #[command(long_about = tree::TREE_ABOUT)]
+    Tree(TreeArgs),
     /// Compare search structures on the rays of a scene
     #[command(long_about = accel::ACCEL_ABOUT)]
     Accel(AccelArgs),

@@ -15,6 +15,7 @@ pub mod metamer;
 pub mod render;
 pub mod sampler;
 pub mod schema;
+pub mod tree;
 
 use crate::exit::Failure;
 use crate::places::is_stream;

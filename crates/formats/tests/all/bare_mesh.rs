@@ -169,7 +169,7 @@ fn what_is_no_scene_is_refused() {
     assert_eq!(
         says("tests/data/notes.txt"),
         "error: `tests/data/notes.txt` is no scene: none of a scene's keys, such as `camera:` and `world:`, is in it\n  \
-         = help: straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj)\n"
+         = help: straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj, .stl)\n"
     );
 }
 

@@ -151,9 +151,7 @@ impl DirectLight {
                 let name = nth(queue.pattern, &path.name, k, self.light_samples);
                 let [u, v] = queue.pattern.d2(&name, Purpose::LightPoint);
                 let Some(pick) = world.lights.pick(u, &receiver) else { continue };
-                let sample = world.sample_light(pick.index, &receiver, [pick.rest, v], state.lanes);
-                let Some(mut light) = sample else { continue };
-                light.pdf *= pick.pmf;
+                let Some(light) = world.sample_picked(&pick, &receiver, v, state.lanes) else { continue };
                 let (value, pdf) = vertex.scattered(&light);
                 let weight = if light.delta {
                     1.0

@@ -48,6 +48,7 @@ mod reach;
 pub mod sky;
 pub mod spot;
 pub mod table;
+mod tree;
 
 pub use ambient::AmbientLight;
 pub use area::{AreaLight, LitSurface, Sides};
@@ -326,6 +327,38 @@ impl LightSample {
 /// The strongest lane anywhere, in double precision.
 fn strength(value: &Value<Colour>) -> f64 {
     f64::from(value.most())
+}
+
+impl Emitter {
+    /// [`Emitter::sample_many`] of the triangles that were picked, where it is a mesh whose triangles are.
+    #[inline(always)]
+    pub(crate) fn sample_parts<F: Float, L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        (at, u): (&Receiver<F>, [F; 2]),
+        part: Option<F::Uint>,
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        match (self, part) {
+            (Self::Area(light), Some(part)) => light.sample_parts(geometry, (at, u), Some(part), readings),
+            _ => self.sample_many(geometry, at, u, readings),
+        }
+    }
+
+    /// [`Emitter::pdf_at`] where the very triangle was picked.
+    #[inline]
+    pub(crate) fn pdf_of_part(
+        &self,
+        geometry: &Geometry,
+        p: Vec3,
+        primitive: u32,
+        hit: &SurfacePoint,
+    ) -> f32 {
+        match self {
+            Self::Area(light) => light.pdf_of_part(geometry, p, (primitive, hit)),
+            _ => 0.0,
+        }
+    }
 }
 
 #[cfg(test)]

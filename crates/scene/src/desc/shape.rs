@@ -179,7 +179,7 @@ describe! {
 describe! {
     /// A triangle mesh from a file, or written out by `positions` and `triangles`.
     pub struct TriangleMesh [check::mesh] {
-        /// A PLY or OBJ file.
+        /// A PLY, OBJ or STL file.
         file: Option<Asset<Mesh>> = None,
         /// Vertices, in place of a file.
         positions: Vec<DVec3> = Vec::new(),

@@ -88,7 +88,7 @@ impl Kernel for Choices<'_> {
         let mut all = vec![];
         for first in (0..COUNT).step_by(F::WIDTH) {
             let (at, u) = lanes::<F>(&self.1[first..], &self.2[first..]);
-            let Picks { index, pmf, rest } = self.0.picks(u[0], &at);
+            let Picks { index, pmf, rest, .. } = self.0.picks(u[0], &at);
             let told = [0, 1].map(|emitter| self.0.pmfs(emitter, &at));
             for i in 0..F::WIDTH {
                 let numbers = [pmf.lane(i), rest.lane(i), told[0].lane(i), told[1].lane(i)];
