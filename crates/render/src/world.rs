@@ -6,7 +6,7 @@ use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::table::Picks;
-use crate::light::{AmbientLight, Ball, Emitter, LightSample, LightTable, Receiver};
+use crate::light::{AmbientLight, Ball, Emitter, LightSample, LightTable, Pick, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::relief::Ways;
@@ -264,7 +264,7 @@ impl World {
         let (tangents, local) = self.tangents(ray, hit);
         let dp = footprint.unpacked().on_surface(ray, hit.t, point.ng);
         let [duvdx, duvdy] = dp.map(|dp| tangents.coordinates(dp));
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         // From its group's coordinates to its own.
         let placement = self.placements.get(self.geometries[hit.geometry as usize].placement as usize);
         let [dpdx, dpdy] = dp.map(|dp| {
@@ -319,7 +319,7 @@ impl World {
     fn bulge(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> Vec3 {
         let Kind::Mesh(mesh) = geometry.kind else { return Vec3::ZERO };
         let mesh = &self.geometry.meshes[mesh as usize];
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         let d = transforms().fold(ray.d, |d, m| m.inverse_vector(d));
         let bulge = mesh.bulge(hit.primitive, [hit.u, hit.v], d);
         transforms().rev().fold(bulge, |v, m| m.vector(v))
@@ -369,7 +369,7 @@ impl World {
     /// How a hit point moves with its texture coordinates, and the point in the coordinates of its group.
     fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, SurfacePoint) {
         let geometry = &self.geometries[hit.geometry as usize];
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
         let point = self.local_surface(geometry, &local, hit);
         let own = match geometry.kind {
@@ -377,7 +377,7 @@ impl World {
             Kind::Shapes(first) => self.geometry.tangents(first + hit.primitive, &point),
         };
         let outwards = transforms().rev().fold((own, point.n), |(tangents, n), m| {
-            (tangents.to_world(m, n), m.normal(n).try_normalize().unwrap_or(n))
+            (tangents.to_world(&m, n), m.normal(n).try_normalize().unwrap_or(n))
         });
         let tangents = if geometry.flip { outwards.0.flipped() } else { outwards.0 };
         (tangents, point)
@@ -429,10 +429,10 @@ impl World {
     /// Into the object and back out, level by level.
     #[cold]
     fn instanced_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
         let point = self.local_surface(geometry, &local, hit);
-        transforms().rev().fold(point, |p, m| p.to_world(m))
+        transforms().rev().fold(point, |p, m| p.to_world(&m))
     }
 
     /// The material at a hit.
@@ -551,6 +551,28 @@ impl World {
         self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
     }
 
+    /// [`Self::sample_light`] of what was picked, by what is left of the number that picked it and another; the density is that of both.
+    #[inline]
+    pub fn sample_picked<L: Lanes>(
+        &self,
+        pick: &Pick,
+        at: &Receiver,
+        v: f32,
+        lanes: L,
+    ) -> Option<LightSample> {
+        let reading = self.reading(lanes);
+        let part = self.lights.splits(pick.index).then_some(pick.part);
+        let light = &self.emitters[pick.index as usize];
+        let sample = light.sample_parts::<f32, L>(
+            &self.geometry,
+            (at, [pick.rest, v]),
+            part,
+            &Readings::one(&reading),
+        );
+        let pdf = sample.pdf * pick.pmf;
+        (pdf > 0.0).then_some(LightSample { pdf, ..sample })
+    }
+
     /// [`Self::sample_light`] at many points side by side, of each the emitter that was picked there.
     #[inline(always)]
     pub(crate) fn sample_lights<F: Float, L: Lanes>(
@@ -568,14 +590,16 @@ impl World {
             let emitter = picked.index.lane(first);
             let these = left & picked.index.eq(F::Uint::splat(emitter));
             let light = &self.emitters[emitter as usize];
+            let splits = self.lights.splits(emitter);
             let sample = if F::WIDTH > 1 && these.to_bits().is_power_of_two() {
                 // By itself: of many lights each is picked by few.
                 let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
                 let u = [u[0].lane(first), u[1].lane(first)];
-                let one = light.sample_many::<f32, L>(&self.geometry, &at, u, &readings.from(first));
+                let part = splits.then(|| picked.part.lane(first));
+                let one = light.sample_parts::<f32, L>(&self.geometry, (&at, u), part, &readings.from(first));
                 LightSample::uniform(&one)
             } else {
-                light.sample_many(&self.geometry, at, u, readings)
+                light.sample_parts(&self.geometry, (at, u), splits.then_some(picked.part), readings)
             };
             all = LightSample::select(these, sample, all);
             left = left & !these;
@@ -588,6 +612,11 @@ impl World {
     #[inline]
     pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, point: &SurfacePoint) -> f32 {
         let light = &self.emitters[emitter as usize];
+        if self.lights.splits(emitter) {
+            let pdf = light.pdf_of_part(&self.geometry, from.p, hit.primitive, point);
+            let pmf = || self.lights.pmf_of_part(emitter, hit.primitive, from);
+            return if pdf > 0.0 { pmf() * pdf } else { 0.0 };
+        }
         let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
         if pdf > 0.0 { self.lights.pmf(emitter, from) * pdf } else { 0.0 }
     }

@@ -115,7 +115,7 @@ impl DirectLight {
         let (beta, reading) = (state.beta * left, world.reading(state.lanes));
         if !hit.is_hit() {
             for (index, emitter) in world.environments() {
-                let (radiance, pdf) = emitter.radiance_pdf_from(state.from.n, ray.d, &reading);
+                let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
                 let weight = self.weight(state, || world.lights.pmf(index, &state.from) * pdf);
                 out.add(Contribution::own(path, beta * radiance * weight));
             }
@@ -151,9 +151,7 @@ impl DirectLight {
                 let name = nth(queue.pattern, &path.name, k, self.light_samples);
                 let [u, v] = queue.pattern.d2(&name, Purpose::LightPoint);
                 let Some(pick) = world.lights.pick(u, &receiver) else { continue };
-                let sample = world.sample_light(pick.index, &receiver, [pick.rest, v], state.lanes);
-                let Some(mut light) = sample else { continue };
-                light.pdf *= pick.pmf;
+                let Some(light) = world.sample_picked(&pick, &receiver, v, state.lanes) else { continue };
                 let (value, pdf) = vertex.scattered(&light);
                 let weight = if light.delta {
                     1.0

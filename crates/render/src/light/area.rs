@@ -3,7 +3,7 @@
 use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, Readings, ShadingPoint, Value, own_normal};
 use straal_color::Light;
-use straal_math::simd::{Float, Mask};
+use straal_math::simd::{Float, Mask, Uint};
 use straal_math::{Frame, Transform, Vec3, ops, table::Table1, warp};
 
 use super::reach::Lamp;
@@ -124,12 +124,77 @@ impl Sides {
 }
 
 impl AreaLight {
+    /// [`Emitter::sample_many`](super::Emitter::sample_many), of the triangles with these numbers where they were picked already.
+    #[inline(always)]
+    pub(super) fn sample_parts<F: Float, L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        (at, u): (&Receiver<F>, [F; 2]),
+        part: Option<F::Uint>,
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        let (Value::Constant(radiance), None, None) = (&self.radiance, &self.opacity, &self.below) else {
+            return LightSample::one_by_one(
+                #[inline(always)]
+                |i| {
+                    let u = [u[0].lane(i), u[1].lane(i)];
+                    let part = part.map(|part| part.lane(i));
+                    self.sample_textured(geometry, (at.p.lane(i), u), part, &readings.of(i))
+                },
+            );
+        };
+        let s = match &self.surface {
+            LitSurface::Shape(shape) => geometry.sample_from_many(*shape, at.p, u),
+            LitSurface::Mesh { mesh, triangles: Some(triangles), .. } => {
+                let mesh = &geometry.meshes[*mesh as usize];
+                let (end, pdf) = match part {
+                    Some(part) => {
+                        // Lanes that picked another lamp have numbers of that.
+                        let last = F::Uint::splat(mesh.indices.len() as u32 - 1);
+                        mesh.sample_triangles(part.min(last), u)
+                    }
+                    None => {
+                        let choice = triangles.samples(u[0]);
+                        let (end, pdf) = mesh.sample_triangles(choice.index, [choice.rest, u[1]]);
+                        (end, pdf * choice.pmf)
+                    }
+                };
+                DirSamples::by_area(at.p, end, pdf)
+            }
+            LitSurface::Mesh { triangles: None, .. } => return LightSample::none(),
+        };
+        let lit = self.sides.lit(s.end.ng, -s.wi) & F::Mask::splat(!radiance.is_black());
+        let far = F::Mask::splat(false);
+        let mut radiance = readings.light(radiance);
+        if !self.spread.is_open() {
+            radiance *= self.spread.share(s.end.ng.dot(s.wi));
+        }
+        let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
+        LightSample { far, to: s.end, ..sample }.only(lit)
+    }
+
+    /// The density by solid angle at `p` of a point of the surface, of whose triangle is known that it was picked.
+    pub(super) fn pdf_of_part(
+        &self,
+        geometry: &Geometry,
+        p: Vec3,
+        (primitive, hit): (u32, &SurfacePoint),
+    ) -> f32 {
+        let LitSurface::Mesh { mesh, .. } = &self.surface else { return 0.0 };
+        if self.radiance.most() == 0.0 || !self.sides.lit(hit.ng, p - hit.p) {
+            return 0.0;
+        }
+        let area = geometry.meshes[*mesh as usize].triangle_area(primitive);
+        solid_angle_pdf(p, hit, (1.0 / area) as f32)
+    }
+
     /// A sample of radiance that is read at its point.
     #[cold]
     fn sample_textured<L: Lanes>(
         &self,
         geometry: &Geometry,
         (p, u): (Vec3, [f32; 2]),
+        part: Option<u32>,
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         if self.radiance.most() == 0.0 {
@@ -138,10 +203,16 @@ impl AreaLight {
         let s = match &self.surface {
             LitSurface::Shape(shape) => geometry.sample_from(*shape, p, u)?,
             LitSurface::Mesh { mesh, triangles, .. } => {
-                let choice = triangles.as_ref()?.sample(u[0]);
                 let mesh = &geometry.meshes[*mesh as usize];
-                let mut s = mesh.sample_triangle(choice.index as u32, [choice.rest, u[1]]);
-                s.pdf_area *= choice.pmf;
+                let s = match part {
+                    Some(part) => mesh.sample_triangle(part, u),
+                    None => {
+                        let choice = triangles.as_ref()?.sample(u[0]);
+                        let mut s = mesh.sample_triangle(choice.index as u32, [choice.rest, u[1]]);
+                        s.pdf_area *= choice.pmf;
+                        s
+                    }
+                };
                 by_solid_angle(p, s)?
             }
         };
@@ -244,33 +315,7 @@ impl Shine for AreaLight {
         (at, u): (&Receiver<F>, [F; 2]),
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
-        let (Value::Constant(radiance), None, None) = (&self.radiance, &self.opacity, &self.below) else {
-            return LightSample::one_by_one(
-                #[inline(always)]
-                |i| {
-                    let u = [u[0].lane(i), u[1].lane(i)];
-                    self.sample_textured(geometry, (at.p.lane(i), u), &readings.of(i))
-                },
-            );
-        };
-        let s = match &self.surface {
-            LitSurface::Shape(shape) => geometry.sample_from_many(*shape, at.p, u),
-            LitSurface::Mesh { mesh, triangles: Some(triangles), .. } => {
-                let choice = triangles.samples(u[0]);
-                let mesh = &geometry.meshes[*mesh as usize];
-                let (end, pdf) = mesh.sample_triangles(choice.index, [choice.rest, u[1]]);
-                DirSamples::by_area(at.p, end, pdf * choice.pmf)
-            }
-            LitSurface::Mesh { triangles: None, .. } => return LightSample::none(),
-        };
-        let lit = self.sides.lit(s.end.ng, -s.wi) & F::Mask::splat(!radiance.is_black());
-        let far = F::Mask::splat(false);
-        let mut radiance = readings.light(radiance);
-        if !self.spread.is_open() {
-            radiance *= self.spread.share(s.end.ng.dot(s.wi));
-        }
-        let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
-        LightSample { far, to: s.end, ..sample }.only(lit)
+        self.sample_parts(geometry, (at, u), None, readings)
     }
 
     #[inline]
@@ -368,6 +413,8 @@ impl Shine for AreaLight {
         let sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.3), radius: 0.7 };
         let (a, b) = (Vec3::new(1.5, 0.2, 0.0), Vec3::new(0.3, 0.1, -1.2));
         let flat = Parallelogram::new(Vec3::new(-0.7, -0.6, 0.5), a, b);
+        let level =
+            Parallelogram::new(Vec3::new(-0.7, -0.4, -0.6), Vec3::X * 1.4, Vec3::Z * 1.1).by_solid_angle();
         let disc = Disc::new(Vec3::new(0.2, 0.1, 0.0), a, b);
         let tube = Cylinder::between(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.9, 0.4, 0.2), 0.3).unwrap();
         let cuboid = TriangleMesh::cuboid(Vec3::new(-0.5, -0.2, -0.8), Vec3::new(0.6, 0.3, 0.7));
@@ -377,11 +424,11 @@ impl Shine for AreaLight {
             shape("ellipsoid", Shape::Ellipsoid(Box::new(Ellipsoid::new(squash).unwrap())), Sides::Both),
             shape("disc", Shape::Disc(Box::new(disc)), Sides::Front),
             shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
+            shape("parallelogram by solid angle", Shape::Parallelogram(Box::new(level)), Sides::Both),
             shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
             shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
             narrowed("disc, narrow", shape("", Shape::Disc(Box::new(disc)), Sides::Both), 80.0),
             mesh("cuboid", cuboid.clone(), Sides::Front),
-            narrowed("cuboid, narrow", mesh("", cuboid.clone(), Sides::Front), 120.0),
             mesh("cuboid, both", cuboid.transformed(&squash).unwrap(), Sides::Both),
         ]
     }

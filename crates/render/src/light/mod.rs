@@ -42,11 +42,13 @@ mod facing;
 pub mod goniometric;
 mod list;
 pub mod point;
+pub mod portals;
 pub mod projector;
 mod reach;
 pub mod sky;
 pub mod spot;
 pub mod table;
+mod tree;
 
 pub use ambient::AmbientLight;
 pub use area::{AreaLight, LitSurface, Sides};
@@ -56,6 +58,7 @@ pub use emission::{Ball, Emitted, Shows};
 pub use environment::{ConstantEnvironment, ImageEnvironment};
 pub use goniometric::Goniometric;
 pub use point::PointLight;
+pub use portals::Portals;
 pub use projector::Projector;
 use reach::Reach;
 pub use reach::Receiver;
@@ -82,6 +85,8 @@ list::emitters! {
     Constant(ConstantEnvironment) of Environment,
     /// A picture of all that is around.
     Image(Box<ImageEnvironment>),
+    /// One of these, of which light comes in through openings only.
+    Portals(Box<Portals>),
     /// A clear sky.
     Sky(Sky) of Sky,
     /// The same light for every surface, from nowhere.
@@ -148,14 +153,15 @@ trait Shine {
     /// The first of [`Self::radiance_pdf_from_many`].
     #[inline(always)]
     fn radiance_from_many<F: Float, L: Lanes>(&self, wi: Vec3<F>, readings: &Readings<'_, L>) -> Light<F> {
-        self.radiance_pdf_from_many(Vec3::splat(F::ZERO), wi, readings).0
+        let at = Receiver { p: Vec3::splat(F::ZERO), n: Vec3::splat(F::ZERO) };
+        self.radiance_pdf_from_many(&at, wi, readings).0
     }
 
     /// [`Emitter::radiance_pdf_from`] for many directions side by side.
     #[inline(always)]
     fn radiance_pdf_from_many<F: Float, L: Lanes>(
         &self,
-        _n: Vec3<F>,
+        _at: &Receiver<F>,
         _wi: Vec3<F>,
         _readings: &Readings<'_, L>,
     ) -> (Light<F>, F) {
@@ -164,13 +170,13 @@ trait Shine {
 
     /// See [`Emitter::radiance_pdf_from`]: one lane of the same.
     #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        self.radiance_pdf_from_many(n, wi, &Readings::one(reading))
+    fn radiance_pdf_from<L: Lanes>(&self, at: &Receiver, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        self.radiance_pdf_from_many(at, wi, &Readings::one(reading))
     }
 
     /// See [`Emitter::pdf_from`].
     #[inline]
-    fn pdf_from(&self, _n: Vec3, _wi: Vec3) -> f32 {
+    fn pdf_from(&self, _at: &Receiver, _wi: Vec3) -> f32 {
         0.0
     }
 
@@ -321,6 +327,38 @@ impl LightSample {
 /// The strongest lane anywhere, in double precision.
 fn strength(value: &Value<Colour>) -> f64 {
     f64::from(value.most())
+}
+
+impl Emitter {
+    /// [`Emitter::sample_many`] of the triangles that were picked, where it is a mesh whose triangles are.
+    #[inline(always)]
+    pub(crate) fn sample_parts<F: Float, L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        (at, u): (&Receiver<F>, [F; 2]),
+        part: Option<F::Uint>,
+        readings: &Readings<'_, L>,
+    ) -> LightSample<F> {
+        match (self, part) {
+            (Self::Area(light), Some(part)) => light.sample_parts(geometry, (at, u), Some(part), readings),
+            _ => self.sample_many(geometry, at, u, readings),
+        }
+    }
+
+    /// [`Emitter::pdf_at`] where the very triangle was picked.
+    #[inline]
+    pub(crate) fn pdf_of_part(
+        &self,
+        geometry: &Geometry,
+        p: Vec3,
+        primitive: u32,
+        hit: &SurfacePoint,
+    ) -> f32 {
+        match self {
+            Self::Area(light) => light.pdf_of_part(geometry, p, (primitive, hit)),
+            _ => 0.0,
+        }
+    }
 }
 
 #[cfg(test)]

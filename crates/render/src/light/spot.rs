@@ -69,6 +69,11 @@ impl SpotLight {
         self.position
     }
 
+    /// Its axis, and the cosine of the angle from it from which there is no light.
+    pub(super) fn cone(&self) -> (Vec3, f32) {
+        (self.axis, self.cos_cutoff)
+    }
+
     /// A direction within its cone, evenly.
     pub fn direction(&self, u: [f32; 2]) -> Vec3 {
         // A cone of no width is an axis.

@@ -1,10 +1,11 @@
 //! The choice of an emitter.
 
-use straal_math::simd::{Float, Uint};
-use straal_math::table::{Choices, Table1};
+use straal_math::simd::{Float, Mask, Uint};
+use straal_math::table::Table1;
 
-use super::Emitter;
 use super::reach::{Reach, Receiver};
+use super::tree::{Tree, WHOLE};
+use super::{AreaLight, Emitter, LitSurface};
 use crate::shape::Geometry;
 
 /// Up to so many lights are weighed at each point.
@@ -16,8 +17,8 @@ const FEW: usize = 16;
 /// the steps that probabilities are told in: sixteenths, or sixty-fourths for more than four lights. So a light that lies in
 /// shadow can't starve the others, and a set of 64 well-spread samples is dealt out in whole numbers.
 ///
-/// Of many lights, half of the time any that shines is picked, evenly, and half of the time in proportion to an estimate of
-/// its power.
+/// Many lights, and meshes of many triangles that shine, are a tree of what stands near each other (`tree.rs`), from which a point picks by
+/// going down to what brings it more; those from afar stand beside it.
 #[derive(Clone, Debug)]
 pub struct LightTable {
     way: Way,
@@ -31,8 +32,23 @@ enum Way {
     /// A single one shines.
     Only(u32),
     Few(Vec<(u32, Reach)>),
-    Many(Table1),
+    Many(Box<Many>),
 }
+
+/// Many lights.
+#[derive(Clone, Debug)]
+struct Many {
+    /// Those from afar.
+    far: Vec<(u32, Reach)>,
+    /// All others.
+    near: Option<Tree>,
+}
+
+/// Meshes of more triangles than this are a lamp each triangle.
+const WHOLE_MESH: usize = 64;
+
+/// The least part of the picks that those from afar have, and the others, where both bring anything.
+const LEAST: f32 = 0.2;
 
 /// A chosen emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +59,8 @@ pub struct Pick {
     pub pmf: f32,
     /// What is left of the number that chose: uniform in [0, 1) again.
     pub rest: f32,
+    /// Which triangle of it, where [`LightTable::splits`] says so.
+    pub part: u32,
 }
 
 /// Chosen emitters, side by side.
@@ -54,6 +72,8 @@ pub struct Picks<F: Float> {
     pub pmf: F,
     /// What is left of the numbers that chose.
     pub rest: F,
+    /// Which triangles, see [`Pick::part`].
+    pub part: F::Uint,
 }
 
 /// The greatest number below 1.
@@ -61,10 +81,11 @@ const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl LightTable {
     /// Bytes that it takes for each of many emitters.
-    pub const BYTES: usize = Table1::BYTES;
+    pub const BYTES: usize = Table1::BYTES + Tree::BYTES;
 
     /// Bytes that it takes besides, for each, while it is made: powers, what shines, weights.
-    pub const MAKING_BYTES: usize = size_of::<f64>() + size_of::<u32>() + size_of::<f32>();
+    pub const MAKING_BYTES: usize =
+        size_of::<f64>() + size_of::<u32>() + size_of::<f32>() + Tree::MAKING_BYTES;
 
     /// A table of all emitters of a scene of the given radius in m.
     pub fn new(emitters: &[Emitter], geometry: &Geometry, scene_radius: f64) -> Self {
@@ -74,14 +95,22 @@ impl LightTable {
             .map(|w| if w > 0.0 && w.is_finite() { w } else { 0.0 })
             .collect();
         let shining: Vec<u32> = (0..).zip(&powers).filter(|(_, w)| **w > 0.0).map(|(i, _)| i).collect();
+        let triangles = |&i: &u32| match &emitters[i as usize] {
+            Emitter::Area(AreaLight { surface: LitSurface::Mesh { mesh, .. }, .. }) => {
+                geometry.meshes[*mesh as usize].indices.len()
+            }
+            _ => 1,
+        };
         let way = match shining[..] {
             [] => Way::Nothing,
+            _ if shining.len() > FEW || shining.iter().any(|i| triangles(i) > WHOLE_MESH) => {
+                Way::Many(Box::new(Many::new(emitters, geometry, &shining)))
+            }
             [only] => Way::Only(only),
-            _ if shining.len() <= FEW => {
+            _ => {
                 let reach = |&i: &u32| Some((i, emitters[i as usize].reach(geometry)?));
                 Way::Few(shining.iter().filter_map(reach).collect())
             }
-            _ => Self::by_power(&powers, shining.len()),
         };
         // Relative to the strongest, so that single precision holds them.
         let most = powers.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
@@ -89,36 +118,27 @@ impl LightTable {
         Self { way, by_power: Table1::new(&relative) }
     }
 
-    fn by_power(powers: &[f64], shining: usize) -> Way {
-        let total: f64 = powers.iter().sum();
-        let weight = |w: &f64| if *w > 0.0 { (0.5 / shining as f64 + 0.5 * (w / total)) as f32 } else { 0.0 };
-        Table1::new(&powers.iter().map(weight).collect::<Vec<_>>()).map_or(Way::Nothing, Way::Many)
-    }
-
     /// Picks the light that a ray is to leave, by power; `None` when nothing shines.
     pub fn pick_by_power(&self, u: f32) -> Option<Pick> {
         let choice = self.by_power.as_ref()?.sample(u);
-        Some(Pick { index: choice.index as u32, pmf: choice.pmf, rest: choice.rest })
+        Some(Pick { index: choice.index as u32, pmf: choice.pmf, rest: choice.rest, part: WHOLE })
     }
 
     /// Picks for a point by `u` in [0, 1); `None` when nothing shines on it.
     #[inline]
     pub fn pick(&self, u: f32, at: &Receiver) -> Option<Pick> {
-        let Picks { index, pmf, rest } = self.picks(u, at);
-        (pmf > 0.0).then_some(Pick { index, pmf, rest })
+        let Picks { index, pmf, rest, part } = self.picks(u, at);
+        (pmf > 0.0).then_some(Pick { index, pmf, rest, part })
     }
 
     /// [`Self::pick`] for many points side by side.
     #[inline(always)]
     pub fn picks<F: Float>(&self, u: F, at: &Receiver<F>) -> Picks<F> {
         match &self.way {
-            Way::Nothing => Picks { index: F::Uint::splat(0), pmf: F::ZERO, rest: u },
-            Way::Only(index) => Picks { index: F::Uint::splat(*index), pmf: F::ONE, rest: u },
+            Way::Nothing => Picks::whole(F::Uint::splat(0), F::ZERO, u),
+            Way::Only(index) => Picks::whole(F::Uint::splat(*index), F::ONE, u),
             Way::Few(lights) => picks_of_few(lights, u, at),
-            Way::Many(table) => {
-                let Choices { index, pmf, rest } = table.samples(u);
-                Picks { index, pmf, rest }
-            }
+            Way::Many(many) => many.picks(u, at),
         }
     }
 
@@ -139,8 +159,116 @@ impl LightTable {
                 let shares = Shares::of(lights, at);
                 shares.each[place] / shares.steps
             }
-            Way::Many(table) => F::splat(table.pmf(index as usize)),
+            Way::Many(many) => many.pmfs(index, WHOLE, at),
         }
+    }
+
+    /// Whether an emitter is picked triangle by triangle.
+    #[inline]
+    pub fn splits(&self, index: u32) -> bool {
+        matches!(&self.way, Way::Many(many) if many.near.as_ref().is_some_and(|tree| tree.splits(index)))
+    }
+
+    /// The probability with which a triangle of an emitter is picked, of one that [`Self::splits`].
+    #[inline]
+    pub fn pmf_of_part(&self, index: u32, part: u32, at: &Receiver) -> f32 {
+        match &self.way {
+            Way::Many(many) => many.pmfs(index, part, at),
+            _ => 0.0,
+        }
+    }
+
+    /// Bytes that it holds.
+    pub fn bytes(&self) -> usize {
+        let tree = match &self.way {
+            Way::Many(many) => many.near.as_ref().map_or(0, Tree::bytes),
+            _ => 0,
+        };
+        tree + self.by_power.as_ref().map_or(0, |table| table.len() * Table1::BYTES)
+    }
+}
+
+impl<F: Float> Picks<F> {
+    #[inline(always)]
+    fn whole(index: F::Uint, pmf: F, rest: F) -> Self {
+        Self { index, pmf, rest, part: F::Uint::splat(WHOLE) }
+    }
+}
+
+impl Many {
+    fn new(emitters: &[Emitter], geometry: &Geometry, shining: &[u32]) -> Self {
+        let is_far = |i: &&u32| emitters[**i as usize].is_from_afar();
+        let far = { shining.iter().filter(is_far) }
+            .filter_map(|&i| Some((i, emitters[i as usize].reach(geometry)?)))
+            .collect();
+        Self { far, near: Tree::new(emitters, geometry) }
+    }
+
+    /// What each of those from afar brings.
+    #[inline(always)]
+    fn estimate<F: Float>(reach: &Reach, at: &Receiver<F>) -> F {
+        let brings = reach.estimate(at);
+        F::select(brings.gt(F::ZERO), brings.min(F::splat(1e30)), F::ZERO)
+    }
+
+    /// What all of those from afar bring, and the part of the picks that the others have.
+    #[inline(always)]
+    fn shares<F: Float>(&self, at: &Receiver<F>) -> (F, F) {
+        let far = self.far.iter().fold(F::ZERO, |sum, (_, reach)| sum + Self::estimate(reach, at));
+        let Some(tree) = &self.near else { return (far, F::ZERO) };
+        if self.far.is_empty() {
+            return (far, F::ONE);
+        }
+        let near = tree.estimate(at);
+        let share = (near / (near + far)).max(F::splat(LEAST)).min(F::splat(1.0 - LEAST));
+        let share = F::select(far.gt(F::ZERO), share, F::ONE);
+        (far, F::select(near.gt(F::ZERO), share, F::ZERO))
+    }
+
+    #[inline(always)]
+    fn picks<F: Float>(&self, u: F, at: &Receiver<F>) -> Picks<F> {
+        let (far, share) = self.shares(at);
+        let is_near = u.lt(share);
+        let mut picked = Picks::whole(F::Uint::splat(0), F::ZERO, u);
+        if let Some(tree) = self.near.as_ref().filter(|_| is_near.any()) {
+            let below_one = F::splat(BELOW_ONE);
+            let down = tree.picks(F::select(is_near, u / share, F::ZERO).min(below_one), at);
+            picked.index = down.emitter;
+            picked.part = down.part;
+            picked.pmf = F::select(is_near, down.pmf * share, F::ZERO);
+            picked.rest = down.rest;
+        }
+        if is_near.all() {
+            return picked;
+        }
+        let left = F::ONE - share;
+        let place = (u - share) / left * far;
+        let mut sum = F::ZERO;
+        let mut open = !is_near & far.gt(F::ZERO);
+        for (index, reach) in &self.far {
+            let brings = Self::estimate(reach, at);
+            // The last that brings anything also has what rounding leaves over.
+            let it = open & brings.gt(F::ZERO) & !place.lt(sum);
+            let rest = ((place - sum) / brings).max(F::ZERO).min(F::splat(BELOW_ONE));
+            picked.index = F::Uint::select(it, F::Uint::splat(*index), picked.index);
+            picked.part = F::Uint::select(it, F::Uint::splat(WHOLE), picked.part);
+            picked.pmf = F::select(it, left * (brings / far), picked.pmf);
+            picked.rest = F::select(it, rest, picked.rest);
+            sum += brings;
+            open = open & !place.lt(sum);
+        }
+        picked
+    }
+
+    #[inline(always)]
+    fn pmfs<F: Float>(&self, index: u32, part: u32, at: &Receiver<F>) -> F {
+        let (far, share) = self.shares(at);
+        if let Some((_, reach)) = self.far.iter().find(|(i, _)| *i == index) {
+            let brings = Self::estimate(reach, at);
+            return F::select(brings.gt(F::ZERO), (F::ONE - share) * (brings / far), F::ZERO);
+        }
+        let tree = self.near.as_ref();
+        tree.map_or(F::ZERO, |tree| F::select(share.gt(F::ZERO), tree.pmfs(index, part, at) * share, F::ZERO))
     }
 }
 
@@ -150,7 +278,7 @@ fn picks_of_few<F: Float>(lights: &[(u32, Reach)], u: F, at: &Receiver<F>) -> Pi
     // Exact: the steps are a power of two.
     let place = u * shares.steps;
     let mut first = F::ZERO;
-    let mut picked = Picks { index: F::Uint::splat(0), pmf: F::ZERO, rest: F::ZERO };
+    let mut picked = Picks::whole(F::Uint::splat(0), F::ZERO, F::ZERO);
     for ((index, _), &width) in lights.iter().zip(&shares.each) {
         let end = first + width;
         // Those before have ended at or before it.

@@ -13,6 +13,7 @@ use crate::testing::in_rgb;
 
 mod density;
 mod emitted;
+mod many;
 mod side_by_side;
 mod textured;
 
@@ -113,7 +114,7 @@ fn lights_without_extent_keep_the_contract() {
         let mut seen = 0;
         for p in VIEWS {
             assert_eq!(
-                (e.emitter.pdf_from(Vec3::ZERO, Vec3::Y), e.emitter.is_environment()),
+                (e.emitter.pdf_from(&Receiver::anywhere(Vec3::ZERO), Vec3::Y), e.emitter.is_environment()),
                 (0.0, false),
                 "{}",
                 e.name
@@ -190,7 +191,7 @@ impl Example {
         let inside = crossings.first().is_some_and(|(_, s)| s.ng.dot(w) > 0.0);
         let points = if round && !inside && !crossings.is_empty() { &crossings[..1] } else { &crossings };
         let of = |(i, s): &(u32, SurfacePoint)| self.emitter.pdf_at(&self.geometry, p, *i, s);
-        self.emitter.pdf_from(at.n, w) + points.iter().map(of).sum::<f32>()
+        self.emitter.pdf_from(at, w) + points.iter().map(of).sum::<f32>()
     }
 }
 
@@ -209,9 +210,14 @@ fn what_is_sampled_is_what_is_hit() {
                 assert!((s.wi.length() - 1.0).abs() < 1e-6 && !s.delta && s.pdf > 0.0, "{}", entry.name);
                 match (s.far, s.to) {
                     (true, _) => {
-                        let (radiance, pdf) =
-                            (entry.emitter.radiance_from(s.wi, &in_rgb()), entry.emitter.pdf_from(n, s.wi));
-                        assert_eq!(entry.emitter.radiance_pdf_from(n, s.wi, &in_rgb()), (radiance, pdf));
+                        let (radiance, pdf) = (
+                            entry.emitter.radiance_from(s.wi, &in_rgb()),
+                            entry.emitter.pdf_from(&Receiver { p, n }, s.wi),
+                        );
+                        assert_eq!(
+                            entry.emitter.radiance_pdf_from(&Receiver { p, n }, s.wi, &in_rgb()),
+                            (radiance, pdf)
+                        );
                         let off = (radiance - s.radiance).map(f32::abs).max_lane();
                         // A direction's rounding, 1e-7, times the steepest slope between pixels, 250 a radian.
                         assert!(off < 1e-4, "{}: {radiance:?} against {s:?}", entry.name);
@@ -363,7 +369,7 @@ fn delta_lights_give_their_irradiance() {
         let s = e.sample(&geometry, &Receiver::anywhere(p), [0.3, 0.7], &in_rgb());
         assert!(s.is_none_or(|s| s.delta && s.pdf == 1.0 && (s.wi.length() - 1.0).abs() < 1e-6));
         assert_eq!(
-            (e.pdf_from(Vec3::ZERO, Vec3::Y), e.radiance_from(Vec3::Y, &in_rgb())),
+            (e.pdf_from(&Receiver::anywhere(Vec3::ZERO), Vec3::Y), e.radiance_from(Vec3::Y, &in_rgb())),
             (0.0, Light::ZERO)
         );
         s.map_or(0.0, |s| s.radiance[0])
@@ -515,37 +521,19 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
     }
 }
 
+fn whole(index: u32, pmf: f32, rest: f32) -> Pick {
+    Pick { index, pmf, rest, part: u32::MAX }
+}
+
 #[test]
-fn many_lights_are_picked_by_power_and_evenly() {
+fn black_lights_are_never_picked() {
     let at = |i: f32| {
         Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into(), falls: true })
     };
-    let mut emitters = vec![at(1.0), at(0.0), at(3.0), at(f32::NAN), at(4.0)];
-    // So many that they are not weighed by the place.
-    emitters.extend((0..20).map(|_| at(1.0)));
     let geometry = Geometry::default();
-    let table = LightTable::new(&emitters, &geometry, 1.0);
-    let half = |i: f64| 0.5 / 23.0 + 0.5 * i / 28.0;
-    let want = [half(1.0), 0.0, half(3.0), 0.0, half(4.0)];
-    let here = Receiver { p: Vec3::ONE, n: Vec3::X };
-    let mut rng = Rng(71);
-    let (mut counts, mut rests) = ([0_u32; 25], 0.0);
-    for _ in 0..100_000 {
-        let pick = table.pick(rng.f(), &here).unwrap();
-        assert_eq!(pick.pmf, table.pmf(pick.index, &here));
-        counts[pick.index as usize] += 1;
-        rests += f64::from(pick.rest);
-    }
-    for (i, want) in want.into_iter().enumerate() {
-        assert!((f64::from(table.pmf(i as u32, &here)) - want).abs() < 1e-6);
-        let share = f64::from(counts[i]) / 1e5;
-        // Five standard deviations of a binomial.
-        assert!((share - want).abs() <= 5.0 * (want / 1e5).sqrt(), "{i}: {share}");
-    }
-    assert!((rests / 1e5 - 0.5).abs() < 5.0 * 0.289 / 1e5_f64.sqrt());
-    assert_eq!(LightTable::new(&[], &geometry, 1.0).pick(0.0, &here), None);
-    let one = LightTable::new(&emitters[1..3], &geometry, 1.0);
-    assert_eq!(one.pick(0.3, &here), Some(Pick { index: 1, pmf: 1.0, rest: 0.3 }));
+    assert_eq!(LightTable::new(&[], &geometry, 1.0).pick(0.0, &Receiver::anywhere(Vec3::ONE)), None);
+    let one = LightTable::new(&[at(0.0), at(3.0), at(f32::NAN)], &geometry, 1.0);
+    assert_eq!(one.pick(0.3, &Receiver { p: Vec3::ONE, n: Vec3::X }), Some(whole(1, 1.0, 0.3)));
 }
 
 #[test]
@@ -590,10 +578,7 @@ fn few_lights_are_picked_by_what_they_bring() {
                 for k in 0..5 {
                     let rest = k as f32 / 8.0;
                     if pmf > 0.0 {
-                        assert_eq!(
-                            table.pick(first + rest * pmf, &at),
-                            Some(Pick { index: i as u32, pmf, rest })
-                        );
+                        assert_eq!(table.pick(first + rest * pmf, &at), Some(whole(i as u32, pmf, rest)));
                     }
                 }
                 first += pmf;

@@ -13,9 +13,9 @@ use crate::desc::{
     Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
     Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
     Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
-    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Principled,
-    Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere, SpotLight,
-    Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
+    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Portal,
+    Principled, Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere,
+    SpotLight, Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -537,7 +537,7 @@ pub(super) fn goniometric(l: &Goniometric, keys: &Keys<'_>, d: &mut Decoder) {
         d.push(Diagnostic::error(keys.span("zero"), "`zero` has no direction: all three numbers are 0"));
     } else if axis != DVec3::ZERO && Affine::look_at(DVec3::ZERO, axis, zero).is_none() {
         let help =
-            "choose another `zero`, such as `zero: [0, 1, 0]`: it says how the lamp is turned about its axis";
+            "choose another `zero`, such as `zero: [0, 0, 1]`: it says how the lamp is turned about its axis";
         d.push(Diagnostic::error(keys.span("zero"), "`zero` is along the lamp's axis").help(help));
     }
     if let Spectrum::Rgb(LinearRgb(rgb)) = l.color
@@ -571,6 +571,16 @@ pub(super) fn sky(l: &Sky, keys: &Keys<'_>, d: &mut Decoder) {
             "`sun_direction` leads towards the sun, and local +y is up"
         };
         d.push(Diagnostic::error(keys.span(key), message).help(help));
+    }
+}
+
+pub(super) fn portal(p: &Portal, keys: &Keys<'_>, d: &mut Decoder) {
+    let [a, b] = p.edges;
+    if flat(a, b) {
+        let message = "this portal has no area: its edges are parallel or zero";
+        d.push(Diagnostic::error(keys.span("edges"), message));
+    } else if a.dot(b).abs() > 1e-3 * a.length() * b.length() {
+        d.push(Diagnostic::error(keys.span("edges"), "the edges of a portal must be at right angles"));
     }
 }
 

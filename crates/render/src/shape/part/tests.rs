@@ -11,6 +11,7 @@ fn leaf(shape: Shape) -> Leaf {
     let input = accel::Input {
         groups: vec![accel::Group { geometries: vec![0], instances: vec![] }],
         geometries: vec![accel::Geometry { kind, mask: u32::MAX }],
+        motions: Vec::new(),
     };
     Leaf::new(geometry, input, vec![Face::Shape(0)]).expect("it can be built")
 }
@@ -22,6 +23,7 @@ fn mesh_leaf(mesh: crate::shape::TriangleMesh) -> Leaf {
     let input = accel::Input {
         groups: vec![accel::Group { geometries: vec![0], instances: vec![] }],
         geometries: vec![accel::Geometry { kind, mask: u32::MAX }],
+        motions: Vec::new(),
     };
     Leaf::new(geometry, input, vec![Face::Mesh(0)]).expect("it can be built")
 }
