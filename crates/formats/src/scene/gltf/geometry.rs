@@ -17,6 +17,8 @@ use crate::Limits;
 pub(super) struct Shape<'s> {
     /// How much of each morph target.
     pub weights: &'s [f64],
+    /// Which set of texture coordinates is the mesh's own, by which it can shine.
+    pub primary: usize,
     /// From each joint's bind pose to where it is, if the mesh follows a skeleton.
     pub joints: Option<&'s [Affine]>,
 }
@@ -29,9 +31,9 @@ pub(super) struct Made {
     pub notes: Vec<&'static str>,
 }
 
-/// The name of a set of texture coordinates among a mesh's attributes; the first is the mesh's own.
-pub(super) fn set_name(set: usize) -> String {
-    format!("uv{set}")
+/// The name of a set of texture coordinates among the attributes of a mesh that has another for its own, whose place the first takes.
+pub(super) fn set_name(set: usize, primary: usize) -> String {
+    format!("uv{}", if set == 0 { primary } else { set })
 }
 
 /// So many sets of texture coordinates are read.
@@ -196,13 +198,13 @@ pub(super) fn read(
     sets.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
     let mut mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
     for (set, coordinates) in sets.into_iter().enumerate().filter(|(_, c)| !c.is_empty()) {
-        if set == 0 {
+        if set == shape.primary {
             mesh.uvs = coordinates;
             continue;
         }
         let values = coordinates.into_flattened();
         mesh.attributes.push(Attribute {
-            name: set_name(set),
+            name: set_name(set, shape.primary),
             per: Per::Vertex,
             channels: 2,
             is_code: false,
