@@ -284,9 +284,43 @@ fn follow(
     }
 }
 
+/// Whether triangles have an edge without a neighbour that faces the same way: so that the backs of some can be seen from outside.
+pub(super) fn is_open(mesh: &Mesh) -> bool {
+    let place = |i: u32| mesh.positions[i as usize].map(|v| (v + 0.0).to_bits());
+    // Vertices at the same place are one.
+    let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&i| place(i));
+    let mut one = vec![0; order.len()];
+    for pair in order.windows(2) {
+        one[pair[1] as usize] = one[pair[0] as usize] + u32::from(place(pair[0]) != place(pair[1]));
+    }
+    let mut edges: Vec<(u32, u32, bool)> = Vec::new();
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|i| one[i as usize]);
+        let ends = [(a, b), (b, c), (c, a)].into_iter().filter(|(a, b)| a != b);
+        edges.extend(ends.map(|(a, b)| if a < b { (a, b, true) } else { (b, a, false) }));
+    }
+    edges.sort_unstable();
+    let balance = |run: &[(u32, u32, bool)]| 2 * run.iter().filter(|edge| edge.2).count() == run.len();
+    !edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).all(balance)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_closed_mesh_has_each_edge_both_ways() {
+        let positions =
+            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-0.0, 0.0, 0.0]];
+        let triangles = vec![[0, 2, 1], [4, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let mut mesh = Mesh { positions, triangles, ..Mesh::default() };
+        assert!(!is_open(&mesh));
+        mesh.triangles[0] = [0, 1, 2];
+        assert!(is_open(&mesh));
+        mesh.triangles.remove(0);
+        assert!(is_open(&mesh) && !is_open(&Mesh::default()));
+    }
 
     #[test]
     fn strips_and_fans_face_one_way() {

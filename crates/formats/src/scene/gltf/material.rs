@@ -3,12 +3,12 @@
 use straal_scene::desc::{
     AttributeName, AttributePer, AttributeTexture, Diffuse, Gltf, GreenAxis, ImageTexture, Mask, Material,
     MaterialRef, NormalMap, NormalSpace, Relief, RemapTexture, ScaleTexture, Spectrum, Texture,
-    TextureChannel, TextureOf, TextureSpace, Varying,
+    TextureChannel, TextureOf, TextureSpace, TwoFaces, Varying,
 };
 use straal_scene::value::{LinearRgb, Link};
 
 use super::Translation;
-use super::document::{Fault, Result, number_or, text, vector_or};
+use super::document::{Fault, Result, flag, number_or, text, vector_or};
 use super::geometry::SETS;
 use super::json::{Json, Value};
 use super::textures::{Map, set_of};
@@ -22,6 +22,8 @@ pub(super) struct Has {
     pub primary: usize,
     /// Numbers of its vertices' colours: 0, 3 or 4.
     pub colours: usize,
+    /// Whether backs of its triangles can be seen that aren't to be.
+    pub shows_backs: bool,
 }
 
 /// What a mesh is shown with.
@@ -79,6 +81,11 @@ impl<'a> Translation<'a, '_> {
         Ok(info.map_or(Ok(0), set_of)?.min(SETS - 1))
     }
 
+    /// Whether the backs of what has that material are seen.
+    pub fn is_double_sided(&self, at: Option<&'a Json>) -> Result<bool> {
+        at.map_or(Ok(false), |at| flag(self.document.item("materials", at)?.1, "doubleSided"))
+    }
+
     /// A name that no material has: the one that is wanted, or one with a number.
     fn free_name(&self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
@@ -101,7 +108,7 @@ impl<'a> Translation<'a, '_> {
             }
             self.warn(said, "vertices have colours, by which nothing can shine: what should be unlit is lit");
         }
-        // Whether the back is seen, programs that draw triangles leave out to be quicker; for light it makes no sense.
+        // Backs that aren't to be seen are holes, where any can be seen.
         let mut material = Gltf { base_color: base.colour, double_sided: true, ..Gltf::default() };
         match &base.gloss {
             None => self.metal_and_roughness(&mut material, said, has)?,
@@ -135,6 +142,17 @@ impl<'a> Translation<'a, '_> {
             return Ok((masked(Material::Gltf(material), base.alpha), Some(emission), false));
         }
         material.alpha = base.alpha;
+        let has_inside = material.volume && material.transmission != Varying::Constant(0.0);
+        if has.shows_backs && !shines && !has_inside {
+            let none = Material::Diffuse(Diffuse::default());
+            let [front, back] = [Material::Gltf(material), masked(none, Varying::Constant(0.0))]
+                .map(|part| Box::new(MaterialRef::Inline(Box::new(part))));
+            return Ok((
+                Material::TwoFaces(TwoFaces { front, back, relief: Relief::default() }),
+                None,
+                false,
+            ));
+        }
         Ok((Material::Gltf(material), None, false))
     }
 

@@ -87,7 +87,10 @@ impl<'a> Translation<'a, '_> {
         let mapping = if set == has.primary {
             Mapping::Uv(uv)
         } else {
-            Mapping::Attribute(AttributeMapping { name: CoordinatesName(set_name(set, has.primary).into()), uv })
+            Mapping::Attribute(AttributeMapping {
+                name: CoordinatesName(set_name(set, has.primary).into()),
+                uv,
+            })
         };
         let Some(picture) = self.source(texture)? else { return Ok(None) };
         let (filter, wrap) = self.sampler(texture)?;

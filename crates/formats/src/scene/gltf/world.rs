@@ -173,7 +173,10 @@ impl<'a> Translation<'a, '_> {
         for primitive in required(mesh, "primitives")?.items() {
             let material = self.material_of(primitive)?;
             let shape = Shape { primary: self.shining_set(material)?, ..shape };
-            let Some(known) = self.primitive(primitive, shape)? else { continue };
+            let Some(mut known) = self.primitive(primitive, shape)? else { continue };
+            if !self.is_double_sided(material)? {
+                known.has.shows_backs = geometry::is_open(&self.made.assets.mesh(known.asset.handle).mesh);
+            }
             shown.bounds = union(shown.bounds, known.bounds);
             let look = self.look(material, known.has)?;
             let surface = Surface {
@@ -262,7 +265,7 @@ impl<'a> Translation<'a, '_> {
             return Err(Fault::of(primitive, shortage.to_string()));
         }
         self.kept += bytes;
-        let mut has = Has { sets: [false; SETS], primary: shape.primary, colours: 0 };
+        let mut has = Has { sets: [false; SETS], primary: shape.primary, ..Has::default() };
         has.sets[shape.primary] = !mesh.uvs.is_empty();
         for attribute in &mesh.attributes {
             if attribute.name == "color" {
