@@ -136,7 +136,9 @@ impl AreaLight {
         let (Value::Constant(radiance), None, None) = (&self.radiance, &self.opacity, &self.below) else {
             // Lanes that picked another lamp have numbers of that.
             let last = match &self.surface {
-                LitSurface::Mesh { mesh, .. } => geometry.meshes[*mesh as usize].indices.len().saturating_sub(1) as u32,
+                LitSurface::Mesh { mesh, .. } => {
+                    geometry.meshes[*mesh as usize].indices.len().saturating_sub(1) as u32
+                }
                 LitSurface::Shape(_) => 0,
             };
             return LightSample::one_by_one(
