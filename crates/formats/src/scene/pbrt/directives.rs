@@ -131,11 +131,10 @@ impl Reader<'_, '_> {
             self.end_of_curves();
         }
         let just_named = self.just_named.take();
-        if !self.in_world && OF_THE_WORLD.contains(&word) {
-            self.error(
-                span,
-                format!("`{word}` comes before `WorldBegin`, where only the picture is told of"),
-            );
+        // Once: where one does, all do.
+        if !self.in_world && OF_THE_WORLD.contains(&word) && !std::mem::replace(&mut self.is_early, true) {
+            let message = format!("`{word}` comes before `WorldBegin`, where only the picture is told of");
+            self.error(span, message);
         }
         if self.in_world && OF_THE_OPTIONS.contains(&word) {
             self.error(span, format!("`{word}` must come before `WorldBegin`"));
@@ -527,7 +526,7 @@ impl Reader<'_, '_> {
                 return Err(crate::files::Refusal::new(shortage.to_string()).help(shortage.help()));
             }
             let bytes = crate::files::read_packed(&path, limits.max_bytes)?;
-            read = Some((blake3::hash(&bytes).into(), bytes.len() as u64));
+            read = Some((blake3::hash(&bytes).into(), super::tokens::kept(bytes.len())));
             Ok((shown, bytes))
         });
         if let Err(refusal) = entered {

@@ -107,7 +107,7 @@ pub(super) struct Params {
 
 impl Params {
     /// Reads all that follow.
-    pub fn read(tokens: &mut Tokens, space: Space, span: Span, d: &mut Diagnostics) -> Self {
+    pub fn read(tokens: &mut Tokens<'_>, space: Space, span: Span, d: &mut Diagnostics) -> Self {
         let mut own: Vec<Param> = Vec::new();
         while let Some(token) = tokens.here(d) {
             if token.kind != Kind::Text {
@@ -254,7 +254,7 @@ impl Params {
 }
 
 /// One parameter, whose declaration was read; `None` after a complaint.
-fn one(token: Token, tokens: &mut Tokens, space: Space, d: &mut Diagnostics) -> Option<Param> {
+fn one(token: Token, tokens: &mut Tokens<'_>, space: Space, d: &mut Diagnostics) -> Option<Param> {
     let declared = unescaped(tokens.text(token));
     let mut words = declared.split([' ', '\t']).filter(|w| !w.is_empty());
     let (word, name) = (words.next().unwrap_or(""), words.next().unwrap_or(""));
@@ -316,7 +316,7 @@ fn is_sound(param: &Param, d: &mut Diagnostics) -> bool {
 /// The values of a parameter, with or without brackets. `ignored` ones are of no known type.
 fn values(
     kind: Type,
-    (span, tokens): (Span, &mut Tokens),
+    (span, tokens): (Span, &mut Tokens<'_>),
     ignored: bool,
     d: &mut Diagnostics,
 ) -> Option<Values> {
@@ -381,7 +381,7 @@ fn values(
 }
 
 /// Takes one more value; `false` after a complaint.
-fn push(values: &mut Values, token: Token, tokens: &Tokens, ignored: bool, d: &mut Diagnostics) -> bool {
+fn push(values: &mut Values, token: Token, tokens: &Tokens<'_>, ignored: bool, d: &mut Diagnostics) -> bool {
     if ignored {
         return true;
     }
