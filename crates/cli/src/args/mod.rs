@@ -6,6 +6,7 @@
 mod accel;
 mod check;
 mod completions;
+mod convert;
 mod denoise;
 mod develop;
 mod development;
@@ -26,6 +27,7 @@ mod unknown;
 pub use accel::AccelArgs;
 pub use check::CheckArgs;
 pub use completions::CompletionsArgs;
+pub use convert::ConvertArgs;
 pub use denoise::DenoiseArgs;
 pub use develop::DevelopArgs;
 pub use development::DevelopmentArgs;
@@ -100,6 +102,9 @@ pub enum Command {
     /// Check a scene without rendering it
     #[command(long_about = check::CHECK_ABOUT)]
     Check(CheckArgs),
+    /// Write a scene of any format in the scene language
+    #[command(long_about = convert::CONVERT_ABOUT)]
+    Convert(ConvertArgs),
     /// Print what stands in a scene, and where
     #[command(long_about = tree::TREE_ABOUT)]
     Tree(TreeArgs),

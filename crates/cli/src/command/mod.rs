@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod check;
 pub mod completions;
+pub mod convert;
 pub mod denoise;
 pub mod develop;
 pub mod diff;

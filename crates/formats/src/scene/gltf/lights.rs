@@ -45,11 +45,11 @@ impl<'a> Translation<'a, '_> {
                     continue;
                 }
                 ("directional", Some(_)) => Light::Directional(DirectionalLight {
-                    angle: 0.0,
                     direction,
                     from: None,
                     look_at: None,
                     irradiance: power,
+                    angle: 0.0,
                 }),
                 ("spot", Some(_)) => {
                     let cone = light.get("spot").unwrap_or(light);
@@ -59,8 +59,6 @@ impl<'a> Translation<'a, '_> {
                     let beam = Some(inner.clamp(0.0, cutoff));
                     let falloff = Falloff::Smooth;
                     Light::Spot(SpotLight {
-                        texture: None,
-                        up: DVec3::Y,
                         position,
                         direction,
                         look_at: None,
@@ -68,6 +66,8 @@ impl<'a> Translation<'a, '_> {
                         cutoff,
                         beam,
                         falloff,
+                        texture: None,
+                        up: DVec3::Y,
                     })
                 }
                 _ => return Err(Fault::of(kind, "a light is `point`, `spot` or `directional`")),

@@ -5,6 +5,7 @@
 //! | `container.rs` | chunks of a .glb; URIs, which hold bytes or name files |
 //! | `json.rs`, `document.rs` | the JSON with its places, what leads where in it, buffers; complaints that name the path |
 //! | `accessor.rs`, `meshopt.rs`, `draco.rs` | columns of numbers, and those that are packed |
+//! | `animation.rs` | where nodes are at a frame |
 //! | `tree.rs`, `world.rs` | the tree of nodes; what they show, once or many times |
 //! | `geometry.rs` | primitives as triangles; morph targets and skins |
 //! | `material.rs`, `textures.rs` | materials and the pictures that they read |
@@ -13,6 +14,7 @@
 //! Right-handed, y up and metres are glTF's own conventions as well. Texture coordinates are turned over, as their v falls there.
 
 mod accessor;
+mod animation;
 mod container;
 mod document;
 mod draco;
@@ -162,13 +164,10 @@ impl<'a> Translation<'a, '_> {
         }
         self.variant = self.chosen_variant();
         let scene = self.chosen_scene()?;
-        let tree = Tree::of(&self.document, scene)?;
+        let poses = self.poses()?;
+        let tree = Tree::of(&self.document, scene, poses)?;
         self.world(&tree)?;
         self.decode_pictures();
-        if !self.document.list("animations").is_empty() {
-            let message = format!("`{}` is animated: it is shown as it stands when nothing moves", self.name);
-            self.means.d.push(Diagnostic::warning(Span::NONE, message));
-        }
         let Some([min, max]) = self.extent() else {
             let message = format!("`{}` shows nothing: there are no triangles in its scene", self.name);
             self.means.d.push(Diagnostic::error(Span::NONE, message));

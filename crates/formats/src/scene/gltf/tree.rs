@@ -1,15 +1,20 @@
 //! The tree of nodes: which are in the scene, where each stands, and that none is within itself.
 
+use std::collections::BTreeMap;
+
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{Step, Transform};
 use straal_scene::value::{Factors, Matrix};
 
+use super::animation::Pose;
 use super::document::{Document, Fault, Result, flag, in_list, size, vector};
 use super::json::Json;
 
 /// The nodes of a file.
 pub(super) struct Tree<'a> {
     pub nodes: &'a [Json],
+    /// What moves of them, at the frame that is shown.
+    pub poses: BTreeMap<usize, Pose>,
     /// Of each node, the one that it is a child of.
     pub parents: Vec<Option<usize>>,
     /// Where each stands in the world; of nodes that no root leads to, nothing.
@@ -25,7 +30,11 @@ pub(super) const DEEPEST: usize = 64;
 
 impl<'a> Tree<'a> {
     /// The tree of a document; `scene` is the one that is shown, or all roots where there is none.
-    pub fn of(document: &Document<'a>, scene: Option<&'a Json>) -> Result<Self> {
+    pub fn of(
+        document: &Document<'a>,
+        scene: Option<&'a Json>,
+        poses: BTreeMap<usize, Pose>,
+    ) -> Result<Self> {
         let nodes = document.list("nodes");
         let mut parents = vec![None; nodes.len()];
         for (i, node) in nodes.iter().enumerate() {
@@ -41,6 +50,7 @@ impl<'a> Tree<'a> {
         }
         let mut tree = Self {
             nodes,
+            poses,
             parents,
             globals: vec![None; nodes.len()],
             depths: vec![0; nodes.len()],
@@ -75,7 +85,7 @@ impl<'a> Tree<'a> {
     fn place(&mut self, roots: &[usize]) -> Result<()> {
         let mut open: Vec<usize> = roots.to_vec();
         while let Some(i) = open.pop() {
-            let local = affine(&transform(&self.nodes[i])?);
+            let local = affine(&self.transform(i)?);
             let (above, depth) = match self.parents[i] {
                 Some(parent) => (self.globals[parent].unwrap_or(Affine::IDENTITY), self.depths[parent] + 1),
                 None => (Affine::IDENTITY, 0),
@@ -124,16 +134,23 @@ impl<'a> Tree<'a> {
     /// Where a node stands in the group that it is in.
     pub fn placed(&self, node: usize) -> Result<Transform> {
         if self.depths[node] <= DEEPEST {
-            return transform(&self.nodes[node]);
+            return self.transform(node);
         }
-        let mut all = affine(&transform(&self.nodes[node])?);
+        let mut all = affine(&self.transform(node)?);
         let group = self.group_of(node);
         let mut above = self.parents[node];
         while let Some(parent) = above.filter(|_| above != group) {
-            all = all.then(&affine(&transform(&self.nodes[parent])?));
+            all = all.then(&affine(&self.transform(parent)?));
             above = self.parents[parent];
         }
         Ok(Transform { steps: vec![Step::Matrix(Matrix(all))], ..Transform::default() })
+    }
+}
+
+impl Tree<'_> {
+    /// A node's own transform at the frame that is shown.
+    fn transform(&self, node: usize) -> Result<Transform> {
+        transform(&self.nodes[node], self.poses.get(&node))
     }
 }
 
@@ -142,9 +159,12 @@ fn children(node: &Json) -> &[Json] {
     node.get("children").map_or(&[], |list| list.items())
 }
 
-/// A node's own transform.
-pub(super) fn transform(node: &Json) -> Result<Transform> {
-    if let Some(at) = node.get("matrix") {
+/// A node's own transform, where a pose doesn't say another.
+fn transform(node: &Json, pose: Option<&Pose>) -> Result<Transform> {
+    let still = Pose::default();
+    let pose = pose.unwrap_or(&still);
+    let moves = pose.translation.is_some() || pose.rotation.is_some() || pose.scale.is_some();
+    if let Some(at) = node.get("matrix").filter(|_| !moves) {
         // Column by column.
         let m: [f64; 16] = vector(at)?;
         if [m[3], m[7], m[11]] != [0.0; 3] || m[15] != 1.0 {
@@ -157,7 +177,7 @@ pub(super) fn transform(node: &Json) -> Result<Transform> {
     }
     let [moved, scale] = [node.get("translation"), node.get("scale")].map(|at| at.map(vector).transpose());
     let turn = node.get("rotation").map(vector).transpose()?;
-    Ok(steps(moved?, turn, scale?))
+    Ok(steps(pose.translation.or(moved?), pose.rotation.or(turn), pose.scale.or(scale?)))
 }
 
 /// Scale, then turn, then move.

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{Group, Instance, Node, Shading, Surface, Transform, TriangleMesh};
-use straal_scene::value::{Asset, Link, Name};
+use straal_scene::desc::{Group, Instance, Instances, Node, Shading, Surface, Transform, TriangleMesh};
+use straal_scene::value::{Asset, Link, Matrix, Name};
 use straal_scene::{Mesh, MeshAsset};
 
 use super::Translation;
@@ -80,9 +80,11 @@ impl<'a> Translation<'a, '_> {
     fn mesh_of(&mut self, tree: &Tree<'a>, node: usize, at: &'a Json, is_shared: bool) -> Result<Vec<Node>> {
         let said = &tree.nodes[node];
         let (_, mesh) = self.document.item("meshes", at)?;
-        let weights: Vec<f64> = match said.get("weights").or_else(|| mesh.get("weights")) {
-            Some(list) => list.items().iter().map(number).collect::<Result<_>>()?,
-            None => Vec::new(),
+        let still = said.get("weights").or_else(|| mesh.get("weights"));
+        let weights: Vec<f64> = match (tree.poses.get(&node).and_then(|pose| pose.weights.clone()), still) {
+            (Some(weights), _) => weights,
+            (None, Some(list)) => list.items().iter().map(number).collect::<Result<_>>()?,
+            (None, None) => Vec::new(),
         };
         let global = tree.globals[node].unwrap_or(Affine::IDENTITY);
         if let Some(skin) = said.get("skin") {
@@ -115,7 +117,7 @@ impl<'a> Translation<'a, '_> {
             self.reach(&shown, &global);
             return Ok(vec![instance(Transform::default())]);
         };
-        let mut nodes = Vec::new();
+        let mut transforms = Vec::new();
         for transform in self.instances(instances)? {
             let place = tree::affine(&transform);
             if place.inverse().is_none() {
@@ -123,9 +125,20 @@ impl<'a> Translation<'a, '_> {
                 continue;
             }
             self.reach(&shown, &place.then(&global));
-            nodes.push(instance(transform));
+            transforms.push(Matrix(place));
         }
-        Ok(nodes)
+        if transforms.is_empty() {
+            return Ok(Vec::new());
+        }
+        let (of, transform) = (Link::new(name.clone()), Transform::default());
+        Ok(vec![Node::Instances(Instances {
+            of,
+            transforms,
+            transform,
+            look_at: None,
+            material: None,
+            name: None,
+        })])
     }
 
     /// A mesh as one of the scene's objects, and the box around it; none where there is nothing to see.
@@ -315,7 +328,7 @@ impl<'a> Translation<'a, '_> {
         if counts.into_iter().any(|n| n != 0 && n != count) {
             return Err(Fault::of(attributes, "there must be as many of each"));
         }
-        let bytes = (count * size_of::<Node>()) as u64;
+        let bytes = (count * (size_of::<Transform>() + size_of::<Matrix>())) as u64;
         if let Some(shortage) =
             self.means.ledger.refuse(bytes, || format!("{count} instances"), "fewer instances take less")
         {
@@ -379,6 +392,10 @@ fn placed(mut nodes: Vec<Node>, transform: Transform, name: Option<Name>) -> Nod
             }
             Node::Instance(instance) if instance.transform.steps.is_empty() && instance.name.is_none() => {
                 (instance.transform, instance.name) = (transform, name);
+                return nodes.remove(0);
+            }
+            Node::Instances(instances) => {
+                (instances.transform, instances.name) = (transform, name);
                 return nodes.remove(0);
             }
             _ => {}
