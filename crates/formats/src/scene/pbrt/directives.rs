@@ -97,7 +97,7 @@ impl Reader<'_, '_> {
                 }
                 Next::Token(token) => token,
             };
-            if self.means.d.is_full() && self.means.d.has_errors() {
+            if self.is_done || self.means.d.is_full() && self.means.d.has_errors() {
                 return;
             }
             let word = self.tokens.text(token);
@@ -356,7 +356,8 @@ impl Reader<'_, '_> {
 
     fn save(&mut self, why: Why, span: Span) {
         if self.stack.len() >= DEEPEST {
-            self.warn_once(span, format!("blocks are nested more than {DEEPEST} deep"));
+            self.is_done = true;
+            return self.error(span, format!("blocks are nested more than {DEEPEST} deep"));
         }
         self.stack.push(Saved { why, span, state: self.state.clone() });
     }
@@ -397,6 +398,7 @@ impl Reader<'_, '_> {
         // The last that is said comes first.
         let mut all: Vec<Param> = params.into_list();
         all.extend(list.iter().flat_map(|known| known.iter().cloned()));
+        all.truncate(super::params::MOST);
         *list = Some(Rc::new(all));
     }
 

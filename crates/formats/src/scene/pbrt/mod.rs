@@ -104,6 +104,10 @@ struct Reader<'a, 'm> {
     /// Bytes that they take.
     mesh_bytes: u64,
     curves: Option<curves::Gathered>,
+    /// How many nodes there are.
+    nodes: u64,
+    /// Whether the rest isn't read, after an error that leaves no sense in it.
+    is_done: bool,
     /// Whether something of the world came before it.
     is_early: bool,
     /// What the last directive named as a material though nothing goes by it.
@@ -138,6 +142,8 @@ impl<'a, 'm> Reader<'a, 'm> {
             meshes: 0,
             mesh_bytes: 0,
             curves: None,
+            nodes: 0,
+            is_done: false,
             is_early: false,
             just_named: None,
         }
@@ -195,6 +201,18 @@ impl<'a, 'm> Reader<'a, 'm> {
 
     /// Puts something into the object that is open, or into the world.
     fn push(&mut self, node: Node) {
+        self.nodes += 1;
+        if self.nodes.is_multiple_of(1 << 14) {
+            let bytes = self.nodes * size_of::<Node>() as u64 + self.mesh_bytes;
+            let help = "instances of objects, and meshes of many triangles, take less than single shapes";
+            let what = || "the description of this scene".to_owned();
+            if let Some(shortage) = self.means.ledger.refuse(bytes, what, help) {
+                self.means.d.lacks_memory = true;
+                self.is_done = true;
+                let place = self.tokens.place();
+                return self.error(place, shortage.to_string());
+            }
+        }
         match &mut self.object {
             Some(object) => object.nodes.push(node),
             None => self.scene.world.push(node),
