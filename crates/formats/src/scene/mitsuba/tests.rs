@@ -29,6 +29,7 @@ fn read_in(base: &Path, text: &str, define: &[(&str, &str)]) -> (Option<Translat
         finder: &mut finder,
         ledger: &mut ledger,
         define: &define,
+        frame: 0.0,
         lenient: false,
         d: &mut d,
     };
