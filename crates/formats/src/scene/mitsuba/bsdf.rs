@@ -3,7 +3,6 @@
 //! One-sided unless `twosided` is around them, as in Mitsuba, where most are black from behind. A normal or bump map is handed down to the materials inside
 //! it, since here each has its own; so is what fills a clear one.
 
-use straal_math::ops;
 use straal_scene::desc::{
     Bump, CoatedConductor, Conductor, Dielectric, Diffuse, DiffuseTransmission, Distribution, GreenAxis,
     Highlight, Index, Interior, Mask, Material, MaterialRef, Mirror, Mix, NormalMap, NormalSpace, OpenPbr,
@@ -696,7 +695,7 @@ impl<'o> Translator<'o, '_, '_> {
                     let mix = Mix {
                         first: Box::new(material),
                         second: Box::new(rest),
-                        weight: Varying::Constant(ops::clamp(share, 0.0, 1.0)),
+                        weight: Varying::Constant(share.clamp(0.0, 1.0)),
                         relief: Relief::default(),
                     };
                     (MaterialRef::Inline(Box::new(Material::Mix(mix))), left)
@@ -751,7 +750,7 @@ impl<'o> Translator<'o, '_, '_> {
                     relief,
                     ..CoatedConductor::default()
                 };
-                made.coat.coat_eta = ops::clamp(relative, 1.0001, 10.0);
+                made.coat.coat_eta = relative.clamp(1.0001, 10.0);
                 made.coat.coat_roughness = Varying::Constant(alpha);
                 made.coat.two_sided = m.two_sided;
                 Material::CoatedConductor(made)
