@@ -61,6 +61,23 @@ pub enum GeometryKind {
     },
 }
 
+impl GeometryKind {
+    /// Whether both are meshes of the same triangles, to the bit.
+    pub(crate) fn is_same_mesh(&self, o: &Self) -> bool {
+        let (
+            Self::Triangles { positions: p, indices: i },
+            Self::Triangles { positions: other_p, indices: other_i },
+        ) = (self, o)
+        else {
+            return false;
+        };
+        let bits = |p: &Vec3| [p.x, p.y, p.z].map(f32::to_bits);
+        let same_places =
+            || p.len() == other_p.len() && p.iter().zip(&**other_p).all(|(a, b)| bits(a) == bits(b));
+        (Arc::ptr_eq(i, other_i) || i == other_i) && (Arc::ptr_eq(p, other_p) || same_places())
+    }
+}
+
 /// The caller's own primitives. All functions are pure: same input, same bits.
 pub trait Shapes: Sync {
     /// A box around the shape in its group's space; `None` when it is unbounded, like a plane: such shapes are tested

@@ -58,6 +58,9 @@ pub struct Scene {
     stage: Stage<Searcher>,
     /// What stands in each group, by group.
     contents: Vec<Contents>,
+    structure: Structure,
+    /// Groups whose structures were another scene's.
+    taken_over: usize,
     isa: Isa,
     kernel: Chosen,
     many: bool,
@@ -75,6 +78,18 @@ impl Scene {
     /// Checks the input and builds the structure of every group that the world needs. Uses the threads of the current
     /// rayon pool; the result doesn't depend on their number.
     pub fn build(input: Input, shapes: &dyn Shapes, options: &Options) -> Result<Self, BuildError> {
+        Self::build_after(None, input, shapes, options)
+    }
+
+    /// The same, after a scene of which much may have stayed, as after the frame before: where a group of the same number has the same
+    /// triangles and nothing else, its structure is taken over. The result is that of [`Self::build`].
+    pub fn build_after(
+        mut before: Option<Self>,
+        input: Input,
+        shapes: &dyn Shapes,
+        options: &Options,
+    ) -> Result<Self, BuildError> {
+        before = before.filter(|before| before.structure == options.structure && before.isa == options.isa);
         if !options.isa.is_available() {
             return Err(BuildError::IsaMissing { isa: options.isa });
         }
@@ -96,17 +111,57 @@ impl Scene {
                 .zip(&firsts)
                 .map(|(g, &first_instance)| Contents { geometries: g.geometries.clone(), first_instance })
                 .collect(),
+            structure: options.structure,
+            taken_over: 0,
             isa: options.isa,
             kernel: Chosen::new(options.isa),
             many: options.flight == Flight::Many,
             dropped: Vec::new(),
         };
         for g in order {
-            let (data, searcher, dropped) = scene.build_group(g, &groups[g], firsts[g], shapes, options)?;
+            let kept = before.as_mut().and_then(|before| before.give(g, &groups[g], &scene.stage));
+            scene.taken_over += usize::from(kept.is_some());
+            let (data, searcher, dropped) = match kept {
+                Some(kept) => kept,
+                None => scene.build_group(g, &groups[g], firsts[g], shapes, options)?,
+            };
             (scene.stage.groups[g], scene.stage.searchers[g]) = (data, searcher);
             scene.dropped.extend(dropped);
         }
         Ok(scene)
+    }
+
+    /// Gives the structure of a group away, if all that is in the group of that number are the same triangles.
+    fn give(
+        &mut self,
+        g: usize,
+        group: &Group,
+        stage: &Stage<Searcher>,
+    ) -> Option<(GroupData, Searcher, Vec<Dropped>)> {
+        let own = self.contents.get(g)?;
+        let is_built = self.stage.groups[g].is_built;
+        let is_same = |&id: &u32| {
+            let of = |stage: &Stage<Searcher>| stage.geometries.get(id as usize).cloned();
+            matches!((of(&self.stage), of(stage)), (Some(a), Some(b)) if a.mask == b.mask && a.kind.is_same_mesh(&b.kind))
+        };
+        let ends = self.contents.get(g + 1).map_or(self.stage.instances.len(), |c| c.first_instance as usize);
+        let has_instances = own.first_instance as usize != ends || !group.instances.is_empty();
+        let is_alike = is_built && !has_instances && own.geometries == group.geometries;
+        if !is_alike || !group.geometries.iter().all(is_same) {
+            return None;
+        }
+        let data = std::mem::replace(&mut self.stage.groups[g], GroupData::empty(g));
+        let searcher = std::mem::replace(&mut self.stage.searchers[g], Searcher::Bvh(Bvh::EMPTY));
+        // The same in each group that it stands in.
+        let lost =
+            |id: &u32| self.dropped.iter().find(|lost| lost.from == DroppedFrom::Geometry(*id)).copied();
+        let dropped = own.geometries.iter().filter_map(lost).collect();
+        Some((data, searcher, dropped))
+    }
+
+    /// How many groups have the structure that another scene had ([`Self::build_after`]).
+    pub fn taken_over(&self) -> usize {
+        self.taken_over
     }
 
     /// What the scene was built from, to build it another way. Meshes are shared, not copied.

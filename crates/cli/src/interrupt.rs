@@ -79,6 +79,7 @@ impl Interrupt {
 
     /// From here on a picture can be had: the first signal lets the present pass end.
     pub fn render_begins(&self, announcer: Announcer) {
+        self.shared.over.store(false, Ordering::SeqCst);
         *locked(&self.shared.announcer) = Some(announcer);
     }
 

@@ -197,6 +197,44 @@ pub fn samples(typed: &str) -> Result<Samples, String> {
     }
 }
 
+/// Frames of a scene that moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frames {
+    /// As many as the scene has.
+    All,
+    /// From one up to another, which isn't one of them.
+    Some([u32; 2]),
+}
+
+/// Frames such as `0..48`, or `all`.
+pub fn frames(typed: &str) -> Result<Frames, String> {
+    if typed.eq_ignore_ascii_case("all") {
+        return Ok(Frames::All);
+    }
+    let numbers =
+        typed.split_once("..").and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    match numbers {
+        Some([first, end]) if first < end => Ok(Frames::Some([first, end])),
+        Some(_) => Err("none: the first must be less than the end, which isn't one of them".into()),
+        None if typed.trim().parse::<f64>().is_ok() => {
+            Err(format!("a single frame is `--frame {}`; this is for several, such as 0..48", typed.trim()))
+        }
+        None => Err("write the first, and one past the last, such as 0..48; or all".into()),
+    }
+}
+
+/// A frame of a scene that moves; what lies between two is one as well.
+pub fn frame(typed: &str) -> Result<f64, String> {
+    match typed.trim().parse::<f64>() {
+        Ok(frame) if (0.0..=MOST_FRAME).contains(&frame) => Ok(frame),
+        _ if typed.contains("..") => Err(format!("several frames are `--frames {typed}`")),
+        _ => Err(format!("a frame is a number from 0 to {MOST_FRAME}")),
+    }
+}
+
+/// The last frame that can be asked for.
+const MOST_FRAME: f64 = 1e9;
+
 /// How often something is done, if at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Every(pub Option<Duration>);

@@ -2,11 +2,12 @@
 //! ray is traced found out.
 
 use crate::args::{DevelopmentArgs, RenderArgs};
+use crate::command::frames;
 use crate::exit::Failure;
 use crate::keeping::Wish;
 use crate::machine;
 use crate::places::{check_output, check_pictures, format_of, is_stream, refuse_inputs, refuse_twins};
-use crate::quantity::{Every, count};
+use crate::quantity::{Every, Frames, count};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use straal::picture::Format;
@@ -25,6 +26,10 @@ pub struct RenderSettings {
     pub outputs: Vec<PathBuf>,
     /// The format of what goes to standard output, where one of the places is `-`.
     pub format: Format,
+    /// The frames of a scene that moves, if several are rendered.
+    pub frames: Option<Frames>,
+    /// Where all frames go as one animation.
+    pub animation: Option<PathBuf>,
     /// What wins over the scene.
     pub overrides: Overrides,
     /// The time that all of it may take.
@@ -64,12 +69,19 @@ impl RenderSettings {
         ]
         .into_iter()
         .find_map(|(is_said, option)| is_said.then_some(option));
-        let outputs = match args.output {
-            none if none.is_empty() && args.save_sums.is_none() => {
+        let (animations, given): (Vec<_>, Vec<_>) =
+            args.output.into_iter().partition(|path| frames::is_animation(path));
+        let animation = frames::animation(animations, args.frames.is_some())?;
+        let outputs = match given {
+            none if none.is_empty() && args.save_sums.is_none() && animation.is_none() => {
                 vec![default_output(args.scene.as_deref())]
             }
             given => given,
         };
+        if args.frames.is_some() && outputs.iter().any(|path| is_stream(path)) {
+            let help = "name files: each frame goes to one of its own";
+            return Err(Failure::input("frames can't go to standard output").help(help));
+        }
         if let (Some(_), Some(option)) = (args.replicates, of_one_render) {
             let message = format!("{option} can't be used with --replicates");
             return Err(Failure::input(message).help(
@@ -99,6 +111,7 @@ impl RenderSettings {
                 .chain(&args.cost_picture)
                 .chain(&args.save_sums)
                 .chain(&args.write_scene)
+                .chain(&animation)
                 .map(PathBuf::as_path)
         };
         refuse_twins(all())?;
@@ -124,6 +137,8 @@ impl RenderSettings {
             format,
             scene: args.scene,
             outputs,
+            frames: args.frames,
+            animation,
             overrides: Overrides {
                 spp: args.spp,
                 samples: args.samples.map(|s| s.0),
@@ -162,6 +177,18 @@ impl RenderSettings {
             json: args.json,
             reading,
         })
+    }
+
+    /// Those of one of several frames, whose number stands in the names of all that is written.
+    pub fn of_frame(&self, frame: u32) -> Self {
+        let mut of_frame = self.clone();
+        let number = |path: &mut PathBuf| *path = frames::numbered(path, frame);
+        of_frame.outputs.iter_mut().for_each(number);
+        of_frame.keep.sums.iter_mut().for_each(number);
+        of_frame.write_scene.iter_mut().for_each(number);
+        of_frame.cost_picture.iter_mut().for_each(|(path, _)| number(path));
+        of_frame.reading.frame = f64::from(frame);
+        of_frame
     }
 
     /// Every file that is written.

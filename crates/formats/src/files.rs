@@ -62,8 +62,59 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, Refusal> {
     read_if(path, most, |_| Ok(()))
 }
 
-/// The same, where `check` is asked about the first bytes before the rest is read.
+/// The same of a file that may be packed by gzip: the bytes in it, of which there are at most `most` as well.
+pub(crate) fn read_packed(path: &Path, most: u64) -> Result<Vec<u8>, Refusal> {
+    let bytes = read_with(path, most, |head| if is_gzip(head) { Ok(()) } else { no_stand_in(head) })?;
+    if is_gzip(&bytes) { unpacked(&bytes, most) } else { Ok(bytes) }
+}
+
+/// Whether bytes are packed by gzip.
+pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x1f\x8b")
+}
+
+/// What is in bytes that are packed by gzip (RFC 1952).
+pub(crate) fn unpacked(bytes: &[u8], most: u64) -> Result<Vec<u8>, Refusal> {
+    let damaged = || Refusal::new("it is packed by gzip, and damaged");
+    let flags = *bytes.get(3).ok_or_else(damaged)?;
+    let mut at = 10;
+    if flags & 4 != 0 {
+        let length = bytes.get(at..at + 2).ok_or_else(damaged)?;
+        at += 2 + usize::from(u16::from_le_bytes([length[0], length[1]]));
+    }
+    // The name that it had, and a comment: each ends with a 0.
+    for _ in 0..usize::from(flags & 8 != 0) + usize::from(flags & 16 != 0) {
+        let rest = bytes.get(at..).ok_or_else(damaged)?;
+        at += 1 + rest.iter().position(|b| *b == 0).ok_or_else(damaged)?;
+    }
+    if flags & 2 != 0 {
+        at += 2;
+    }
+    let rest = bytes.get(at..).ok_or_else(damaged)?;
+    // It unpacks to a thousand times as much at most, so that the file proves what is asked for.
+    let most = usize::try_from(most).unwrap_or(usize::MAX).min(rest.len().saturating_mul(1100));
+    miniz_oxide::inflate::decompress_to_vec_with_limit(rest, most).map_err(|e| match e.status {
+        miniz_oxide::inflate::TINFLStatus::HasMoreOutput => {
+            Refusal::new(format!("it is packed by gzip, and there are more than {most} bytes in it"))
+        }
+        _ => damaged(),
+    })
+}
+
+/// As [`read`], where `check` is asked about the first bytes before the rest is read.
 pub(crate) fn read_if(
+    path: &Path,
+    most: u64,
+    check: impl FnOnce(&[u8]) -> Result<(), Refusal>,
+) -> Result<Vec<u8>, Refusal> {
+    read_with(path, most, |head| {
+        no_stand_in(head)?;
+        check(head)
+    })
+}
+
+/// Reads a file if its first bytes are as they should be.
+fn read_with(
     path: &Path,
     most: u64,
     check: impl FnOnce(&[u8]) -> Result<(), Refusal>,
@@ -76,7 +127,6 @@ pub(crate) fn read_if(
     let mut bytes = Vec::new();
     reserve(&mut bytes, size.min(HEAD))?;
     (&file).take(size.min(HEAD)).read_to_end(&mut bytes).map_err(failed)?;
-    no_stand_in(&bytes)?;
     check(&bytes)?;
     let rest = size - bytes.len() as u64;
     if rest > 0 {

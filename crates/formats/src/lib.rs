@@ -14,13 +14,15 @@ pub mod load;
 pub mod mesh;
 pub mod mesh_file;
 mod number;
+pub mod photometry;
 pub mod read_error;
+pub mod scene;
 pub mod spd;
 pub mod studio;
 mod temporary;
 pub mod yaml;
 
 pub use limits::Limits;
-pub use load::{Loaded, Options, load, load_bytes, load_str};
+pub use load::{Loaded, Options, load, load_bytes, load_foreign_bytes, load_str};
 pub use read_error::{Place, ReadError};
 pub use straal_scene::Diagnostics;

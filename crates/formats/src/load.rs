@@ -13,16 +13,21 @@ use straal_scene::handle::{Handle, Handles};
 use straal_scene::memory::{Ledger, Shortage};
 use straal_scene::value::{Asset, FileRef};
 use straal_scene::{
-    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, glow::Glow,
+    Assets, Bitmap, Diagnostic, Diagnostics, FileId, Image, Mesh, MeshAsset, Scene, Span, frames, glow::Glow,
     read_scene, suggest, whole,
 };
 
 use crate::files::{self, Finder, Found, Refusal};
-use crate::mesh_file::{self, Means, MeshFile, Picture};
+use crate::mesh_file::{self, MeshFile, Picture};
+use crate::scene::{Foreign, Made, Means, Translated};
 use crate::studio::{self, Studio};
-use crate::{Limits, ReadError, foreign, image, spd, yaml};
+use crate::{Limits, ReadError, foreign, image, photometry, spd, yaml};
 
 mod bitmaps;
+mod shelf;
+
+pub use shelf::Shelf;
+use shelf::{Kept, Thing};
 
 /// How a scene is loaded.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,6 +48,12 @@ pub struct Options {
     pub root: Option<PathBuf>,
     /// Who is told how far reading has come.
     pub listener: Listener,
+    /// The frame of a scene that moves, and part of it; the first is 0.
+    pub frame: f64,
+    /// What was read before.
+    pub shelf: Shelf,
+    /// What stands for names that a scene of another program leaves open.
+    pub define: BTreeMap<String, String>,
 }
 
 /// Who is told how far the reading of a scene's files has come, from any thread; nobody, unless it is made with [`Listener::new`].
@@ -123,8 +134,11 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     if is_mesh(path) {
         return load_mesh(path, options);
     }
+    if let Some(kind) = Foreign::of(path) {
+        return load_foreign(kind, path, options);
+    }
     if let Some(what) = foreign::kind(&extension) {
-        let help = "straal reads its own scenes (.yaml, .json) and meshes (.ply, .obj)";
+        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt and Mitsuba, and meshes (.ply, .obj)";
         let message = format!("`{}` is {what}: .{extension} files are not supported", path.display());
         return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
     }
@@ -156,6 +170,69 @@ pub fn load_str(name: &str, text: &str, base: &Path, options: &Options) -> Resul
     load_bytes(name, text.as_bytes(), base, options)
 }
 
+/// Loads a scene of another program.
+fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    let fail = |refusal: Refusal| cannot_read(path, refusal);
+    let finder = finder(options)?;
+    let place = finder.named(path).map_err(fail)?;
+    let length = files::size(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
+    let mut ledger = Ledger::new(options.memory);
+    let what = || format!("reading `{}`", path.display());
+    if let Some(shortage) = ledger.refuse(length, what, TEXT_HELP) {
+        return Err(lacking(&shortage));
+    }
+    let bytes = files::read(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
+    ledger.pass(length);
+    of_bytes(kind, (path, bytes), (finder, ledger), options)
+}
+
+/// Loads a scene of another program from its bytes, as if they were those of a file.
+pub fn load_foreign_bytes(
+    kind: Foreign,
+    path: &Path,
+    bytes: Vec<u8>,
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
+    of_bytes(kind, (path, bytes), (finder(options)?, Ledger::new(options.memory)), options)
+}
+
+fn of_bytes(
+    kind: Foreign,
+    (path, bytes): (&Path, Vec<u8>),
+    (mut finder, mut ledger): (Finder, Ledger),
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
+    let base = path.parent().unwrap_or(Path::new(""));
+    let mut d = Diagnostics::default();
+    let mut means = Means {
+        base,
+        limits: &options.files,
+        finder: &mut finder,
+        ledger: &mut ledger,
+        define: &options.define,
+        frame: options.frame,
+        lenient: options.lenient,
+        d: &mut d,
+    };
+    let Some(translated) = kind.translate(&path.display().to_string(), &bytes, &mut means) else {
+        d.sort();
+        return Err(d);
+    };
+    let Translated { mut scene, made, files: more, text_bytes } = translated;
+    differ(&mut scene, options.frame);
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let mut hashes = BTreeMap::from([(name, blake3::hash(&bytes).into())]);
+    drop(bytes);
+    let mut files = Vec::new();
+    for (file, name, hash) in more {
+        files.push(file);
+        hashes.insert(name, hash);
+    }
+    ledger.keep(text_bytes + scene.heap_bytes() + made.assets.heap_bytes());
+    let described = Described { scene, made, hashes, files, at: Span::NONE, text_bytes };
+    with_files(described, base, (finder, ledger), options, d)
+}
+
 /// Loads a scene from its bytes, which should be UTF-8.
 pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let mut d = Diagnostics::default();
@@ -166,41 +243,75 @@ pub fn load_bytes(name: &str, bytes: &[u8], base: &Path, options: &Options) -> R
     ledger.keep(2 * length);
     ledger.pass(length + tree_bytes + scene.heap_bytes());
     ledger.keep(scene.heap_bytes());
-    let mut finder = finder(options)?;
-    let paths = locate(&scene, base, &options.files, &mut finder, &mut d);
+    let made = Made { handles: handles_of(&scene), ..Made::default() };
+    let described = Described {
+        scene,
+        made,
+        hashes: BTreeMap::new(),
+        files: Vec::new(),
+        at: start_of(file),
+        text_bytes: length,
+    };
+    with_files(described, base, (finder(options)?, ledger), options, d)
+}
+
+/// A scene whose files are still to be read.
+struct Described {
+    scene: Scene,
+    /// What it names, and what is there already.
+    made: Made,
+    /// Those of what was read for it.
+    hashes: BTreeMap<String, [u8; 32]>,
+    /// What was read for it besides its own file.
+    files: Vec<PathBuf>,
+    /// Where to point at what is wrong with all of it.
+    at: Span,
+    text_bytes: u64,
+}
+
+/// Reads the files that a scene names, and checks it with them.
+fn with_files(
+    described: Described,
+    base: &Path,
+    (mut finder, ledger): (Finder, Ledger),
+    options: &Options,
+    mut d: Diagnostics,
+) -> Result<Loaded, Diagnostics> {
+    let Described { scene, made: Made { handles, assets }, hashes, mut files, at, text_bytes } = described;
+    let paths = locate(&scene, &assets, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
         d.sort();
         return Err(d);
     }
-    let files = paths.values().cloned().collect();
+    files.extend(paths.values().cloned());
     let attributes = scene.attributes().into_iter().map(|name| name.value.clone()).collect();
-    let handles = handles_of(&scene);
     let mut reader = Reader {
         limits: &options.files,
+        shelf: options.shelf.clone(),
         finder,
         attributes,
         handles,
         pictures: Vec::new(),
-        hashes: BTreeMap::new(),
+        hashes,
         progress: Progress::new(&options.listener, paths.len()),
         files,
         ledger,
         d: &mut d,
     };
-    let assets = reader.assets(&scene, &paths);
+    let assets = reader.assets(&scene, assets, &paths);
     let ledger = reader.ledger;
     let hash = hash(&scene, &reader.hashes);
     let files = reader.files;
     whole::validate(&scene, &assets, &mut d);
     if !d.has_errors() && scene.integrator.needs_light() && !gives_light(&scene, &assets) {
         let help = "add a light under `lights:`, or give a shape an `emission`";
-        d.push(Diagnostic::warning(start_of(file), "nothing in this scene gives light").help(help));
+        d.push(Diagnostic::warning(at, "nothing in this scene gives light").help(help));
     }
     d.sort();
     if d.has_errors() {
         return Err(d);
     }
-    Ok(Loaded { scene, assets, warnings: d, hash, files, text_bytes: length, peak_bytes: ledger.most() })
+    Ok(Loaded { scene, assets, warnings: d, hash, files, text_bytes, peak_bytes: ledger.most() })
 }
 
 /// What makes a mesh take less memory.
@@ -237,8 +348,12 @@ pub fn load_stream(name: &str, bytes: &[u8], options: &Options) -> Result<Loaded
     };
     let path = Path::new(name).with_extension(extension);
     let (mut finder, mut handles) = (finder(options)?, Handles::default());
-    let means =
-        Means { limits: &options.files, finder: &mut finder, handles: &mut handles, wanted: &is_colour };
+    let means = mesh_file::Means {
+        limits: &options.files,
+        finder: &mut finder,
+        handles: &mut handles,
+        wanted: &is_colour,
+    };
     let read = mesh_file::read(bytes, &path, means).map_err(|refusal| cannot_read(&path, refusal))?;
     in_studio(&path, read, options, Ledger::new(options.memory))
 }
@@ -290,26 +405,46 @@ fn describe(
         }
     };
     let file = d.sources.add(name, text);
-    let tree = yaml::read(file, &options.text, d)?;
-    let (scene, complaints) = read_scene(&tree, std::mem::take(d), Strictness { lenient: options.lenient });
+    let mut tree = yaml::read(file, &options.text, d)?;
+    frames::settle(&mut tree, options.frame, d);
+    let (mut scene, complaints) =
+        read_scene(&tree, std::mem::take(d), Strictness { lenient: options.lenient });
     *d = complaints;
+    differ(&mut scene, options.frame);
     Some((scene, file, tree.heap_bytes()))
 }
 
-/// Where each file that the scene names is; complains of all that aren't there.
+/// Gives each frame noise of its own: the same in all would look like dirt on the lens. The first has that of a still.
+fn differ(scene: &mut Scene, frame: f64) {
+    let frame = frame as u64;
+    if frame > 0 {
+        scene.sampler.seed = scene.sampler.seed.wrapping_add(frame) % (1 << 53);
+    }
+}
+
+/// Where each file is that the scene names and that isn't `made` yet; complains of all that aren't there.
 fn locate(
     scene: &Scene,
+    made: &Assets,
     base: &Path,
     limits: &Limits,
     finder: &mut Finder,
     d: &mut Diagnostics,
 ) -> BTreeMap<String, PathBuf> {
     let mut paths = BTreeMap::new();
-    let meshes = scene.mesh_files().into_iter().map(|asset| &asset.file);
-    let images = scene.image_files().into_iter().map(|asset| &asset.file);
-    let bitmaps = scene.bitmap_files().into_iter().map(|asset| &asset.file);
-    let spectra = scene.spectrum_files().into_iter().map(|asset| &asset.file);
-    for file in meshes.chain(images).chain(bitmaps).chain(spectra) {
+    let named = || {
+        let meshes = scene.mesh_files().into_iter().filter(|a| made.meshes.get(a.handle).is_none());
+        let images = scene.image_files().into_iter().filter(|a| made.images.get(a.handle).is_none());
+        let bitmaps = scene.bitmap_files().into_iter().filter(|a| made.bitmaps.get(a.handle).is_none());
+        let spectra = scene.spectrum_files().into_iter().filter(|a| made.spectra.get(a.handle).is_none());
+        let meshes = meshes.map(|asset| &asset.file);
+        let images = images.map(|asset| &asset.file);
+        let bitmaps = bitmaps.map(|asset| &asset.file);
+        let spectra = spectra.map(|asset| &asset.file);
+        let lamps = scene.photometry_files().into_iter().map(|asset| &asset.file);
+        meshes.chain(images).chain(bitmaps).chain(spectra).chain(lamps)
+    };
+    for file in named() {
         // What couldn't be read has no name.
         if file.is_empty() || paths.contains_key(&file.value) {
             continue;
@@ -397,6 +532,7 @@ type Read<T> = Option<(T, [u8; 32])>;
 /// Reads the files of a scene, each once.
 struct Reader<'a> {
     limits: &'a Limits,
+    shelf: Shelf,
     finder: Finder,
     /// What textures read of meshes.
     attributes: BTreeSet<String>,
@@ -416,8 +552,8 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn assets(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>) -> Assets {
-        let mut assets = Assets::default();
+    /// Reads them into what is there already.
+    fn assets(&mut self, scene: &Scene, mut assets: Assets, paths: &BTreeMap<String, PathBuf>) -> Assets {
         // The same file under two names is read once.
         let mut meshes: BTreeMap<PathBuf, Read<MeshAsset>> = BTreeMap::new();
         let mut images: BTreeMap<PathBuf, Read<Arc<Image>>> = BTreeMap::new();
@@ -474,7 +610,32 @@ impl Reader<'_> {
                 Err(e) => self.fail(file, &e),
             }
         }
+        self.lamps(scene, paths, &mut assets);
         assets
+    }
+
+    /// What was measured of lamps.
+    fn lamps(&mut self, scene: &Scene, paths: &BTreeMap<String, PathBuf>, assets: &mut Assets) {
+        for Asset { file, handle } in scene.photometry_files() {
+            let Some(path) = paths.get(&file.value) else { continue };
+            if assets.photometries.get(*handle).is_some() {
+                continue;
+            }
+            let bytes = match files::read(path, photometry::MOST_BYTES) {
+                Ok(bytes) => bytes,
+                Err(refusal) => {
+                    self.refuse(file, refusal);
+                    continue;
+                }
+            };
+            match photometry::read(&bytes) {
+                Ok(lamp) => {
+                    assets.photometries.put(*handle, Arc::new(lamp));
+                    self.hashes.insert(file.value.clone(), blake3::hash(&bytes).into());
+                }
+                Err(e) => self.fail(file, &e),
+            }
+        }
     }
 
     /// Complains of texture coordinates that a mapping wants and meshes don't have.
@@ -519,13 +680,20 @@ impl Reader<'_> {
 
     /// A mesh; none after a complaint. The pictures of its materials are wanted where these are.
     fn mesh(&mut self, (file, has_materials): (&FileRef, bool), path: &Path) -> Read<MeshAsset> {
+        let of_attributes: Vec<&str> = self.attributes.iter().map(String::as_str).collect();
+        let key = self.shelf.key(path, of_attributes.join(" "));
+        if let Some(Kept { thing: Thing::Mesh(asset), notes, hash }) = self.shelf.get(key.as_ref()) {
+            self.told(file, &notes);
+            self.ledger.keep(asset.mesh.heap_bytes());
+            return Some((asset, hash));
+        }
         // As many bytes as the file has for the mesh that it holds, and the file's own.
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
         if self.is_too_much(file, 2 * length, MESH_HELP) {
             return None;
         }
         let wanted = |name: &str| self.attributes.contains(name);
-        let means = Means {
+        let means = mesh_file::Means {
             limits: self.limits,
             finder: &mut self.finder,
             handles: &mut self.handles,
@@ -533,15 +701,17 @@ impl Reader<'_> {
         };
         match mesh_file::load(path, means) {
             Ok(MeshFile { asset, warnings, hash, libraries, pictures }) => {
+                // What other files belong to is read again with them.
+                if libraries.is_empty() {
+                    let (thing, notes) = (Thing::Mesh(asset.clone()), warnings.clone());
+                    self.shelf.put(key, Kept { thing, notes, hash });
+                }
                 self.files.extend(libraries);
                 if has_materials {
                     self.files.extend(pictures.iter().map(|p| p.path.clone()));
                     self.pictures.extend(pictures.into_iter().map(|p| (file.clone(), p)));
                 }
-                for warning in warnings {
-                    let message = format!("in `{}`: {warning}", file.value);
-                    self.d.push(Diagnostic::warning(file.span, message));
-                }
+                self.told(file, &warnings);
                 let own = asset.mesh.heap_bytes();
                 self.ledger.pass(length + own);
                 self.ledger.keep(own);
@@ -554,8 +724,22 @@ impl Reader<'_> {
         }
     }
 
+    /// Tells what is to be said of a file.
+    fn told(&mut self, file: &FileRef, notes: &[String]) {
+        for note in notes {
+            let message = format!("in `{}`: {note}", suggest::brief(file));
+            self.d.push(Diagnostic::warning(file.span, message));
+        }
+    }
+
     /// A picture; none after a complaint.
     fn image(&mut self, file: &FileRef, path: &Path) -> Read<Arc<Image>> {
+        let key = self.shelf.key(path, "surroundings".to_owned());
+        if let Some(Kept { thing: Thing::Image(image), notes, hash }) = self.shelf.get(key.as_ref()) {
+            self.told(file, &notes);
+            self.ledger.keep(image.heap_bytes());
+            return Some((image, hash));
+        }
         // What is wrong with a header is told by reading the rest.
         let decoded = image::Header::open(path, self.limits).map_or(0, |header| header.decoded_bytes);
         let length = files::size(path, self.limits.max_bytes).unwrap_or(0);
@@ -571,13 +755,12 @@ impl Reader<'_> {
         };
         match image::surroundings(&bytes, self.limits) {
             Ok((image, notes)) => {
-                for note in notes {
-                    let message = format!("in `{}`: {note}", suggest::brief(file));
-                    self.d.push(Diagnostic::warning(file.span, message));
-                }
+                self.told(file, &notes);
                 self.ledger.pass(length.saturating_add(decoded));
                 self.ledger.keep(image.heap_bytes());
-                Some((Arc::new(image), blake3::hash(&bytes).into()))
+                let (image, hash) = (Arc::new(image), blake3::hash(&bytes).into());
+                self.shelf.put(key, Kept { thing: Thing::Image(image.clone()), notes, hash });
+                Some((image, hash))
             }
             Err(e) => {
                 self.fail(file, &e);
@@ -641,8 +824,12 @@ fn load_mesh(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         return Err(lacking(&shortage));
     }
     let mut handles = Handles::default();
-    let means =
-        Means { limits: &options.files, finder: &mut finder, handles: &mut handles, wanted: &is_colour };
+    let means = mesh_file::Means {
+        limits: &options.files,
+        finder: &mut finder,
+        handles: &mut handles,
+        wanted: &is_colour,
+    };
     let read = mesh_file::load(&place, means).map_err(|r| fail(r.or_similar(&place)))?;
     ledger.pass(length + read.asset.mesh.heap_bytes());
     ledger.keep(read.asset.mesh.heap_bytes());
@@ -665,6 +852,7 @@ fn in_studio(path: &Path, read: MeshFile, options: &Options, ledger: Ledger) -> 
     files.extend(pictures.iter().map(|p| p.path.clone()));
     let mut reader = Reader {
         limits: &options.files,
+        shelf: options.shelf.clone(),
         finder: Finder::default(),
         attributes: BTreeSet::new(),
         handles: Handles::default(),

@@ -47,7 +47,19 @@ pub struct Means<'a> {
 pub fn load(path: &Path, means: Means<'_>) -> Result<MeshFile, Refusal> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     // What has another name is looked at before all of it is read.
+    if extension == "gz" {
+        return load_packed(path, means);
+    }
     let bytes = files::read_if(path, means.limits.max_bytes, |head| check(&extension, head))?;
+    read(&bytes, path, means)
+}
+
+/// Reads a mesh that is packed by gzip, such as `a.ply.gz`.
+fn load_packed(path: &Path, means: Means<'_>) -> Result<MeshFile, Refusal> {
+    let within = path.with_extension("");
+    let extension = within.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let bytes = files::read_packed(path, means.limits.max_bytes)?;
+    check(&extension, &bytes)?;
     read(&bytes, path, means)
 }
 

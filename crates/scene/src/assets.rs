@@ -5,7 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use crate::desc::{Material, Spectrum, Varying};
 use crate::handle::{Handle, Store};
-use crate::{Bitmap, Image, Mesh};
+use crate::{Bitmap, Image, Mesh, Photometry};
 use straal_color::spectrum::TabulatedSpectrum;
 
 /// What a mesh file's own material of a given name becomes.
@@ -37,6 +37,8 @@ pub struct Assets {
     pub bitmaps: Store<Bitmap, Arc<Bitmap>>,
     /// Spectra.
     pub spectra: Store<TabulatedSpectrum, Arc<TabulatedSpectrum>>,
+    /// What was measured of lamps.
+    pub photometries: Store<Photometry, Arc<Photometry>>,
 }
 
 static NO_MESH: LazyLock<MeshAsset> = LazyLock::new(MeshAsset::default);
@@ -45,6 +47,8 @@ static NO_IMAGE: LazyLock<Arc<Image>> =
     LazyLock::new(|| Arc::new(Image { width: 1, height: 1, pixels: vec![[0.0; 3]] }));
 
 static NO_BITMAP: LazyLock<Arc<Bitmap>> = LazyLock::new(|| Arc::new(Bitmap::black()));
+
+static NO_PHOTOMETRY: LazyLock<Arc<Photometry>> = LazyLock::new(Arc::default);
 
 static NO_SPECTRUM: LazyLock<Arc<TabulatedSpectrum>> = LazyLock::new(Arc::default);
 
@@ -58,6 +62,7 @@ impl Assets {
         once(self.meshes.iter().map(|asset| &asset.mesh), Mesh::heap_bytes)
             + once(self.images.iter(), Image::heap_bytes)
             + once(self.bitmaps.iter(), Bitmap::heap_bytes)
+            + once(self.photometries.iter(), Photometry::heap_bytes)
     }
 
     /// A mesh; an empty one where it was never read, which whoever reads has complained of.
@@ -73,6 +78,11 @@ impl Assets {
     /// A picture that a texture is read off; a black one where it was never read, which whoever reads has complained of.
     pub fn bitmap(&self, bitmap: Handle<Bitmap>) -> &Arc<Bitmap> {
         self.bitmaps.get(bitmap).unwrap_or(&NO_BITMAP)
+    }
+
+    /// What was measured of a lamp; nothing where it was never read, which whoever reads has complained of.
+    pub fn photometry(&self, lamp: Handle<Photometry>) -> &Arc<Photometry> {
+        self.photometries.get(lamp).unwrap_or(&NO_PHOTOMETRY)
     }
 
     /// A spectrum; 1 at all wavelengths where it was never read, which whoever reads has complained of.

@@ -1,8 +1,12 @@
 //! What a scene's world will hold, counted before any of it is made: nothing is tessellated, copied or built for it. How much memory
 //! that takes is not known here.
 
-use crate::desc::{Bezier, BezierPatches, Light, MeshSource, Node, Scene, Shading, TriangleMesh};
+use crate::desc::{
+    Bezier, BezierPatches, EnvironmentLayout, Light, MaterialRef, MeshSource, Node, Scene, Shading,
+    Subdivide, TriangleMesh,
+};
 use crate::glow::Glow;
+use crate::value::Link;
 use crate::{Assets, Handle};
 
 /// What a world will hold.
@@ -83,6 +87,43 @@ impl Tally {
         sum(&mut self.lit_triangles, o.lit_triangles);
     }
 
+    /// So many times all of it.
+    fn times(&self, count: u64) -> Self {
+        let Self {
+            triangles,
+            vertices,
+            normals,
+            uvs,
+            smoothed,
+            meshes,
+            shapes,
+            spheres,
+            discs,
+            rectangles,
+            cylinders,
+            instances,
+            lights,
+            lit_triangles,
+        } = *self;
+        let of = |n: u64| n.saturating_mul(count);
+        Self {
+            triangles: of(triangles),
+            vertices: of(vertices),
+            normals: of(normals),
+            uvs: of(uvs),
+            smoothed: of(smoothed),
+            meshes: of(meshes),
+            shapes: of(shapes),
+            spheres: of(spheres),
+            discs: of(discs),
+            rectangles: of(rectangles),
+            cylinders: of(cylinders),
+            instances: of(instances),
+            lights: of(lights),
+            lit_triangles: of(lit_triangles),
+        }
+    }
+
     /// One mesh; of what its vertices have besides positions.
     fn mesh(triangles: u64, vertices: u64, [normals, uvs]: [bool; 2]) -> Self {
         let of = |is_held: bool| if is_held { vertices } else { 0 };
@@ -94,6 +135,9 @@ impl Tally {
         Self { shapes: 1, ..kind }
     }
 }
+
+/// Parts of a curve's piece, on average, where it is long and thin.
+const CURVE_PARTS: u64 = 4;
 
 /// Control points of the built-in teapot make this many patches.
 const TEAPOT_PATCHES: u64 = 32;
@@ -120,7 +164,10 @@ pub fn count(scene: &Scene, assets: &Assets) -> Contents {
         if let Light::Environment(l) = light
             && let Some(file) = &l.file
         {
-            surroundings.push(assets.image(file.handle).pixels.len() as u64);
+            let pixels = assets.image(file.handle).pixels.len() as u64;
+            // In latitude and longitude it has twice as many.
+            let is_square = l.layout == EnvironmentLayout::EqualArea;
+            surroundings.push(if is_square { pixels.saturating_mul(2) } else { pixels });
         }
     }
     Contents { kept: walk.kept, visible, spaces: walk.spaces, surroundings }
@@ -139,6 +186,7 @@ impl Scene {
                         + size_of_val(triangles.as_slice())
                 }
                 Node::Bezier(b) => size_of_val(b.points.as_slice()) + size_of_val(b.patches.as_slice()),
+                Node::Instances(i) => size_of_val(i.transforms.as_slice()),
                 _ => 0,
             };
             bytes += (size_of::<Node>() + lists) as u64;
@@ -179,6 +227,17 @@ impl Walk<'_> {
         };
     }
 
+    /// So many instances of an object.
+    fn instances(&mut self, of: &Link<Node>, material: Option<&MaterialRef>, count: u64) -> Found {
+        let Some(object) = of.to() else { return Found::default() };
+        let inside = self.object(object);
+        let visible = inside.visible.saturating_mul(count);
+        if inside.glows || self.glow.material(material) {
+            return Found { own: inside.own.times(count), visible, ..inside };
+        }
+        Found { own: Tally { instances: count, ..Tally::default() }, visible, ..inside }
+    }
+
     fn node(&mut self, node: &Node) -> Found {
         match node {
             Node::Group(g) => {
@@ -191,14 +250,8 @@ impl Walk<'_> {
                 }
                 all
             }
-            Node::Instance(i) => {
-                let Some(object) = i.of.to() else { return Found::default() };
-                let inside = self.object(object);
-                if inside.glows || self.glow.material(i.material.as_ref()) {
-                    return inside;
-                }
-                Found { own: Tally { instances: 1, ..Tally::default() }, ..inside }
-            }
+            Node::Instance(i) => self.instances(&i.of, i.material.as_ref(), 1),
+            Node::Instances(i) => self.instances(&i.of, i.material.as_ref(), i.transforms.len() as u64),
             Node::Mesh(m) => self.mesh(node, m),
             Node::Bezier(b) => {
                 let side = u64::from(b.resolution);
@@ -215,6 +268,40 @@ impl Walk<'_> {
                 let mut found = self.lit(node, parts);
                 found.own.lights *= 3;
                 found
+            }
+            Node::Cone(c) if c.caps => {
+                let discs = if c.top_radius > 0.0 { 2 } else { 1 };
+                let mut found = self.lit(node, Tally { shapes: 1 + discs, discs, ..Tally::default() });
+                found.own.lights *= 1 + discs;
+                found
+            }
+            Node::HeightField(h) => {
+                let [width, depth] = match &h.file {
+                    Some(file) => {
+                        let texels = &self.assets.bitmap(file.handle).texels;
+                        [texels.width(), texels.height()]
+                    }
+                    None => [h.heights.first().map_or(0, Vec::len), h.heights.len()],
+                };
+                let quads = (width.saturating_sub(1) * depth.saturating_sub(1)) as u64;
+                let normals = !matches!(h.shading, Shading::Flat);
+                let mut own = Tally::mesh(2 * quads, (width * depth) as u64, [normals, true]);
+                own.smoothed = if normals { own.vertices } else { 0 };
+                self.lit(node, own)
+            }
+            Node::Curves(c) => {
+                let pieces = c.runs().filter_map(|run| c.pieces(run.len())).sum::<usize>() as u64;
+                // A long piece is kept in several.
+                self.lit(node, Tally { shapes: pieces.saturating_mul(CURVE_PARTS), ..Tally::default() })
+            }
+            Node::Union(c) | Node::Intersection(c) | Node::Difference(c) => {
+                let mut all = Tally::default();
+                for child in &c.of {
+                    let own = self.node(child).own;
+                    // A mesh of a combination is a face in the world.
+                    all.add(&Tally { shapes: own.shapes.saturating_add(own.meshes), ..own });
+                }
+                self.lit(node, Tally { lights: 0, lit_triangles: 0, ..all })
             }
             Node::Disc(_) => self.lit(node, Tally::shape(Tally { discs: 1, ..Tally::default() })),
             Node::Rectangle(_) => self.lit(node, Tally::shape(Tally { rectangles: 1, ..Tally::default() })),
@@ -263,6 +350,9 @@ impl Walk<'_> {
                     [smooth(!m.normals.is_empty()), !m.uvs.is_empty()],
                 );
                 own.smoothed = smoothed(!m.normals.is_empty(), own.vertices);
+                if let Some(how) = &m.subdivide {
+                    own = subdivided(own, 3 * own.triangles, how);
+                }
                 return self.lit(node, own);
             }
             MeshSource::Asset(asset) => self.assets.mesh(asset.handle),
@@ -274,6 +364,9 @@ impl Walk<'_> {
             [smooth(!mesh.normals.is_empty()), !mesh.uvs.is_empty()],
         );
         own.smoothed = smoothed(!mesh.normals.is_empty(), own.vertices);
+        if let Some(how) = &m.subdivide {
+            own = subdivided(own, mesh.corners(), how);
+        }
         if m.surface.material.is_none() && !asset.materials.is_empty() {
             let mut names: Vec<_> = mesh.parts.iter().map(|p| p.material.as_deref()).collect();
             names.sort_unstable();
@@ -292,6 +385,15 @@ impl Walk<'_> {
         let lights = if own.meshes > 0 { own.meshes } else { 1 };
         Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
     }
+}
+
+/// What a cage becomes whose polygons have so many corners in all.
+fn subdivided(own: Tally, corners: u64, how: &Subdivide) -> Tally {
+    let triangles = how.triangles(corners, own.triangles);
+    // A smooth surface has about two triangles for a vertex.
+    let vertices = if how.levels == 0 { own.vertices } else { triangles / 2 + own.vertices };
+    let uvs = if own.uvs > 0 { vertices } else { 0 };
+    Tally { triangles, vertices, normals: vertices, uvs, ..own }
 }
 
 fn patches(b: &Bezier) -> u64 {

@@ -51,9 +51,13 @@ impl<'a> Glow<'a> {
         match node {
             Node::Group(g) => has_light || g.children.iter().any(|child| self.node(child)),
             Node::Instance(i) => has_light || self.object(&i.of),
+            Node::Instances(i) => has_light || self.object(&i.of),
             surface => {
                 let own = surface.surface().is_some_and(|s| s.emission.is_some());
-                own || has_light || self.parts(surface).any(|p| p.emission.is_some() || p.material.shines())
+                let inside = surface.children().iter().any(|child| self.node(child));
+                own || inside
+                    || has_light
+                    || self.parts(surface).any(|p| p.emission.is_some() || p.material.shines())
             }
         }
     }
@@ -100,8 +104,8 @@ fn copies(glow: &Glow<'_>, d: &mut Diagnostics) -> bool {
         if all > MOST_COPIES {
             let mut span = Span::NONE;
             node.visit(&mut |n| {
-                if let Node::Instance(i) = n {
-                    span = i.of.name.span;
+                if let Some(of) = n.object() {
+                    span = of.name.span;
                 }
             });
             let message = format!(
@@ -122,26 +126,30 @@ struct Copies<'g, 'a> {
 }
 
 impl Copies<'_, '_> {
+    /// Of an instance of an object.
+    fn instances(&mut self, of: &Link<Node>, is_lit: bool) -> u64 {
+        let Some(to) = of.to().filter(|_| is_lit || self.glow.object(of)) else { return 0 };
+        let inside = match self.known.get(&(to.index(), is_lit)) {
+            Some(known) => *known,
+            None => {
+                // One that contains itself ends here.
+                self.known.insert((to.index(), is_lit), 0);
+                let found = self.glow.scene.objects.of(of).map_or(0, |o| self.node(o, is_lit));
+                self.known.insert((to.index(), is_lit), found);
+                found
+            }
+        };
+        inside.saturating_add(1)
+    }
+
     fn node(&mut self, node: &Node, is_lit: bool) -> u64 {
         let is_lit = node.material().map_or(is_lit, |material| self.glow.material(Some(material)));
         match node {
             Node::Group(g) => {
                 g.children.iter().fold(0, |sum, child| sum.saturating_add(self.node(child, is_lit)))
             }
-            Node::Instance(i) if is_lit || self.glow.object(&i.of) => {
-                let Some(to) = i.of.to() else { return 0 };
-                let inside = match self.known.get(&(to.index(), is_lit)) {
-                    Some(known) => *known,
-                    None => {
-                        // One that contains itself ends here.
-                        self.known.insert((to.index(), is_lit), 0);
-                        let found = self.glow.scene.objects.of(&i.of).map_or(0, |o| self.node(o, is_lit));
-                        self.known.insert((to.index(), is_lit), found);
-                        found
-                    }
-                };
-                inside.saturating_add(1)
-            }
+            Node::Instance(i) => self.instances(&i.of, is_lit),
+            Node::Instances(i) => self.instances(&i.of, is_lit).saturating_mul(i.transforms.len() as u64),
             _ => 0,
         }
     }
@@ -161,13 +169,16 @@ impl<'a> Surfaces<'_, 'a> {
         let given = node.material().or(around);
         match node {
             Node::Group(g) => g.children.iter().for_each(|child| self.node(child, given)),
-            Node::Instance(i) => {
-                let Some((to, object)) = i.of.to().zip(scene.objects.of(&i.of)) else { return };
+            Node::Instance(_) | Node::Instances(_) => {
+                let of = node.object();
+                let found = of.and_then(|of| of.to().zip(scene.objects.of(of)));
+                let Some((to, object)) = found else { return };
                 if self.seen.insert((to.index(), given.map_or(ptr::null(), ptr::from_ref))) {
                     self.node(object, given);
                 }
             }
             surface => {
+                surface.children().iter().for_each(|child| self.node(child, given));
                 let own = surface.surface().and_then(|s| s.emission.as_ref());
                 let material = given.and_then(|given| resolved(scene, given));
                 self.surface(surface, own, material);

@@ -102,7 +102,7 @@ impl<T, V> Store<T, V> {
 /// Handles by the names that a description gives to what they lead to: the same name leads to the same thing.
 #[derive(Clone, Debug, Default)]
 pub struct Handles {
-    known: [std::collections::BTreeMap<String, u32>; 4],
+    known: [std::collections::BTreeMap<String, u32>; 5],
 }
 
 impl Handles {
@@ -145,6 +145,10 @@ impl Kind for crate::Bitmap {
 
 impl Kind for straal_color::spectrum::TabulatedSpectrum {
     const KIND: usize = 3;
+}
+
+impl Kind for crate::Photometry {
+    const KIND: usize = 4;
 }
 
 #[cfg(test)]

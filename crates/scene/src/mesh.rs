@@ -15,6 +15,9 @@ pub struct Mesh {
     pub uvs: Vec<[f32; 2]>,
     /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// How many corners each polygon has that the triangles were cut from, in order: one of n corners gave n - 2 of them. Empty
+    /// when all were triangles.
+    pub sides: Vec<u32>,
     /// What vertices or faces have besides.
     pub attributes: Vec<Attribute>,
     /// Runs of triangles that name a material of the file, in order and without gaps; empty when it names none.
@@ -31,15 +34,35 @@ impl Mesh {
             && fits(self.uvs.len())
     }
 
+    /// Takes note that the last triangles were cut from a polygon of so many corners.
+    pub fn note_polygon(&mut self, corners: usize) {
+        let before = self.triangles.len().saturating_sub(corners.saturating_sub(2));
+        if corners > 3 && self.sides.is_empty() {
+            self.sides.resize(before, 3);
+        }
+        if corners > 3 || !self.sides.is_empty() {
+            self.sides.push(corners as u32);
+        }
+    }
+
+    /// Corners of all polygons.
+    pub fn corners(&self) -> u64 {
+        match self.sides.as_slice() {
+            [] => 3 * self.triangles.len() as u64,
+            sides => sides.iter().map(|n| u64::from(*n)).sum(),
+        }
+    }
+
     /// Bytes of its lists.
     pub fn heap_bytes(&self) -> u64 {
-        let Self { positions, normals, uvs, triangles, attributes, parts } = self;
+        let Self { positions, normals, uvs, triangles, sides, attributes, parts } = self;
         let values: usize = attributes.iter().map(|a| size_of_val(a.values.as_slice())).sum();
         (values
             + size_of_val(positions.as_slice())
             + size_of_val(normals.as_slice())
             + size_of_val(uvs.as_slice())
             + size_of_val(triangles.as_slice())
+            + size_of_val(sides.as_slice())
             + size_of_val(parts.as_slice())) as u64
     }
 }

@@ -110,6 +110,13 @@ impl Sources {
         FileId(clamp(self.files.len() - 1))
     }
 
+    /// Lets go of a text, of which the places of its lines are kept: a [`Span`] still has its line and column, but can't be quoted.
+    pub fn let_go(&mut self, file: FileId) {
+        if let Some(file) = self.files.get_mut(file.0 as usize) {
+            file.text = String::new();
+        }
+    }
+
     /// The name of a file; empty for one that isn't here.
     pub fn name(&self, file: FileId) -> &str {
         self.file(file).map_or("", |f| &f.name)
@@ -124,8 +131,14 @@ impl Sources {
     pub fn position(&self, span: Span) -> Position {
         let Some(file) = self.file(span.file) else { return Position { line: 1, column: 1 } };
         let line = file.lines.partition_point(|&s| s <= span.start).saturating_sub(1);
-        let head = file.text.get(file.lines[line] as usize..span.start as usize).unwrap_or("");
-        Position { line: line + 1, column: head.chars().count() + 1 }
+        let start = file.lines[line];
+        let column = match file.text.get(start as usize..span.start as usize) {
+            Some(head) => head.chars().count(),
+            // What was let go of is counted in bytes.
+            None if file.text.is_empty() => span.start.saturating_sub(start) as usize,
+            None => 0,
+        };
+        Position { line: line + 1, column: column + 1 }
     }
 
     /// The text of a line, counted from 1, without its line break.

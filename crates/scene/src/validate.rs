@@ -7,7 +7,7 @@ use crate::alias::{self, Here};
 use crate::css;
 use crate::decode::Describe;
 use crate::desc::{
-    Environment, Group, Instance, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Transform,
+    Environment, Group, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Transform,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::handle::Handle;
@@ -16,7 +16,7 @@ use crate::link::Places;
 use crate::span::Span;
 use crate::suggest;
 use crate::value::{Asset, LinearRgb, Link, Name};
-use crate::{Image, Mesh, materials, textures};
+use crate::{Image, Mesh, Photometry, materials, textures};
 
 /// Most instances inside one another.
 pub const DEEPEST: usize = 8;
@@ -45,6 +45,7 @@ impl Node {
         match self {
             Self::Group(g) => &g.transform,
             Self::Instance(i) => &i.transform,
+            Self::Instances(i) => &i.transform,
             _ => self.surface().map_or(&NOWHERE, |s| &s.transform),
         }
     }
@@ -54,6 +55,7 @@ impl Node {
         match self {
             Self::Group(g) => g.material.as_ref(),
             Self::Instance(i) => i.material.as_ref(),
+            Self::Instances(i) => i.material.as_ref(),
             _ => self.surface().and_then(|s| s.material.as_ref()),
         }
     }
@@ -63,6 +65,7 @@ impl Node {
         match self {
             Self::Group(g) => g.name.as_ref(),
             Self::Instance(i) => i.name.as_ref(),
+            Self::Instances(i) => i.name.as_ref(),
             _ => self.surface().and_then(|s| s.name.as_ref()),
         }
     }
@@ -70,13 +73,23 @@ impl Node {
     /// Whether a camera that is focused on `name` is focused on this: it goes by its own name, or by its object's.
     pub fn goes_by(&self, name: &str) -> bool {
         let own = self.name().is_some_and(|n| n.value == name);
-        own || matches!(self, Self::Instance(i) if i.of.name.value == name)
+        own || self.object().is_some_and(|of| of.name.value == name)
+    }
+
+    /// The object that it shows, if it is made of instances.
+    pub const fn object(&self) -> Option<&Link<Self>> {
+        match self {
+            Self::Instance(i) => Some(&i.of),
+            Self::Instances(i) => Some(&i.of),
+            _ => None,
+        }
     }
 
     /// The nodes directly inside.
     pub fn children(&self) -> &[Node] {
         match self {
             Self::Group(Group { children, .. }) => children,
+            Self::Union(c) | Self::Intersection(c) | Self::Difference(c) => &c.of,
             _ => &[],
         }
     }
@@ -140,6 +153,15 @@ impl Scene {
         self.spectra().into_iter().filter(|(_, limit)| *limit == Limit::UNIT).map(|(s, _)| s).collect()
     }
 
+    /// The files of measured lamps that are named, with repetitions.
+    pub fn photometry_files(&self) -> Vec<&Asset<Photometry>> {
+        let lamps = self.lights.iter().filter_map(|l| match l {
+            Light::Goniometric(lamp) => Some(&lamp.file),
+            _ => None,
+        });
+        lamps.collect()
+    }
+
     /// The picture files that are named, with repetitions.
     pub fn image_files(&self) -> Vec<&Asset<Image>> {
         let environments = self.lights.iter().filter_map(|l| match l {
@@ -178,9 +200,7 @@ impl Walk<'_> {
             if let Some(material) = n.material() {
                 material.names(&mut |link, _| self.material(link));
             }
-            if let Node::Instance(Instance { of, .. }) = n {
-                self.instance(of);
-            }
+            n.object().into_iter().for_each(|of| self.instance(of));
         });
     }
 
@@ -247,9 +267,7 @@ impl Walk<'_> {
         for node in &self.scene.world {
             node.visit(&mut |n| {
                 names.extend(n.name().map(|n| n.value.as_str()));
-                if let Node::Instance(i) = n {
-                    names.push(&i.of.name);
-                }
+                names.extend(n.object().map(|of| of.name.value.as_str()));
             });
         }
         if names.contains(&name.value.as_str()) {
@@ -273,10 +291,10 @@ impl Walk<'_> {
     fn edges(&self, node: &Node) -> Vec<Edge> {
         let mut edges = Vec::new();
         node.visit(&mut |n| {
-            if let Node::Instance(i) = n
-                && let Some(to) = i.of.to()
+            if let Some(of) = n.object()
+                && let Some(to) = of.to()
             {
-                edges.push(Edge { to, span: i.of.name.span });
+                edges.push(Edge { to, span: of.name.span });
             }
         });
         edges
@@ -365,6 +383,13 @@ impl Walk<'_> {
         }
         for child in node.children() {
             self.placement(child, &all);
+        }
+        if let Node::Instances(i) = node
+            && let Some(bad) = i.transforms.iter().position(|m| Rounded::new(&m.0.then(&all)).is_none())
+        {
+            let message =
+                format!("transform {bad}, counted from 0, is singular or leaves the range of numbers");
+            self.d.push(Diagnostic::error(i.of.name.span, message));
         }
     }
 }

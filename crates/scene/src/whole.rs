@@ -2,7 +2,7 @@
 //! fail then.
 
 use crate::desc::check::too_bright;
-use crate::desc::{Light, Scene, Spectrum};
+use crate::desc::{EnvironmentLayout, Light, Node, Scene, Spectrum};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::{Assets, glow, suggest};
 
@@ -19,7 +19,47 @@ pub fn validate(scene: &Scene, assets: &Assets, d: &mut Diagnostics) {
             d.push(Diagnostic::error(asset.file.span, message));
         }
     }
+    solids(scene, d);
+    subdivisions(scene, assets, d);
     glow::validate(scene, assets, d);
+}
+
+/// Most solids in one combination: a ray knows of each whether it is in it, in a bit.
+pub const MOST_SOLIDS: usize = 64;
+
+/// Most triangles that a control cage may become.
+const MOST_TRIANGLES: u64 = 1 << 28;
+
+fn solids(scene: &Scene, d: &mut Diagnostics) {
+    scene.visit(|node| {
+        let (Node::Union(c) | Node::Intersection(c) | Node::Difference(c)) = node else { return };
+        let mut count = 0;
+        node.visit(&mut |n| count += usize::from(n.children().is_empty()));
+        if count > MOST_SOLIDS {
+            let message = format!("{count} solids are combined: at most {MOST_SOLIDS} are supported");
+            d.push(Diagnostic::error(c.surface.transform.span, message));
+        }
+    });
+}
+
+fn subdivisions(scene: &Scene, assets: &Assets, d: &mut Diagnostics) {
+    scene.visit(|node| {
+        let Node::Mesh(m) = node else { return };
+        let Some(how) = &m.subdivide else { return };
+        let (corners, triangles) = match &m.file {
+            Some(file) => {
+                let mesh = &assets.mesh(file.handle).mesh;
+                (mesh.corners(), mesh.triangles.len() as u64)
+            }
+            None => (3 * m.triangles.len() as u64, m.triangles.len() as u64),
+        };
+        let after = how.triangles(corners, triangles);
+        if after > MOST_TRIANGLES {
+            let message = format!("{} levels make {after} triangles, more than {MOST_TRIANGLES}", how.levels);
+            let span = m.file.as_ref().map_or(m.surface.transform.span, |file| file.file.span);
+            d.push(Diagnostic::error(span, message).help("give it fewer `levels`"));
+        }
+    });
 }
 
 fn spectra(scene: &Scene, assets: &Assets, d: &mut Diagnostics) {
@@ -44,10 +84,13 @@ fn surroundings(scene: &Scene, assets: &Assets, d: &mut Diagnostics) {
         let message = if !image.is_whole() {
             format!("the picture `{}` has no pixels", suggest::brief(&asset.file))
         } else if let Some([across, down]) = l.layout.faces().filter(|_| l.layout.side(image).is_none()) {
-            format!(
-                "a picture of {} x {} pixels is not made of {across} by {down} squares, as a cube map of this layout is",
-                image.width, image.height
-            )
+            let pixels = format!("a picture of {} x {} pixels", image.width, image.height);
+            match l.layout {
+                EnvironmentLayout::EqualArea => format!("{pixels} is not square, as one of equal areas is"),
+                _ => format!(
+                    "{pixels} is not made of {across} by {down} squares, as a cube map of this layout is"
+                ),
+            }
         } else {
             continue;
         };

@@ -36,7 +36,7 @@ pub use resolve::{Error, Overrides};
 pub use straal_accel::{Build, Isa, Structure};
 pub use straal_color::{Dither, Exposure, Gamut, Meter, Space, Tone};
 pub use straal_formats::load::{
-    Listener, Loaded, Options as LoadOptions, Reading, is_mesh, load, load_str, load_stream,
+    Listener, Loaded, Options as LoadOptions, Reading, Shelf, is_mesh, load, load_str, load_stream,
 };
 pub use straal_formats::studio::{self, Studio};
 pub use straal_math::lowdisc::PatternKind;

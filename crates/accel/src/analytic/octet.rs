@@ -13,6 +13,7 @@ use crate::{
     slab::EXIT,
 };
 use straal_math::Ray;
+use straal_math::simd::{self as math, Float, Simd};
 
 /// Eight rays, their numbers side by side.
 #[derive(Clone, Copy)]
@@ -54,14 +55,76 @@ pub(crate) type Octets = [Firsts; OCTETS];
 /// Finds the first hits of up to [`RAYS`] rays, or where `ANY` any hits. All rays are taken before the first is searched, so that
 /// what was written number by number has left the processor when it is read as vectors.
 #[inline(always)]
-pub(crate) fn search<W: Wide, const ANY: bool>(w: W, few: &Blocks, rays: &[Ray], out: &mut Octets) {
+pub(crate) fn search<W: Wide, const ANY: bool>(
+    w: W,
+    simd: Simd,
+    few: &Blocks,
+    rays: &[Ray],
+    out: &mut Octets,
+) {
     let mut octets = [Octet::EMPTY; OCTETS];
-    for (octet, rays) in octets.iter_mut().zip(rays.chunks(ROW)) {
-        octet.fill(rays);
-    }
+    simd.run(Fill { rays, octets: &mut octets });
     for (octet, out) in octets.iter_mut().zip(out).take(rays.len().div_ceil(ROW)) {
         octet.prepare(w);
         octet.search::<W, ANY>(w, few, out);
+    }
+}
+
+/// Takes rays, as many as there is room for; the last is repeated until its octet is full.
+struct Fill<'a> {
+    rays: &'a [Ray],
+    octets: &'a mut [Octet; OCTETS],
+}
+
+impl math::Kernel for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        let Some(last) = self.rays.len().checked_sub(1) else { return };
+        let end = self.rays.len().next_multiple_of(ROW).min(RAYS);
+        for first in (0..end).step_by(F::WIDTH) {
+            let ray = |i: usize| &self.rays[if first + i < last { first + i } else { last }];
+            let [ox, oy, oz, t_min] = F::from_rows(
+                #[inline(always)]
+                |i| {
+                    let r = ray(i);
+                    [r.o.x, r.o.y, r.o.z, r.t_min]
+                },
+            );
+            let [dx, dy, dz, t_max] = F::from_rows(
+                #[inline(always)]
+                |i| {
+                    let r = ray(i);
+                    [r.d.x, r.d.y, r.d.z, r.t_max]
+                },
+            );
+            // Written out: `map` isn't inlined for sure.
+            let columns = [
+                ox.to_array(),
+                oy.to_array(),
+                oz.to_array(),
+                dx.to_array(),
+                dy.to_array(),
+                dz.to_array(),
+                t_min.to_array(),
+                t_max.to_array(),
+            ];
+            // A vector is a part of an octet, or one, or two.
+            for at in (0..F::WIDTH).step_by(ROW) {
+                let octet = &mut self.octets[(first + at) / ROW % OCTETS];
+                let lanes = (first + at) % ROW..(first + at) % ROW + F::WIDTH.min(ROW);
+                let [ox, oy, oz] = &mut octet.o;
+                let [dx, dy, dz] = &mut octet.d;
+                let to = [ox, oy, oz, dx, dy, dz, &mut octet.t_min, &mut octet.t_max];
+                for (to, from) in to.into_iter().zip(&columns) {
+                    to[lanes.clone()].copy_from_slice(&from.as_ref()[at..at + lanes.len()]);
+                }
+                for lane in lanes {
+                    octet.masks[lane] = ray((first + at) / ROW * ROW + lane - first).mask;
+                }
+            }
+        }
     }
 }
 
@@ -85,19 +148,6 @@ impl Octet {
         t_max: [-1.0; ROW],
         masks: [0; ROW],
     };
-
-    /// Takes up to eight rays, one at least; the last is repeated.
-    #[inline(always)]
-    pub fn fill(&mut self, rays: &[Ray]) {
-        for lane in 0..ROW {
-            let Some(r) = rays.get(lane).or(rays.last()) else { return };
-            for axis in 0..3 {
-                self.o[axis][lane] = r.o[axis];
-                self.d[axis][lane] = r.d[axis];
-            }
-            (self.t_min[lane], self.t_max[lane], self.masks[lane]) = (r.t_min, r.t_max, r.mask);
-        }
-    }
 
     /// What `LocalRay::prepare` finds of a ray: intervals cut, reciprocals of directions, and that rays that aren't valid hit
     /// nothing.

@@ -41,7 +41,7 @@ macro_rules! entry_points {
                 rays: &[straal_math::Ray],
                 out: &mut $crate::analytic::octet::Octets,
             ) {
-                $crate::analytic::octet::search::<K, ANY>(kernel, few, rays, out);
+                $crate::analytic::octet::search::<K, ANY>(kernel, kernel.simd(), few, rays, out);
             }
             // SAFETY: `self` is the proof that the processor has the features.
             #[allow(unused_unsafe)]

@@ -5,6 +5,7 @@ mod beams;
 mod classics;
 mod common;
 mod extremes;
+mod frames;
 mod million;
 mod same_hit;
 #[path = "../../../../tests/shared.rs"]

@@ -1,6 +1,6 @@
 //! How the files of a scene are read, and how much memory may be used: the same for all commands that read one.
 
-use super::heading::{MACHINE, TALK};
+use super::heading::{MACHINE, PICTURE, TALK};
 use crate::machine;
 use crate::quantity;
 use clap::Args;
@@ -25,7 +25,7 @@ impl MemoryArgs {
 }
 
 /// How the files of a scene are read.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Args)]
+#[derive(Clone, Debug, Default, PartialEq, Args)]
 pub struct ReadingArgs {
     /// How much memory is taken
     #[command(flatten)]
@@ -37,15 +37,36 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "DIR", help_heading = MACHINE)]
     pub root: Option<PathBuf>,
 
+    /// The frame of a scene that moves, from 0; such as 12, or 12.5 between two
+    #[arg(long, value_name = "N", value_parser = quantity::frame, hide_short_help = true, help_heading = PICTURE)]
+    pub frame: Option<f64>,
+
+    /// What stands for a name that a scene of Mitsuba leaves open, such as -D spp=16 for $spp; may be given several times
+    #[arg(
+        short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition, hide_short_help = true,
+        help_heading = MACHINE
+    )]
+    pub define: Vec<(String, String)>,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long, help_heading = TALK)]
     pub lenient: bool,
+}
+
+/// A name and what stands for it.
+fn definition(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err("write NAME=VALUE, such as spp=16".to_owned()),
+    }
 }
 
 impl ReadingArgs {
     /// What it means for who loads a scene.
     pub fn options(&self) -> LoadOptions {
         let (lenient, root, memory) = (self.lenient, self.root.clone(), self.memory.limit());
-        LoadOptions { lenient, root, memory, ..LoadOptions::default() }
+        let frame = self.frame.unwrap_or(0.0);
+        let define = self.define.iter().cloned().collect();
+        LoadOptions { lenient, root, memory, frame, define, ..LoadOptions::default() }
     }
 }

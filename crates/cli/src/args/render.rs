@@ -6,7 +6,7 @@ use super::parsers::{
 };
 use super::{DevelopmentArgs, ReadingArgs, StudioArgs};
 use crate::exit;
-use crate::quantity::{self, Crop, Every, Samples, Size};
+use crate::quantity::{self, Crop, Every, Frames, Samples, Size};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -41,6 +41,8 @@ Examples:
   straal render scene.yaml --spp 16 --denoise   clean after a few samples, but not in every detail true
   straal render scene.yaml --spp 4 --size 320x180 --crop 100,50,200,120
   straal render scene.yaml -o a.exr --resume    goes on where it was cut off
+  straal render robot.yaml --frames 0..48 -o film/robot.####.exr -o robot.apng
+                                                a scene that moves, frame by frame and as one animation
   straal render scene.yaml --json --quiet | jq .film_hash
   make-scene | straal render - -o - > a.png     from standard input, to standard output
   straal render scene.yaml -o a.exr --spp 16 --replicates 16
@@ -77,6 +79,16 @@ pub struct RenderArgs {
     /// spectral:40:400:700.
     #[arg(long, value_name = "NUMBERS", value_parser = quantity::recording, hide_short_help = true, help_heading = PICTURE)]
     pub channels: Option<Recording>,
+
+    /// Render frames of a scene that moves: the first, and one past the last, such as 0..48; or all
+    ///
+    /// Their numbers stand in the names of the pictures, in place of # signs where there are any: film.####.png becomes film.0007.png.
+    /// A picture that ends in .apng is all of them, as one animation. With --resume, frames whose pictures are there are left as they are.
+    #[arg(
+        long, value_name = "A..B", value_parser = quantity::frames, conflicts_with = "frame", hide_short_help = true,
+        help_heading = PICTURE
+    )]
+    pub frames: Option<Frames>,
 
     /// Denoise the picture: a clean one, and only a likely one; fast is a third of the work, off is not even what the scene says
     ///

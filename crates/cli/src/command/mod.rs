@@ -6,6 +6,7 @@ pub mod completions;
 pub mod denoise;
 pub mod develop;
 pub mod diff;
+pub mod frames;
 pub mod gamma_chart;
 pub mod info;
 pub mod man;

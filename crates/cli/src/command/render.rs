@@ -1,6 +1,6 @@
 //! `straal render`
 
-use super::{Writing, load, print, refused, warn};
+use super::{Writing, frames, load, print, refused, warn};
 use crate::args::RenderArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
@@ -12,24 +12,47 @@ use crate::progress::{Pace, Teller, while_reading};
 use crate::quantity::{count, tell_percent};
 use crate::report::Report;
 use crate::settings::RenderSettings;
+use serde_json::Value as Json;
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 use straal::sums::Kept;
 use straal::written;
-use straal::{Control, Development, EMBEDDED_SCENE, Job, Loaded, Outcome, Progress, Snapshot, Verdict};
+use straal::{
+    Control, Development, EMBEDDED_SCENE, Job, Loaded, Outcome, Picture, Progress, Snapshot, Verdict,
+};
 use straal_formats::atomic;
 use straal_study::cost;
 
 /// Renders a scene; `start` is when the command began.
 pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Exit, Failure> {
     let settings = RenderSettings::new(args)?;
-    let loaded = scene(&settings)?;
+    if let Some(wanted) = settings.frames {
+        return frames::run(&settings, wanted, start, interrupt);
+    }
+    let (exit, report, _) = one(&settings, start, interrupt, (None, &mut |_, _| Ok(())))?;
+    if settings.json {
+        print(&format!("{report:#}\n"))?;
+    }
+    Ok(exit)
+}
+
+/// What takes a picture and how it is developed, besides the files that it goes to.
+pub type Taker<'a> = dyn FnMut(&Picture, &Development) -> std::io::Result<()> + 'a;
+
+/// Renders one picture, perhaps after another; gives what is told to scripts of it, and what it was rendered from.
+pub fn one(
+    settings: &RenderSettings,
+    start: Instant,
+    interrupt: &Interrupt,
+    (before, taker): (Option<Job>, &mut Taker<'_>),
+) -> Result<(Exit, Json, Job), Failure> {
+    let loaded = scene(settings)?;
     refuse_inputs(settings.written(), &loaded.files)?;
-    let scene = settings.write_scene.is_some().then(|| scene_text(&loaded, &settings)).transpose()?;
+    let scene = settings.write_scene.is_some().then(|| scene_text(&loaded, settings)).transpose()?;
     let mut warnings = loaded.warnings.clone();
-    let job = Job::new(loaded, settings.overrides.clone()).map_err(|e| refused(e, &warnings))?;
+    let job = Job::after(before, loaded, &settings.overrides).map_err(|e| refused(e, &warnings))?;
     warn(&mut warnings, &job);
     if !settings.quiet {
         if let Some(note) = &settings.note {
@@ -54,7 +77,7 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
 
     let (mut keeping, kept) = Keeping::new(&settings.keep, &settings.outputs, interrupt, settings.quiet)?;
     let rendering = Instant::now();
-    let outcome = render(&job, &settings, interrupt, (start, kept, &mut keeping)).map_err(|e| {
+    let outcome = render(&job, settings, interrupt, (start, kept, &mut keeping)).map_err(|e| {
         let failure = refused(e, &warnings);
         if settings.keep.resume && failure.help.is_none() { failure.help(ANEW) } else { failure }
     })?;
@@ -76,6 +99,9 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
                 |path| picture.save(path, &development),
             );
         });
+    }
+    if interrupted.is_none() {
+        taker(&outcome.picture, &development).map_err(|e| Failure::system(e.to_string()))?;
     }
     if let Some((path, of)) = &settings.cost_picture {
         writing.note(path, interrupt.whole(|| cost::save(&outcome.picture, path, *of)));
@@ -99,13 +125,13 @@ pub fn run(args: RenderArgs, start: Instant, interrupt: &Interrupt) -> Result<Ex
     if !settings.quiet {
         out::say(&report.tell());
     }
-    if settings.json {
-        print(&format!("{:#}\n", report.as_json()))?;
-    }
-    Ok(if interrupted.is_some() { Exit::Interrupted } else { Exit::Fine })
+    let exit = if interrupted.is_some() { Exit::Interrupted } else { Exit::Fine };
+    let report = report.as_json();
+    Ok((exit, report, job))
 }
 
-fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
+/// The scene as a file says it.
+pub fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
     let options = &settings.reading;
     match &settings.scene {
         Some(path) => while_reading(settings.quiet, options, |options| load(path, options)),

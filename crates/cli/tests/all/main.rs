@@ -8,6 +8,7 @@ mod denoise;
 mod develop;
 mod diff;
 mod files;
+mod frames;
 mod interrupt;
 mod keeping;
 mod memory;

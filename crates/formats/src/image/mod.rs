@@ -1,5 +1,6 @@
 //! Readers and writers of pictures.
 
+pub mod apng;
 mod bitmap;
 pub mod bmp;
 mod coded;

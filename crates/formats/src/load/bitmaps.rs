@@ -7,8 +7,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use straal_scene::handle::Handle;
 use straal_scene::value::{Asset, FileRef};
-use straal_scene::{Assets, Bitmap, Diagnostic, Scene, suggest};
+use straal_scene::{Assets, Bitmap, Scene};
 
+use super::shelf::{Kept, Shelf, Thing};
 use super::{IMAGE_HELP, Progress, Reader};
 use crate::files::{self, Refusal};
 use crate::mesh_file::Picture;
@@ -79,14 +80,11 @@ impl Reader<'_> {
         }
         let threads = self.threads(&wanted);
         self.progress.more(pictures.len());
-        let decoded = decode(&wanted, threads, (self.limits, &self.progress));
+        let decoded = decode(&wanted, threads, (self.limits, &self.shelf, &self.progress));
         for (wanted, decoded) in wanted.iter().zip(&decoded) {
             match decoded {
                 Ok((_, notes, _)) => {
-                    for note in notes {
-                        let message = format!("in `{}`: {note}", suggest::brief(wanted.file));
-                        self.d.push(Diagnostic::warning(wanted.file.span, message));
-                    }
+                    self.told(wanted.file, notes);
                 }
                 Err(refusal) => {
                     let problem = match &wanted.of_mesh {
@@ -127,7 +125,7 @@ impl Reader<'_> {
 fn decode(
     wanted: &[Wanted<'_>],
     threads: usize,
-    (limits, progress): (&Limits, &Progress<'_>),
+    (limits, shelf, progress): (&Limits, &Shelf, &Progress<'_>),
 ) -> Vec<Decoded> {
     let next = AtomicUsize::new(0);
     let work = || {
@@ -135,7 +133,7 @@ fn decode(
         loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
             let Some(mine) = wanted.get(i) else { return done };
-            done.push((i, one(mine.path, limits)));
+            done.push((i, one(mine.path, limits, shelf)));
             progress.step();
         }
     };
@@ -152,8 +150,14 @@ fn decode(
     decoded.into_iter().map(|result| result.unwrap_or_else(broken)).collect()
 }
 
-fn one(path: &Path, limits: &Limits) -> Decoded {
+fn one(path: &Path, limits: &Limits, shelf: &Shelf) -> Decoded {
+    let key = shelf.key(path, "texture".to_owned());
+    if let Some(Kept { thing: Thing::Bitmap(bitmap), notes, hash }) = shelf.get(key.as_ref()) {
+        return Ok((bitmap, notes, hash));
+    }
     let bytes = image::bytes(path, limits)?;
     let (bitmap, notes) = image::bitmap(&bytes, limits).map_err(|e| Refusal::new(e.to_string()))?;
-    Ok((Arc::new(bitmap), notes, blake3::hash(&bytes).into()))
+    let (bitmap, hash) = (Arc::new(bitmap), blake3::hash(&bytes).into());
+    shelf.put(key, Kept { thing: Thing::Bitmap(bitmap.clone()), notes: notes.clone(), hash });
+    Ok((bitmap, notes, hash))
 }

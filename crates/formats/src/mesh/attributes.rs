@@ -63,6 +63,16 @@ impl Columns {
                 columns.add(&name, per, &[u, v], scalar);
             }
         }
+        // A further colour by its own name, as Mitsuba has it: `x_r`, `x_g`, `x_b` are `x_color`.
+        for property in properties {
+            let Some(stem) = property.name.strip_suffix("_r") else { continue };
+            let [name, g, b] = ["color", "g", "b"].map(|end| format!("{stem}_{end}"));
+            if wanted(&name)
+                && let (Some(r), Some(g), Some(b)) = (find(&property.name), find(&g), find(&b))
+            {
+                columns.add(&name, per, &[r, g, b], scalar);
+            }
+        }
         for (i, property) in properties.iter().enumerate() {
             if columns.places[i].is_none()
                 && scalar(i).is_some()

@@ -309,6 +309,7 @@ impl Soup {
                     format!("a concave face with {count} corners, the limit is {most}"),
                 )
             })?;
+            mesh.note_polygon(points.len());
             check("triangles", mesh.triangles.len() as u64, limits.max_triangles)?;
         }
         if odd_positions.count > 0 {

@@ -272,6 +272,7 @@ impl Reader<'_> {
                             self.odd_faces += 1;
                         } else if let &[a, b, c] = corners.as_slice() {
                             self.mesh.triangles.push([a, b, c]);
+                            self.mesh.note_polygon(3);
                         } else {
                             points.clear();
                             points.extend(corners.iter().map(|&i| self.mesh.positions[i as usize]));
@@ -281,6 +282,7 @@ impl Reader<'_> {
                                     let most = polygon::MAX_CONCAVE_CORNERS;
                                     told(format!("is concave with {count} corners, the limit is {most}"))
                                 })?;
+                            self.mesh.note_polygon(corners.len());
                         }
                         check("triangles", self.mesh.triangles.len() as u64, self.limits.max_triangles)?;
                     }

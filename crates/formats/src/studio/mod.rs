@@ -10,9 +10,9 @@ mod up;
 
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
-    Accel, AttributeTexture, Bezier, ColorSettings, Conductor, Dielectric, Diffuse, Environment, Film, Group,
-    Integrator, Light, Material, MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing,
-    Spectrum, Step, Surface, Texture, TextureOf, Transform, TriangleMesh, Varying, Viewpoint,
+    AttributeTexture, Bezier, Conductor, Dielectric, Diffuse, Environment, Film, Group, Light, Material,
+    MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum, Step, Surface,
+    Texture, TextureOf, Transform, TriangleMesh, Varying, Viewpoint,
 };
 use straal_scene::value::{Asset, Axis, Factors, Known, LinearRgb, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
@@ -219,18 +219,12 @@ pub fn around(
         Light::Environment(Environment { radiance: Some(Spectrum::grey(SKY)), ..Environment::default() });
     let points = points(asset).map(|p| place.point(p));
     let mut scene = Scene {
-        camera: frame::camera(points, wish.view, size),
         film: Film { size, ..Film::default() },
         sampler: Sampler { spp: 64, ..Sampler::default() },
         materials,
         world: vec![mesh, set],
         lights: if wish.background == Background::Nothing { Vec::new() } else { vec![sky] },
-        color: ColorSettings::default(),
-        integrator: Integrator::default(),
-        accel: Accel::default(),
-        spectral: false,
-        objects: Named::default(),
-        textures: Named::default(),
+        ..Scene::seen_by(frame::camera(points, wish.view, size))
     };
     scene.link();
     Ok((scene, told))

@@ -144,7 +144,8 @@ fn schema_says_what_each_key_is() {
     assert!(keys > 100, "only {keys} keys");
     let sphere = &definitions["Sphere"]["properties"]["radius"];
     assert_eq!(sphere["default"], json!(1));
-    assert_eq!(sphere["exclusiveMinimum"], json!(0));
+    assert_eq!(sphere["anyOf"][0]["exclusiveMinimum"], json!(0));
+    assert_eq!(sphere["anyOf"][1], json!({ "$ref": "#/$defs/Keyframes of a value" }));
     assert_eq!(definitions["Triangle"]["required"], json!(["vertices"]));
 }
 

@@ -27,6 +27,11 @@ impl View {
         Some(Self { right: m.vector(DVec3::X), up: m.vector(DVec3::Y), forward: m.vector(-DVec3::Z), eye })
     }
 
+    /// With left and right exchanged in the picture.
+    pub fn mirrored(self) -> Self {
+        Self { right: -self.right, ..self }
+    }
+
     /// Turned about the view by an angle in degrees, clockwise for who stands behind the camera.
     pub fn rolled(self, degrees: f64) -> Self {
         if degrees == 0.0 {

@@ -27,6 +27,8 @@ pub(super) struct Glowing {
     pub below: Option<Box<Material>>,
     pub two_sided: bool,
     pub flip: bool,
+    /// Degrees of the cone that its light stays in.
+    pub spread: f64,
     /// See [`crate::light::AreaLight::placement`].
     pub placement: Option<Transform>,
 }
@@ -203,10 +205,12 @@ impl<'a> Build<'a> {
         if let Some(glow) = self.glow_of(own, material) {
             let opacity = self.materials.opacity(material);
             let two_sided = surface.two_sided_emission || glow.both_sides;
-            record.emission_varies = glow.radiance.varies() || glow.below.is_some();
+            let spread = surface.emission_spread;
+            record.emission_varies = glow.radiance.varies() || glow.below.is_some() || spread < 180.0;
             let placement = glowing_place(&place.transform, &glow.radiance);
             let Glow { radiance, below, .. } = glow;
-            let glowing = Glowing { kind: record.kind, radiance, opacity, below, two_sided, flip, placement };
+            let kind = record.kind;
+            let glowing = Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
             record.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(record);

@@ -29,6 +29,7 @@ pub(super) fn camera(
         })
     };
     let still = |own: View| {
+        let own = if observer.mirror { own.mirrored() } else { own };
         let setup = Setup { view: own, at_start: view, film: scene.film.size, size, distance: &distance };
         Camera::of(&scene.camera, &setup)
     };

@@ -39,6 +39,10 @@ pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
         let what = match light {
             Emitter::Point(l) => format!("the point light at {}", told(l.position, world.centre)),
             Emitter::Spot(l) => format!("the spot light at {}", told(l.position(), world.centre)),
+            Emitter::Goniometric(l) => {
+                format!("the goniometric light at {}", told(l.position(), world.centre))
+            }
+            Emitter::Projector(l) => format!("the projector at {}", told(l.position(), world.centre)),
             _ => "the directional light".to_owned(),
         };
         notes.push(format!(
@@ -55,6 +59,8 @@ fn ray_of(world: &World, light: &Emitter, i: u32) -> Option<Ray> {
     match light {
         Emitter::Point(l) => Some(Ray::new(l.position, warp::uniform_sphere(u))),
         Emitter::Spot(l) => Some(Ray::new(l.position(), l.direction(u))),
+        Emitter::Goniometric(l) => Some(Ray::new(l.position(), l.direction(u))),
+        Emitter::Projector(l) => Some(Ray::new(l.position(), l.direction(u))),
         _ => {
             let towards = light
                 .sample(

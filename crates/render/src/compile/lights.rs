@@ -1,13 +1,14 @@
 //! Lights: those of the scene's list, and the surfaces that glow.
 
 use super::build::Glowing;
-use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Sides};
+use crate::light::area::Spread;
+use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Sides, SunDisc};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::world::Kind;
 use straal_accel as accel;
 use straal_math::DVec3;
-use straal_scene::Scene;
+use straal_scene::{Scene, desc};
 
 /// Everything that shines, how to choose among it, and what of it is all around.
 pub(super) struct Lights {
@@ -39,6 +40,9 @@ pub(super) fn gather(
     }
     for light in &scene.lights {
         emitters.push(Emitter::of(light, paint, centre));
+        if let desc::Light::Sky(sky) = light {
+            emitters.extend(SunDisc::of_sky(sky, paint));
+        }
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
@@ -67,6 +71,7 @@ fn area(g: &Glowing, geometry: &Geometry) -> Emitter {
     let placement = g.placement.map(Box::new);
     Emitter::Area(AreaLight {
         surface,
+        spread: Spread::degrees(g.spread),
         radiance: g.radiance,
         opacity: g.opacity,
         below: g.below.clone(),

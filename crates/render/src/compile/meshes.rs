@@ -1,13 +1,17 @@
 //! Meshes on the walk over the world: those of files with their materials, and what becomes one.
 
+use super::Detail;
 use super::build::{Build, Glow, Glowing, Place, glowing_place};
+use super::solids::height_field;
 use crate::shape::mesh::Between;
+use crate::shape::subdivision::{Subdivided, subdivide};
 use crate::shape::{TriangleMesh, bezier, smooth::smooth};
 use crate::world::{GeometryRecord, Kind};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use straal_accel as accel;
 use straal_math::Vec3;
+use straal_scene::bitmap::Number;
 use straal_scene::desc::{self, Leaving, MeshSource, Shading};
 use straal_scene::mesh::Per;
 use straal_scene::{Mesh, Part, PartMaterial};
@@ -16,9 +20,19 @@ impl<'a> Build<'a> {
     pub(super) fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) {
         if let MeshSource::Asset(asset) = m.source() {
             let asset = self.assets.mesh(asset.handle);
+            let has_own = m.surface.material.is_some();
+            if let Some(how) = &m.subdivide {
+                let cage = TriangleMesh::from(&*asset.mesh);
+                let Subdivided { mesh, starts } = self.subdivided(&cage, &asset.mesh.sides, how);
+                let start = |i: usize| starts.get(i).copied().unwrap_or(0) as usize;
+                let mut parts = asset.mesh.parts.clone();
+                parts.iter_mut().for_each(|p| p.triangles = start(p.triangles.start)..start(p.triangles.end));
+                let mesh = shaded(mesh, &m.shading);
+                let runs = runs(&mesh.indices, &parts, &asset.materials, has_own);
+                return self.mesh(mesh, &runs, &m.surface, place);
+            }
             let attributes = self.materials.attributes(&asset.mesh);
             let mesh = shaded(TriangleMesh { attributes, ..TriangleMesh::from(&*asset.mesh) }, &m.shading);
-            let has_own = m.surface.material.is_some();
             let runs = runs(&mesh.indices, &asset.mesh.parts, &asset.materials, has_own);
             return self.mesh(mesh, &runs, &m.surface, place);
         }
@@ -29,7 +43,51 @@ impl<'a> Build<'a> {
             triangles: m.triangles.clone(),
             ..Mesh::default()
         };
-        self.whole_mesh(shaded(TriangleMesh::from(&mesh), &m.shading), &m.surface, place)
+        let mut mesh = TriangleMesh::from(&mesh);
+        if let Some(how) = &m.subdivide {
+            mesh = self.subdivided(&mesh, &[], how).mesh;
+        }
+        self.whole_mesh(shaded(mesh, &m.shading), &m.surface, place)
+    }
+
+    /// A control cage as a smooth surface; as coarse as it is seen in a draft.
+    fn subdivided(&self, cage: &TriangleMesh, sides: &[u32], how: &desc::Subdivide) -> Subdivided {
+        /// Levels of a draft.
+        const DRAFT: u32 = 2;
+        let is_draft = self.detail == Detail::Draft && !self.in_focus;
+        let levels = if is_draft { how.levels.min(DRAFT) } else { how.levels };
+        subdivide(cage, sides, &how.scheme, levels)
+    }
+
+    pub(super) fn height_field(&mut self, s: &'a desc::HeightField, place: Place) {
+        let [low, high] = s.between;
+        let mesh = if let Some(file) = &s.file {
+            let texels = &self.assets.bitmap(file.handle).texels;
+            let most = match texels.format().number {
+                Number::Byte => 255.0,
+                Number::Short => 65535.0,
+                Number::Half | Number::Single => 1.0,
+            };
+            let grey = texels.format().channels < 4;
+            let height = |i: usize, j: usize| {
+                let [r, g, b, _] = texels.numbers(i, j).map(f64::from);
+                let y = if grey { r } else { 0.2126 * r + 0.7152 * g + 0.0722 * b };
+                low + (high - low) * y / most
+            };
+            height_field([texels.width(), texels.height()], s.size, height)
+        } else {
+            let width = s.heights.first().map_or(0, Vec::len);
+            let height = |i: usize, j: usize| {
+                let h = s.heights.get(j).and_then(|row| row.get(i)).copied().unwrap_or(0.0);
+                low + (high - low) * h
+            };
+            height_field([width, s.heights.len()], s.size, height)
+        };
+        let mesh = match s.shading {
+            Shading::Auto => smooth(mesh, 180.0),
+            _ => shaded(mesh, &s.shading),
+        };
+        self.whole_mesh(mesh, &s.surface, place)
     }
 
     pub(super) fn whole_mesh(&mut self, mesh: TriangleMesh, surface: &'a desc::Surface, place: Place) {
@@ -70,14 +128,18 @@ impl<'a> Build<'a> {
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
             let glow = self.glow_of(radiance, material);
-            let emission_varies = glow.as_ref().is_some_and(|g| g.radiance.varies() || g.below.is_some());
+            let spread = surface.emission_spread;
+            let emission_varies =
+                glow.as_ref().is_some_and(|g| g.radiance.varies() || g.below.is_some() || spread < 180.0);
             let emitter = match glow {
                 Some(Glow { radiance, below, both_sides }) => {
                     let opacity = self.materials.opacity(material);
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
                     let flip = false;
-                    Some(self.glow(Glowing { kind, radiance, opacity, below, two_sided, flip, placement }))
+                    let glowing =
+                        Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+                    Some(self.glow(glowing))
                 }
                 None => None,
             };

@@ -13,6 +13,8 @@ mod lights;
 mod materials;
 mod meshes;
 mod place;
+mod round;
+mod solids;
 
 pub use build::GLOWING_BYTES;
 
@@ -80,12 +82,18 @@ pub enum Detail {
 
 /// Makes the world of a description, which can't fail where that has been validated; only the search structure may be refused.
 pub fn compile(request: &Request<'_>) -> Result<World, BuildError> {
-    let mut world = compile_about(request, DVec3::ZERO)?;
+    compile_after(None, request)
+}
+
+/// The same, after a world of which much may have stayed, as after the frame before: search structures of objects that are made of the
+/// same triangles are taken over. The world is that of [`compile`].
+pub fn compile_after(before: Option<World>, request: &Request<'_>) -> Result<World, BuildError> {
+    let mut world = compile_about(before.map(|world| world.accel), request, DVec3::ZERO)?;
     // A program's own shapes stand where they stand.
     if let Some(centre) = doubts::far_away(world.accel.bounds()).filter(|_| request.custom.shapes.is_empty())
     {
-        drop(world);
-        world = compile_about(request, centre)?;
+        let before = world.accel;
+        world = compile_about(Some(before), request, centre)?;
     }
     let mut notes = std::mem::take(&mut world.notes);
     let eye = request.scene.camera.observer().keyframes().first().map_or(DVec3::ZERO, |m| m.eye);
@@ -96,7 +104,11 @@ pub fn compile(request: &Request<'_>) -> Result<World, BuildError> {
 }
 
 /// The same with a place of the description at the origin.
-fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, BuildError> {
+fn compile_about(
+    before: Option<accel::Scene>,
+    request: &Request<'_>,
+    centre: DVec3,
+) -> Result<World, BuildError> {
     let Request { scene, assets, custom, size, search, spectral, recording, detail } = *request;
     let mut build = build::Build::new(scene, assets, custom, (spectral, detail), centre);
     build.world();
@@ -119,7 +131,7 @@ fn compile_about(request: &Request<'_>, centre: DVec3) -> Result<World, BuildErr
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
     let (camera, out_of_focus) = camera::camera(scene, size, &seen, centre);
-    let accel = accel::Scene::build(input, &geometry, search)?;
+    let accel = accel::Scene::build_after(before, input, &geometry, search)?;
     let dropped = dropped::tell(accel.dropped(), &nodes, &left_out, &objects);
     let lights = lights::gather(
         scene,

@@ -2,6 +2,7 @@
 
 use super::build::{Build, Place};
 use super::meshes::{bezier_mesh, shaded};
+use super::round::standing;
 use super::{Custom, Detail};
 use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::world::INHERIT;
@@ -10,6 +11,7 @@ use straal_math::{Affine, DVec3, Transform};
 use straal_scene::Mesh;
 use straal_scene::desc::{self, Node};
 use straal_scene::glow::MOST_COPIES;
+use straal_scene::value::Link;
 
 /// Quads along a patch's edge in a draft.
 const DRAFT: u32 = 4;
@@ -67,17 +69,27 @@ impl<'a> Build<'a> {
             }
             Node::Instance(i) => {
                 let inner = self.step_into(node, i.material.as_ref(), place);
-                self.instance(i, place.group, inner)
+                self.instance(&i.of, place.group, inner)
+            }
+            Node::Instances(i) => {
+                let all = self.step_into(node, i.material.as_ref(), place);
+                for own in &i.transforms {
+                    let inner = Place { transform: own.0.then(&all.transform), ..all };
+                    self.instance(&i.of, place.group, inner);
+                }
             }
             shape => self.one_shape(shape, Place { transform: placed(shape, place), ..place }),
         }
     }
 
     /// A node that is a shape; `place` is that of its own coordinates.
-    fn one_shape(&mut self, node: &'a Node, place: Place) {
+    pub(super) fn one_shape(&mut self, node: &'a Node, place: Place) {
         let m = place.transform;
         match node {
-            Node::Group(_) | Node::Instance(_) => (),
+            Node::Group(_) | Node::Instance(_) | Node::Instances(_) => (),
+            Node::Sphere(s) if s.heights.is_some() || s.phi != desc::WHOLE_TURN => {
+                self.part_of_sphere(s, place)
+            }
             Node::Sphere(s) => {
                 let material = self.materials.of(s.surface.material.as_ref(), place.material);
                 // What is brushed must know which way it was turned.
@@ -113,6 +125,12 @@ impl<'a> Build<'a> {
                 self.shape(&s.surface, place, Shape::Parallelogram(Box::new(r)), false)
             }
             Node::Cylinder(s) => self.cylinder(s, place),
+            Node::Cone(s) => self.cone(s, place),
+            Node::Annulus(s) => self.annulus(s, place),
+            Node::Torus(s) => self.torus(s, place),
+            Node::Paraboloid(s) => self.paraboloid(s, place),
+            Node::Hyperboloid(s) => self.hyperboloid(s, place),
+            Node::Capsule(s) => self.capsule(s, place),
             Node::Box(s) => {
                 let mesh = TriangleMesh::cuboid(s.min.as_vec3(), s.max.as_vec3());
                 self.whole_mesh(mesh, &s.surface, place)
@@ -122,6 +140,11 @@ impl<'a> Build<'a> {
                 let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
                 self.whole_mesh(TriangleMesh::from(&mesh), &s.surface, place)
             }
+            Node::Bilinear(s) => self.bilinear(s, place),
+            Node::HeightField(s) => self.height_field(s, place),
+            Node::Curves(s) => self.curves(s, place),
+            Node::Union(_) | Node::Intersection(_) | Node::Difference(_) => self.combination(node, place),
+            Node::DistanceField(s) => self.distance_field(s, place),
             Node::Mesh(m) => self.mesh_node(m, place),
             Node::Bezier(b) => {
                 let is_draft = self.detail == Detail::Draft && !self.in_focus;
@@ -141,13 +164,13 @@ impl<'a> Build<'a> {
     }
 
     /// An instance in a group; `inner` is the place of the object's own coordinates.
-    fn instance(&mut self, i: &'a desc::Instance, outer: u32, inner: Place) {
+    fn instance(&mut self, of: &'a Link<Node>, outer: u32, inner: Place) {
         // A scene without errors leads everywhere.
         let objects = &self.scene.objects;
-        let Some((id, (name, object))) = i.of.to().and_then(|id| Some((id, objects.at(id)?))) else {
+        let Some((id, (name, object))) = of.to().and_then(|id| Some((id, objects.at(id)?))) else {
             return;
         };
-        if self.glow.object(&i.of) || self.materials.shining(inner.material).is_some() {
+        if self.glow.object(of) || self.materials.shining(inner.material).is_some() {
             // Validation has counted them.
             self.dissolved += 1;
             if self.dissolved <= MOST_COPIES {
@@ -178,31 +201,23 @@ impl<'a> Build<'a> {
     }
 
     fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) {
-        let m = place.transform;
-        let axis = s.to - s.from;
-        let (a, b) = tangents(unit(axis));
-        let (a, b) = (a * s.radius, b * s.radius);
-        // The unit cylinder stands along y.
-        let unit_to_local = Affine {
-            rows: [[b.x, axis.x, a.x, s.from.x], [b.y, axis.y, a.y, s.from.y], [b.z, axis.z, a.z, s.from.z]],
-        };
-        let Some(wall) = Cylinder::new(unit_to_local.then(&m)) else { return self.leave_out() };
+        if s.phi != desc::WHOLE_TURN {
+            return self.part_of_cylinder(s, place);
+        }
+        let own = standing(s.from, s.to, s.radius);
+        let Some(wall) = Cylinder::new(own.then(&place.transform)) else { return self.leave_out() };
         self.shape(&s.surface, place, Shape::Cylinder(Box::new(wall)), s.surface.flip);
         if s.caps {
-            for (center, a, b) in [(s.from, b, a), (s.to, a, b)] {
-                let (mut a, mut b) = (m.vector(a), m.vector(b));
-                if s.surface.flip != (m.determinant() < 0.0) {
-                    (a, b) = (b, a);
-                }
-                let cap = Disc::new(m.point(center).as_vec3(), a.as_vec3(), b.as_vec3());
-                self.shape(&s.surface, place, Shape::Disc(Box::new(cap)), false);
-            }
+            let (a, b) = tangents(unit(s.to - s.from));
+            let (a, b) = (a * s.radius, b * s.radius);
+            self.cap(&s.surface, place, [s.from, b, a]);
+            self.cap(&s.surface, place, [s.to, a, b]);
         }
     }
 }
 
 /// Validation has seen that it has a length.
-fn unit(v: DVec3) -> DVec3 {
+pub(super) fn unit(v: DVec3) -> DVec3 {
     v.try_normalize().unwrap_or(DVec3::Y)
 }
 
@@ -212,7 +227,7 @@ fn placed(node: &Node, place: Place) -> Affine {
 }
 
 /// Two unit vectors that make a right-handed frame with `n`.
-fn tangents(n: DVec3) -> (DVec3, DVec3) {
+pub(super) fn tangents(n: DVec3) -> (DVec3, DVec3) {
     // Those of +z are x and y, so that a disc's texture coordinates are where one expects them.
     let helper = if n.x.abs() < 0.9 { DVec3::X } else { DVec3::Y };
     let a = helper - n * n.dot(helper);

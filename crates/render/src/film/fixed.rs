@@ -31,18 +31,6 @@ impl Fixed {
         };
     }
 
-    /// Adds any value that is one; false if it isn't, or is 2^32 or more.
-    #[inline(always)]
-    pub fn add_sound(&mut self, v: f32) -> bool {
-        self.0 += match usual(v) {
-            Some(units) => i128::from(units),
-            None if v == 0.0 => 0,
-            None if v.abs() < MAX_VALUE => round(f64::from(v) * VALUE_SCALE),
-            None => return false,
-        };
-        true
-    }
-
     #[inline(always)]
     pub fn to_f64(self) -> f64 {
         // Most sums fit 64 bits, whose conversion is one instruction, and rounds alike.

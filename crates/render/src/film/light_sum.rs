@@ -1,31 +1,77 @@
 //! The light of one sample while it is gathered.
 
-use super::fixed::Fixed;
+use super::MAX_VALUE;
 use straal_color::Light;
 
 /// A sum of contributions, each rounded once to fixed point and added as integers, so that their order changes no bit.
 ///
-/// Units are those of the film, 2^-62: a contribution of 2^-39 or more is held exactly. One that isn't finite, or of 2^32 or
-/// more, spoils the sum, whose sample is dropped then.
+/// Units are those of the film, 2^-62: a contribution of 2^-39 or more is held exactly, a smaller one is rounded to the nearest, halves to
+/// the even. One that isn't finite, or of 2^32 or more, spoils the sum, whose sample is dropped then; so does a sum of 2^47 or more,
+/// which the film couldn't take.
 ///
-/// As long as a line of the cache. That it is spoiled is told by its first lane, which is far beyond what 2^30 contributions bring then.
+/// Each lane is two integers, of units of 2^-14 and of 2^-62, so that the arithmetic is that of double precision and of 64 bits, which
+/// processors do for several lanes at once. As long as a line of the cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub struct LightSum {
-    lanes: [Fixed; 4],
+    high: [i64; 4],
+    low: [i64; 4],
 }
 
-const SPOILED: i128 = 1 << 126;
+/// A high number's unit is the inverse of this, and so many low ones make one high one.
+const HIGH: f64 = (1_u64 << 14) as f64;
+const LOW_BITS: u32 = 48;
+const LOW: f64 = (1_u64 << LOW_BITS) as f64;
+
+/// A number of less than 2^51 that this is added to is rounded to an integer, which then stands in the last bits.
+const ROUND: f64 = (3_u64 << 51) as f64;
+
+/// So much in the first lane tells that it is spoiled, whatever is added once.
+const SPOILED: i64 = 3 << 61;
+
+/// Whether adding to it once more could overflow: it isn't within ±2^62.
+#[inline(always)]
+const fn is_full(sum: i64) -> i64 {
+    sum ^ (sum << 1)
+}
 
 impl LightSum {
     /// Adds a contribution.
     #[inline(always)]
     pub fn add(&mut self, light: Light) {
-        let mut is_sound = true;
-        for (sum, v) in self.lanes.iter_mut().zip(light.0) {
-            is_sound &= sum.add_sound(v);
+        let (mut high, mut low, mut full, mut is_sound) = (self.high, self.low, 0, true);
+        for v in light.0 {
+            is_sound &= v.abs() < MAX_VALUE;
         }
+        for (i, v) in light.0.into_iter().enumerate() {
+            let units = f64::from(v) * HIGH;
+            let whole = units + ROUND;
+            // What is left is exact, and at most half a unit.
+            let rest = (units - (whole - ROUND)) * LOW + ROUND;
+            let integer = |rounded: f64| rounded.to_bits().wrapping_sub(ROUND.to_bits()) as i64;
+            high[i] = high[i].wrapping_add(integer(whole));
+            low[i] = low[i].wrapping_add(integer(rest));
+            full |= is_full(high[i]) | is_full(low[i]);
+        }
+        if is_sound & (full >= 0) {
+            (self.high, self.low) = (high, low);
+        } else {
+            self.add_unusual((high, low), is_sound);
+        }
+    }
+
+    /// What an addition gave, where one of the numbers is nearly full or is none.
+    #[cold]
+    #[inline(never)]
+    fn add_unusual(&mut self, (high, low): ([i64; 4], [i64; 4]), is_sound: bool) {
         if !is_sound {
+            return self.spoil();
+        }
+        (self.high, self.low) = (high, low);
+        for i in 0..4 {
+            (self.high[i], self.low[i]) = self.carried(i);
+        }
+        if self.high.iter().any(|&sum| is_full(sum) < 0) {
             self.spoil();
         }
     }
@@ -33,21 +79,53 @@ impl LightSum {
     /// Makes the sample one that is dropped.
     #[cold]
     pub fn spoil(&mut self) {
-        self.lanes[0] = Fixed(SPOILED);
+        self.high[0] = SPOILED;
+    }
+
+    /// A lane, with as much in high units as possible.
+    #[inline(always)]
+    const fn carried(&self, i: usize) -> (i64, i64) {
+        let carry = (self.low[i] + (1 << (LOW_BITS - 1))) >> LOW_BITS;
+        (self.high[i].wrapping_add(carry), self.low[i] - (carry << LOW_BITS))
     }
 
     /// The sum, rounded to single precision; not a number where it is spoiled.
-    #[inline]
+    #[inline(always)]
     pub fn light(&self) -> Light {
-        let [a, b, c, d] = &self.lanes;
-        let sum = [a.to_f64() as f32, b.to_f64() as f32, c.to_f64() as f32, d.to_f64() as f32];
-        Light(if a.0 > SPOILED / 2 { [f32::NAN; 4] } else { sum })
+        // Nearly always both numbers are so small that they become doubles as they became integers.
+        const HALF: i64 = 1 << 51;
+        let (mut sum, mut large) = ([0.0; 4], 0);
+        for (i, sum) in sum.iter_mut().enumerate() {
+            let (high, low) = (self.high[i], self.low[i]);
+            large |= (high.wrapping_add(HALF) as u64 | low.wrapping_add(HALF) as u64) >> 52;
+            let double = |v: i64| f64::from_bits((v as u64).wrapping_add(ROUND.to_bits())) - ROUND;
+            *sum = rounded(double(high), double(low));
+        }
+        if large == 0 { Light(sum) } else { self.large() }
     }
+
+    /// The same, however large the numbers.
+    #[cold]
+    #[inline(never)]
+    fn large(&self) -> Light {
+        if is_full(self.high[0]) < 0 {
+            return Light([f32::NAN; 4]);
+        }
+        Light([0, 1, 2, 3].map(|i| {
+            let (high, low) = self.carried(i);
+            rounded(high as f64, low as f64)
+        }))
+    }
+}
+
+/// The sum of both numbers, which are exact in double precision as far as the film takes light, so that it is rounded once there.
+#[inline(always)]
+fn rounded(high: f64, low: f64) -> f32 {
+    ((high + low * (1.0 / LOW)) * (1.0 / HIGH)) as f32
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::MAX_VALUE;
     use super::*;
 
     #[test]
@@ -75,6 +153,34 @@ mod tests {
             sum.add(Light([-MAX_VALUE.next_down(); 4]));
             assert!(sum.light().0[0].is_nan(), "{bad}");
         }
+    }
+
+    /// Many contributions, bright and faint, give what integers of 128 bits give.
+    #[test]
+    fn nothing_is_lost_by_carrying() {
+        let mut sum = LightSum::default();
+        let mut exact = [0_i128; 4];
+        for i in 0..300_000_u32 {
+            let v = (i.wrapping_mul(2_654_435_761) >> 8) as f32;
+            let light = Light([0.4 / 16384.0, v * 1e-9, -v * 1e-4, 2047.0 / 32768.0 - v * 1e-12]);
+            sum.add(light);
+            for (exact, v) in exact.iter_mut().zip(light.0) {
+                *exact += (f64::from(v) * (1_u64 << 62) as f64).round_ties_even() as i128;
+            }
+        }
+        let want = exact.map(|v| (v as f64 / (1_u64 << 62) as f64) as f32);
+        assert_eq!(sum.light().0, want);
+    }
+
+    #[test]
+    fn too_much_spoils_it() {
+        let mut sum = LightSum::default();
+        for _ in 0..(1 << 17) {
+            sum.add(Light([0.0, MAX_VALUE.next_down(), 0.0, 0.0]));
+        }
+        assert!(sum.light().0[0].is_nan());
+        (0..(1 << 17)).for_each(|_| sum.add(Light([-1e9, -1e9, 0.0, 0.0])));
+        assert!(sum.light().0[0].is_nan(), "it stays so");
     }
 
     #[test]

@@ -288,8 +288,9 @@ impl FilmTile {
             ends.note(self.first + p.count, &p.value);
         }
         p.count += 1;
-        let fits = { sample.rgb.iter() }.chain(bands.iter().map(|b| &b.value)).all(|v| v.abs() < MAX_VALUE);
-        if !fits {
+        let fits = |v: f32| v.abs() < MAX_VALUE;
+        let [red, green, blue] = sample.rgb.map(fits);
+        if !(red & green & blue) || !bands.iter().all(|b| fits(b.value)) {
             p.dropped += 1;
             let at = (pixel, index);
             let order = |(p, i): ([u32; 2], u32)| (p[1], p[0], i);

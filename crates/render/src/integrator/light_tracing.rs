@@ -124,6 +124,11 @@ impl Integrator for LightTracer {
                 "no rays (`integrator: light`) can be sent from a surface without an end, or a program's own shape, that shines; `path` sees it".into(),
             );
         }
+        if world.emitters.iter().any(|e| matches!(e, Emitter::Point(point) if !point.falls)) {
+            return Some(
+                "a light that doesn't fall with the distance isn't made of rays (`integrator: light`), which spread; `path` takes it as it is".into(),
+            );
+        }
         let from_afar = world.emitters.iter().any(Emitter::is_from_afar);
         if from_afar && (0..geometry.shapes.len() as u32).any(endless) {
             return Some(

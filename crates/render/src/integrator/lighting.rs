@@ -103,10 +103,16 @@ pub(super) struct Brought {
 }
 
 impl Brought {
-    /// What comes to vertex `i`, and the ray that must be free for it; its time and mask are those of `like`.
+    /// The ray that must be free for light to come to vertex `i`; its time and mask are those of `like`.
     #[inline(always)]
-    pub fn get(&self, i: usize, like: &Ray) -> (Ray, Light) {
-        (ray(&self.rays[i], like), self.light[i])
+    pub fn ray(&self, i: usize, like: &Ray) -> Ray {
+        ray(&self.rays[i], like)
+    }
+
+    /// What comes to vertex `i`.
+    #[inline(always)]
+    pub fn light(&self, i: usize) -> Light {
+        self.light[i]
     }
 }
 

@@ -6,7 +6,7 @@ use super::numbers::{Numbers, Wanted};
 use super::scattering::{Onward, Roulette, SendOn};
 use super::technique::Technique;
 use super::vertex::left_on_way;
-use super::vertices::{Arriving, BLOCK, ROOM, Vertices};
+use super::vertices::{Arriving, BLOCK, Few, ROOM, Vertices};
 use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
@@ -420,13 +420,25 @@ impl PathTracer {
         simd.run(Illuminate { world, surfaces, vertices, lanes, numbers, out: lit });
         vertices
             .by_kind(simd, Weigh { simd, surfaces, vertices, lit, technique: self.technique, out: brought });
-        for i in brought.bright.each() {
+        // List by list, without a look at what room each has: nearly every vertex asks for a ray.
+        let asking = Few::of(brought.bright);
+        let asking = asking.list();
+        if !world.materials.interiors().matter() {
+            out.shadow_rays.extend(asking.iter().map(|&i| {
+                let i = usize::from(i);
+                brought.ray(i, &queue.rays[block.paths[i] as usize])
+            }));
+            out.shadows.extend(asking.iter().map(|&i| {
+                let i = usize::from(i);
+                Contribution::own(&queue.paths[block.paths[i] as usize], brought.light(i))
+            }));
+            return;
+        }
+        for i in asking.iter().copied().map(usize::from) {
             let path = block.paths[i] as usize;
-            let (ray, mut light) = brought.get(i, &queue.rays[path]);
-            if world.materials.interiors().matter() {
-                light *= left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
-            }
-            out.shadow(ray, Contribution::own(&queue.paths[path], light));
+            let ray = brought.ray(i, &queue.rays[path]);
+            let left = left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
+            out.shadow(ray, Contribution::own(&queue.paths[path], brought.light(i) * left));
         }
     }
 
@@ -447,9 +459,16 @@ impl PathTracer {
             simd,
             SendOn { simd, surfaces, vertices, numbers, roulette: self.roulette, out: onward },
         );
-        for i in onward.alive.each() {
+        let alive = Few::of(onward.alive);
+        let alive = alive.list();
+        out.rays.extend(alive.iter().map(|&i| {
+            let i = usize::from(i);
+            onward.ray(i, &queue.rays[block.paths[i] as usize])
+        }));
+        out.next.extend(alive.iter().map(|&i| {
+            let i = usize::from(i);
             let index = block.paths[i] as usize;
-            let (path, ray) = (&queue.paths[index], &queue.rays[index]);
+            let path = &queue.paths[index];
             let State { mut lanes, mut footprint, depth, mut inside, .. } = path.state;
             let (beta, eta_squared) = onward.carried(i);
             let (from, pdf) = onward.from(i, surfaces);
@@ -458,7 +477,7 @@ impl PathTracer {
                 lanes = lanes.only(onward.wavelength(i));
             }
             if world.wants_footprints() {
-                let arrived = (ray, &queue.hits[index]);
+                let arrived = (&queue.rays[index], &queue.hits[index]);
                 footprint = world.footprint_beyond(&footprint, arrived, &onward.sample(i));
             }
             if world.materials.interiors().matter() && onward.sample(i).transmitted {
@@ -466,7 +485,7 @@ impl PathTracer {
             }
             let (delta, depth) = (onward.delta(i), depth + 1);
             let state = State { lanes, footprint, beta, from, pdf, delta, depth, eta_squared, inside };
-            out.go_on(path, 0, onward.ray(i, ray), state);
-        }
+            Path { name: path.name.child(0), sample: path.sample, state }
+        }));
     }
 }

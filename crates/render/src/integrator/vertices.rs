@@ -61,6 +61,31 @@ impl Bits {
     }
 }
 
+/// The numbers of some vertices of a block, in order.
+pub(super) struct Few {
+    numbers: [u8; BLOCK],
+    count: usize,
+}
+
+impl Few {
+    /// Those that have a bit.
+    #[inline(always)]
+    pub fn of(bits: Bits) -> Self {
+        let mut few = Self { numbers: [0; BLOCK], count: 0 };
+        for i in bits.each().take(BLOCK) {
+            few.numbers[few.count] = i as u8;
+            few.count += 1;
+        }
+        few
+    }
+
+    /// The numbers.
+    #[inline(always)]
+    pub fn list(&self) -> &[u8] {
+        &self.numbers[..self.count]
+    }
+}
+
 /// Light for each vertex.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Lights([Column; 4]);

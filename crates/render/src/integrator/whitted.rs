@@ -175,7 +175,7 @@ impl Whitted {
         let receiver = vertex.receiver();
         for index in 0..world.emitters.len() {
             let emitter = &world.emitters[index];
-            if emitter.is_environment() || emitter.is_ambient() {
+            if emitter.is_environment() && !emitter.is_disc() || emitter.is_ambient() {
                 continue;
             }
             let Some(light) = world.sample_light(index as u32, &receiver, [0.5; 2], lanes) else { continue };

@@ -11,7 +11,7 @@ use super::{Ball, Emitted, Extent, LightSample, Reach, Receiver, Shine, Shows, s
 use crate::material::Material;
 use crate::shape::{AreaSample, DirSamples, Geometry, Shape, SurfacePoint, by_solid_angle, solid_angle_pdf};
 
-/// A surface that sends the same radiance in every direction on its lit side.
+/// A surface that sends the same radiance in every direction on its lit side, or less towards its horizon.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     /// What shines.
@@ -24,8 +24,51 @@ pub struct AreaLight {
     pub below: Option<Box<Material>>,
     /// From which sides.
     pub sides: Sides,
+    /// How it falls towards the horizon of the surface.
+    pub spread: Spread,
     /// Where its own coordinates lie in the world, if its radiance is read off a texture and they are others.
     pub placement: Option<Box<Transform>>,
+}
+
+/// The cone around the normal that light stays in, as behind a deep grid of black walls: of the light at an angle θ they let 1 - tan θ / tan (spread / 2) through,
+/// which is that of long slits across it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// One over the tangent of its half: 0 where nothing is in the way.
+    per_tangent: f32,
+}
+
+impl Spread {
+    /// So many degrees from rim to rim, up to 180: all of it.
+    pub fn degrees(degrees: f64) -> Self {
+        let (sin, cos) = ops::sin_cos_degrees(0.5 * degrees);
+        Self { per_tangent: if degrees < 180.0 { (cos / sin) as f32 } else { 0.0 } }
+    }
+
+    /// The share that gets through in a direction of a cosine to the normal, either side.
+    #[inline(always)]
+    fn share<F: Float>(self, cos: F) -> F {
+        let cos = cos.abs();
+        let sin = (F::ONE - cos * cos).max(F::ZERO).sqrt();
+        F::select(cos.gt(F::ZERO), (F::ONE - sin / cos * self.per_tangent).max(F::ZERO), F::ZERO)
+    }
+
+    /// Of the power of an even surface, what gets through: with t = tan of half the cone a, the integral of 2 (1 - tan θ / t) sin θ cos θ up to a.
+    fn of_power(self) -> f64 {
+        let k = f64::from(self.per_tangent);
+        if k == 0.0 {
+            return 1.0;
+        }
+        let half = ops::atan2_d(1.0, k);
+        let (sin, cos) = ops::sin_cos_degrees(half.to_degrees());
+        sin * sin - k * (half - sin * cos)
+    }
+
+    /// Whether nothing is in the way.
+    #[inline(always)]
+    fn is_open(self) -> bool {
+        self.per_tangent == 0.0
+    }
 }
 
 /// What shines.
@@ -122,7 +165,11 @@ impl AreaLight {
         };
         let lit = self.sides.lit(s.end.ng, -s.wi) & F::Mask::splat(!radiance.is_black());
         let far = F::Mask::splat(false);
-        let sample = LightSample::from_afar(s.wi, readings.light(radiance), s.pdf);
+        let mut radiance = readings.light(radiance);
+        if !self.spread.is_open() {
+            radiance *= self.spread.share(s.end.ng.dot(s.wi));
+        }
+        let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
         LightSample { far, to: s.end, ..sample }.only(lit)
     }
 
@@ -178,6 +225,9 @@ impl AreaLight {
             radiance *= ops::clamp(reading.eval(opacity, &at), 0.0, 1.0);
         }
         radiance *= self.lets_out(s.point.ng.dot(s.wi), &at, reading);
+        if !self.spread.is_open() {
+            radiance *= self.spread.share(s.point.ng.dot(s.wi));
+        }
         let sample = LightSample::from_afar(s.wi, radiance, s.pdf);
         Some(LightSample { far: false, to: (&s.point).into(), ..sample })
     }
@@ -274,8 +324,14 @@ impl Shine for AreaLight {
             return Light::ZERO;
         }
         let at = self.at(hit);
-        let radiance = reading.eval(&self.radiance, &at);
-        if self.below.is_some() { radiance * self.lets_out(hit.ng.dot(wo), &at, reading) } else { radiance }
+        let mut radiance = reading.eval(&self.radiance, &at);
+        if self.below.is_some() {
+            radiance *= self.lets_out(hit.ng.dot(wo), &at, reading);
+        }
+        if !self.spread.is_open() {
+            radiance *= self.spread.share(hit.ng.dot(wo));
+        }
+        radiance
     }
 
     fn pdf_at(&self, geometry: &Geometry, p: Vec3, (primitive, hit): (u32, &SurfacePoint)) -> f32 {
@@ -333,7 +389,7 @@ impl Shine for AreaLight {
         })
     }
 
-    /// pi A L for each lit side.
+    /// pi A L for each lit side, and of that what gets through.
     fn power(&self, geometry: &Geometry, _: f64) -> f64 {
         let area = match &self.surface {
             LitSurface::Shape(shape) => f64::from(geometry.area(*shape).unwrap_or(0.0)),
@@ -341,7 +397,7 @@ impl Shine for AreaLight {
         };
         let sides = if self.sides == Sides::Both { 2.0 } else { 1.0 };
         let most = self.below.as_ref().and_then(|m| m.emission()).map_or(1.0, |e| f64::from(e.most));
-        sides * std::f64::consts::PI * area * strength(&self.radiance) * most
+        sides * std::f64::consts::PI * area * strength(&self.radiance) * most * self.spread.of_power()
     }
 
     fn reach(&self, geometry: &Geometry) -> Option<Reach> {
@@ -350,7 +406,7 @@ impl Shine for AreaLight {
 
     #[cfg(test)]
     fn examples() -> Vec<super::tests::Example> {
-        use super::tests::{mesh, shape, turned};
+        use super::tests::{mesh, narrowed, shape, turned};
         use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Shape, Sphere, TriangleMesh};
         use straal_math::{Affine, DVec3};
         let squash = Affine::scale(DVec3::new(1.0, 0.3, 0.6)).then(&turned());
@@ -368,7 +424,9 @@ impl Shine for AreaLight {
             shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
             shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
             shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
+            narrowed("disc, narrow", shape("", Shape::Disc(Box::new(disc)), Sides::Both), 80.0),
             mesh("cuboid", cuboid.clone(), Sides::Front),
+            narrowed("cuboid, narrow", mesh("", cuboid.clone(), Sides::Front), 120.0),
             mesh("cuboid, both", cuboid.transformed(&squash).unwrap(), Sides::Both),
         ]
     }

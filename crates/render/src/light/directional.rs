@@ -6,7 +6,7 @@ use straal_math::simd::{Float, Mask};
 use straal_math::{DVec3, Vec3};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, strength, unit};
+use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, SunDisc, strength, unit};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 
@@ -24,9 +24,13 @@ impl DirectionalLight {
         Some(Self { wi: (-direction).try_normalize()?, irradiance: irradiance.into() })
     }
 
-    /// Of what a scene says.
+    /// Of what a scene says: this, or a disc.
     pub(super) fn of(l: &desc::DirectionalLight, paint: &mut Paint<'_>, _: DVec3) -> Emitter {
-        Emitter::Directional(Self { wi: unit(-l.axis()), irradiance: paint.light(&l.irradiance) })
+        let (wi, irradiance) = (unit(-l.axis()), paint.light(&l.irradiance));
+        if l.angle > 0.0 {
+            return Emitter::Disc(SunDisc::towards(wi, l.angle, irradiance));
+        }
+        Emitter::Directional(Self { wi, irradiance })
     }
 }
 
@@ -54,7 +58,7 @@ impl Shine for DirectionalLight {
     }
 
     fn reach(&self, _: &Geometry) -> Option<Reach> {
-        Some(Reach::Parallel { wi: self.wi, irradiance: strength(&self.irradiance) as f32 })
+        Some(Reach::Parallel { wi: self.wi, irradiance: strength(&self.irradiance) as f32, sin: 0.0 })
     }
 
     #[cfg(test)]

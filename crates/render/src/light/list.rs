@@ -110,7 +110,14 @@ macro_rules! emitters {
 
             /// Whether the light is all around: what a ray that hits nothing sees.
             pub fn is_environment(&self) -> bool {
-                match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Around, )+ }
+                match self {
+                    $( Self::$Kind(_) => matches!(<$Type as Shine>::EXTENT, Extent::Around | Extent::Disc), )+
+                }
+            }
+
+            /// Whether the light is all around and shines from one part of it as a lamp does.
+            pub fn is_disc(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Shine>::EXTENT == Extent::Disc, )+ }
             }
 
             /// Whether the light comes from nowhere, see [`AmbientLight`].
@@ -127,7 +134,7 @@ macro_rules! emitters {
             pub fn is_from_afar(&self) -> bool {
                 match self {
                     $( Self::$Kind(l) => match <$Type as Shine>::EXTENT {
-                        Extent::Around => true,
+                        Extent::Around | Extent::Disc => true,
                         Extent::None => l.starts_at().is_none(),
                         Extent::Surface | Extent::Nowhere => false,
                     }, )+

@@ -31,14 +31,20 @@ use crate::shape::{Geometry, SurfacePoint};
 
 pub mod ambient;
 pub mod area;
+mod cells;
 pub(crate) mod cube;
 pub mod directional;
+pub mod disc;
 mod emission;
 pub mod environment;
+mod equal_area;
 mod facing;
+pub mod goniometric;
 mod list;
 pub mod point;
+pub mod projector;
 mod reach;
+pub mod sky;
 pub mod spot;
 pub mod table;
 mod tree;
@@ -46,11 +52,15 @@ mod tree;
 pub use ambient::AmbientLight;
 pub use area::{AreaLight, LitSurface, Sides};
 pub use directional::DirectionalLight;
+pub use disc::SunDisc;
 pub use emission::{Ball, Emitted, Shows};
 pub use environment::{ConstantEnvironment, ImageEnvironment};
+pub use goniometric::Goniometric;
 pub use point::PointLight;
+pub use projector::Projector;
 use reach::Reach;
 pub use reach::Receiver;
+pub use sky::Sky;
 pub use spot::{Falloff, SpotLight};
 pub use table::{LightTable, Pick};
 
@@ -59,14 +69,22 @@ list::emitters! {
     Point(PointLight) of Point,
     /// A point that shines in a cone.
     Spot(SpotLight) of Spot,
+    /// A point that throws a picture.
+    Projector(Projector) of Projector,
+    /// A point that shines as a lamp was measured.
+    Goniometric(Goniometric) of Goniometric,
     /// Parallel light from infinitely far away.
     Directional(DirectionalLight) of Directional,
+    /// A disc of the sky.
+    Disc(SunDisc),
     /// A surface.
     Area(AreaLight),
     /// The same radiance from all around.
     Constant(ConstantEnvironment) of Environment,
     /// A picture of all that is around.
     Image(Box<ImageEnvironment>),
+    /// A clear sky.
+    Sky(Sky) of Sky,
     /// The same light for every surface, from nowhere.
     Ambient(AmbientLight) of Ambient,
 }
@@ -86,6 +104,8 @@ enum Extent {
     Surface,
     /// It is all around: rays that hit nothing see it.
     Around,
+    /// So it is, but it shines from one part of the sky as a lamp does.
+    Disc,
     /// It comes from nowhere: neither sampling nor rays find it.
     Nowhere,
 }

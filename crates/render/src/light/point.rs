@@ -19,6 +19,8 @@ pub struct PointLight {
     pub position: Vec3,
     /// Radiant intensity in W/sr.
     pub intensity: Value<Colour>,
+    /// Whether its light falls with the distance squared, and isn't everywhere what it is at a distance of 1.
+    pub falls: bool,
 }
 
 impl PointLight {
@@ -30,7 +32,8 @@ impl PointLight {
     /// Of what a scene says.
     pub(super) fn of(l: &desc::PointLight, paint: &mut Paint<'_>, centre: DVec3) -> Emitter {
         let position = (l.position - centre).as_vec3();
-        Emitter::Point(Self { position, intensity: paint.light(&l.intensity) })
+        let falls = l.decay == desc::Decay::InverseSquare;
+        Emitter::Point(Self { position, intensity: paint.light(&l.intensity), falls })
     }
 }
 
@@ -45,43 +48,53 @@ impl Shine for PointLight {
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
         towards(
-            self.position,
+            (self.position, self.falls),
             at.p,
             #[inline(always)]
             |_| readings.eval(&self.intensity, &self.place()),
         )
     }
 
+    /// Of one that doesn't fall there are no rays.
     fn starts_at(&self) -> Option<Vec3> {
-        Some(self.position)
+        self.falls.then_some(self.position)
     }
 
+    /// Of one that doesn't fall, what it would send out if it did.
     fn power(&self, _: &Geometry, _: f64) -> f64 {
         4.0 * std::f64::consts::PI * strength(&self.intensity)
     }
 
     fn reach(&self, _: &Geometry) -> Option<Reach> {
-        Some(Reach::Point { position: self.position, intensity: strength(&self.intensity) as f32 })
+        let intensity = strength(&self.intensity) as f32;
+        Some(Reach::Point { position: self.position, intensity, falls: self.falls })
     }
 
     #[cfg(test)]
     fn examples() -> Vec<super::tests::Example> {
-        let light = Self { position: Vec3::new(0.1, 0.2, -0.1), intensity: super::tests::RADIANCE.into() };
-        vec![super::tests::Example::alone("point", Emitter::Point(light))]
+        let point = |name, falls| {
+            let position = Vec3::new(0.1, 0.2, -0.1);
+            let light = Self { position, intensity: super::tests::RADIANCE.into(), falls };
+            super::tests::Example::alone(name, Emitter::Point(light))
+        };
+        vec![point("point", true), point("point, the same from afar", false)]
     }
 }
 
-/// The one direction to a point whose intensity towards `p` is a function of `wi`; it falls with the distance squared.
+/// The one direction to a point whose intensity towards `p` is a function of `wi`; whether it falls with the distance squared.
 #[inline(always)]
 pub(super) fn towards<F: Float>(
-    position: Vec3,
+    (position, falls): (Vec3, bool),
     p: Vec3<F>,
     intensity: impl FnOnce(Vec3<F>) -> Light<F>,
 ) -> LightSample<F> {
     let position = Vec3::uniform(position);
     let way = position - p;
     let (wi, there) = way.normalize_checked();
-    let radiance = intensity(wi) / way.length_squared();
+    let mut radiance = intensity(wi);
+    if falls {
+        radiance = radiance / way.length_squared();
+    }
     let sample = LightSample {
         delta: F::Mask::splat(true),
         far: F::Mask::splat(false),

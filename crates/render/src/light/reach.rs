@@ -3,7 +3,7 @@
 use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
 
-use super::SpotLight;
+use super::{Goniometric, Projector, SpotLight};
 
 /// Where light is to arrive: a place, or many side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,14 +35,26 @@ pub(super) enum Reach {
     Point {
         position: Vec3,
         intensity: f32,
+        /// Whether it falls with the distance squared.
+        falls: bool,
     },
     Spot {
         spot: SpotLight,
         intensity: f32,
     },
+    Projector {
+        projector: Projector,
+        intensity: f32,
+    },
+    Measured {
+        lamp: Goniometric,
+        intensity: f32,
+    },
     Parallel {
         wi: Vec3,
         irradiance: f32,
+        /// Sine of the angle from there to its rim, 0 if it has none.
+        sin: f32,
     },
     Surface(Lamp),
     /// Irradiance of surfaces that face +x, -x, +y, -y, +z and -z.
@@ -71,23 +83,25 @@ impl Reach {
     pub fn estimate<F: Float>(&self, at: &Receiver<F>) -> F {
         let everywhere = at.is_anywhere();
         match self {
-            Self::Point { position, intensity } => {
+            Self::Point { position, intensity, falls } => {
                 let way = Vec3::uniform(*position) - at.p;
                 let d2 = way.length_squared();
-                facing(everywhere, way.dot(at.n) / d2.sqrt()) * *intensity / d2
+                let near = facing(everywhere, way.dot(at.n) / d2.sqrt()) * *intensity;
+                if *falls { near / d2 } else { near }
             }
             Self::Spot { spot, intensity } => {
-                let way = Vec3::uniform(spot.position()) - at.p;
-                let d2 = way.length_squared();
-                let cos = facing(everywhere, way.dot(at.n) / d2.sqrt());
-                let is_seen = cos.gt(F::ZERO);
-                if !is_seen.any() {
-                    return F::ZERO;
-                }
-                F::select(is_seen, spot.share(-way) * *intensity * cos / d2, F::ZERO)
+                shared(at, everywhere, (spot.position(), *intensity), |w| spot.share(w))
             }
-            Self::Parallel { wi, irradiance } => {
-                facing(everywhere, Vec3::uniform(*wi).dot(at.n)) * *irradiance
+            Self::Projector { projector, intensity } => {
+                shared(at, everywhere, (projector.position(), *intensity), |w| projector.share(w))
+            }
+            Self::Measured { lamp, intensity } => {
+                shared(at, everywhere, (lamp.position(), *intensity), |w| lamp.share(w))
+            }
+            Self::Parallel { wi, irradiance, sin } => {
+                // From 1 where its middle is straight above down to 0 where all of it is below the horizon.
+                let above = (Vec3::uniform(*wi).dot(at.n) + *sin) / (1.0 + *sin);
+                facing(everywhere, above) * *irradiance
             }
             Self::Surface(lamp) => lamp.estimate(at, everywhere),
             Self::Around(axes) => {
@@ -98,6 +112,24 @@ impl Reach {
             }
         }
     }
+}
+
+/// What a point of some intensity brings that sends a share of it in each direction.
+#[inline(always)]
+fn shared<F: Float>(
+    at: &Receiver<F>,
+    everywhere: F::Mask,
+    (position, intensity): (Vec3, f32),
+    share: impl FnOnce(Vec3<F>) -> F,
+) -> F {
+    let way = Vec3::uniform(position) - at.p;
+    let d2 = way.length_squared();
+    let cos = facing(everywhere, way.dot(at.n) / d2.sqrt());
+    let is_seen = cos.gt(F::ZERO);
+    if !is_seen.any() {
+        return F::ZERO;
+    }
+    F::select(is_seen, share(-way) * intensity * cos / d2, F::ZERO)
 }
 
 /// The part of the light at an angle that falls on a surface.

@@ -6,22 +6,34 @@ use straal_math::simd::Float;
 use straal_math::{DVec3, Frame, Vec3, ops, warp};
 use straal_scene::desc;
 
+use super::projector::{Thrown, mean_texture};
 use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine, point::towards, strength, unit};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 
-/// A point that shines in a cone.
+/// A point that shines in a cone, perhaps through a mask.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
     position: Vec3,
     axis: Vec3,
     intensity: Value<Colour>,
+    mask: Option<Mask>,
     falloff: Falloff,
     /// Angles from the axis in radians, `beam` <= `cutoff`, and their cosines.
     beam: f32,
     cutoff: f32,
     cos_beam: f32,
     cos_cutoff: f32,
+}
+
+/// What a spot's light passes through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Mask {
+    /// The share that passes, over the square around the cone.
+    texture: Value<Colour>,
+    picture: Thrown,
+    /// Of the light that the cone would have without it, the part that passes, in its strongest lane.
+    passes: f64,
 }
 
 /// How a spot's intensity falls from full at the beam's edge to nothing at the cutoff.
@@ -83,6 +95,7 @@ impl SpotLight {
             position,
             axis,
             intensity,
+            mask: None,
             falloff: cone.falloff,
             beam: beam.to_radians() as f32,
             cutoff: cone.cutoff.to_radians() as f32,
@@ -121,7 +134,17 @@ impl SpotLight {
             },
         };
         let position = (l.position - centre).as_vec3();
-        Emitter::Spot(Self::along(unit(l.axis()), position, paint.light(&l.intensity), &cone))
+        let mut spot = Self::along(unit(l.axis()), position, paint.light(&l.intensity), &cone);
+        if let Some(texture) = &l.texture {
+            let texture = paint.reflectance(&desc::Varying::Texture(Box::new(texture.clone())));
+            let slope = ops::tan(spot.cutoff);
+            let picture = Thrown::new(spot.axis, l.up.as_vec3(), [slope, slope]);
+            let of = |w| spot.share::<f32>(w);
+            let passes =
+                picture.mean(|w, uv| of(w) * mean_texture(paint, &texture, uv)) / picture.mean(|w, _| of(w));
+            spot.mask = Some(Mask { texture, picture, passes });
+        }
+        Emitter::Spot(spot)
     }
 }
 
@@ -136,10 +159,16 @@ impl Shine for SpotLight {
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
         towards(
-            self.position,
+            (self.position, true),
             at.p,
             #[inline(always)]
-            |wi| readings.eval(&self.intensity, &self.place()) * self.share(-wi),
+            |wi| {
+                let all = readings.eval(&self.intensity, &self.place()) * self.share(-wi);
+                match &self.mask {
+                    None => all,
+                    Some(mask) => all * mask.picture.look_up((&mask.texture, self.position), -wi, readings),
+                }
+            },
         )
     }
 
@@ -152,10 +181,11 @@ impl Shine for SpotLight {
         (self.direction(u), warp::uniform_cone_pdf(spread))
     }
 
-    /// The full beam, and half of what is between it and the cutoff.
+    /// The full beam, and half of what is between it and the cutoff; of that what a mask lets through.
     fn power(&self, _: &Geometry, _: f64) -> f64 {
         let cosines = 0.5 * (f64::from(self.cos_beam) + f64::from(self.cos_cutoff));
-        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(&self.intensity)
+        let passes = self.mask.map_or(1.0, |mask| mask.passes);
+        2.0 * std::f64::consts::PI * (1.0 - cosines) * strength(&self.intensity) * passes
     }
 
     fn reach(&self, _: &Geometry) -> Option<Reach> {

@@ -38,6 +38,7 @@ pub(super) fn shape(name: &'static str, shape: Shape, sides: Sides) -> Example {
             opacity: None,
             below: None,
             sides,
+            spread: area::Spread::default(),
             placement: None,
         }),
     }
@@ -55,9 +56,18 @@ pub(super) fn mesh(name: &'static str, mesh: TriangleMesh, sides: Sides) -> Exam
             opacity: None,
             below: None,
             sides,
+            spread: area::Spread::default(),
             placement: None,
         }),
     }
+}
+
+/// The same with its light in a cone of some degrees.
+pub(super) fn narrowed(name: &'static str, mut example: Example, degrees: f64) -> Example {
+    if let Emitter::Area(light) = &mut example.emitter {
+        light.spread = area::Spread::degrees(degrees);
+    }
+    Example { name, ..example }
 }
 
 pub(super) fn image(width: usize, height: usize, f: impl Fn(usize, usize) -> [f32; 3]) -> Image {
@@ -359,7 +369,7 @@ fn delta_lights_give_their_irradiance() {
         );
         s.map_or(0.0, |s| s.radiance[0])
     };
-    let point = Emitter::Point(PointLight { position, intensity: intensity.into() });
+    let point = Emitter::Point(PointLight { position, intensity: intensity.into(), falls: true });
     assert_eq!(at(&point, Vec3::ZERO), 2.0);
     assert_eq!(at(&point, Vec3::new(0.0, -2.0, 0.0)), 0.5);
     assert_eq!(at(&point, position), 0.0);
@@ -434,7 +444,7 @@ fn power_is_what_leaves_in_all_directions() {
         let cone = Cone { axis: Vec3::X, beam: cutoff, cutoff, falloff: Falloff::Linear };
         Emitter::Spot(SpotLight::new(Vec3::ZERO, RADIANCE, &cone).unwrap()).power(&Geometry::default(), 1.0)
     };
-    let point = Emitter::Point(PointLight { position: Vec3::ZERO, intensity: RADIANCE.into() });
+    let point = Emitter::Point(PointLight { position: Vec3::ZERO, intensity: RADIANCE.into(), falls: true });
     let point = point.power(&Geometry::default(), 1.0);
     assert!((spot(180.0) / point - 1.0).abs() < 1e-6 && (spot(90.0) / point - 0.5).abs() < 1e-6);
 }
@@ -512,8 +522,9 @@ fn whole(index: u32, pmf: f32, rest: f32) -> Pick {
 
 #[test]
 fn black_lights_are_never_picked() {
-    let at =
-        |i: f32| Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into() });
+    let at = |i: f32| {
+        Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into(), falls: true })
+    };
     let geometry = Geometry::default();
     assert_eq!(LightTable::new(&[], &geometry, 1.0).pick(0.0, &Receiver::anywhere(Vec3::ONE)), None);
     let one = LightTable::new(&[at(0.0), at(3.0), at(f32::NAN)], &geometry, 1.0);
@@ -522,8 +533,9 @@ fn black_lights_are_never_picked() {
 
 #[test]
 fn few_lights_are_picked_by_what_they_bring() {
-    let point =
-        |position, i: f32| Emitter::Point(PointLight { position, intensity: Light::rgb([i; 3]).into() });
+    let point = |position, i: f32| {
+        Emitter::Point(PointLight { position, intensity: Light::rgb([i; 3]).into(), falls: true })
+    };
     let sun = DirectionalLight::new(-Vec3::Z, Light::rgb([1.0; 3])).unwrap();
     let sky = ConstantEnvironment { radiance: Light::rgb([0.5; 3]).into() };
     let emitters = [

@@ -95,10 +95,15 @@ impl Cluster {
         Self { bounds, axis: Vec3::Z, cos_normals: -1.0, cos_reach: 0.0, strength }
     }
 
-    /// Of what is known of a light; `None` for one from afar.
+    /// Of what is known of a light; `None` for one from afar, and one that doesn't fall with the distance.
     fn of_reach(reach: &Reach) -> Option<Self> {
         match reach {
-            Reach::Point { position, intensity } => Some(Self::of_point(*position, *intensity)),
+            Reach::Point { position, intensity, falls: true } => Some(Self::of_point(*position, *intensity)),
+            Reach::Projector { projector, intensity } => {
+                let corner = projector.share(projector.direction([0.0; 2]));
+                Some(Self::of_point(projector.position(), intensity * corner))
+            }
+            Reach::Measured { lamp, intensity } => Some(Self::of_point(lamp.position(), *intensity)),
             Reach::Spot { spot, intensity } => {
                 let whole = Self::of_point(spot.position(), *intensity);
                 let (axis, cos_reach) = spot.cone();
@@ -107,7 +112,7 @@ impl Cluster {
                 Some(if cos_reach > 0.0 { cone } else { whole })
             }
             Reach::Surface(lamp) => Some(Self::of_lamp(lamp)),
-            Reach::Parallel { .. } | Reach::Around(_) => None,
+            Reach::Point { .. } | Reach::Parallel { .. } | Reach::Around(_) => None,
         }
     }
 

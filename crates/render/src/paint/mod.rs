@@ -12,9 +12,10 @@ use straal_math::{DVec3, ops};
 use straal_scene::decode::Describe;
 use straal_scene::desc;
 use straal_scene::value::{self, LinearRgb};
-use straal_scene::{Assets, Bitmap, Handle, Image, Mesh, Scene};
+use straal_scene::{Assets, Bitmap, Handle, Image, Mesh, Photometry, Scene};
 
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
+use crate::light::goniometric::Distribution;
 use crate::texture::{
     Maker, Mapping, Meaning, MeshAttribute, Pyramid, Texture, TextureKind, TextureRef, Use, Value,
 };
@@ -46,6 +47,8 @@ pub(crate) struct Paint<'a> {
     centre: DVec3,
     /// Numbers of what meshes have at vertices or on faces, by name.
     attributes: BTreeMap<String, u32>,
+    /// Distributions of measured lamps that were made.
+    lamps: Vec<(Handle<Photometry>, Arc<Distribution>)>,
     /// Pyramids that were made: of which picture, as what, and whether with smaller copies.
     pyramids: Vec<(Handle<Bitmap>, Meaning, bool, Arc<Pyramid>)>,
     /// What is worth telling of them.
@@ -164,6 +167,7 @@ impl<'a> Paint<'a> {
             named: BTreeMap::new(),
             centre,
             attributes: BTreeMap::new(),
+            lamps: Vec::new(),
             pyramids: Vec::new(),
             notes: Vec::new(),
         }
@@ -211,6 +215,17 @@ impl<'a> Paint<'a> {
     /// A number that may be anything.
     pub fn height(&mut self, t: &desc::TextureOf) -> Value<f32> {
         self.texture(t, Wanted::Number, true)
+    }
+
+    /// How many pixels the picture has across and down that a texture is, if it is one.
+    pub fn size_of(&self, said: &desc::TextureOf) -> Option<[usize; 2]> {
+        let texture = match said {
+            desc::TextureOf::Inline(texture) => texture,
+            desc::TextureOf::Named(link) => self.scene.textures.of(link)?,
+        };
+        let desc::Texture::Image(image) = texture else { return None };
+        let bitmap = self.assets.bitmap(image.file.handle);
+        Some([bitmap.texels.width(), bitmap.texels.height()])
     }
 
     /// Light that is sent out by something that has no surface.
@@ -277,6 +292,55 @@ impl<'a> Paint<'a> {
         let by = factor as f32;
         let spectrum = if self.uplift.is_some() { self.spectra.add_scaled(colour.spectrum, by) } else { 0 };
         Colour { rgb: colour.rgb * by, strength: colour.strength * by, spectrum }
+    }
+
+    /// Light of a colour as the pixel of a picture of radiance has it: see [`Self::surroundings`].
+    pub fn as_pixel(&mut self, s: &desc::Spectrum) -> [f32; 3] {
+        match s {
+            desc::Spectrum::Rgb(LinearRgb(rgb)) if self.uplift.is_some() => rgb.map(|v| v as f32),
+            _ => self.colour(s, Quantity::Emission).rgb.to_rgb(),
+        }
+    }
+
+    /// What a picture's channels are multiplied by to be tinted.
+    pub fn tint(&mut self, s: &desc::Spectrum) -> [f64; 3] {
+        self.as_pixel(s).map(f64::from)
+    }
+
+    /// The share of light that comes back, in linear sRGB as near as the work space tells it.
+    pub fn albedo(&mut self, s: &desc::Spectrum) -> [f64; 3] {
+        match s {
+            desc::Spectrum::Rgb(LinearRgb(rgb)) => *rgb,
+            desc::Spectrum::Measured(_) => self.colour(s, Quantity::Reflectance).rgb.to_rgb().map(f64::from),
+        }
+    }
+
+    /// What was measured of a lamp, once for all lamps of a file.
+    pub fn distribution(&mut self, file: &value::Asset<Photometry>) -> Arc<Distribution> {
+        if let Some((_, known)) = self.lamps.iter().find(|(of, _)| *of == file.handle) {
+            return known.clone();
+        }
+        let made = Arc::new(Distribution::new(self.assets.photometry(file.handle)));
+        self.lamps.push((file.handle, made.clone()));
+        made
+    }
+
+    /// A colour so bright that its luminance is a number.
+    pub fn of_luminance(&mut self, s: &desc::Spectrum, luminance: f64) -> Colour {
+        let colour = self.colour(s, Quantity::Emission);
+        let weights = self.space.rgb().luminance();
+        let own: f64 = colour.rgb.to_rgb().iter().zip(weights).map(|(v, w)| f64::from(*v) * w).sum();
+        self.emission_times(s, if own > 0.0 { luminance / own } else { 0.0 })
+    }
+
+    /// Light of a measured spectrum that is sent out.
+    pub fn emitted(&mut self, spectrum: &TabulatedSpectrum, what: &str) -> Colour {
+        self.measured(spectrum, (Quantity::Emission, what))
+    }
+
+    /// From linear sRGB to the space in which pixels of radiance are read, where that is another.
+    pub fn pixels_to_work(&self) -> Option<Matrix3> {
+        self.to_work.filter(|_| self.uplift.is_none())
     }
 
     /// A picture of radiance: in the work space, each channel 0 or more; or in linear sRGB, any channels, where its pixels

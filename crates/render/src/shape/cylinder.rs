@@ -158,8 +158,8 @@ impl Form for Cylinder {
     }
 
     #[inline(always)]
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
-        self.end_towards(self.inverse.point(near)).0
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> Option<End<F>> {
+        Some(self.end_towards(self.inverse.point(near)).0)
     }
 
     fn tangents(&self, at: &SurfacePoint) -> Tangents {

@@ -97,8 +97,8 @@ impl Form for Disc {
     }
 
     #[inline(always)]
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
-        Level::uniform(&self.patch).nearest(near)
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> Option<End<F>> {
+        Some(Level::uniform(&self.patch).nearest(near))
     }
 
     fn tangents(&self, _: &SurfacePoint) -> Tangents {

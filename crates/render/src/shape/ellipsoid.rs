@@ -157,8 +157,8 @@ impl Form for Ellipsoid {
     }
 
     #[inline(always)]
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
-        self.end_at(unit_or(self.inverse.point(near), DVec3::Y))
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> Option<End<F>> {
+        Some(self.end_at(unit_or(self.inverse.point(near), DVec3::Y)))
     }
 
     fn tangents(&self, at: &SurfacePoint) -> Tangents {

@@ -53,7 +53,7 @@ macro_rules! shapes {
             #[inline(always)]
             pub(crate) fn end<F: Float>(&self, shape: u32, near: DVec3<F::Double>) -> Option<End<F>> {
                 match &self.shapes[shape as usize] {
-                    $( Shape::$Kind(s) => Some(<$Kind as Form>::end(s, near)), )+
+                    $( Shape::$Kind(s) => <$Kind as Form>::end(s, near), )+
                     Shape::Custom(_) => None,
                 }
             }

@@ -37,27 +37,38 @@ use straal_math::{Bounds, DVec3, Ray, Transform, Vec3};
 use offset::End;
 
 pub mod bezier;
+pub mod bilinear;
+pub mod curve;
 pub mod cylinder;
 pub mod disc;
 pub mod ellipsoid;
+pub mod field;
 mod list;
 pub mod mesh;
 pub mod offset;
 pub mod parallelogram;
+pub mod part;
 pub(crate) mod patch;
 pub mod plane;
+pub mod revolved;
 mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
+pub mod subdivision;
 mod tangents;
 
+pub use bilinear::Bilinear;
+pub use curve::Curve;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
+pub use field::Field;
 pub use mesh::TriangleMesh;
 pub use offset::{offset_origin, ray_between};
 pub use parallelogram::Parallelogram;
+pub use part::Part;
 pub use plane::Plane;
+pub use revolved::Revolved;
 pub use smooth::SMOOTHING_BYTES;
 pub use sphere::Sphere;
 pub use straal_accel::{Analytic, ShapeHit};
@@ -76,6 +87,16 @@ list::shapes! {
     Parallelogram(Box<Parallelogram>),
     /// An affine image of the open unit cylinder.
     Cylinder(Box<Cylinder>),
+    /// A curve turned about an axis.
+    Revolved(Box<Revolved>),
+    /// A patch between four corners.
+    Bilinear(Box<Bilinear>),
+    /// A piece of a curve.
+    Curve(Box<Curve>),
+    /// A face of a combination of solids.
+    Part(Box<Part>),
+    /// A solid told by its distance.
+    Field(Box<Field>),
 }
 
 /// What a kind of shape answers, by [the contract](self). One that says nothing of its area can't be sampled as a light.
@@ -99,7 +120,10 @@ trait Form {
     fn surface(&self, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
 
     /// See [`Geometry::end`].
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F>;
+    #[inline(always)]
+    fn end<F: Float>(&self, _near: DVec3<F::Double>) -> Option<End<F>> {
+        None
+    }
 
     /// See [`Geometry::tangents`].
     fn tangents(&self, at: &SurfacePoint) -> Tangents;

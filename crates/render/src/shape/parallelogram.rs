@@ -90,8 +90,8 @@ impl Form for Parallelogram {
     }
 
     #[inline(always)]
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
-        Level::uniform(&self.patch).nearest(near)
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> Option<End<F>> {
+        Some(Level::uniform(&self.patch).nearest(near))
     }
 
     fn tangents(&self, _: &SurfacePoint) -> Tangents {

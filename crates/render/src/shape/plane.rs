@@ -74,8 +74,8 @@ impl Form for Plane {
     }
 
     #[inline(always)]
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
-        self.end_at(self.project(near))
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> Option<End<F>> {
+        Some(self.end_at(self.project(near)))
     }
 
     fn tangents(&self, _: &SurfacePoint) -> Tangents {

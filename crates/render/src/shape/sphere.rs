@@ -139,9 +139,9 @@ impl Form for Sphere {
     }
 
     #[inline(always)]
-    fn end<F: Float>(&self, near: DVec3<F::Double>) -> End<F> {
+    fn end<F: Float>(&self, near: DVec3<F::Double>) -> Option<End<F>> {
         let center = Vec3::uniform(self.center);
-        end((center, F::splat(self.radius)), near - center.to_double())
+        Some(end((center, F::splat(self.radius)), near - center.to_double()))
     }
 
     fn tangents(&self, at: &SurfacePoint) -> Tangents {

@@ -129,7 +129,17 @@ impl Case {
     }
 
     fn is_flat(&self) -> bool {
-        matches!(self.geometry.shapes[0], Shape::Plane(_) | Shape::Disc(_) | Shape::Parallelogram(_))
+        match &self.geometry.shapes[0] {
+            Shape::Plane(_) | Shape::Disc(_) | Shape::Parallelogram(_) => true,
+            Shape::Revolved(s) => s.is_flat(),
+            _ => false,
+        }
+    }
+
+    /// Whether a line may meet it more than twice, or its outside twice.
+    fn is_hollow(&self) -> bool {
+        matches!(self.geometry.shapes[0], Shape::Revolved(_) | Shape::Bilinear(_) | Shape::Curve(_))
+            && !self.is_flat()
     }
 
     fn is_closed(&self) -> bool {
@@ -192,6 +202,7 @@ fn tangents_are_the_change_with_texture_coordinates() {
             let duv = [0, 1].map(|k| other.uv[k] - s.uv[k]);
             let rounding = 4.0 * f32::EPSILON * (s.p.length() + case.center.length() + ray.o.length());
             if moved.length() > 3.0 * step
+                || duv[1].abs() > 0.5
                 || !case.is_flat() && (duv[0].abs() > 1e-3 || case.is_closed() && duv[1].abs() > 1e-3)
                 || rounding > 0.02 * step
             {
@@ -232,6 +243,10 @@ fn bounds_hold_the_shape() {
         let Some(bounds) = case.geometry.bounds(0) else { continue };
         assert!(bounds.is_finite());
         let (mut low, mut high) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
+        if case.geometry.area(0).is_none() {
+            assert!(case.hits(300).iter().all(|(.., s)| bounds.contains(s.p)), "{}: {bounds:?}", case.name);
+            continue;
+        }
         for _ in 0..20_000 {
             let p = case.geometry.sample_area(0, rng.square()).unwrap().point.p;
             assert!(bounds.contains(p), "{}: {p:?} outside {bounds:?}", case.name);
@@ -262,7 +277,7 @@ fn the_nearest_hit_is_found_and_the_interval_respected() {
             // Near the rim of open shapes the target's rounding decides too.
             let Some(hit) = hit else { continue };
             assert!(hit.t <= want * (1.0 + rounding), "{}: {} beyond {want}", case.name, hit.t);
-            if case.is_flat() || cos < 0.0 && !case.name.starts_with("cylinder") {
+            if case.is_flat() || cos < 0.0 && case.is_closed() {
                 assert!(hit.t >= want * (1.0 - rounding), "{}: {} before {want}", case.name, hit.t);
             }
             for (t_min, t_max) in [(hit.t.next_up(), f32::INFINITY), (0.0, hit.t.next_down())] {
@@ -313,6 +328,9 @@ fn rays_that_leave_do_not_hit_what_they_leave() {
                     // Inside a round shape the far wall is hit, from inside.
                     let there = case.geometry.surface(0, &ray, &hit);
                     let leaves = w.dot(there.ng) > 0.0;
+                    if case.is_hollow() && (hit.t * w.length() > 1e-2 * case.reach || leaves == (cos < 0.0)) {
+                        continue; // another part of it, from the side that is between
+                    }
                     assert!(!case.is_flat() && cos < 0.0 && leaves, "{}: {s:?} {w:?} {hit:?}", case.name);
                 }
             }
@@ -325,10 +343,12 @@ fn rays_between_surfaces_see_neither() {
     let mut rng = Rng(9);
     let cases = cases();
     let mut tried = 0;
-    for pair in cases.windows(8) {
-        let (a, b) = (&pair[0], &pair[7]); // the same shape elsewhere
+    let kind = |case: &Case| case.name.split(',').next().map(str::to_owned);
+    for (i, a) in cases.iter().enumerate() {
+        // The same shape elsewhere.
+        let Some(b) = cases[i + 1..].iter().find(|b| kind(b) == kind(a)) else { continue };
         for (one, other) in [(a, a), (a, b), (b, a)] {
-            if a.is_flat() && std::ptr::eq(one, other) {
+            if one.is_hollow() || other.is_hollow() || a.is_flat() && std::ptr::eq(one, other) {
                 continue;
             }
             for _ in 0..100 {

@@ -276,10 +276,10 @@ impl World {
             _ if geometry.emission_varies || geometry.colours_at_corners => Alike::Apart,
             Kind::Mesh(_) => Alike::Triangles,
             Kind::Shapes(first) => match &self.geometry.shapes[first as usize] {
-                Shape::Custom(_) => Alike::Apart,
                 Shape::Sphere(_) => Alike::Round,
+                Shape::Plane(_) | Shape::Ellipsoid(_) | Shape::Cylinder(_) => Alike::Shape(first),
                 shape if shape.patch().is_some() => Alike::Flat,
-                _ => Alike::Shape(first),
+                _ => Alike::Apart,
             },
         }
     }

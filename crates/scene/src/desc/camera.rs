@@ -66,6 +66,8 @@ describe! {
         up: DVec3 = DVec3::Y,
         /// Turns the camera about its view, in degrees, clockwise for who stands behind it.
         roll: f64 = 0.0,
+        /// Whether the picture is mirrored, left for right: what programs show whose axes are left-handed.
+        mirror: bool = false,
         /// Where the camera is at time 1, if it moves, or a list of where it is at several times; at time 0 it is where the
         /// other keys say.
         moving_to: Option<Keyframes> = None,
@@ -83,6 +85,7 @@ impl Default for Observer {
             look_at: DVec3::ZERO,
             up: DVec3::Y,
             roll: 0.0,
+            mirror: false,
             moving_to: None,
             shutter: [0.0, 1.0],
         }

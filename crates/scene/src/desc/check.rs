@@ -8,12 +8,14 @@ use straal_color::spectrum::{self, Fault, TabulatedSpectrum};
 
 use crate::decode::{Decoder, Keys};
 use crate::desc::{
-    AmbientOcclusion, Bezier, CameraAt, CameraMapping, CoatedConductor, ColorIn, Conductor, CubeMap, Cuboid,
-    Cylinder, Dielectric, DiffuseTransmission, DirectionalLight, Disc, Environment, EnvironmentLayout, Film,
-    Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian, Index, Interior, Lens, LensProfile, Measured,
-    Observer, OcclusionFalloff, Orthographic, Panorama, Perspective, Plane, Principled, RampTexture,
-    Rectangle, RemapTexture, SpectralChannels, Spectrum, SpotLight, Texture, Transparent, Triangle,
-    TriangleMesh, Varying, Viewpoint,
+    AmbientOcclusion, Annulus, Bezier, Bilinear, Blend, BoxDistance, CameraAt, CameraMapping, Capsule,
+    CoatedConductor, ColorIn, Combination, Conductor, Cone, CubeMap, Cuboid, CurveBasis, CurveForm, Curves,
+    Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
+    Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
+    Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
+    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Principled,
+    Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere, SpotLight,
+    Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -482,28 +484,146 @@ fn shown_vector(v: DVec3) -> String {
     format!("[{x}, {y}, {z}]")
 }
 
-pub(super) fn spot(l: &SpotLight, keys: &Keys<'_>, d: &mut Decoder) {
-    let axis = (("look_at", l.look_at.is_some()), ("direction", l.direction.is_some()));
-    if one_of("spot", axis.0, axis.1, keys, d) && l.axis() == DVec3::ZERO {
-        let (key, message) = match l.look_at {
-            Some(_) => ("look_at", "`look_at` and `position` are the same point"),
-            None => ("direction", "`direction` has no direction: all three numbers are 0"),
+/// The axis of a lamp that has one, and what is up for its picture.
+fn aim(owner: &str, (look_at, direction, axis): (bool, bool, DVec3), keys: &Keys<'_>, d: &mut Decoder) {
+    if one_of(owner, ("look_at", look_at), ("direction", direction), keys, d) && axis == DVec3::ZERO {
+        let (key, message) = if look_at {
+            ("look_at", "`look_at` and `position` are the same point")
+        } else {
+            ("direction", "`direction` has no direction: all three numbers are 0")
         };
         d.push(Diagnostic::error(keys.span(key), message));
     }
+}
+
+/// What is up for the picture of a lamp with such an axis.
+fn upright(up: DVec3, axis: DVec3, keys: &Keys<'_>, d: &mut Decoder) {
+    if up == DVec3::ZERO {
+        d.push(Diagnostic::error(keys.span("up"), "`up` has no direction: all three numbers are 0"));
+    } else if axis != DVec3::ZERO && Affine::look_at(DVec3::ZERO, axis, up).is_none() {
+        let help = "choose another `up`, such as `up: [0, 0, 1]` or `up: [0, 1, 0]`";
+        d.push(Diagnostic::error(keys.span("up"), "`up` is along the light's axis").help(help));
+    }
+}
+
+pub(super) fn spot(l: &SpotLight, keys: &Keys<'_>, d: &mut Decoder) {
+    aim("spot", (l.look_at.is_some(), l.direction.is_some(), l.axis()), keys, d);
     if l.full_beam() > l.cutoff {
         let message = format!("`beam` of {} degrees is wider than `cutoff` of {}", l.full_beam(), l.cutoff);
         let help = "light is full up to `beam` and ends at `cutoff`, both measured from the axis";
         d.push(Diagnostic::error(keys.span("beam"), message).help(help));
     }
+    if l.texture.is_some() {
+        upright(l.up, l.axis(), keys, d);
+        if l.cutoff >= 90.0 {
+            let message = format!("a `texture` fits no cone with a `cutoff` of {} degrees", shown(l.cutoff));
+            let help = "it lies on a square across the axis: `cutoff` must be below 90 degrees";
+            d.push(Diagnostic::error(keys.span("cutoff"), message).help(help));
+        }
+    }
+}
+
+pub(super) fn projector(l: &Projector, keys: &Keys<'_>, d: &mut Decoder) {
+    aim("projector", (l.look_at.is_some(), l.direction.is_some(), l.axis()), keys, d);
+    upright(l.up, l.axis(), keys, d);
+}
+
+pub(super) fn goniometric(l: &Goniometric, keys: &Keys<'_>, d: &mut Decoder) {
+    if l.direction.is_some() || l.look_at.is_some() {
+        aim("goniometric", (l.look_at.is_some(), l.direction.is_some(), l.axis()), keys, d);
+    }
+    let (axis, zero) = (l.axis(), l.zero);
+    if zero == DVec3::ZERO {
+        d.push(Diagnostic::error(keys.span("zero"), "`zero` has no direction: all three numbers are 0"));
+    } else if axis != DVec3::ZERO && Affine::look_at(DVec3::ZERO, axis, zero).is_none() {
+        let help =
+            "choose another `zero`, such as `zero: [0, 1, 0]`: it says how the lamp is turned about its axis";
+        d.push(Diagnostic::error(keys.span("zero"), "`zero` is along the lamp's axis").help(help));
+    }
+    if let Spectrum::Rgb(LinearRgb(rgb)) = l.color
+        && rgb == [0.0; 3]
+    {
+        let message = "a lamp whose `color` is black has no colour: how bright it is `scale` says";
+        d.push(Diagnostic::error(keys.span("color"), message));
+    }
+}
+
+pub(super) fn sky(l: &Sky, keys: &Keys<'_>, d: &mut Decoder) {
+    let ways = (("sun_direction", l.sun_direction.is_some()), ("when", l.when.is_some()));
+    if !one_of("sky", ways.0, ways.1, keys, d) {
+        return;
+    }
+    if l.sun_direction == Some(DVec3::ZERO) {
+        let message = "`sun_direction` has no direction: all three numbers are 0";
+        d.push(Diagnostic::error(keys.span("sun_direction"), message));
+        return;
+    }
+    let up = l.towards_sun().y;
+    if up < 0.0 {
+        let below = ops::acos_d(-up);
+        let degrees = (90.0 - below.to_degrees()).abs();
+        let key = if l.when.is_some() { "when" } else { "sun_direction" };
+        let message =
+            format!("the sun is {degrees:.1} degrees below the horizon, where there is no model of the sky");
+        let help = if l.when.is_some() {
+            "choose another hour, and look at `utc_offset`: hours that clocks there are ahead of Universal Time"
+        } else {
+            "`sun_direction` leads towards the sun, and local +y is up"
+        };
+        d.push(Diagnostic::error(keys.span(key), message).help(help));
+    }
+}
+
+pub(super) fn when(w: &When, keys: &Keys<'_>, d: &mut Decoder) {
+    if !w.is_sound() {
+        let [year, month, day] = w.date;
+        let message = format!("there is no such date: year {year}, month {month}, day {day}");
+        d.push(Diagnostic::error(keys.span("date"), message).help("it is `[year, month, day]`"));
+    }
 }
 
 pub(super) fn environment(l: &Environment, keys: &Keys<'_>, d: &mut Decoder) {
-    one_of("environment", ("radiance", l.radiance.is_some()), ("file", l.file.is_some()), keys, d);
-    if l.file.is_none() && l.layout != EnvironmentLayout::LatitudeLongitude {
-        d.push(Diagnostic::error(keys.key_span("layout"), "`layout` means nothing without `file`"));
+    let ways = [
+        ("radiance", l.radiance.is_some()),
+        ("gradient", !l.gradient.is_empty()),
+        ("file", l.file.is_some()),
+    ];
+    let mut given = ways.iter().filter(|(_, is_given)| *is_given);
+    match (given.next(), given.next()) {
+        (None, _) => {
+            let message = "`environment` needs `radiance`, `gradient` or `file`";
+            d.push(Diagnostic::error(keys.owner(), message));
+        }
+        (Some((a, _)), Some((b, _))) => {
+            let message = format!("`environment` takes `{a}` or `{b}`, not both");
+            let complaint = Diagnostic::error(keys.key_span(b), message);
+            d.push(complaint.related(keys.key_span(a), format!("`{a}` is here")));
+        }
+        _ => {}
+    }
+    if l.gradient.len() == 1 {
+        let message = "a gradient of one colour is none";
+        d.push(Diagnostic::error(keys.span("gradient"), message).help("write it as `radiance`"));
+    } else if l.gradient.len() > MOST_STEPS {
+        let message =
+            format!("a gradient has {MOST_STEPS} colours at the most, this has {}", l.gradient.len());
+        d.push(Diagnostic::error(keys.span("gradient"), message));
+    }
+    let unused = [
+        ("layout", l.layout != EnvironmentLayout::LatitudeLongitude),
+        ("tint", l.tint != Spectrum::grey(1.0)),
+    ];
+    for (key, _) in unused.iter().filter(|(_, is_given)| *is_given && l.file.is_none()) {
+        d.push(Diagnostic::error(keys.key_span(key), format!("`{key}` means nothing without `file`")));
+    }
+    if l.compensate && l.radiance.is_some() {
+        let message = "`compensate` means nothing where the same light comes from everywhere";
+        d.push(Diagnostic::error(keys.key_span("compensate"), message));
     }
 }
+
+/// The most colours of a gradient.
+const MOST_STEPS: usize = 64;
 
 pub(super) fn plane(s: &Plane, keys: &Keys<'_>, d: &mut Decoder) {
     direction(s.normal, "normal", keys, d);
@@ -535,7 +655,11 @@ fn flat(a: DVec3, b: DVec3) -> bool {
 }
 
 pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
-    for (axis, (a, b)) in ["x", "y", "z"].iter().zip(s.min.to_array().into_iter().zip(s.max.to_array())) {
+    grows(s.min, s.max, keys, d);
+}
+
+fn grows(min: DVec3, max: DVec3, keys: &Keys<'_>, d: &mut Decoder) {
+    for (axis, (a, b)) in ["x", "y", "z"].iter().zip(min.to_array().into_iter().zip(max.to_array())) {
         if a >= b {
             let message =
                 format!("`max` must be greater than `min` on every axis: in {axis}, {b} is not above {a}");
@@ -545,11 +669,295 @@ pub(super) fn cuboid(s: &Cuboid, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 pub(super) fn cylinder(s: &Cylinder, keys: &Keys<'_>, d: &mut Decoder) {
-    if s.from == s.to {
-        d.push(Diagnostic::error(
-            keys.span("to"),
-            "`from` and `to` are the same point: the cylinder has no length",
-        ));
+    length("cylinder", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+    whole_when_closed(s.caps, s.phi, keys, d);
+}
+
+pub(super) fn sphere(s: &Sphere, keys: &Keys<'_>, d: &mut Decoder) {
+    turn("phi", s.phi, keys, d);
+    if let Some([from, to]) = s.heights {
+        let message = if from >= to {
+            format!("`heights` must grow: {from} is not below {to}")
+        } else if to <= -s.radius || from >= s.radius {
+            format!("`heights` leave nothing of a sphere of radius {}", s.radius)
+        } else {
+            return;
+        };
+        d.push(Diagnostic::error(keys.span("heights"), message));
+    }
+}
+
+pub(super) fn cone(s: &Cone, keys: &Keys<'_>, d: &mut Decoder) {
+    length("cone", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+    whole_when_closed(s.caps, s.phi, keys, d);
+}
+
+pub(super) fn annulus(s: &Annulus, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.normal, "normal", keys, d);
+    turn("phi", s.phi, keys, d);
+    if s.inner_radius >= s.radius {
+        let message = format!("`inner_radius` of {} is not below `radius` of {}", s.inner_radius, s.radius);
+        d.push(Diagnostic::error(keys.span("inner_radius"), message));
+    }
+}
+
+pub(super) fn torus(s: &Torus, keys: &Keys<'_>, d: &mut Decoder) {
+    direction(s.axis, "axis", keys, d);
+    turn("phi", s.phi, keys, d);
+    turn("theta", s.theta, keys, d);
+    if s.tube_radius >= s.radius {
+        let message = format!("`tube_radius` of {} is not below `radius` of {}", s.tube_radius, s.radius);
+        let complaint = Diagnostic::error(keys.span("tube_radius"), message);
+        d.push(complaint.help("the tube would meet itself in the middle"));
+    }
+}
+
+pub(super) fn paraboloid(s: &Paraboloid, keys: &Keys<'_>, d: &mut Decoder) {
+    length("paraboloid", s.from, s.to, keys, d);
+    turn("phi", s.phi, keys, d);
+}
+
+pub(super) fn hyperboloid(s: &Hyperboloid, keys: &Keys<'_>, d: &mut Decoder) {
+    turn("phi", s.phi, keys, d);
+    let [a, b] = s.line;
+    let outward = |p: DVec3| DVec3::new(p.x, 0.0, p.z);
+    // Along a circle about the axis, or through the axis from one side to the other.
+    let area = (b - a).length() * (outward(a).length() + outward(b).length());
+    if area <= 0.0 || (a.y == b.y && outward(a).length() == outward(b).length()) {
+        let message = "this line sweeps no surface: its ends are one point, or both lie on the axis, or on one circle about it";
+        d.push(Diagnostic::error(keys.span("line"), message));
+    }
+}
+
+pub(super) fn capsule(s: &Capsule, keys: &Keys<'_>, d: &mut Decoder) {
+    length("capsule", s.from, s.to, keys, d);
+    let (a, b) = (s.radius, s.end_radius.unwrap_or(s.radius));
+    if (a - b).abs() >= (s.to - s.from).length() && s.from != s.to {
+        let complaint =
+            Diagnostic::error(keys.key_span("end_radius"), "the larger ball holds the smaller one");
+        d.push(complaint.help("write a `sphere`, or move `from` and `to` further apart"));
+    }
+}
+
+pub(super) fn bilinear(s: &Bilinear, keys: &Keys<'_>, d: &mut Decoder) {
+    let [a, b, c, e] = s.corners;
+    if flat(b - a, c - a) && flat(b - e, c - e) {
+        let message = "this patch has no area: its corners are on one line";
+        d.push(Diagnostic::error(keys.span("corners"), message));
+    }
+}
+
+pub(super) fn height_field(s: &HeightField, keys: &Keys<'_>, d: &mut Decoder) {
+    let inline = !s.heights.is_empty();
+    if !one_of("height_field", ("file", s.file.is_some()), ("heights", inline), keys, d) || !inline {
+        return;
+    }
+    let width = s.heights.first().map_or(0, Vec::len);
+    if s.heights.len() < 2 || width < 2 {
+        let message = "`heights` needs two rows of two numbers at least";
+        d.push(Diagnostic::error(keys.span("heights"), message));
+    } else if let Some((i, row)) = s.heights.iter().enumerate().find(|(_, row)| row.len() != width) {
+        let message = format!("row {i} of `heights` has {} numbers, and the first has {width}", row.len());
+        d.push(Diagnostic::error(keys.span("heights"), message).help("all rows are equally long"));
+    }
+}
+
+pub(super) fn curves(s: &Curves, keys: &Keys<'_>, d: &mut Decoder) {
+    let [first, further] = s.basis.points();
+    let ends = s.starts.iter().skip(1).copied().chain([s.points.len() as u32]);
+    let grows = s.starts.first().is_none_or(|s| *s == 0) && s.starts.iter().zip(ends).all(|(a, b)| *a < b);
+    if !grows {
+        let message = "`starts` must begin with 0 and grow, each less than the number of `points`";
+        d.push(Diagnostic::error(keys.key_span("starts"), message));
+        return;
+    }
+    for (i, run) in s.runs().enumerate() {
+        if s.pieces(run.len()).is_none() {
+            let message = format!(
+                "curve {i} has {} points: `{}` takes {first}, and {further} for each further piece",
+                run.len(),
+                s.basis.kind()
+            );
+            d.push(Diagnostic::error(keys.key_span("points"), message));
+            return;
+        }
+    }
+    if !(matches!(s.radii.len(), 1 | 2) || s.radii.len() == s.points.len()) {
+        let message = format!("`radii` lists {} for the {} of `points`", s.radii.len(), s.points.len());
+        let help = "it has one number for all, two for the ends of each curve, or one for each point";
+        d.push(Diagnostic::error(keys.span("radii"), message).help(help));
+    } else if s.radii.iter().all(|r| *r == 0.0) {
+        d.push(Diagnostic::error(keys.span("radii"), "these curves have no thickness"));
+    }
+    let wanted: usize = s.runs().filter_map(|run| Some(s.pieces(run.len())? + 1)).sum();
+    match s.form {
+        CurveForm::Ribbon if s.basis == CurveBasis::Linear => {
+            let message = "a ribbon along straight pieces is folded at each point";
+            d.push(Diagnostic::error(keys.key_span("form"), message).help("give it `basis: bezier`"));
+        }
+        CurveForm::Ribbon if s.normals.len() != wanted => {
+            let message = format!("`ribbon` needs {wanted} `normals`, found {}", s.normals.len());
+            let help = "one for the beginning of each curve, and one for the end of each piece";
+            d.push(Diagnostic::error(keys.key_span("form"), message).help(help));
+        }
+        CurveForm::Ribbon if s.normals.contains(&DVec3::ZERO) => {
+            let message = "one of `normals` has no direction: all three numbers are 0";
+            d.push(Diagnostic::error(keys.span("normals"), message));
+        }
+        CurveForm::Round | CurveForm::Flat if !s.normals.is_empty() => {
+            let message = "`normals` mean something for `form: ribbon` only";
+            d.push(Diagnostic::error(keys.key_span("normals"), message));
+        }
+        _ => {}
+    }
+}
+
+pub(super) fn combination(s: &Combination, keys: &Keys<'_>, d: &mut Decoder) {
+    dark(&s.surface, "a combination of solids", keys, d);
+    if s.of.is_empty() {
+        d.push(Diagnostic::error(keys.span("of"), "there is nothing to combine"));
+    }
+    for node in &s.of {
+        closed(node, keys, d);
+    }
+}
+
+/// Complains of what glows and can't.
+fn dark(surface: &Surface, what: &str, keys: &Keys<'_>, d: &mut Decoder) {
+    if surface.emission.is_some() {
+        let message = format!("{what} cannot glow");
+        d.push(Diagnostic::error(keys.key_span("emission"), message));
+    }
+}
+
+/// Complains of what isn't a solid.
+fn closed(node: &Node, keys: &Keys<'_>, d: &mut Decoder) {
+    let is_whole = |[from, to]: [f64; 2]| to - from >= 360.0;
+    let open = match node {
+        Node::Sphere(s) if s.heights.is_some() || !is_whole(s.phi) => "a part of a sphere is open",
+        Node::Cylinder(s) if !s.caps => "a cylinder without `caps: true` is open",
+        Node::Cone(s) if !s.caps => "a cone without `caps: true` is open",
+        Node::Torus(s) if !is_whole(s.phi) || !is_whole(s.theta) => "a part of a torus is open",
+        Node::Instance(_) => "an instance stands by itself: write the solid here",
+        Node::Sphere(_)
+        | Node::Cylinder(_)
+        | Node::Cone(_)
+        | Node::Torus(_)
+        | Node::Capsule(_)
+        | Node::Box(_)
+        | Node::Mesh(_)
+        | Node::DistanceField(_)
+        | Node::Union(_)
+        | Node::Intersection(_)
+        | Node::Difference(_) => "",
+        Node::Group(g) => return g.children.iter().for_each(|child| closed(child, keys, d)),
+        _ => "",
+    };
+    let is_solid = matches!(
+        node,
+        Node::Sphere(_)
+            | Node::Cylinder(_)
+            | Node::Cone(_)
+            | Node::Torus(_)
+            | Node::Capsule(_)
+            | Node::Box(_)
+            | Node::Mesh(_)
+            | Node::DistanceField(_)
+            | Node::Union(_)
+            | Node::Intersection(_)
+            | Node::Difference(_)
+            | Node::Instance(_)
+    );
+    let message = match open {
+        "" if is_solid => {
+            if let Some(surface) = node.surface() {
+                dark(surface, "a part of a combination of solids", keys, d);
+            }
+            return;
+        }
+        "" => format!("a `{}` is not a solid: it has no inside", node.kind()),
+        open => open.to_owned(),
+    };
+    d.push(Diagnostic::error(keys.span("of"), message).help("what is combined must be closed"));
+}
+
+pub(super) fn distance_field(s: &DistanceField, keys: &Keys<'_>, d: &mut Decoder) {
+    dark(&s.surface, "a distance field", keys, d);
+}
+
+pub(super) fn box_distance(s: &BoxDistance, keys: &Keys<'_>, d: &mut Decoder) {
+    grows(s.min, s.max, keys, d);
+}
+
+pub(super) fn cylinder_distance(s: &CylinderDistance, keys: &Keys<'_>, d: &mut Decoder) {
+    length("cylinder", s.from, s.to, keys, d);
+}
+
+pub(super) fn blend(s: &Blend, keys: &Keys<'_>, d: &mut Decoder) {
+    if s.of.is_empty() {
+        d.push(Diagnostic::error(keys.span("of"), "there is nothing to combine"));
+    }
+}
+
+pub(super) fn moved(s: &Moved, keys: &Keys<'_>, d: &mut Decoder) {
+    if s.transform.affine().is_some_and(|m| even_scale(&m).is_none()) {
+        let message = "a distance can be moved, turned, mirrored and scaled evenly, not stretched or sheared";
+        let complaint = Diagnostic::error(keys.span("transform"), message);
+        d.push(complaint.help("stretch the whole `distance_field` by its own `transform`"));
+    }
+}
+
+/// By how much a map that keeps angles scales.
+pub fn even_scale(m: &Affine) -> Option<f64> {
+    let column = |j: usize| DVec3::new(m.rows[0][j], m.rows[1][j], m.rows[2][j]);
+    let (a, b, c) = (column(0), column(1), column(2));
+    let scale = a.length();
+    let near = |x: f64| x.abs() < 1e-9 * scale * scale;
+    let even = near(a.dot(b))
+        && near(b.dot(c))
+        && near(c.dot(a))
+        && near(b.length_squared() - scale * scale)
+        && near(c.length_squared() - scale * scale);
+    even.then_some(scale)
+}
+
+pub(super) fn grid_distance(s: &GridDistance, keys: &Keys<'_>, d: &mut Decoder) {
+    grows(s.min, s.max, keys, d);
+    let wanted: u64 = s.size.iter().map(|n| u64::from(*n)).product();
+    if s.values.len() as u64 != wanted {
+        let [x, y, z] = s.size;
+        let message = format!("`values` lists {} for {x} x {y} x {z} points", s.values.len());
+        d.push(Diagnostic::error(keys.key_span("values"), message));
+    }
+}
+
+fn length(what: &str, from: DVec3, to: DVec3, keys: &Keys<'_>, d: &mut Decoder) {
+    if from == to {
+        let message = format!("`from` and `to` are the same point: the {what} has no length");
+        d.push(Diagnostic::error(keys.span("to"), message));
+    }
+}
+
+/// A part of a turn must be one.
+fn turn(key: &str, [from, to]: [f64; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    let message = if from >= to {
+        format!("`{key}` must grow: {from} is not below {to}")
+    } else if to - from > 360.0 {
+        format!("`{key}` spans {} degrees, more than 360", to - from)
+    } else {
+        return;
+    };
+    d.push(Diagnostic::error(keys.span(key), message).help("it is `[from, to]` in degrees"));
+}
+
+fn whole_when_closed(caps: bool, [from, to]: [f64; 2], keys: &Keys<'_>, d: &mut Decoder) {
+    if caps && to - from < 360.0 {
+        let message = "`caps` close a whole turn only, and `phi` leaves some of it out";
+        d.push(
+            Diagnostic::error(keys.key_span("caps"), message).help("its ends can be written as `annulus`"),
+        );
     }
 }
 

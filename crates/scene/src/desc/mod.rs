@@ -1,16 +1,21 @@
 //! What a scene can say: plain data, as a file or a program says it.
 
 pub mod accel;
+pub mod animation;
 pub mod camera;
 pub(crate) mod check;
 pub mod color;
+pub mod curves;
 pub mod development;
 mod keyframes;
 pub mod light;
 pub mod material;
 pub mod node;
-pub mod settings;
+pub mod round;
+mod settings;
 pub mod shape;
+pub mod sky;
+pub mod solid;
 pub mod spectrum;
 pub mod texture;
 pub mod transform;
@@ -19,26 +24,37 @@ pub use accel::{
     Accel, BinaryBvh, BoundingVolumes, BspTree, Build, KdTree, Octree, PlaneChoice, Split, Structure,
     UniformGrid, VolumeKind, WideBvh,
 };
+pub use animation::Animation;
 pub use camera::{
     Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
     Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
 };
+pub use check::even_scale;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
+pub use curves::{CurveBasis, CurveForm, Curves};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
-    AmbientLight, DirectionalLight, Environment, EnvironmentLayout, Falloff, Light, PointLight, SpotLight,
+    AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
+    PointLight, Projector, SpotLight,
 };
 pub use material::*;
-pub use node::{Group, Instance, Node};
+pub use node::{Group, Instance, Instances, Node};
+pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
     Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler,
     SamplerKind, SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Cuboid, Cylinder, Disc, Gouraud, Leaving, MeshSource, Patches, Plane, Rectangle,
-    Shading, Smoothing, Sphere, Surface, Triangle, TriangleMesh,
+    Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, MeshSource,
+    Patches, Plane, Rectangle, Shading, Smoothing, Sphere, Subdivide, Subdivision, Surface, Triangle,
+    TriangleMesh,
+};
+pub use sky::{Sky, When};
+pub use solid::{
+    BallDistance, Blend, BoxDistance, CapsuleDistance, Combination, CylinderDistance, Distance,
+    DistanceField, GridDistance, Grown, Moved, RingDistance, Ripples,
 };
 pub use spectrum::{Formula, Index, Interpolation, Measured, Spectrum};
 pub use texture::*;
@@ -64,6 +80,8 @@ describe! {
         accel: Accel = Accel::default(),
         /// Whether light is computed by wavelengths instead of red, green and blue.
         spectral: bool = false,
+        /// How a scene that moves is played.
+        animation: Animation = Animation::default(),
         /// Textures by name, for `{ texture: NAME }`.
         textures: Named<Texture> = Named::default(),
         /// Materials by name.

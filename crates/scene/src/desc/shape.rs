@@ -2,9 +2,9 @@
 
 use straal_math::DVec3;
 
-use crate::Mesh;
 use crate::desc::check;
 use crate::desc::material::MaterialRef;
+use crate::desc::round::WHOLE_TURN;
 use crate::desc::spectrum::Spectrum;
 use crate::desc::texture::Varying;
 use crate::desc::transform::Transform;
@@ -12,6 +12,7 @@ use crate::describe::describe;
 use crate::limit::Limit;
 use crate::span::Spanned;
 use crate::value::{Asset, Known, Name};
+use crate::{Bitmap, Mesh};
 
 describe! {
     /// What all surfaces share.
@@ -22,6 +23,9 @@ describe! {
         emission: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
         /// Whether the back glows as well.
         two_sided_emission: bool = false,
+        /// The angle of the cone around the normal, in degrees from rim to rim, that its light stays in, as behind a honeycomb: `emission` along the normal, less and
+        /// less towards the rim.
+        emission_spread: f64 [Limit::within(0.1, 180.0)] = 180.0,
         /// Places the shape.
         transform: Transform = Transform::default(),
         /// A point that the front is turned towards, after `transform` and about the middle of the shape; the front of a shape that
@@ -36,11 +40,15 @@ describe! {
 
 describe! {
     /// A ball.
-    pub struct Sphere {
+    pub struct Sphere [check::sphere] {
         /// Its middle.
         center: DVec3 = DVec3::ZERO,
         /// Its radius.
         radius: f64 [Limit::POSITIVE] = 1.0,
+        /// From which height to which it is there, both as y from its middle; all of it without.
+        heights: Option<[f64; 2]> = None,
+        /// Which part of a turn about the y-axis through its middle there is, in degrees from z towards x.
+        phi: [f64; 2] = WHOLE_TURN,
     } with surface: Surface
 }
 
@@ -97,6 +105,8 @@ describe! {
         radius: f64 [Limit::POSITIVE] = 1.0,
         /// Whether discs close its ends.
         caps: bool = false,
+        /// Which part of a turn about its axis there is, in degrees.
+        phi: [f64; 2] = WHOLE_TURN,
     } with surface: Surface
 }
 
@@ -169,7 +179,42 @@ describe! {
         uvs: Vec<[f64; 2]> = Vec::new(),
         /// Which normals it is shaded with.
         shading: Shading = Shading::Auto,
+        /// Smooths it: its faces, as its file has them, are a control cage.
+        subdivide: Option<Subdivide> = None,
     } with surface: Surface
+}
+
+describe! {
+    /// How a control cage becomes a smooth surface.
+    pub struct Subdivide {
+        /// By which rule.
+        scheme: Subdivision = Subdivision::CatmullClark,
+        /// How many times each face is divided into four.
+        levels: u32 [Limit::within(0.0, 8.0)] = 3,
+    }
+}
+
+impl Subdivide {
+    /// How many triangles a cage becomes whose polygons have so many corners in all, and gave so many triangles.
+    pub fn triangles(&self, corners: u64, triangles: u64) -> u64 {
+        let power = 1_u64 << (2 * self.levels.min(16));
+        match (&self.scheme, self.levels) {
+            (_, 0) => triangles,
+            (Subdivision::Loop, _) => triangles.saturating_mul(power),
+            // Each corner becomes a square of two triangles.
+            (Subdivision::CatmullClark, _) => corners.saturating_mul(power / 4).saturating_mul(2),
+        }
+    }
+}
+
+describe! {
+    /// Rules of subdivision.
+    pub enum Subdivision {
+        /// For faces of any number of sides, best of four (Catmull & Clark 1978).
+        "catmull_clark" => CatmullClark,
+        /// For triangles (Loop 1987); what has more sides is cut into triangles first.
+        "loop" => Loop,
+    }
 }
 
 /// Where a mesh's triangles are.
@@ -186,6 +231,32 @@ impl TriangleMesh {
     pub fn source(&self) -> MeshSource<'_> {
         self.file.as_ref().map_or(MeshSource::Inline, MeshSource::Asset)
     }
+}
+
+describe! {
+    /// A patch between four corners, straight along its edges and from each edge to the other.
+    pub struct Bilinear [check::bilinear] {
+        /// The corners at (u, v) = (0, 0), (1, 0), (0, 1) and (1, 1); the front is where du x dv points.
+        corners: [DVec3; 4],
+        /// Texture coordinates at the corners.
+        uvs: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]],
+    } with surface: Surface
+}
+
+describe! {
+    /// Heights over a rectangle, from -x to +x and from +z to -z, y up: a grid of triangles.
+    pub struct HeightField [check::height_field] {
+        /// A picture: brighter is higher, its numbers as they are in the file; it lies with its top towards -z.
+        file: Option<Asset<Bitmap>> = None,
+        /// Heights in place of a picture, row by row from -z to +z.
+        heights: Vec<Vec<f64>> = Vec::new(),
+        /// How long it is along x and z, about the origin.
+        size: [f64; 2] [Limit::POSITIVE] = [2.0, 2.0],
+        /// The y of height 0 and of height 1, which is a picture's white.
+        between: [f64; 2] = [0.0, 1.0],
+        /// Which normals it is shaded with; `auto` is smooth.
+        shading: Shading = Shading::Auto,
+    } with surface: Surface
 }
 
 describe! {

@@ -58,19 +58,35 @@ impl Job {
         Self::of(&loaded, &wish, custom)
     }
 
+    /// The same after another job, such as the frame before, whose search structures are taken over where nothing has changed in them.
+    pub fn after(before: Option<Self>, loaded: Loaded, wish: &Overrides) -> Result<Self, Error> {
+        Self::made(before.map(|job| job.world), &loaded, wish, &Custom::default(), Detail::Whole)
+    }
+
+    /// How many objects have the search structure that they had in the job before.
+    pub fn taken_over(&self) -> usize {
+        self.world.accel.taken_over()
+    }
+
     /// Compiles a scene only to find what is wrong with it, and what follows from its camera: curved surfaces are coarse and rays
     /// searched by brute force, so that its picture isn't the scene's.
     pub fn draft(loaded: &Loaded, wish: Overrides) -> Result<Self, Error> {
         let wish = Overrides { accel: Some(Structure::Brute), build: None, ..wish };
-        Self::made(loaded, &wish, &Custom::default(), Detail::Draft)
+        Self::made(None, loaded, &wish, &Custom::default(), Detail::Draft)
     }
 
     /// The same of a scene that is needed further.
     pub fn of(loaded: &Loaded, wish: &Overrides, custom: &Custom) -> Result<Self, Error> {
-        Self::made(loaded, wish, custom, Detail::Whole)
+        Self::made(None, loaded, wish, custom, Detail::Whole)
     }
 
-    fn made(loaded: &Loaded, wish: &Overrides, custom: &Custom, detail: Detail) -> Result<Self, Error> {
+    fn made(
+        before: Option<World>,
+        loaded: &Loaded,
+        wish: &Overrides,
+        custom: &Custom,
+        detail: Detail,
+    ) -> Result<Self, Error> {
         let scene = &loaded.scene;
         let plan = Plan::new(loaded, wish)?;
         check_custom(custom, scene)?;
@@ -80,7 +96,7 @@ impl Job {
         }
         let Plan { settings, first, end, whole, spectral, recording, structure, isa, .. } = plan;
         let search = straal_accel::Options { structure, isa, ..straal_accel::Options::default() };
-        let world = compile::compile(&Request {
+        let request = Request {
             scene,
             assets: &loaded.assets,
             custom,
@@ -89,7 +105,8 @@ impl Job {
             spectral,
             recording,
             detail,
-        })?;
+        };
+        let world = compile::compile_after(before, &request)?;
         if let Some(why) = &world.out_of_focus {
             return Err(Error::scene(why.span, why.to_string()));
         }

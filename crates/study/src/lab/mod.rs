@@ -395,7 +395,7 @@ fn objects(nodes: &[Node], world: &World, input: &Input) -> Vec<Object> {
 /// What a node shows, with a space before it; empty where there is no word for it.
 fn word(node: &Node) -> String {
     let shown = match node {
-        Node::Instance(i) => Some(i.of.name.value.clone()),
+        Node::Instance(_) | Node::Instances(_) => node.object().map(|of| of.name.value.clone()),
         Node::Mesh(m) => m.file.as_ref().and_then(|f| {
             PathBuf::from(&f.file.value).file_stem().map(|stem| stem.to_string_lossy().into_owned())
         }),

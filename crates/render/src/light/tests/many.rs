@@ -19,11 +19,12 @@ fn street(count: usize) -> (Geometry, Vec<Emitter>) {
                 opacity: None,
                 below: None,
                 sides,
+                spread: crate::light::area::Spread::default(),
                 placement: None,
             })
         };
         emitters.push(match i % 5 {
-            0 => Emitter::Point(PointLight { position: p, intensity: light.into() }),
+            0 => Emitter::Point(PointLight { position: p, intensity: light.into(), falls: true }),
             1 => {
                 let cone = Cone { axis: rng.direction(), beam: 20.0, cutoff: 50.0, falloff: Falloff::Linear };
                 Emitter::Spot(SpotLight::new(p, light, &cone).unwrap())
@@ -38,7 +39,7 @@ fn street(count: usize) -> (Geometry, Vec<Emitter>) {
                 let sides = [Sides::Front, Sides::Back, Sides::Both][i / 5 % 3];
                 area(LitSurface::Shape(geometry.shapes.len() as u32 - 1), sides)
             }
-            _ => Emitter::Point(PointLight { position: p, intensity: Light::ZERO.into() }),
+            _ => Emitter::Point(PointLight { position: p, intensity: Light::ZERO.into(), falls: true }),
         });
         if i == 0 {
             geometry.meshes.push(stairs());
@@ -225,8 +226,9 @@ fn a_tree_has_less_noise_than_power() {
 
 #[test]
 fn however_lamps_stand_a_tree_is_made() {
-    let point =
-        |p: Vec3, i: f32| Emitter::Point(PointLight { position: p, intensity: Light::rgb([i; 3]).into() });
+    let point = |p: Vec3, i: f32| {
+        Emitter::Point(PointLight { position: p, intensity: Light::rgb([i; 3]).into(), falls: true })
+    };
     let here = Receiver::anywhere(Vec3::new(0.5, 0.5, 2.0));
     for place in
         [|_: u32| Vec3::ZERO, |i: u32| Vec3::X * i as f32, |i: u32| Vec3::splat(ops::exp2(i as f32 % 100.0))]

@@ -33,6 +33,7 @@ fn a_textured_ball_gives_the_same_light_however_it_is_found() {
         opacity: None,
         below: None,
         sides: Sides::Front,
+        spread: area::Spread::default(),
         placement: Transform::new(&placement).map(Box::new),
     };
     let textures = [Texture::new(TextureKind::Custom(Arc::new(Stripes)), Use::Emission)];

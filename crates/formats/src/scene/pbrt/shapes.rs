@@ -1,0 +1,215 @@
+//! Shapes.
+//!
+//! Round ones stand about z. Whole ones are straal's own; parts of them, by `zmin`, `zmax`, `phimax` and `innerradius`, become triangles.
+
+use std::sync::Arc;
+use straal_math::{Affine, DVec3};
+use straal_scene::desc::{self, Cylinder, Disc, MaterialRef, Node, Sphere, TriangleMesh};
+use straal_scene::value::Asset;
+use straal_scene::{Mesh, MeshAsset, Span, Spanned};
+
+use super::params::Params;
+use super::state::{as_transform, scale_of};
+use super::{Reader, Thing, round};
+
+/// pbrt's shapes.
+const KINDS: [&str; 8] =
+    ["bilinearmesh", "curve", "cylinder", "disk", "loopsubdiv", "plymesh", "sphere", "trianglemesh"];
+
+/// What a round shape is cut down to.
+pub(super) struct Cut {
+    pub radius: f64,
+    pub z: [f64; 2],
+    /// Degrees about z, from +x.
+    pub phi: f64,
+}
+
+/// From straal's axes of a sphere, whose pole is y, to pbrt's: its seam is at +x.
+pub(super) const UPRIGHT: Affine =
+    Affine { rows: [[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]] };
+
+impl Reader<'_, '_> {
+    /// A shape with the material and light of the state.
+    pub(super) fn shape(&mut self, thing: Thing) {
+        let Thing { kind, params } = thing;
+        let params = params.within(&self.state.attributes.shape);
+        if kind.as_str() != "curve" {
+            self.end_of_curves();
+        }
+        let Some(map) = self.invertible(params.span) else { return };
+        let Some(material) = self.surface(&params) else { return };
+        match kind.as_str() {
+            "sphere" => self.sphere(&params, (&map, material)),
+            "disk" => self.disk(&params, (&map, material)),
+            "cylinder" => self.cylinder(&params, (&map, material)),
+            "trianglemesh" => self.triangle_mesh(&params, (&map, material)),
+            "bilinearmesh" => self.bilinear_mesh(&params, (&map, material)),
+            "plymesh" => self.ply_mesh(&params, (&map, material)),
+            "loopsubdiv" => self.loop_subdivision(&params, (&map, material)),
+            "curve" => self.curve(&params, (&map, material)),
+            "cone" | "paraboloid" | "hyperboloid" | "heightfield" | "heightfield2" | "nurbs" => {
+                let message = format!("the shape `{}` of pbrt-v3 is left out", kind.value);
+                return self.warn(kind.span, message);
+            }
+            _ => return self.unknown("shape", &kind, &KINDS),
+        }
+        params.complain(&format!("the shape `{}`", kind.value), self.means.d);
+    }
+
+    /// What all surfaces share, of a shape whose area is known.
+    pub(super) fn with(
+        &mut self,
+        map: &Affine,
+        material: Option<MaterialRef>,
+        (area, parts): (f64, usize),
+        span: Span,
+    ) -> desc::Surface {
+        let shine = self.shine(area, parts, span);
+        let (emission, two_sided_emission) = shine.map_or((None, false), |(e, two)| (Some(e), two));
+        desc::Surface {
+            material,
+            emission,
+            two_sided_emission,
+            transform: as_transform(map, span),
+            flip: self.state.reversed,
+            ..desc::Surface::default()
+        }
+    }
+
+    /// Radius and what is left of it, if that makes sense.
+    fn cut(&mut self, params: &Params, usual: Option<[f64; 2]>) -> Option<Cut> {
+        let radius = params.float("radius", 1.0);
+        let [low, high] = usual.unwrap_or([-radius, radius]);
+        let z = [params.float("zmin", low), params.float("zmax", high)];
+        let phi = params.float("phimax", 360.0);
+        let phi = if phi < 360.0 { phi } else { 360.0 };
+        let [low, high] = if z[0] < z[1] { z } else { [z[1], z[0]] };
+        if !((radius as f32) > 0.0 && phi > 0.0) {
+            self.warn(params.span, "this shape is left out: it has no extent");
+            return None;
+        }
+        Some(Cut { radius, z: [low, high], phi })
+    }
+
+    fn sphere(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let Some(cut) = self.cut(params, None) else { return };
+        let Cut { radius, z: [low, high], phi } = cut;
+        let whole = low <= -radius && high >= radius && phi >= 360.0;
+        if !whole {
+            let (low, high) =
+                (if low > -radius { low } else { -radius }, if high < radius { high } else { radius });
+            if low >= high {
+                return self.warn(params.span, "this shape is left out: it has no extent");
+            }
+            let mesh = round::sphere(&Cut { z: [low, high], ..cut });
+            return self.made_mesh(mesh, (map, material), params.span);
+        }
+        let scale = scale_of(map);
+        let area = 4.0 * std::f64::consts::PI * radius * radius * scale * scale;
+        let surface = self.with(&UPRIGHT.then(map), material, (area, 1), params.span);
+        self.push(Node::Sphere(Sphere { radius, surface, ..Sphere::default() }));
+    }
+
+    fn disk(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let radius = params.float("radius", 1.0);
+        let inner = params.float("innerradius", 0.0);
+        let height = params.float("height", 0.0);
+        let phi = params.float("phimax", 360.0);
+        let inner = if inner > 0.0 { inner } else { 0.0 };
+        if !((radius as f32) > 0.0 && phi > 0.0 && inner < radius) {
+            return self.warn(params.span, "this shape is left out: it has no extent");
+        }
+        if inner > 0.0 || phi < 360.0 {
+            let phi = if phi < 360.0 { phi } else { 360.0 };
+            let mesh = round::ring([inner, radius], height, phi);
+            return self.made_mesh(mesh, (map, material), params.span);
+        }
+        let scale = scale_of(map);
+        let area = std::f64::consts::PI * radius * radius * scale * scale;
+        let surface = self.with(map, material, (area, 1), params.span);
+        let center = DVec3::new(0.0, 0.0, height);
+        self.push(Node::Disc(Disc { center, normal: DVec3::Z, radius, surface }));
+    }
+
+    fn cylinder(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let Some(cut) = self.cut(params, Some([-1.0, 1.0])) else { return };
+        let Cut { radius, z: [low, high], phi } = cut;
+        if low >= high {
+            return self.warn(params.span, "this shape is left out: it has no extent");
+        }
+        if phi < 360.0 {
+            let mesh = round::tube(&cut);
+            return self.made_mesh(mesh, (map, material), params.span);
+        }
+        let scale = scale_of(map);
+        let area = 2.0 * std::f64::consts::PI * radius * (high - low) * scale * scale;
+        let surface = self.with(map, material, (area, 1), params.span);
+        let [from, to] = [low, high].map(|z| DVec3::new(0.0, 0.0, z));
+        self.push(Node::Cylinder(Cylinder { from, to, radius, surface, ..Cylinder::default() }));
+    }
+
+    fn ply_mesh(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let Some(file) = params.string("filename").cloned() else {
+            return self.error(params.span, "a `plymesh` needs a `filename`");
+        };
+        params.pass_over(&["edgelength"]);
+        if params.texture("displacement").is_some() {
+            self.warn_once(params.span, "`displacement` of a mesh is passed over: it stays as it is");
+        }
+        // Its area isn't known yet.
+        if self.state.area_light.as_ref().is_some_and(|light| light.power.is_some()) {
+            self.warn(
+                params.span,
+                "`power` of a light on a PLY mesh is taken for that of a surface of 1 m² ",
+            );
+        }
+        let asset = self.made.in_file::<Mesh>(file);
+        let surface = self.with(map, material, (1.0, 1), params.span);
+        self.push(mesh_node(asset, surface));
+    }
+
+    /// A mesh that isn't in a file.
+    pub(super) fn made_mesh(
+        &mut self,
+        mesh: Mesh,
+        (map, material): (&Affine, Option<MaterialRef>),
+        span: Span,
+    ) {
+        if mesh.triangles.is_empty() {
+            return self.warn(span, "this shape is left out: it has no triangles");
+        }
+        let what = || "a mesh of this scene".to_owned();
+        let help = "a mesh of fewer triangles takes less";
+        if let Some(shortage) = self.means.ledger.refuse(self.mesh_bytes + mesh.heap_bytes(), what, help) {
+            self.d().lacks_memory = true;
+            return self.error(span, shortage.to_string());
+        }
+        self.mesh_bytes += mesh.heap_bytes();
+        let extent = match self.state.area_light {
+            Some(_) => (area(&mesh, map), mesh.triangles.len()),
+            None => (1.0, 1),
+        };
+        let surface = self.with(map, material, extent, span);
+        self.meshes += 1;
+        let name = Spanned::new(format!("mesh {} of the scene", self.meshes), span);
+        let asset = self.made.mesh(name, MeshAsset { mesh: Arc::new(mesh), ..MeshAsset::default() });
+        self.push(mesh_node(asset, surface));
+    }
+}
+
+fn mesh_node(asset: Asset<Mesh>, surface: desc::Surface) -> Node {
+    Node::Mesh(TriangleMesh { file: Some(asset), surface, ..TriangleMesh::default() })
+}
+
+/// The area of a mesh where a map puts it.
+fn area(mesh: &Mesh, map: &Affine) -> f64 {
+    let corner = |i: u32| {
+        let [x, y, z] = mesh.positions[i as usize].map(f64::from);
+        map.point(DVec3::new(x, y, z))
+    };
+    let one = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(corner);
+        0.5 * (b - a).cross(c - a).length()
+    };
+    mesh.triangles.iter().map(one).filter(|a| a.is_finite()).sum()
+}
