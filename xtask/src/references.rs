@@ -36,14 +36,14 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
         "scene", "mean %", "z red", "green", "blue", "relMSE", "median", "pixels >", "blocks >", "seconds"
     );
     let mut all_agree = true;
-    for name in listed(&folder, names)? {
+    for (name, scene) in listed(&folder, names)? {
         let started = Instant::now();
         let saying = sayings.get(&name).cloned().unwrap_or_default();
         if let Some(why) = &saying.not_yet {
             println!("{name:18} not judged: {why}");
             continue;
         }
-        let (found, off) = judge(&folder.join(&name), &saying)?;
+        let (found, off) = judge(&scene, &saying)?;
         let told_only = saying.told_only.is_some();
         println!(
             "{name:18} {:>8.2} {:>8.2} {:>8.2} {:>8.2} {:>10.2e} {:>10.2e} {:>9} {:>9} {:>7.1}  {}{}",
@@ -125,22 +125,26 @@ fn sayings(text: &str) -> Result<BTreeMap<String, Saying>, Failure> {
     Ok(all)
 }
 
-/// The scenes there are, or those named.
-fn listed(folder: &Path, names: &[String]) -> Result<Vec<String>, Failure> {
+/// The scenes there are, or those named: that of each folder, and further ones of the same picture as `NAME-WAY`.
+fn listed(folder: &Path, names: &[String]) -> Result<Vec<(String, PathBuf)>, Failure> {
     let mut all = Vec::new();
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
-        if entry.path().join("scene.xml").is_file()
-            && let Ok(name) = entry.file_name().into_string()
-        {
-            all.push(name);
+        let Ok(name) = entry.file_name().into_string() else { continue };
+        for file in std::fs::read_dir(entry.path()).into_iter().flatten() {
+            let path = file?.path();
+            let file = path.file_name().and_then(|f| f.to_str()).unwrap_or_default();
+            if let Some(way) = file.strip_prefix("scene").and_then(|f| f.strip_suffix(".xml")) {
+                all.push((format!("{name}{way}"), path));
+            }
         }
     }
     all.sort();
-    if let Some(unknown) = names.iter().find(|name| !all.contains(name)) {
+    if let Some(unknown) = names.iter().find(|name| all.iter().all(|(known, _)| known != *name)) {
         return Err(format!("there is no reference scene `{unknown}`").into());
     }
-    Ok(all.into_iter().filter(|name| names.is_empty() || names.contains(name)).collect())
+    all.retain(|(name, _)| names.is_empty() || names.contains(name));
+    Ok(all)
 }
 
 /// A part of the picture, `X0,Y0,X1,Y1`, the ends exclusive.
@@ -157,10 +161,10 @@ fn cut(image: &Image, within: Option<[usize; 4]>) -> Image {
     Image { width: x1.saturating_sub(x0), height: y1.saturating_sub(y0), pixels }
 }
 
-/// Renders the scene of a folder and compares it, or a part of it, with the picture there; by how much the means of the two are apart.
-fn judge(reference: &Path, saying: &Saying) -> Result<(Comparison, f64), Failure> {
-    let scene = reference.join("scene.xml");
-    let loaded = straal::load(&scene, &LoadOptions::default())
+/// Renders a scene and compares it, or a part of it, with the picture beside it; by how much the means of the two are apart.
+fn judge(scene: &Path, saying: &Saying) -> Result<(Comparison, f64), Failure> {
+    let reference = scene.parent().unwrap_or(Path::new(""));
+    let loaded = straal::load(scene, &LoadOptions::default())
         .map_err(|_| format!("the scene is wrong; see `straal check {}`", scene.display()))?;
     let (their_mean, mut their_variance) =
         (read(&reference.join("mean.exr"))?, read(&reference.join("var.exr"))?);

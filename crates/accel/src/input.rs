@@ -2,7 +2,7 @@
 
 use crate::{analytic::Analytic, hit::ShapeHit};
 use std::sync::Arc;
-use straal_math::{Bounds, Ray, Transform, Vec3};
+use straal_math::{Bounds, Motion, Ray, Transform, Vec3};
 
 /// Everything that can be hit. `groups[0]` is the world.
 #[derive(Clone, Debug, Default)]
@@ -11,6 +11,8 @@ pub struct Input {
     pub groups: Vec<Group>,
     /// What the groups refer to.
     pub geometries: Vec<Geometry>,
+    /// How instances move that do.
+    pub motions: Vec<Motion>,
 }
 
 /// What stands in one space.
@@ -27,8 +29,10 @@ pub struct Group {
 pub struct Instance {
     /// Index into [`Input::groups`].
     pub group: u32,
-    /// From the group's space to that of the group that the instance stands in.
+    /// From the group's space to that of the group that the instance stands in; of one that moves, at time 0.
     pub transform: Transform,
+    /// How it moves, as an index into [`Input::motions`].
+    pub motion: Option<u32>,
     /// A ray sees the instance when its mask shares a bit with this.
     pub mask: u32,
 }

@@ -328,7 +328,7 @@ impl<'a, K: Descend, const COUNT: bool> Query<'a, K, COUNT> {
     #[inline]
     fn descend(&self, at: &Place<'_>, id: u32) -> Option<(&'a GroupData, LocalRay)> {
         let instance = &self.scene.instances[id as usize];
-        let ray = LocalRay::new(&instance.transform.inverse_ray(&at.ray.ray))?;
+        let ray = LocalRay::new(&self.scene.inverse_ray(instance, &at.ray.ray))?;
         Some((&self.scene.groups[instance.group as usize], ray))
     }
 }

@@ -95,7 +95,7 @@ impl Scene {
         }
         check(&input)?;
         let order = children_first(&input.groups)?;
-        let Input { groups, geometries } = input;
+        let Input { groups, geometries, motions } = input;
         let firsts: Vec<u32> =
             groups.iter().scan(0, |n, g| Some(std::mem::replace(n, *n + g.instances.len() as u32))).collect();
         let mut scene = Self {
@@ -103,6 +103,7 @@ impl Scene {
                 masks: geometries.iter().map(|g| g.mask).collect(),
                 geometries,
                 instances: groups.iter().flat_map(|g| g.instances.iter().copied()).collect(),
+                motions,
                 searchers: groups.iter().map(|_| Searcher::Bvh(Bvh::EMPTY)).collect(),
                 groups: (0..groups.len()).map(GroupData::empty).collect(),
             },
@@ -176,6 +177,7 @@ impl Scene {
         Input {
             groups: self.contents.iter().enumerate().map(group).collect(),
             geometries: self.stage.geometries.clone(),
+            motions: self.stage.motions.clone(),
         }
     }
 
@@ -231,6 +233,17 @@ impl Scene {
         self.stage.instances.get(id as usize)
     }
 
+    /// Where the instance of a chain's id is at a time from 0 to 1.
+    #[inline]
+    pub fn transform(&self, id: u32, time: f32) -> Option<Transform> {
+        self.instance(id).map(|instance| self.stage.transform(instance, time))
+    }
+
+    /// Whether any instance moves.
+    pub fn moves(&self) -> bool {
+        !self.stage.motions.is_empty()
+    }
+
     /// The first hit of each ray. Looks at as many rays as there are hits, and the other way round.
     pub fn closest(&self, shapes: &dyn Shapes, rays: &[Ray], hits: &mut [Hit]) {
         self.asked(shapes).closest(rays, hits);
@@ -267,6 +280,13 @@ impl Scene {
             sound.map_err(|e| format!("group {i}: {e}"))?;
         }
         Ok(())
+    }
+
+    /// Around an instance, wherever it goes.
+    fn bounds_of(&self, inner: &GroupData, instance: &Instance) -> Bounds {
+        let all = self.stage.transforms(instance).iter().map(|at| instance_bounds(inner.bounds, at));
+        let is_odd = |b: &Bounds| b.is_empty() || !b.is_finite();
+        all.clone().find(is_odd).unwrap_or_else(|| all.fold(Bounds::EMPTY, Bounds::union))
     }
 
     fn build_group(
@@ -334,7 +354,7 @@ impl Scene {
         for (i, instance) in group.instances.iter().enumerate() {
             let inner = &self.stage.groups[instance.group as usize];
             let bounds = if !inner.is_unbounded {
-                let b = instance_bounds(inner.bounds, &instance.transform);
+                let b = self.bounds_of(inner, instance);
                 if b.is_empty() || !b.is_finite() {
                     if !inner.bounds.is_empty() {
                         let mut lost = Dropped::none(DroppedFrom::Instance { group: instance.group });
@@ -346,7 +366,7 @@ impl Scene {
                 Some(b)
             } else {
                 // What is bounded inside still belongs to the bounds of the scene.
-                let b = instance_bounds(inner.bounds, &instance.transform);
+                let b = self.bounds_of(inner, instance);
                 if b.is_finite() {
                     data.bounds = data.bounds.union(b);
                 }

@@ -62,7 +62,11 @@ mod tests {
             .collect();
         let indices = (0..16).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let geometry = Geometry { kind: GeometryKind::Triangles { positions, indices }, mask: u32::MAX };
-        Input { groups: vec![Group { geometries: vec![0], instances: vec![] }], geometries: vec![geometry] }
+        Input {
+            groups: vec![Group { geometries: vec![0], instances: vec![] }],
+            geometries: vec![geometry],
+            motions: Vec::new(),
+        }
     }
 
     fn area(outline: &[[f64; 2]]) -> f64 {

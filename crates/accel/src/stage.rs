@@ -1,7 +1,7 @@
 //! What stands in a scene, as searches see it: groups of triangles and objects, without the structures over them.
 
 use crate::input::{Geometry, GeometryKind, Instance};
-use straal_math::{Bounds, Vec3};
+use straal_math::{Bounds, Motion, Ray, Transform, Vec3};
 
 /// Everything, with a structure of type `S` over each group.
 pub(crate) struct Stage<S> {
@@ -9,6 +9,7 @@ pub(crate) struct Stage<S> {
     pub masks: Vec<u32>,
     /// Those of all groups, one group after the other.
     pub instances: Vec<Instance>,
+    pub motions: Vec<Motion>,
     pub groups: Vec<GroupData>,
     /// By group.
     pub searchers: Vec<S>,
@@ -100,6 +101,27 @@ impl GroupData {
 }
 
 impl<S> Stage<S> {
+    /// A ray in an instance's own space.
+    #[inline(always)]
+    pub fn inverse_ray(&self, instance: &Instance, ray: &Ray) -> Ray {
+        match instance.motion {
+            None => instance.transform.inverse_ray(ray),
+            Some(_) => self.transform(instance, ray.time).inverse_ray(ray),
+        }
+    }
+
+    /// Where an instance is at a time from 0 to 1.
+    pub fn transform(&self, instance: &Instance, time: f32) -> Transform {
+        let motion = instance.motion.and_then(|motion| self.motions.get(motion as usize));
+        motion.map_or(instance.transform, |motion| motion.at(time))
+    }
+
+    /// All the places where an instance is: between them it goes along straight lines.
+    pub fn transforms<'a>(&'a self, instance: &'a Instance) -> &'a [Transform] {
+        let motion = instance.motion.and_then(|motion| self.motions.get(motion as usize));
+        motion.map_or(std::slice::from_ref(&instance.transform), Motion::transforms)
+    }
+
     #[inline(always)]
     pub fn geometry_mask(&self, geometry: u32) -> u32 {
         self.masks[geometry as usize]

@@ -59,6 +59,8 @@ fn run(start: Instant) -> Exit {
         Command::Render(args) => command::render::run(*args, start, &interrupt),
         Command::Merge(args) => command::merge::run(&args, &interrupt),
         Command::Check(args) => command::check::run(&args),
+        Command::Convert(args) => command::convert::run(&args),
+        Command::Tree(args) => command::tree::run(&args),
         Command::Accel(args) => command::accel::run(&args, start),
         Command::Sampler(args) => command::sampler::run(&args),
         Command::Schema => command::schema::run(),

@@ -252,7 +252,7 @@ fn check_bare(option: &str, scene: Option<&Path>) -> Result<(), Failure> {
         Some(path) => format!("{} is a scene, which", path.display()),
         None => "the scene that straal brings along".to_owned(),
     };
-    let message = format!("{option} is for bare meshes (.ply, .obj): {what} says that itself");
+    let message = format!("{option} is for bare meshes (.ply, .obj, .stl): {what} says that itself");
     Err(Failure::input(message).help("change it in the scene; --write-scene gives one to begin with"))
 }
 

@@ -12,7 +12,7 @@ pub(crate) fn kind(extension: &str) -> Option<&'static str> {
             "a file of another program"
         }
         "fbx" | "dae" | "abc" | "x3d" | "wrl" | "vrml" | "lwo" | "lws" => "a scene in another format",
-        "stl" | "off" | "3mf" | "amf" | "ifc" | "serialized" | "bin" => "a mesh in another format",
+        "off" | "3mf" | "amf" | "ifc" | "serialized" | "bin" => "a mesh in another format",
         "step" | "stp" | "iges" | "igs" => "a CAD model of exact surfaces",
         "las" | "laz" | "e57" | "pcd" | "xyz" | "pts" => "a cloud of points",
         "mtl" => "a library of materials, which belongs to a mesh",

@@ -114,6 +114,8 @@ pub struct Loaded {
     pub text_bytes: u64,
     /// Bytes that reading took at a time, the program's own among them.
     pub peak_bytes: u64,
+    /// Names of the meshes and pictures that aren't in files of their own: they stand in the scene's own file or in a buffer.
+    pub held: BTreeSet<String>,
     /// The files that were read, but for the one that the scene is told in; a mesh by itself is one of them.
     pub files: Vec<PathBuf>,
 }
@@ -123,10 +125,10 @@ const MOST_TEXT: u64 = 1 << 28;
 
 /// Whether a file is taken for a bare mesh, by its name.
 pub fn is_mesh(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply") || e.eq_ignore_ascii_case("obj"))
+    path.extension().is_some_and(|e| ["ply", "obj", "stl"].iter().any(|known| e.eq_ignore_ascii_case(known)))
 }
 
-/// Loads a scene (YAML or JSON), or a bare `.ply` or `.obj` mesh, which gets a studio around it.
+/// Loads a scene (YAML or JSON), or a bare `.ply`, `.obj` or `.stl` mesh, which gets a studio around it.
 ///
 /// The files that a scene names are looked for in its folder. On failure all complaints are given at once.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
@@ -138,7 +140,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         return load_foreign(kind, path, options);
     }
     if let Some(what) = foreign::kind(&extension) {
-        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt and Mitsuba, and meshes (.ply, .obj)";
+        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt and Mitsuba, and meshes (.ply, .obj, .stl)";
         let message = format!("`{}` is {what}: .{extension} files are not supported", path.display());
         return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
     }
@@ -159,7 +161,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         // What another file holds may not be for everyone's eyes, and a complaint would quote it.
         let message =
             format!("`{name}` is no scene: none of a scene's keys, such as `camera:` and `world:`, is in it");
-        let help = "straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj)";
+        let help = "straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj, .stl)";
         return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
     }
     loaded
@@ -278,6 +280,7 @@ fn with_files(
     mut d: Diagnostics,
 ) -> Result<Loaded, Diagnostics> {
     let Described { scene, made: Made { handles, assets }, hashes, mut files, at, text_bytes } = described;
+    let held = held(&scene, &assets);
     let paths = locate(&scene, &assets, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
         d.sort();
@@ -311,7 +314,17 @@ fn with_files(
     if d.has_errors() {
         return Err(d);
     }
-    Ok(Loaded { scene, assets, warnings: d, hash, files, text_bytes, peak_bytes: ledger.most() })
+    let peak_bytes = ledger.most();
+    Ok(Loaded { scene, assets, warnings: d, hash, held, files, text_bytes, peak_bytes })
+}
+
+/// Names of what is there before any file is looked for.
+fn held(scene: &Scene, made: &Assets) -> BTreeSet<String> {
+    let meshes = scene.mesh_files().into_iter().filter(|a| made.meshes.get(a.handle).is_some());
+    let images = scene.image_files().into_iter().filter(|a| made.images.get(a.handle).is_some());
+    let bitmaps = scene.bitmap_files().into_iter().filter(|a| made.bitmaps.get(a.handle).is_some());
+    let images = images.map(|a| &a.file).chain(bitmaps.map(|a| &a.file));
+    meshes.map(|a| &a.file).chain(images).map(|file| file.value.clone()).collect()
 }
 
 /// What makes a mesh take less memory.
@@ -876,5 +889,6 @@ fn in_studio(path: &Path, read: MeshFile, options: &Options, ledger: Ledger) -> 
     }
     hashes.insert(file_name, read.hash);
     let hash = hash(&scene, &hashes);
-    Ok(Loaded { scene, assets, warnings, hash, files, text_bytes: 0, peak_bytes: ledger.most() })
+    let (held, peak_bytes) = (BTreeSet::new(), ledger.most());
+    Ok(Loaded { scene, assets, warnings, hash, held, files, text_bytes: 0, peak_bytes })
 }

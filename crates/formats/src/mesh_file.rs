@@ -68,6 +68,9 @@ pub fn kind_of(bytes: &[u8]) -> Option<&'static str> {
     if mesh::ply::is_ply(bytes) {
         return Some("ply");
     }
+    if mesh::stl::is_stl(bytes) {
+        return Some("stl");
+    }
     const WORDS: [&str; 11] = ["v", "vn", "vt", "f", "o", "g", "s", "l", "mtllib", "usemtl", "vp"];
     const MOST: usize = 4096;
     let start = String::from_utf8_lossy(&bytes[..if bytes.len() < MOST { bytes.len() } else { MOST }]);
@@ -81,6 +84,10 @@ pub fn read(bytes: &[u8], path: &Path, means: Means<'_>) -> Result<MeshFile, Ref
     let Means { limits, finder, handles, wanted } = means;
     if mesh::ply::is_ply(bytes) {
         return read_ply(bytes, limits, wanted).map_err(|e| Refusal::new(e.to_string()));
+    }
+    let is_named_so = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl"));
+    if is_named_so {
+        return read_stl(bytes, limits, wanted).map_err(|e| Refusal::new(e.to_string()));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut shelf = Shelf {
@@ -147,6 +154,13 @@ fn read_ply(bytes: &[u8], limits: &Limits, wanted: &dyn Fn(&str) -> bool) -> Res
     Ok(MeshFile { asset, warnings: file.warnings, hash, ..MeshFile::default() })
 }
 
+fn read_stl(bytes: &[u8], limits: &Limits, wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, ReadError> {
+    let file = mesh::stl::read(bytes, limits, wanted)?;
+    let asset = MeshAsset { mesh: Arc::new(file.mesh), ..MeshAsset::default() };
+    let hash = blake3::hash(bytes).into();
+    Ok(MeshFile { asset, warnings: file.warnings, hash, ..MeshFile::default() })
+}
+
 /// Whether a file of this extension that begins so can be a mesh.
 fn check(extension: &str, head: &[u8]) -> Result<(), Refusal> {
     if mesh::ply::is_ply(head) {
@@ -154,15 +168,18 @@ fn check(extension: &str, head: &[u8]) -> Result<(), Refusal> {
     }
     let is_stl = head.starts_with(b"solid ");
     match extension {
-        "ply" if is_stl => Err(Refusal::new("it is named .ply, but is an STL file, which is not supported")),
+        "stl" => Ok(()),
+        "ply" if is_stl => {
+            Err(Refusal::new("it is named .ply, but is an STL file").help("its name must end in .stl"))
+        }
         "ply" => Err(Refusal::new("not a PLY file: it doesn't begin with 'ply'")),
         "obj" if head.contains(&0) => Err(Refusal::new("it is named .obj, but is no text: OBJ meshes are")),
         "obj" => Ok(()),
-        "" => Err(Refusal::new("a mesh must be a .ply or .obj file, and this name has no extension")),
+        "" => Err(Refusal::new("a mesh must be a .ply, .obj or .stl file, and this name has no extension")),
         _ => {
             let what = foreign::kind(extension).map_or(String::new(), |what| format!("it is {what}: "));
             let program = "most programs that show meshes, such as Blender and MeshLab, write one of these";
-            Err(Refusal::new(format!("{what}a mesh must be a .ply or .obj file, found .{extension}"))
+            Err(Refusal::new(format!("{what}a mesh must be a .ply, .obj or .stl file, found .{extension}"))
                 .help(program))
         }
     }

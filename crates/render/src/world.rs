@@ -264,7 +264,7 @@ impl World {
         let (tangents, local) = self.tangents(ray, hit);
         let dp = footprint.unpacked().on_surface(ray, hit.t, point.ng);
         let [duvdx, duvdy] = dp.map(|dp| tangents.coordinates(dp));
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         // From its group's coordinates to its own.
         let placement = self.placements.get(self.geometries[hit.geometry as usize].placement as usize);
         let [dpdx, dpdy] = dp.map(|dp| {
@@ -319,7 +319,7 @@ impl World {
     fn bulge(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> Vec3 {
         let Kind::Mesh(mesh) = geometry.kind else { return Vec3::ZERO };
         let mesh = &self.geometry.meshes[mesh as usize];
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         let d = transforms().fold(ray.d, |d, m| m.inverse_vector(d));
         let bulge = mesh.bulge(hit.primitive, [hit.u, hit.v], d);
         transforms().rev().fold(bulge, |v, m| m.vector(v))
@@ -369,7 +369,7 @@ impl World {
     /// How a hit point moves with its texture coordinates, and the point in the coordinates of its group.
     fn tangents(&self, ray: &Ray, hit: &Hit) -> (Tangents, SurfacePoint) {
         let geometry = &self.geometries[hit.geometry as usize];
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
         let point = self.local_surface(geometry, &local, hit);
         let own = match geometry.kind {
@@ -377,7 +377,7 @@ impl World {
             Kind::Shapes(first) => self.geometry.tangents(first + hit.primitive, &point),
         };
         let outwards = transforms().rev().fold((own, point.n), |(tangents, n), m| {
-            (tangents.to_world(m, n), m.normal(n).try_normalize().unwrap_or(n))
+            (tangents.to_world(&m, n), m.normal(n).try_normalize().unwrap_or(n))
         });
         let tangents = if geometry.flip { outwards.0.flipped() } else { outwards.0 };
         (tangents, point)
@@ -429,10 +429,10 @@ impl World {
     /// Into the object and back out, level by level.
     #[cold]
     fn instanced_surface(&self, geometry: &GeometryRecord, ray: &Ray, hit: &Hit) -> SurfacePoint {
-        let transforms = || hit.chain.iter().filter_map(|id| self.accel.instance(id)).map(|i| &i.transform);
+        let transforms = || hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
         let local = transforms().fold(*ray, |r, m| m.inverse_ray(&r));
         let point = self.local_surface(geometry, &local, hit);
-        transforms().rev().fold(point, |p, m| p.to_world(m))
+        transforms().rev().fold(point, |p, m| p.to_world(&m))
     }
 
     /// The material at a hit.

@@ -2,8 +2,8 @@
 //! that takes is not known here.
 
 use crate::desc::{
-    Bezier, BezierPatches, EnvironmentLayout, Light, MaterialRef, MeshSource, Node, Scene, Shading,
-    Subdivide, TriangleMesh,
+    Bezier, BezierPatches, CurveBasis, CurveForm, EnvironmentLayout, Light, MaterialRef, MeshSource, Node,
+    Scene, Shading, Subdivide, TriangleMesh,
 };
 use crate::glow::Glow;
 use crate::value::Link;
@@ -60,6 +60,10 @@ pub struct Tally {
     pub rectangles: u64,
     /// Cylinders among them, without their caps.
     pub cylinders: u64,
+    /// Other shapes among them that turn about an axis.
+    pub revolved: u64,
+    /// Pieces of curves among them.
+    pub curves: u64,
     /// Instances of objects that don't glow; those of others are copies of all that is inside.
     pub instances: u64,
     /// Surfaces that glow.
@@ -82,6 +86,8 @@ impl Tally {
         sum(&mut self.discs, o.discs);
         sum(&mut self.rectangles, o.rectangles);
         sum(&mut self.cylinders, o.cylinders);
+        sum(&mut self.revolved, o.revolved);
+        sum(&mut self.curves, o.curves);
         sum(&mut self.instances, o.instances);
         sum(&mut self.lights, o.lights);
         sum(&mut self.lit_triangles, o.lit_triangles);
@@ -101,6 +107,8 @@ impl Tally {
             discs,
             rectangles,
             cylinders,
+            revolved,
+            curves,
             instances,
             lights,
             lit_triangles,
@@ -118,6 +126,8 @@ impl Tally {
             discs: of(discs),
             rectangles: of(rectangles),
             cylinders: of(cylinders),
+            revolved: of(revolved),
+            curves: of(curves),
             instances: of(instances),
             lights: of(lights),
             lit_triangles: of(lit_triangles),
@@ -271,10 +281,17 @@ impl Walk<'_> {
             }
             Node::Cone(c) if c.caps => {
                 let discs = if c.top_radius > 0.0 { 2 } else { 1 };
-                let mut found = self.lit(node, Tally { shapes: 1 + discs, discs, ..Tally::default() });
+                let mut found =
+                    self.lit(node, Tally { shapes: 1 + discs, discs, revolved: 1, ..Tally::default() });
                 found.own.lights *= 1 + discs;
                 found
             }
+            Node::Cone(_)
+            | Node::Annulus(_)
+            | Node::Torus(_)
+            | Node::Paraboloid(_)
+            | Node::Hyperboloid(_)
+            | Node::Capsule(_) => self.lit(node, Tally::shape(Tally { revolved: 1, ..Tally::default() })),
             Node::HeightField(h) => {
                 let [width, depth] = match &h.file {
                     Some(file) => {
@@ -291,8 +308,13 @@ impl Walk<'_> {
             }
             Node::Curves(c) => {
                 let pieces = c.runs().filter_map(|run| c.pieces(run.len())).sum::<usize>() as u64;
+                if c.basis == CurveBasis::Linear && c.form == CurveForm::Round {
+                    let own = Tally { shapes: pieces, revolved: pieces, ..Tally::default() };
+                    return lights(self.lit(node, own), pieces);
+                }
                 // A long piece is kept in several.
-                self.lit(node, Tally { shapes: pieces.saturating_mul(CURVE_PARTS), ..Tally::default() })
+                let parts = pieces.saturating_mul(CURVE_PARTS);
+                lights(self.lit(node, Tally { shapes: parts, curves: parts, ..Tally::default() }), parts)
             }
             Node::Union(c) | Node::Intersection(c) | Node::Difference(c) => {
                 let mut all = Tally::default();
@@ -385,6 +407,12 @@ impl Walk<'_> {
         let lights = if own.meshes > 0 { own.meshes } else { 1 };
         Found { own: Tally { lights, lit_triangles: own.triangles, ..own }, visible, glows }
     }
+}
+
+/// What glows in so many pieces.
+fn lights(mut found: Found, pieces: u64) -> Found {
+    found.own.lights = found.own.lights.saturating_mul(pieces);
+    found
 }
 
 /// What a cage becomes whose polygons have so many corners in all.

@@ -186,6 +186,11 @@ impl Decoder {
         self.expected_or(what, tree, None);
     }
 
+    /// Whether what is being read stands in the value of any of these keys.
+    pub fn is_within(&self, keys: &[&str]) -> bool {
+        self.path.iter().any(|(key, _)| keys.contains(&key.as_str()))
+    }
+
     /// The same, with what would be right where that can be told.
     pub fn expected_or(&mut self, what: &str, tree: &Tree, help: Option<String>) {
         let message = match self.path.last() {

@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 use straal_math::ops;
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::span::Span;
+use crate::span::{Span, Spanned};
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
 use crate::value::LinearRgb;
@@ -40,17 +40,62 @@ const INTERPOLATIONS: [(&str, Interpolation); 5] = [
 const KEYS: [&str; 3] = ["keyframes", "interpolation", "repeat"];
 
 /// Puts the values of a frame in place of all keyframes of a text; complains of those that are none. Whether there were any.
+///
+/// Where the text says that its shutter stays open (`animation: { shutter: 0.5 }`), what is in the world and the camera get the places that they go
+/// through meanwhile: transforms their `motion`, cameras their `moving_to`.
 pub fn settle(tree: &mut Tree, frame: f64, d: &mut Diagnostics) -> bool {
+    let shutter = tree.entry("animation").and_then(|e| e.value.entry("shutter")).map(|e| &e.value.value);
+    let open = match shutter {
+        Some(Datum::Number(open)) if (0.0..=1.0).contains(open) => *open,
+        _ => 0.0,
+    };
+    let entries = match &mut tree.value {
+        Datum::Mapping(entries) if entries.iter().all(|e| e.key.value != KEYS[0]) => entries,
+        _ => return settle_in(tree, frame, Within::Else, d),
+    };
+    let mut any = false;
+    for Entry { key, value } in entries {
+        let within = match key.value.as_str() {
+            "world" | "objects" if open > 0.0 => Within::World { open },
+            "camera" if open > 0.0 => Within::Camera { open },
+            _ => Within::Else,
+        };
+        any |= settle_in(value, frame, within, d);
+    }
+    any
+}
+
+/// Where in a scene a value stands, as far as it may move while the shutter is open for so many frames.
+#[derive(Clone, Copy)]
+enum Within {
+    World { open: f64 },
+    Camera { open: f64 },
+    Else,
+}
+
+/// While the shutter is open, places are looked up at its beginning and at the ends of so many parts, between which things go straight.
+const PARTS: usize = 8;
+
+fn settle_in(tree: &mut Tree, frame: f64, within: Within, d: &mut Diagnostics) -> bool {
     let mut any = false;
     match &mut tree.value {
         Datum::Sequence(items) => {
             for item in items {
-                any |= settle(item, frame, d);
+                any |= settle_in(item, frame, within, d);
             }
         }
         Datum::Mapping(entries) => {
-            for entry in entries.iter_mut() {
-                any |= settle(&mut entry.value, frame, d);
+            if let Within::Camera { open } = within {
+                any |= camera(entries, (frame, open), d);
+            }
+            for Entry { key, value } in entries.iter_mut() {
+                any |= match (within, key.value.as_str()) {
+                    (Within::World { open }, "transform") => transform(value, (frame, open), d),
+                    (Within::World { .. }, "material" | "emission") => {
+                        settle_in(value, frame, Within::Else, d)
+                    }
+                    _ => settle_in(value, frame, within, d),
+                };
             }
             if entries.iter().any(|e| e.key.value == KEYS[0]) {
                 any = true;
@@ -61,6 +106,70 @@ pub fn settle(tree: &mut Tree, frame: f64, d: &mut Diagnostics) -> bool {
             }
         }
         _ => {}
+    }
+    any
+}
+
+/// What a value is from the frame on, at the ends of all parts; only at the frame if it stays. Whether it has keyframes.
+fn through(value: &Tree, (frame, open): (f64, f64), d: &mut Diagnostics) -> (Vec<Tree>, bool) {
+    let (mut all, mut any) = (Vec::new(), false);
+    for part in 0..=PARTS {
+        let mut at = value.clone();
+        // Complained of once.
+        let errors = d.errors();
+        any |= settle_in(&mut at, frame + open * part as f64 / PARTS as f64, Within::Else, d);
+        let stays = |first: &Tree| part == PARTS && all.iter().all(|other| other == first) && at == *first;
+        if all.first().is_some_and(stays) {
+            all.truncate(1);
+            break;
+        }
+        all.push(at);
+        if !any || d.errors() > errors {
+            break;
+        }
+    }
+    (all, any)
+}
+
+/// A transform in the world, which may move.
+fn transform(tree: &mut Tree, moment: (f64, f64), d: &mut Diagnostics) -> bool {
+    let (mut all, any) = through(tree, moment, d);
+    if all.len() <= PARTS {
+        *tree = all.swap_remove(0);
+    } else {
+        let span = tree.span;
+        let value = Tree { value: Datum::Sequence(all), span };
+        let entry = Entry { key: Spanned::new("motion".to_owned(), span), value };
+        tree.value = Datum::Mapping(vec![entry]);
+    }
+    any
+}
+
+/// The keys of a camera that say where it is.
+const PLACE: [&str; 4] = ["eye", "look_at", "up", "roll"];
+
+/// A camera that may move, unless it says itself how it does.
+fn camera(entries: &mut Vec<Entry>, moment: (f64, f64), d: &mut Diagnostics) -> bool {
+    let mut any = false;
+    if entries.iter().any(|e| e.key.value == "moving_to") {
+        return any;
+    }
+    let mut later: Vec<Vec<Entry>> = vec![Vec::new(); PARTS];
+    for Entry { key, value } in entries.iter_mut().filter(|e| PLACE.contains(&e.key.value.as_str())) {
+        let (mut all, moves) = through(value, moment, d);
+        any |= moves;
+        if all.len() > PARTS {
+            for (later, value) in later.iter_mut().zip(all.drain(1..)) {
+                later.push(Entry { key: key.clone(), value });
+            }
+        }
+        *value = all.swap_remove(0);
+    }
+    if let Some(first) = later[0].first() {
+        let span = first.value.span;
+        let at = |entries| Tree { value: Datum::Mapping(entries), span };
+        let value = Tree { value: Datum::Sequence(later.into_iter().map(at).collect()), span };
+        entries.push(Entry { key: Spanned::new("moving_to".to_owned(), span), value });
     }
     any
 }
@@ -354,7 +463,7 @@ fn slerp(from: &Tree, to: &Tree, t: f64) -> Option<Tree> {
     let span = from.span;
     let number = |v: f64| Tree { value: Datum::Number(v), span };
     let entry = |key: &str, value: Datum| Entry {
-        key: crate::span::Spanned::new(key.to_owned(), span),
+        key: Spanned::new(key.to_owned(), span),
         value: Tree { value, span },
     };
     let entries = vec![
@@ -479,6 +588,58 @@ mod tests {
         assert!(wrong(vec![("0", number(1.0))], "liner").contains("did you mean `linear`?"));
         let unlike = vec![("0", number(1.0)), ("1", text("a"))];
         assert!(wrong(unlike, "linear").contains("nothing lies between these keyframes"));
+    }
+
+    #[test]
+    fn while_the_shutter_is_open_the_world_and_the_camera_go_on() {
+        let track =
+            |from: f64, to: f64| map(vec![("keyframes", map(vec![("0", number(from)), ("2", number(to))]))]);
+        let moving = |from, to| {
+            map(vec![("transform", map(vec![("scale", track(from, to))])), ("radius", track(1.0, 3.0))])
+        };
+        let scene = |open: f64| {
+            map(vec![
+                ("animation", map(vec![("shutter", number(open))])),
+                (
+                    "camera",
+                    map(vec![(
+                        "perspective",
+                        map(vec![("eye", track(0.0, 4.0)), ("roll", track(7.0, 7.0))]),
+                    )]),
+                ),
+                (
+                    "world",
+                    Tree {
+                        value: Datum::Sequence(vec![moving(1.0, 5.0), moving(2.0, 2.0)]),
+                        span: Span::NONE,
+                    },
+                ),
+            ])
+        };
+        let settled = |open, frame| {
+            let (mut tree, mut d) = (scene(open), Diagnostics::default());
+            assert!(settle(&mut tree, frame, &mut d) && !d.has_errors());
+            tree
+        };
+        let get = |tree: &Tree, keys: &[&str]| -> Tree {
+            keys.iter().fold(tree.clone(), |tree, key| match (&tree.value, key.parse::<usize>()) {
+                (Datum::Sequence(items), Ok(i)) => items[i].clone(),
+                _ => tree.entry(key).unwrap_or_else(|| panic!("{key}: {tree:?}")).value.clone(),
+            })
+        };
+        let still = settled(0.0, 1.0);
+        assert_eq!(get(&still, &["world", "0", "transform", "scale"]), number(3.0));
+        let open = settled(0.5, 1.0);
+        for (i, at) in [(0, 3.0), (4, 3.5), (8, 4.0)] {
+            let scale = get(&open, &["world", "0", "transform", "motion", &i.to_string(), "scale"]);
+            assert_eq!(scale, number(at));
+        }
+        assert_eq!(get(&open, &["world", "0", "radius"]), number(2.0), "only places move");
+        assert_eq!(get(&open, &["world", "1", "transform", "scale"]), number(2.0), "it stays");
+        assert_eq!(get(&open, &["camera", "perspective", "eye"]), number(2.0));
+        assert_eq!(get(&open, &["camera", "perspective", "moving_to", "7", "eye"]), number(3.0));
+        assert_eq!(get(&open, &["camera", "perspective", "roll"]), number(7.0));
+        assert!(get(&open, &["camera", "perspective", "moving_to", "7"]).entry("roll").is_none());
     }
 
     #[test]

@@ -41,7 +41,7 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
 impl Node {
     /// Where the node is placed.
     pub fn transform(&self) -> &Transform {
-        static NOWHERE: Transform = Transform { steps: Vec::new(), span: Span::NONE };
+        static NOWHERE: Transform = Transform { steps: Vec::new(), later: Vec::new(), span: Span::NONE };
         match self {
             Self::Group(g) => &g.transform,
             Self::Instance(i) => &i.transform,
@@ -107,7 +107,9 @@ impl Scene {
     /// What stands at the top of the world: its nodes, or, where all of it is one group, the nodes of that.
     pub fn top_level(&self) -> &[Node] {
         let mut nodes = self.world.as_slice();
-        while let [Node::Group(Group { children, .. })] = nodes {
+        while let [Node::Group(Group { children, transform, .. })] = nodes
+            && transform.later.is_empty()
+        {
             nodes = children;
         }
         nodes
@@ -363,6 +365,12 @@ impl Walk<'_> {
 
     /// Placements must have an inverse together with all the groups around them.
     fn placement(&mut self, node: &Node, outer: &Affine) {
+        let moves = !node.transform().later.is_empty();
+        if moves && node.motion().len() <= node.transform().later.len() {
+            let message =
+                "this is singular at some time: it flattens everything, or leaves the range of numbers";
+            self.d.push(Diagnostic::error(node.transform().span, message));
+        }
         // What is wrong by itself has been complained of.
         let Some(local) = node.transform().affine() else { return };
         let Some(own) = node.placement() else {

@@ -1,16 +1,23 @@
 //! A scene written out, with all that a command line says otherwise in it, so that it gives the same bits by itself.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::Value as Json;
 use straal_color::Tone;
+use straal_formats::image::{pfm, png};
 use straal_formats::load::Loaded;
+use straal_formats::mesh::ply;
 use straal_formats::yaml;
 use straal_math::lowdisc::PatternKind;
 use straal_render::film::Recording;
+use straal_scene::bitmap::Number;
 use straal_scene::decode::Describe;
 use straal_scene::desc;
 use straal_scene::value::Depth;
+use straal_scene::{Bitmap, Image, Mesh};
 
 use crate::development::{Development, Gamma};
 use crate::resolve::{Error, Overrides};
@@ -33,8 +40,113 @@ pub fn text(scene: &desc::Scene, base: &Path, folder: &Path) -> String {
     let mut tree = scene.write();
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let folder = here.canonicalize().unwrap_or_else(|_| folder.to_owned());
-    rebase(&mut tree, base, &folder);
+    rebase(&mut tree, base, &folder, &BTreeMap::new());
     yaml::write(&tree)
+}
+
+/// A scene of any format as one in the scene language, with what it holds itself in files of its own.
+#[derive(Debug)]
+pub struct Converted {
+    /// The text of the scene.
+    pub text: String,
+    /// Meshes and pictures that stood in the scene's own file: the name of each, as the text has it, and what it is.
+    pub pieces: Vec<(String, Piece)>,
+}
+
+/// What was held by a scene's own file.
+#[derive(Clone, Debug)]
+pub enum Piece {
+    /// A mesh, to be written as PLY.
+    Mesh(Arc<Mesh>),
+    /// A picture that textures are read off: PNG, or EXR where it is light.
+    Bitmap(Arc<Bitmap>),
+    /// A picture of surroundings: PFM.
+    Image(Arc<Image>),
+}
+
+impl Piece {
+    /// Writes it.
+    pub fn write<W: Write>(&self, mut out: W) -> io::Result<()> {
+        match self {
+            Self::Mesh(mesh) => ply::write(out, mesh),
+            Self::Image(image) => pfm::write(out, image),
+            Self::Bitmap(bitmap) => match png::write_codes(&mut out, bitmap) {
+                Some(done) => done,
+                None => {
+                    let texels = &bitmap.texels;
+                    let (width, height) = (texels.width(), texels.height());
+                    let is_grey = texels.format().channels < 3;
+                    let at = |i: usize| {
+                        let [r, g, b, _] = texels.numbers(i % width, i / width);
+                        if is_grey { [r; 3] } else { [r, g, b] }
+                    };
+                    let pixels = (0..width * height).map(at).collect();
+                    pfm::write(out, &Image { width, height, pixels })
+                }
+            },
+        }
+    }
+
+    fn extension(&self) -> &'static str {
+        match self {
+            Self::Mesh(_) => "ply",
+            Self::Image(_) => "pfm",
+            Self::Bitmap(bitmap) => match bitmap.texels.format().number {
+                Number::Byte | Number::Short => "png",
+                Number::Half | Number::Single => "pfm",
+            },
+        }
+    }
+}
+
+/// A loaded scene as a text that is kept in `folder`, and what goes into files of the folder `beside` in there. `base` is the folder that the
+/// scene's files are named from.
+pub fn converted(loaded: &Loaded, base: &Path, folder: &Path, beside: &str) -> Converted {
+    let (scene, assets, held) = (&loaded.scene, &loaded.assets, &loaded.held);
+    let mut found: BTreeMap<String, Piece> = BTreeMap::new();
+    let is_held = |file: &str| held.contains(file);
+    for asset in scene.mesh_files().into_iter().filter(|a| is_held(&a.file)) {
+        found.insert(asset.file.value.clone(), Piece::Mesh(assets.mesh(asset.handle).mesh.clone()));
+    }
+    for asset in scene.image_files().into_iter().filter(|a| is_held(&a.file)) {
+        found.insert(asset.file.value.clone(), Piece::Image(assets.image(asset.handle).clone()));
+    }
+    for asset in scene.bitmap_files().into_iter().filter(|a| is_held(&a.file)) {
+        found.insert(asset.file.value.clone(), Piece::Bitmap(assets.bitmap(asset.handle).clone()));
+    }
+    let (mut names, mut pieces) = (BTreeMap::new(), Vec::new());
+    let mut taken = BTreeSet::new();
+    for (name, piece) in found {
+        let plain = plain(&name);
+        let mut file = format!("{beside}/{plain}.{}", piece.extension());
+        let mut count = 1;
+        while !taken.insert(file.to_lowercase()) {
+            count += 1;
+            file = format!("{beside}/{plain}-{count}.{}", piece.extension());
+        }
+        names.insert(name, file.clone());
+        pieces.push((file, piece));
+    }
+    let mut tree = scene.write();
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let folder = here.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    rebase(&mut tree, base, &folder, &names);
+    Converted { text: yaml::write(&tree), pieces }
+}
+
+/// What is behind the last `#` of a name, of letters that every system has in file names.
+fn plain(name: &str) -> String {
+    const MOST: usize = 80;
+    let name = name.rsplit('#').next().unwrap_or(name);
+    let mut out = String::new();
+    for c in name.chars().take(MOST) {
+        let c = if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '-' };
+        if !(c == '-' && (out.is_empty() || out.ends_with('-'))) {
+            out.push(c);
+        }
+    }
+    let out = out.trim_end_matches('-');
+    if out.is_empty() { "piece".to_owned() } else { out.to_owned() }
 }
 
 /// What wins over the scene.
@@ -135,18 +247,23 @@ fn kind(pattern: PatternKind) -> desc::SamplerKind {
     }
 }
 
-/// Files go by the key `file` wherever they are named; each is named as it is seen from another folder.
-fn rebase(tree: &mut Json, base: &Path, folder: &Path) {
+/// Files go by the key `file` wherever they are named; each is named as it is seen from another folder, or by its new name.
+fn rebase(tree: &mut Json, base: &Path, folder: &Path, names: &BTreeMap<String, String>) {
     match tree {
         Json::Object(map) => {
             for (key, value) in map {
                 match value {
-                    Json::String(file) if key == "file" => *file = seen_from(folder, &base.join(&*file)),
-                    other => rebase(other, base, folder),
+                    Json::String(file) if key == "file" => {
+                        *file = match names.get(file) {
+                            Some(name) => name.clone(),
+                            None => seen_from(folder, &base.join(&*file)),
+                        };
+                    }
+                    other => rebase(other, base, folder, names),
                 }
             }
         }
-        Json::Array(list) => list.iter_mut().for_each(|value| rebase(value, base, folder)),
+        Json::Array(list) => list.iter_mut().for_each(|value| rebase(value, base, folder, names)),
         _ => {}
     }
 }
@@ -175,6 +292,15 @@ mod tests {
         assert_eq!(seen("/no/such/a/b", "/no/such/a/m.ply"), "../m.ply");
         assert_eq!(seen("/no/such", "/no/such/a/m.ply"), "a/m.ply");
         assert_eq!(seen("/no/such", "/other/m.ply"), "/other/m.ply");
+    }
+
+    #[test]
+    fn pieces_have_plain_names() {
+        assert_eq!(plain("Box.glb#meshes[0].primitives[1]"), "meshes-0-primitives-1");
+        assert_eq!(
+            [plain("a.glb#images[2] ../Größe "), plain("#"), plain("x/..")],
+            ["images-2-Gr-e", "piece", "x"]
+        );
     }
 
     #[test]

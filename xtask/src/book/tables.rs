@@ -202,6 +202,7 @@ fn input(triangles: &Triangles) -> Input {
     Input {
         groups: vec![Group { geometries: vec![0], instances: Vec::new() }],
         geometries: vec![Geometry { kind: GeometryKind::Triangles { positions, indices }, mask: u32::MAX }],
+        motions: Vec::new(),
     }
 }
 

@@ -65,6 +65,7 @@ fn input(walls: &[Wall]) -> Input {
     Input {
         groups: vec![Group { geometries: vec![0], instances: Vec::new() }],
         geometries: vec![Geometry { kind: mesh, mask: u32::MAX }],
+        motions: Vec::new(),
     }
 }
 

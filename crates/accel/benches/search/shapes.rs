@@ -116,7 +116,13 @@ pub fn all(isa: Isa, rounds: usize) {
     let instances = (0..10).map(|i| {
         let m =
             Affine::scale(DVec3::splat(0.5)).then(&Affine::translate(DVec3::X * (0.1 * f64::from(i) - 0.5)));
-        Instance { group: 1, transform: Transform::new(&m).expect("a sound map"), mask: u32::MAX }
+        Instance {
+            group: 1,
+            transform: Transform::new(&m).expect("a sound map"),
+            motion: None,
+            motion: None,
+            mask: u32::MAX,
+        }
     });
     let outer = Group { geometries: vec![], instances: instances.collect() };
     input.groups = vec![outer, inner];

@@ -78,7 +78,7 @@ impl Batch {
         let ObjectKind::Instance(id) = o.kind else { return };
         let Some(entry) = q.enter(ray, o) else { return };
         if self.len < ROOM {
-            let inner = q.scene.instances[id as usize].transform.inverse_ray(&ray.ray);
+            let inner = q.scene.inverse_ray(&q.scene.instances[id as usize], &ray.ray);
             // That no hit lies beyond what was found already is all that an end says.
             self.rays[self.len] = Ray { t_max: limit, ..inner };
             self.entries[self.len] = entry;

@@ -72,7 +72,12 @@ fn formulas() {
         let inner = std::mem::take(&mut input.groups[0]);
         let mut outer = Group { geometries: vec![0], instances: vec![] };
         for _ in 0..3 {
-            outer.instances.push(Instance { group: 1, transform: place(&mut r, 0.7), mask: u32::MAX });
+            outer.instances.push(Instance {
+                group: 1,
+                transform: place(&mut r, 0.7),
+                motion: None,
+                mask: u32::MAX,
+            });
         }
         input.groups = vec![outer, inner];
         let hits = all_agree(&input, &formulas, &rays);
@@ -98,7 +103,12 @@ fn instances_eight_deep() {
         (0..9).map(|i| Group { geometries: vec![(i % 3) as u32], instances: vec![] }).collect();
     for (i, g) in groups.iter_mut().enumerate().take(8) {
         let mut add = |mask| {
-            g.instances.push(Instance { group: i as u32 + 1, transform: place(&mut r, 0.9), mask });
+            g.instances.push(Instance {
+                group: i as u32 + 1,
+                transform: place(&mut r, 0.9),
+                motion: None,
+                mask,
+            });
         };
         add(u32::MAX);
         add([u32::MAX, 1][i % 2]);
@@ -107,7 +117,7 @@ fn instances_eight_deep() {
     let again = groups[0].instances[0];
     groups[0].instances.push(again);
     groups[5].geometries.push(3);
-    let input = Input { groups, geometries };
+    let input = Input { groups, geometries, motions: Vec::new() };
     let mut rays = rays(&mut r, &triangles, part(900));
     for ray in &mut rays {
         ray.mask = [u32::MAX, 2][r.below(2)];
@@ -227,12 +237,16 @@ fn threads_do_not_matter() {
 #[test]
 fn bad_input_is_an_error() {
     let build = |input: Input| Scene::build(input, &(), &Options::default()).err();
-    let instance = |group| Instance { group, transform: Transform::IDENTITY, mask: u32::MAX };
+    let instance = |group| Instance { group, transform: Transform::IDENTITY, motion: None, mask: u32::MAX };
     let group = |instances| Group { geometries: vec![], instances };
     assert_eq!(build(Input::default()), Some(BuildError::NoWorld));
-    let named = Input { groups: vec![Group { geometries: vec![0], instances: vec![] }], geometries: vec![] };
+    let named = Input {
+        groups: vec![Group { geometries: vec![0], instances: vec![] }],
+        geometries: vec![],
+        motions: Vec::new(),
+    };
     assert!(matches!(build(named), Some(BuildError::NoSuchGeometry { geometry: 0, count: 0, .. })));
-    let input = |groups| Input { groups, geometries: vec![] };
+    let input = |groups| Input { groups, geometries: vec![], motions: Vec::new() };
     assert!(matches!(build(input(vec![group(vec![instance(1)])])), Some(BuildError::NoSuchGroup { .. })));
     let cycle = vec![group(vec![instance(1)]), group(vec![instance(2)]), group(vec![instance(1)])];
     assert!(matches!(build(input(cycle)), Some(BuildError::Cycle { .. })));
@@ -265,10 +279,14 @@ fn bounds_hold_the_instances() {
     let shift = Transform::new(&Affine::translate(DVec3::new(10.0, 0.0, 0.0))).unwrap();
     let input = Input {
         groups: vec![
-            Group { geometries: vec![], instances: vec![Instance { group: 1, transform: shift, mask: 1 }] },
+            Group {
+                geometries: vec![],
+                instances: vec![Instance { group: 1, transform: shift, motion: None, mask: 1 }],
+            },
             Group { geometries: vec![0], instances: vec![] },
         ],
         geometries: vec![mesh(&[[Vec3::X, Vec3::Y, Vec3::Z]])],
+        motions: Vec::new(),
     };
     let b = Scene::build(input, &(), &Options::default()).unwrap().bounds();
     let exact = Bounds { min: Vec3::new(10.0, 0.0, 0.0), max: Vec3::new(11.0, 1.0, 1.0) };
@@ -281,13 +299,17 @@ fn bounds_hold_the_instances() {
 fn a_scene_tells_its_input() {
     let mut r = Random(11);
     let triangles = soup(&mut r, 40);
-    let place = |r: &mut Random, group| Instance { group, transform: place(r, 0.8), mask: 3 };
+    let place = |r: &mut Random, group| Instance { group, transform: place(r, 0.8), motion: None, mask: 3 };
     let groups = vec![
         Group { geometries: vec![1], instances: vec![place(&mut r, 2), place(&mut r, 1)] },
         Group { geometries: vec![0, 1], instances: vec![] },
         Group { geometries: vec![0], instances: vec![place(&mut r, 1)] },
     ];
-    let input = Input { groups, geometries: vec![mesh(&triangles[..20]), mesh(&triangles[20..])] };
+    let input = Input {
+        groups,
+        geometries: vec![mesh(&triangles[..20]), mesh(&triangles[20..])],
+        motions: Vec::new(),
+    };
     let scene = Scene::build(input.clone(), &(), &Options::default()).unwrap();
     let told = scene.input();
     assert_eq!(format!("{told:?}"), format!("{input:?}"));
@@ -321,8 +343,9 @@ fn bundles_of_rays() {
     let spheres = Geometry { kind: GeometryKind::Shapes { first: 0, count: 40 }, mask: 3 };
     let mut input = world(vec![mesh(&triangles), ball, spheres]);
     input.groups.push(Group { geometries: vec![1, 2], instances: vec![] });
-    let instances =
-        (0..5).map(|_| Instance { group: 1, transform: place(&mut r, 0.2), mask: u32::MAX }).collect();
+    let instances = (0..5)
+        .map(|_| Instance { group: 1, transform: place(&mut r, 0.2), motion: None, mask: u32::MAX })
+        .collect();
     input.groups[0].instances = instances;
     let mut rays = Vec::new();
     for bundle in 0..20 {

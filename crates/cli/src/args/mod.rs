@@ -6,6 +6,7 @@
 mod accel;
 mod check;
 mod completions;
+mod convert;
 mod denoise;
 mod develop;
 mod development;
@@ -20,11 +21,13 @@ mod reading;
 mod render;
 mod sampler;
 mod studio;
+mod tree;
 mod unknown;
 
 pub use accel::AccelArgs;
 pub use check::CheckArgs;
 pub use completions::CompletionsArgs;
+pub use convert::ConvertArgs;
 pub use denoise::DenoiseArgs;
 pub use develop::DevelopArgs;
 pub use development::DevelopmentArgs;
@@ -38,6 +41,7 @@ pub use reading::{MemoryArgs, ReadingArgs};
 pub use render::RenderArgs;
 pub use sampler::SamplerArgs;
 pub use studio::StudioArgs;
+pub use tree::TreeArgs;
 pub use unknown::failure;
 
 use crate::exit;
@@ -98,6 +102,12 @@ pub enum Command {
     /// Check a scene without rendering it
     #[command(long_about = check::CHECK_ABOUT)]
     Check(CheckArgs),
+    /// Write a scene of any format in the scene language
+    #[command(long_about = convert::CONVERT_ABOUT)]
+    Convert(ConvertArgs),
+    /// Print what stands in a scene, and where
+    #[command(long_about = tree::TREE_ABOUT)]
+    Tree(TreeArgs),
     /// Compare search structures on the rays of a scene
     #[command(long_about = accel::ACCEL_ABOUT)]
     Accel(AccelArgs),

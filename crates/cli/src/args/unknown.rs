@@ -214,7 +214,7 @@ fn superfluous(word: &str, words: &[String], command: &Command) -> Failure {
 }
 
 fn unknown_command(typed: &str, words: &[String], all: &Command) -> Failure {
-    let is_file = ["yaml", "yml", "json", "ply", "obj"]
+    let is_file = ["yaml", "yml", "json", "ply", "obj", "stl", "gltf", "glb"]
         .iter()
         .any(|e| typed.to_lowercase().ends_with(&format!(".{e}")));
     let failure = Failure::input(format!("straal has no command `{typed}`"));

@@ -3,6 +3,7 @@
 pub mod accel;
 pub mod check;
 pub mod completions;
+pub mod convert;
 pub mod denoise;
 pub mod develop;
 pub mod diff;
@@ -15,6 +16,7 @@ pub mod metamer;
 pub mod render;
 pub mod sampler;
 pub mod schema;
+pub mod tree;
 
 use crate::exit::Failure;
 use crate::places::is_stream;

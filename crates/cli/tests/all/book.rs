@@ -16,6 +16,7 @@ fn the_page_knows_every_option() {
         "check",
         "accel",
         "schema",
+        "tree",
         "sampler",
         "diff",
         "info",

@@ -133,7 +133,7 @@ fn what_makes_no_sense_is_refused() {
     for (words, complaint) in [
         (
             "render scene.yaml --up z",
-            "--up is for bare meshes (.ply, .obj): scene.yaml is a scene, which says that itself",
+            "--up is for bare meshes (.ply, .obj, .stl): scene.yaml is a scene, which says that itself",
         ),
         ("render --material gold", "the scene that straal brings along says that itself"),
         ("render wedge.obj --smooth 200", "write degrees from 0 to 180"),

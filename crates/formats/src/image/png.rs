@@ -292,6 +292,50 @@ pub struct Metadata {
     pub texts: Vec<(String, String)>,
 }
 
+/// Writes a picture that textures are read off as the codes that it has, without a word of what they mean. Of one of floating point, which no
+/// PNG holds, `None`.
+pub fn write_codes<W: Write>(writer: W, picture: &Bitmap) -> Option<io::Result<()>> {
+    let texels = &picture.texels;
+    let TexelFormat { number, channels } = texels.format();
+    let depth = match number {
+        Number::Byte => png::BitDepth::Eight,
+        Number::Short => png::BitDepth::Sixteen,
+        Number::Half | Number::Single => return None,
+    };
+    let (color, kept) = match (channels, picture.has_alpha) {
+        (1, _) => (png::ColorType::Grayscale, 1),
+        (2, _) => (png::ColorType::GrayscaleAlpha, 2),
+        (_, false) => (png::ColorType::Rgb, 3),
+        (_, true) => (png::ColorType::Rgba, 4),
+    };
+    let mut bytes = Vec::new();
+    for y in 0..texels.height() {
+        for x in 0..texels.width() {
+            for v in &texels.numbers(x, y)[..kept] {
+                match depth {
+                    png::BitDepth::Eight => bytes.push(*v as u8),
+                    _ => bytes.extend((*v as u16).to_be_bytes()),
+                }
+            }
+        }
+    }
+    let wrong = |problem: String| io::Error::new(io::ErrorKind::InvalidInput, problem);
+    let told = |error: png::EncodingError| match error {
+        png::EncodingError::IoError(error) => error,
+        other => wrong(other.to_string()),
+    };
+    let written = || {
+        let size = |size: usize| u32::try_from(size).map_err(|e| wrong(e.to_string()));
+        let mut encoder = png::Encoder::new(writer, size(texels.width())?, size(texels.height())?);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        let mut writer = encoder.write_header().map_err(told)?;
+        writer.write_image_data(&bytes).map_err(told)?;
+        writer.finish().map_err(told)
+    };
+    Some(written())
+}
+
 /// Writes a PNG.
 pub fn write<W: Write>(writer: W, picture: &Encoded<'_>) -> io::Result<()> {
     let wrong = |problem: &str| io::Error::new(io::ErrorKind::InvalidInput, problem.to_string());

@@ -6,6 +6,7 @@ pub mod mtl;
 pub mod obj;
 pub mod ply;
 mod polygon;
+pub mod stl;
 
 pub(crate) use lines::count;
 

@@ -8,6 +8,9 @@
 //! carriage return or both.
 
 pub(super) mod header;
+mod write;
+
+pub use write::write;
 
 use straal_scene::Mesh;
 use straal_scene::mesh::Per;

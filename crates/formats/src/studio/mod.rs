@@ -10,9 +10,9 @@ mod up;
 
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
-    AttributeTexture, Bezier, Conductor, Dielectric, Diffuse, Environment, Film, Group, Light, Material,
-    MaterialRef, Node, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing, Spectrum, Step, Surface,
-    Texture, TextureOf, Transform, TriangleMesh, Varying, Viewpoint,
+    AttributeTexture, Bezier, Camera, Conductor, Dielectric, Diffuse, Environment, Film, Group, Light,
+    Material, MaterialRef, Node, Perspective, Rectangle, Rotation, Sampler, Scene, Shading, Smoothing,
+    Spectrum, Step, Surface, Texture, TextureOf, Transform, TriangleMesh, Varying, Viewpoint,
 };
 use straal_scene::value::{Asset, Axis, Factors, Known, LinearRgb, Link, Named};
 use straal_scene::{Diagnostic, Mesh, MeshAsset, Span};
@@ -230,6 +230,22 @@ pub fn around(
     Ok((scene, told))
 }
 
+/// A camera that shows all of some points, wherever they are and however far apart.
+pub(crate) fn fitting(points: &[DVec3], view: Side, size: [u32; 2]) -> Camera {
+    let grow = |found: Option<(DVec3, DVec3)>, p: &DVec3| {
+        Some(found.map_or((*p, *p), |(min, max)| (min.min(*p), max.max(*p))))
+    };
+    let (min, max) = points.iter().fold(None, grow).unwrap_or((DVec3::ZERO, DVec3::ZERO));
+    let (centre, radius) = ((min + max) * 0.5, (max - min).length() * 0.5);
+    let radius = if radius > 0.0 { radius } else { 1.0 };
+    let mut camera = frame::camera(points.iter().map(|p| (*p - centre) * (1.0 / radius)), view, size);
+    if let Camera::Perspective(Perspective { observer, .. }) = &mut camera {
+        observer.eye = centre + observer.eye * radius;
+        observer.look_at = centre + observer.look_at * radius;
+    }
+    camera
+}
+
 /// How many times farther from the origin than it is large a mesh may be before single precision shows.
 const COARSE: f64 = 2e4;
 
@@ -290,7 +306,7 @@ fn sweep() -> [Node; 3] {
     /// Where a cubic has its inner points to come nearest to a quarter of a circle.
     const INNER: f64 = 0.5523;
     let flat = |corner: DVec3, edges: [DVec3; 2]| {
-        Node::Rectangle(Rectangle { corner, edges, surface: Surface::default() })
+        Node::Rectangle(Rectangle { corner, edges, ..Rectangle::default() })
     };
     let profile = [[0.0, 0.0], [0.0, INNER], [1.0 - INNER, 1.0], [1.0, 1.0]];
     let across = [-WIDTH, -WIDTH / 4.0, WIDTH / 4.0, WIDTH];

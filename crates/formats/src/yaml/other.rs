@@ -9,7 +9,7 @@ pub fn program(file: FileId, text: &str) -> Option<Diagnostic> {
     let start = u32::try_from(at).unwrap_or(u32::MAX);
     let end = u32::try_from(at + line.len()).unwrap_or(u32::MAX);
     let message = format!("this is {format}, which can't be read yet");
-    let help = "straal reads its own scenes (YAML or JSON) and meshes (.ply, .obj); the book's page 'The scene language' shows how one is \
+    let help = "straal reads its own scenes (YAML or JSON) and meshes (.ply, .obj, .stl); the book's page 'The scene language' shows how one is \
                 written";
     Some(Diagnostic::error(Span { file, start, end }, message).help(help))
 }

@@ -164,12 +164,12 @@ fn what_is_no_scene_is_refused() {
     );
     assert!(says("tests/data/empty.ply").contains("empty"));
     assert!(says("tests/data").contains("it is a folder"));
-    assert!(says("scene.pbrt").contains(".pbrt files are not supported"));
+    assert!(says("scene.usd").contains(".usd files are not supported"));
     // Nothing of another file is shown.
     assert_eq!(
         says("tests/data/notes.txt"),
         "error: `tests/data/notes.txt` is no scene: none of a scene's keys, such as `camera:` and `world:`, is in it\n  \
-         = help: straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj)\n"
+         = help: straal reads scenes in YAML or JSON (.yaml, .json) and meshes (.ply, .obj, .stl)\n"
     );
 }
 

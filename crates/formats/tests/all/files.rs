@@ -131,7 +131,7 @@ fn what_is_something_else_is_told_as_what_it_is() {
         ("page.ply", "<!DOCTYPE html>\n"),
         ("a.bin.obj", "a\0b"),
         ("annex.ply", "/annex/objects/SHA\n"),
-        ("a.glb", "glTF"),
+        ("a.off", "OFF\n"),
         ("a.png", "x"),
         ("noname", "x"),
         ("ply.txt", PLY),
@@ -146,20 +146,20 @@ fn what_is_something_else_is_told_as_what_it_is() {
         ("lfs.obj", "git lfs pull"),
         ("lfs.yaml", "pointer of Git LFS"),
         ("annex.ply", "git annex get"),
-        ("a.stl", ".stl files are not supported"),
+        ("a.stl", "the mesh is empty"),
         ("stl.ply", "is an STL file"),
         ("page.ply", "a web page"),
         ("zip.ply", "packed by zip"),
         ("wide.obj", "UTF-16"),
         ("a.bin.obj", "is no text"),
-        ("a.glb", "a scene in glTF"),
+        ("a.off", "a mesh in another format"),
         ("a.png", "a picture"),
     ] {
         let text = told(&folder, name);
         assert!(text.contains(says), "{name}: {text}");
     }
     for (name, says) in [
-        ("a.stl", "a mesh in another format: a mesh must be a .ply or .obj file, found .stl"),
+        ("a.off", "a mesh in another format: a mesh must be a .ply, .obj or .stl file, found .off"),
         ("noname", "no extension"),
         ("lfs.ply", "LFS"),
         ("ply.txt", ""),

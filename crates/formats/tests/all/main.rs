@@ -6,6 +6,7 @@ mod colours;
 mod common;
 mod complaints;
 mod files;
+mod gltf;
 mod images;
 mod obj;
 mod ply;

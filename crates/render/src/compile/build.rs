@@ -99,8 +99,11 @@ fn room(t: &Tally) -> (Geometry, accel::Input, Vec<GeometryRecord>, Vec<Glowing>
         ..Geometry::default()
     };
     let geometries = of(t.shapes.saturating_add(t.meshes));
-    let input =
-        accel::Input { groups: vec![accel::Group::default()], geometries: Vec::with_capacity(geometries) };
+    let input = accel::Input {
+        groups: vec![accel::Group::default()],
+        geometries: Vec::with_capacity(geometries),
+        motions: Vec::new(),
+    };
     (geometry, input, Vec::with_capacity(geometries), Vec::with_capacity(of(t.lights)))
 }
 

@@ -2,7 +2,7 @@
 
 use super::build::Glowing;
 use crate::light::area::Spread;
-use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Sides, SunDisc};
+use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Portals, Sides, SunDisc};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::world::Kind;
@@ -39,7 +39,8 @@ pub(super) fn gather(
         emitters.push(area(g, geometry));
     }
     for light in &scene.lights {
-        emitters.push(Emitter::of(light, paint, centre));
+        let emitter = Emitter::of(light, paint, centre);
+        emitters.push(Portals::around(emitter, light.portals(), paint, centre));
         if let desc::Light::Sky(sky) = light {
             emitters.extend(SunDisc::of_sky(sky, paint));
         }

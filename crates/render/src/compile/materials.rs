@@ -25,6 +25,13 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
+    /// Tells something of the scene, once.
+    pub fn note(&mut self, note: String) {
+        if !self.paint.notes.contains(&note) {
+            self.paint.notes.push(note);
+        }
+    }
+
     pub fn new(scene: &'a Scene, custom: &Custom, paint: Paint<'a>) -> Self {
         let list = material::Materials::default();
         let mut all =

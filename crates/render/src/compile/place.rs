@@ -7,7 +7,7 @@ use super::{Custom, Detail};
 use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::world::INHERIT;
 use straal_accel as accel;
-use straal_math::{Affine, DVec3, Transform};
+use straal_math::{Affine, DVec3, Motion, Transform};
 use straal_scene::Mesh;
 use straal_scene::desc::{self, Node};
 use straal_scene::glow::MOST_COPIES;
@@ -22,9 +22,12 @@ impl<'a> Build<'a> {
         // Down to what `Scene::top_level` gives.
         let mut nodes = self.scene.world.as_slice();
         let mut is_all_named = false;
-        while let [node @ Node::Group(g)] = nodes {
+        while let [node @ Node::Group(g)] = nodes
+            && g.transform.later.is_empty()
+        {
             is_all_named |= self.focus.is_some_and(|name| node.goes_by(name));
-            place = self.step_into(node, g.material.as_ref(), place);
+            place = Place { transform: placed(node, place), ..place };
+            place = self.with_material(g.material.as_ref(), place);
             nodes = &g.children;
         }
         for node in nodes {
@@ -62,24 +65,78 @@ impl<'a> Build<'a> {
 
     fn kind_of_node(&mut self, node: &'a Node, place: Place) {
         self.node = Some(node);
+        let motion = self.motion(node, place);
+        if !motion.is_empty() {
+            return self.moving(node, place, motion);
+        }
+        self.inside(node, Place { transform: placed(node, place), ..place });
+    }
+
+    /// A node whose own coordinates are those of `own`.
+    fn inside(&mut self, node: &'a Node, own: Place) {
         match node {
             Node::Group(g) => {
-                let inner = self.step_into(node, g.material.as_ref(), place);
+                let inner = self.with_material(g.material.as_ref(), own);
                 g.children.iter().for_each(|child| self.node(child, inner));
             }
             Node::Instance(i) => {
-                let inner = self.step_into(node, i.material.as_ref(), place);
-                self.instance(&i.of, place.group, inner)
+                let inner = self.with_material(i.material.as_ref(), own);
+                self.instance(&i.of, own.group, inner)
             }
             Node::Instances(i) => {
-                let all = self.step_into(node, i.material.as_ref(), place);
-                for own in &i.transforms {
-                    let inner = Place { transform: own.0.then(&all.transform), ..all };
-                    self.instance(&i.of, place.group, inner);
+                let all = self.with_material(i.material.as_ref(), own);
+                for each in &i.transforms {
+                    let inner = Place { transform: each.0.then(&all.transform), ..all };
+                    self.instance(&i.of, own.group, inner);
                 }
             }
-            shape => self.one_shape(shape, Place { transform: placed(shape, place), ..place }),
+            shape => self.one_shape(shape, own),
         }
+    }
+
+    /// Where a node is while the shutter is open; empty if it stays. What glows stays where it is at first, which is told.
+    fn motion(&mut self, node: &Node, place: Place) -> Vec<Affine> {
+        let motion: Vec<Affine> = node.motion().iter().map(|own| own.then(&place.transform)).collect();
+        if motion.is_empty() || !(self.glow.node(node) || self.materials.shining(place.material).is_some()) {
+            return motion;
+        }
+        let what = node.name().map_or_else(|| "something".to_owned(), |name| format!("`{}`", name.value));
+        let note = format!(
+            "{what} moves while the shutter is open and glows: light from what moves isn't blurred, so it stays where it is at first"
+        );
+        self.materials.note(note);
+        Vec::new()
+    }
+
+    /// A node that moves: an object of its own, whose one instance does.
+    fn moving(&mut self, node: &'a Node, place: Place, motion: Vec<Affine>) {
+        let Some((first, motion)) = motion.first().copied().zip(Motion::new(motion)) else {
+            return self.leave_out();
+        };
+        let before = self.input.motions.len() as u32;
+        self.input.motions.push(motion);
+        if let Node::Instance(i) = node {
+            let inner = self.with_material(i.material.as_ref(), Place { transform: first, ..place });
+            return self.instance_moved(&i.of, place.group, inner, Some(before));
+        }
+        let group = self.new_group();
+        self.inside(node, Place { transform: Affine::IDENTITY, group, ..place });
+        self.put(group, place.group, Place { transform: first, ..place }, Some(before));
+    }
+
+    fn new_group(&mut self) -> u32 {
+        let group = self.input.groups.len() as u32;
+        self.input.groups.push(accel::Group::default());
+        self.group_materials.push(Vec::new());
+        group
+    }
+
+    /// Puts a group into another.
+    fn put(&mut self, group: u32, outer: u32, inner: Place, motion: Option<u32>) {
+        let Some(transform) = Transform::new(&inner.transform) else { return self.leave_out() };
+        let instance = accel::Instance { group, transform, motion, mask: u32::MAX };
+        self.input.groups[outer as usize].instances.push(instance);
+        self.group_materials[outer as usize].push(inner.material);
     }
 
     /// A node that is a shape; `place` is that of its own coordinates.
@@ -122,6 +179,8 @@ impl<'a> Build<'a> {
                 }
                 let corner = m.point(s.corner).as_vec3();
                 let r = Parallelogram::new(corner, a.as_vec3(), b.as_vec3());
+                let by_solid_angle = s.light_sampling == desc::LightSampling::SolidAngle;
+                let r = if by_solid_angle { r.by_solid_angle() } else { r };
                 self.shape(&s.surface, place, Shape::Parallelogram(Box::new(r)), false)
             }
             Node::Cylinder(s) => self.cylinder(s, place),
@@ -155,16 +214,17 @@ impl<'a> Build<'a> {
         }
     }
 
-    fn step_into(&mut self, node: &Node, material: Option<&'a desc::MaterialRef>, place: Place) -> Place {
-        Place {
-            transform: placed(node, place),
-            material: self.materials.of(material, place.material),
-            ..place
-        }
+    fn with_material(&mut self, material: Option<&'a desc::MaterialRef>, place: Place) -> Place {
+        Place { material: self.materials.of(material, place.material), ..place }
     }
 
     /// An instance in a group; `inner` is the place of the object's own coordinates.
     fn instance(&mut self, of: &'a Link<Node>, outer: u32, inner: Place) {
+        self.instance_moved(of, outer, inner, None);
+    }
+
+    /// The same of one that may move.
+    fn instance_moved(&mut self, of: &'a Link<Node>, outer: u32, inner: Place, motion: Option<u32>) {
         // A scene without errors leads everywhere.
         let objects = &self.scene.objects;
         let Some((id, (name, object))) = of.to().and_then(|id| Some((id, objects.at(id)?))) else {
@@ -182,22 +242,14 @@ impl<'a> Build<'a> {
         let group = match self.objects.get(&id) {
             Some(&(g, _)) => g,
             None => {
-                let group = self.input.groups.len() as u32;
-                self.input.groups.push(accel::Group::default());
-                self.group_materials.push(Vec::new());
+                let group = self.new_group();
                 self.objects.insert(id, (group, name));
                 let place = Place { transform: Affine::IDENTITY, material: INHERIT, group, dissolved: false };
                 self.node(object, place);
                 group
             }
         };
-        let Some(transform) = Transform::new(&inner.transform) else { return self.leave_out() };
-        self.input.groups[outer as usize].instances.push(accel::Instance {
-            group,
-            transform,
-            mask: u32::MAX,
-        });
-        self.group_materials[outer as usize].push(inner.material);
+        self.put(group, outer, inner, motion);
     }
 
     fn cylinder(&mut self, s: &'a desc::Cylinder, place: Place) {

@@ -74,13 +74,15 @@ impl<'a> Build<'a> {
         let geometry = std::mem::take(&mut self.geometry);
         let input = std::mem::take(&mut self.input);
         let (records, nodes) = (std::mem::take(&mut self.geometries), std::mem::take(&mut self.nodes));
-        let left_out = self.left_out.len();
+        let (left_out, glowing) = (self.left_out.len(), self.glowing.len());
         self.input.groups.push(accel::Group::default());
         self.one_shape(node, Place { group: 0, ..place });
         let geometry = std::mem::replace(&mut self.geometry, geometry);
         let input = std::mem::replace(&mut self.input, input);
         let records = std::mem::replace(&mut self.geometries, records);
         self.nodes = nodes;
+        // Nothing in a combination shines.
+        self.glowing.truncate(glowing);
         if self.left_out.len() > left_out || records.is_empty() {
             self.left_out.truncate(left_out);
             return None;

@@ -128,7 +128,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             world,
             integrator,
             settings,
-            needs: world.camera.needs(),
+            needs: Needs { time: world.camera.needs().time || world.accel.moves(), ..world.camera.needs() },
             simd: world.simd(),
             stopwatch: Stopwatch::start(clock),
             probe,

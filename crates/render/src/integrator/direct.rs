@@ -115,7 +115,7 @@ impl DirectLight {
         let (beta, reading) = (state.beta * left, world.reading(state.lanes));
         if !hit.is_hit() {
             for (index, emitter) in world.environments() {
-                let (radiance, pdf) = emitter.radiance_pdf_from(state.from.n, ray.d, &reading);
+                let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
                 let weight = self.weight(state, || world.lights.pmf(index, &state.from) * pdf);
                 out.add(Contribution::own(path, beta * radiance * weight));
             }

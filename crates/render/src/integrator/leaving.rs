@@ -95,7 +95,7 @@ impl<L: Lanes> Kernel for LookUp<'_, L> {
                 beta * environment.radiance_from_many(d, &readings)
             } else {
                 let from = Receiver { p: leaving.from.load(first), n: leaving.from_n.load(first) };
-                let (radiance, pdf) = environment.radiance_pdf_from_many(from.n, d, &readings);
+                let (radiance, pdf) = environment.radiance_pdf_from_many(&from, d, &readings);
                 let by_light = world.lights.pmfs(emitter, &from) * pdf;
                 let weight = technique.of_bsdf(leaving.pdf.load(first), by_light);
                 beta * radiance * F::select(delta, F::ONE, weight)

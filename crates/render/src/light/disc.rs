@@ -93,14 +93,14 @@ impl Shine for SunDisc {
             n: Vec3::uniform(self.frame.n),
         };
         let (wi, is_direction) = frame.to_world(warp::uniform_cone(u, spread)).normalize_checked();
-        let (radiance, pdf) = self.radiance_pdf_from_many(at.n, wi, readings);
+        let (radiance, pdf) = self.radiance_pdf_from_many(at, wi, readings);
         LightSample::from_afar(wi, radiance, pdf).only(is_direction & !radiance.is_black())
     }
 
     #[inline(always)]
     fn radiance_pdf_from_many<F: Float, L: Lanes>(
         &self,
-        _: Vec3<F>,
+        _: &Receiver<F>,
         wi: Vec3<F>,
         readings: &Readings<'_, L>,
     ) -> (Light<F>, F) {
@@ -112,7 +112,7 @@ impl Shine for SunDisc {
     }
 
     #[inline]
-    fn pdf_from(&self, _: Vec3, wi: Vec3) -> f32 {
+    fn pdf_from(&self, _: &Receiver, wi: Vec3) -> f32 {
         let is_lit = self.per_irradiance(wi) > 0.0 && self.irradiance.most() > 0.0;
         if is_lit { warp::uniform_cone_pdf(self.spread) } else { 0.0 }
     }
@@ -170,7 +170,12 @@ mod tests {
         let disc = SunDisc::towards(Vec3::Y, 0.5358, Light::rgb([1.0; 3])).darkened();
         let at = |degrees: f64| {
             let (s, c) = ops::sin_cos_degrees(degrees);
-            disc.radiance_pdf_from(Vec3::ZERO, Vec3::new(s as f32, c as f32, 0.0), &in_rgb()).0[0]
+            disc.radiance_pdf_from(
+                &Receiver::anywhere(Vec3::ZERO),
+                Vec3::new(s as f32, c as f32, 0.0),
+                &in_rgb(),
+            )
+            .0[0]
         };
         let (middle, half, rim) = (at(0.0), at(0.134), at(0.267));
         assert!(

@@ -1,7 +1,5 @@
 //! Light from all around: one radiance, a gradient, or a picture.
 
-use std::borrow::Cow;
-
 use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, Readings, ShadingPoint, Value};
 use straal_color::Light;
@@ -81,16 +79,16 @@ impl Shine for ConstantEnvironment {
     #[inline(always)]
     fn radiance_pdf_from_many<F: Float, L: Lanes>(
         &self,
-        n: Vec3<F>,
+        at: &Receiver<F>,
         wi: Vec3<F>,
         readings: &Readings<'_, L>,
     ) -> (Light<F>, F) {
-        (readings.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdfs(n, wi))
+        (readings.eval(&self.radiance, &ShadingPoint::NOWHERE), self.pdfs(at.n, wi))
     }
 
     #[inline]
-    fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
-        self.pdfs(n, wi)
+    fn pdf_from(&self, at: &Receiver, wi: Vec3) -> f32 {
+        self.pdfs(at.n, wi)
     }
 
     /// What falls on the scene's disc from all sides.
@@ -144,12 +142,12 @@ impl Shine for Box<ImageEnvironment> {
     #[inline(always)]
     fn radiance_pdf_from_many<F: Float, L: Lanes>(
         &self,
-        n: Vec3<F>,
+        at: &Receiver<F>,
         wi: Vec3<F>,
         readings: &Readings<'_, L>,
     ) -> (Light<F>, F) {
         let place = self.cells.place(wi);
-        (readings.radiance_of_rgb(self.interpolate(&place)), self.cells.pdf(&place, n))
+        (readings.radiance_of_rgb(self.interpolate(&place)), self.cells.pdf(&place, at.n))
     }
 
     #[inline(always)]
@@ -158,8 +156,8 @@ impl Shine for Box<ImageEnvironment> {
     }
 
     #[inline]
-    fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
-        self.pdf(n, wi)
+    fn pdf_from(&self, at: &Receiver, wi: Vec3) -> f32 {
+        self.pdf(at.n, wi)
     }
 
     fn power(&self, _: &Geometry, disc: f64) -> f64 {
@@ -254,8 +252,7 @@ impl ImageEnvironment {
             _ => None,
         };
         let image = unfolded.as_ref().unwrap_or(image);
-        let sound = sound(image, &file.value, &mut paint.notes);
-        Self::placed(l, &paint.surroundings(file, &sound), paint.tint(&l.tint).map(|t| t * l.factor()))
+        Self::placed(l, &paint.surroundings(file, image), paint.tint(&l.tint).map(|t| t * l.factor()))
     }
 
     /// From one colour to the next, from straight above to straight below: a picture with a row for each of some steps.
@@ -350,29 +347,6 @@ impl ImageEnvironment {
             |i| Light::rgb(self.pixels[index.as_ref()[i] as usize]),
         )
     }
-}
-
-/// The picture with what is infinite as bright as a half-precision number can be, or as its brightest pixel if there are brighter ones: a
-/// sun that such a file couldn't hold. That is told, and so are pixels that are no numbers, which are black.
-fn sound<'i>(image: &'i Image, name: &str, notes: &mut Vec<String>) -> Cow<'i, Image> {
-    /// The largest number of half precision.
-    const HALF: f32 = 65504.0;
-    let channels = || image.pixels.iter().flatten();
-    let count = |is: fn(f32) -> bool| image.pixels.iter().filter(|p| p.iter().any(|v| is(*v))).count();
-    let most = channels().filter(|v| v.is_finite()).fold(HALF, |a, b| if *b > a { *b } else { a });
-    let (infinite, none) = (count(|v| v == f32::INFINITY), count(f32::is_nan));
-    let all = image.pixels.len();
-    if none > 0 {
-        notes.push(format!("{none} of the {all} pixels of `{name}` are no numbers: they are taken as black"));
-    }
-    if infinite == 0 {
-        return Cow::Borrowed(image);
-    }
-    notes.push(format!(
-        "{infinite} of the {all} pixels of `{name}` are infinite: {most} is taken, the largest number that it can have held"
-    ));
-    let held = |p: &[f32; 3]| p.map(|v| if v == f32::INFINITY { most } else { v });
-    Cow::Owned(Image { pixels: image.pixels.iter().map(held).collect(), ..*image })
 }
 
 /// The axes of what is turned by the rotation in a map; `None` when that is singular.

@@ -69,11 +69,11 @@ macro_rules! emitters {
             #[inline(always)]
             pub(crate) fn radiance_pdf_from_many<F: Float, L: Lanes>(
                 &self,
-                n: Vec3<F>,
+                at: &Receiver<F>,
                 wi: Vec3<F>,
                 readings: &Readings<'_, L>,
             ) -> (Light<F>, F) {
-                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from_many(l, n, wi, readings), )+ }
+                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from_many(l, at, wi, readings), )+ }
             }
 
             /// The radiance that a point of an emitting surface sends in the unit direction `wo`; 0 for all other lights.
@@ -92,20 +92,25 @@ macro_rules! emitters {
             /// The radiance that arrives from the unit direction `wi`, from beyond everything; 0 but for environments.
             #[inline]
             pub fn radiance_from<L: Lanes>(&self, wi: Vec3, reading: &Reading<'_, L>) -> Light {
-                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, Vec3::ZERO, wi, reading).0, )+ }
+                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, &Receiver::anywhere(Vec3::ZERO), wi, reading).0, )+ }
             }
 
             /// The density by solid angle with which [`Emitter::sample`] gives `wi` to a surface of normal `n`, zero where it
             /// isn't known; 0 but for environments.
             #[inline]
-            pub fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
-                match self { $( Self::$Kind(l) => Shine::pdf_from(l, n, wi), )+ }
+            pub fn pdf_from(&self, at: &Receiver, wi: Vec3) -> f32 {
+                match self { $( Self::$Kind(l) => Shine::pdf_from(l, at, wi), )+ }
             }
 
             /// [`Emitter::radiance_from`] and [`Emitter::pdf_from`] at once.
             #[inline]
-            pub fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, n, wi, reading), )+ }
+            pub fn radiance_pdf_from<L: Lanes>(
+                &self,
+                at: &Receiver,
+                wi: Vec3,
+                reading: &Reading<'_, L>,
+            ) -> (Light, f32) {
+                match self { $( Self::$Kind(l) => Shine::radiance_pdf_from(l, at, wi, reading), )+ }
             }
 
             /// Whether the light is all around: what a ray that hits nothing sees.
@@ -144,7 +149,11 @@ macro_rules! emitters {
             /// An estimate of the power in W that the light sends into a scene of the given radius, by its strongest
             /// lane. 0 for a light that can't be sampled.
             pub fn power(&self, geometry: &Geometry, scene_radius: f64) -> f64 {
-                let disc = std::f64::consts::PI * scene_radius * scene_radius;
+                self.power_over(geometry, std::f64::consts::PI * scene_radius * scene_radius)
+            }
+
+            /// The same by the area of the scene's disc.
+            fn power_over(&self, geometry: &Geometry, disc: f64) -> f64 {
                 match self { $( Self::$Kind(l) => Shine::power(l, geometry, disc), )+ }
             }
 

@@ -42,6 +42,7 @@ mod facing;
 pub mod goniometric;
 mod list;
 pub mod point;
+pub mod portals;
 pub mod projector;
 mod reach;
 pub mod sky;
@@ -57,6 +58,7 @@ pub use emission::{Ball, Emitted, Shows};
 pub use environment::{ConstantEnvironment, ImageEnvironment};
 pub use goniometric::Goniometric;
 pub use point::PointLight;
+pub use portals::Portals;
 pub use projector::Projector;
 use reach::Reach;
 pub use reach::Receiver;
@@ -83,6 +85,8 @@ list::emitters! {
     Constant(ConstantEnvironment) of Environment,
     /// A picture of all that is around.
     Image(Box<ImageEnvironment>),
+    /// One of these, of which light comes in through openings only.
+    Portals(Box<Portals>),
     /// A clear sky.
     Sky(Sky) of Sky,
     /// The same light for every surface, from nowhere.
@@ -149,14 +153,15 @@ trait Shine {
     /// The first of [`Self::radiance_pdf_from_many`].
     #[inline(always)]
     fn radiance_from_many<F: Float, L: Lanes>(&self, wi: Vec3<F>, readings: &Readings<'_, L>) -> Light<F> {
-        self.radiance_pdf_from_many(Vec3::splat(F::ZERO), wi, readings).0
+        let at = Receiver { p: Vec3::splat(F::ZERO), n: Vec3::splat(F::ZERO) };
+        self.radiance_pdf_from_many(&at, wi, readings).0
     }
 
     /// [`Emitter::radiance_pdf_from`] for many directions side by side.
     #[inline(always)]
     fn radiance_pdf_from_many<F: Float, L: Lanes>(
         &self,
-        _n: Vec3<F>,
+        _at: &Receiver<F>,
         _wi: Vec3<F>,
         _readings: &Readings<'_, L>,
     ) -> (Light<F>, F) {
@@ -165,13 +170,13 @@ trait Shine {
 
     /// See [`Emitter::radiance_pdf_from`]: one lane of the same.
     #[inline]
-    fn radiance_pdf_from<L: Lanes>(&self, n: Vec3, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
-        self.radiance_pdf_from_many(n, wi, &Readings::one(reading))
+    fn radiance_pdf_from<L: Lanes>(&self, at: &Receiver, wi: Vec3, reading: &Reading<'_, L>) -> (Light, f32) {
+        self.radiance_pdf_from_many(at, wi, &Readings::one(reading))
     }
 
     /// See [`Emitter::pdf_from`].
     #[inline]
-    fn pdf_from(&self, _n: Vec3, _wi: Vec3) -> f32 {
+    fn pdf_from(&self, _at: &Receiver, _wi: Vec3) -> f32 {
         0.0
     }
 

@@ -114,7 +114,7 @@ fn lights_without_extent_keep_the_contract() {
         let mut seen = 0;
         for p in VIEWS {
             assert_eq!(
-                (e.emitter.pdf_from(Vec3::ZERO, Vec3::Y), e.emitter.is_environment()),
+                (e.emitter.pdf_from(&Receiver::anywhere(Vec3::ZERO), Vec3::Y), e.emitter.is_environment()),
                 (0.0, false),
                 "{}",
                 e.name
@@ -191,7 +191,7 @@ impl Example {
         let inside = crossings.first().is_some_and(|(_, s)| s.ng.dot(w) > 0.0);
         let points = if round && !inside && !crossings.is_empty() { &crossings[..1] } else { &crossings };
         let of = |(i, s): &(u32, SurfacePoint)| self.emitter.pdf_at(&self.geometry, p, *i, s);
-        self.emitter.pdf_from(at.n, w) + points.iter().map(of).sum::<f32>()
+        self.emitter.pdf_from(at, w) + points.iter().map(of).sum::<f32>()
     }
 }
 
@@ -210,9 +210,14 @@ fn what_is_sampled_is_what_is_hit() {
                 assert!((s.wi.length() - 1.0).abs() < 1e-6 && !s.delta && s.pdf > 0.0, "{}", entry.name);
                 match (s.far, s.to) {
                     (true, _) => {
-                        let (radiance, pdf) =
-                            (entry.emitter.radiance_from(s.wi, &in_rgb()), entry.emitter.pdf_from(n, s.wi));
-                        assert_eq!(entry.emitter.radiance_pdf_from(n, s.wi, &in_rgb()), (radiance, pdf));
+                        let (radiance, pdf) = (
+                            entry.emitter.radiance_from(s.wi, &in_rgb()),
+                            entry.emitter.pdf_from(&Receiver { p, n }, s.wi),
+                        );
+                        assert_eq!(
+                            entry.emitter.radiance_pdf_from(&Receiver { p, n }, s.wi, &in_rgb()),
+                            (radiance, pdf)
+                        );
                         let off = (radiance - s.radiance).map(f32::abs).max_lane();
                         // A direction's rounding, 1e-7, times the steepest slope between pixels, 250 a radian.
                         assert!(off < 1e-4, "{}: {radiance:?} against {s:?}", entry.name);
@@ -364,7 +369,7 @@ fn delta_lights_give_their_irradiance() {
         let s = e.sample(&geometry, &Receiver::anywhere(p), [0.3, 0.7], &in_rgb());
         assert!(s.is_none_or(|s| s.delta && s.pdf == 1.0 && (s.wi.length() - 1.0).abs() < 1e-6));
         assert_eq!(
-            (e.pdf_from(Vec3::ZERO, Vec3::Y), e.radiance_from(Vec3::Y, &in_rgb())),
+            (e.pdf_from(&Receiver::anywhere(Vec3::ZERO), Vec3::Y), e.radiance_from(Vec3::Y, &in_rgb())),
             (0.0, Light::ZERO)
         );
         s.map_or(0.0, |s| s.radiance[0])

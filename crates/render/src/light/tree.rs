@@ -98,10 +98,11 @@ impl Cluster {
     /// Of what is known of a light; `None` for one from afar, and one that doesn't fall with the distance.
     fn of_reach(reach: &Reach) -> Option<Self> {
         match reach {
-            Reach::Point { position, intensity, falls: true } => Some(Self::of_point(*position, *intensity)),
+            Reach::Point { position, intensity, falls } => {
+                falls.then(|| Self::of_point(*position, *intensity))
+            }
             Reach::Projector { projector, intensity } => {
-                let corner = projector.share(projector.direction([0.0; 2]));
-                Some(Self::of_point(projector.position(), intensity * corner))
+                Some(Self::of_point(projector.position(), *intensity))
             }
             Reach::Measured { lamp, intensity } => Some(Self::of_point(lamp.position(), *intensity)),
             Reach::Spot { spot, intensity } => {

@@ -17,6 +17,7 @@
 //! | transmission with volume: refracted, absorbed by colour and distance | the same |
 //! | iridescence by Belcour and Barla in RGB | Airy's sum at 620, 540 and 450 nm, or at the path's wavelengths |
 //! | anisotropy: alpha towards 1 along the tangent by strength² | exact, in steps of half a percent; the rotation isn't |
+//! | diffuse transmission | the same for a thin wall; inside a volume it sends light back, as there are no media |
 //! | emission, below the clearcoat | the same |
 //! | double-sided or culled | both sides, or black from behind |
 
@@ -59,6 +60,8 @@ pub struct GltfMaterial {
     pub anisotropy: Value<f32>,
     /// 20 over Abbe's number.
     pub dispersion: f32,
+    pub diffuse_transmission: Value<f32>,
+    pub diffuse_transmission_color: Value<Colour>,
     /// Whether the back looks like the front; else it is black.
     pub double_sided: bool,
 }
@@ -95,6 +98,8 @@ impl Recipe for GltfMaterial {
             iridescence_thickness: paint.number(&d.iridescence_thickness),
             anisotropy: paint.number(&d.anisotropy),
             dispersion: d.dispersion as f32,
+            diffuse_transmission: paint.number(&d.diffuse_transmission),
+            diffuse_transmission_color: paint.reflectance(&d.diffuse_transmission_color),
             double_sided: d.double_sided,
         }
     }
@@ -120,8 +125,10 @@ impl Recipe for GltfMaterial {
             &self.iridescence,
             &self.iridescence_thickness,
             &self.anisotropy,
+            &self.diffuse_transmission,
         ];
-        let colours = [&self.base_color, &self.specular_color, &self.sheen_color];
+        let colours =
+            [&self.base_color, &self.specular_color, &self.sheen_color, &self.diffuse_transmission_color];
         let varies = numbers.iter().any(|v| v.varies()) || colours.iter().any(|v| v.varies());
         let tangent = self.anisotropy.most() > 0.0;
         Wants { point: varies || tangent, tangent }
@@ -166,6 +173,8 @@ impl Recipe for GltfMaterial {
                 iridescence_thickness: 400.0.into(),
                 anisotropy: zero(),
                 dispersion: 0.0,
+                diffuse_transmission: zero(),
+                diffuse_transmission_color: Light::rgb([1.0; 3]).into(),
                 double_sided: true,
             },
             super::BsdfKind::OpenPbr,
@@ -182,19 +191,20 @@ impl GltfMaterial {
         let thickness = number(&self.iridescence_thickness);
         let (nm, parted) = nanometres(reading.lanes);
         let [roughness, anisotropy] = stretched(number(&self.roughness), number(&self.anisotropy));
+        let diffuse = number(&self.diffuse_transmission);
         let full = reading.lanes.full();
         OpenPbr::new(&Params {
             base,
             specular: reading.eval(&self.specular_color, at),
             transmission: base,
-            subsurface: full,
+            subsurface: if diffuse > 0.0 { reading.eval(&self.diffuse_transmission_color, at) } else { full },
             coat: full,
             fuzz: if sheen_weight > 0.0 { sheen * (1.0 / sheen_weight) } else { Light::ZERO },
             nm,
             metalness: number(&self.metallic),
             specular_weight: number(&self.specular),
             transmission_weight: number(&self.transmission),
-            subsurface_weight: 0.0,
+            subsurface_weight: diffuse,
             coat_weight: number(&self.clearcoat),
             fuzz_weight: sheen_weight,
             film_presence: film_presence(number(&self.iridescence), thickness),
@@ -210,7 +220,8 @@ impl GltfMaterial {
             anisotropy,
             coat_anisotropy: 0.0,
             coat_darkening: 0.0,
-            subsurface_anisotropy: 0.0,
+            // All of it goes through.
+            subsurface_anisotropy: 1.0,
             thin: self.filling.is_none(),
             one_sided: !self.double_sided,
             rgb: reading.lanes.bins().is_none(),

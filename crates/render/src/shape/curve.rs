@@ -479,7 +479,7 @@ impl Form for Curve {
         let q = self.space.inverse.point(s.p.as_dvec3());
         let length = self.along[1] - self.along[0];
         let near = ((f64::from(s.uv[0]) - self.along[0]) / length).clamp(0.0, 1.0);
-        let (_, m) = self.foot(q, if near.is_finite() { near } else { 0.5 });
+        let (near, m) = self.foot(q, if near.is_finite() { near } else { 0.5 });
         let map = |v: DVec3| self.space.map.vector(v).as_vec3();
         let n = s.ng;
         let level = |v: straal_math::Vec3| v - n * n.dot(v);
@@ -496,9 +496,14 @@ impl Form for Curve {
                     Tangents { dpdv: level(map(turn * m.r)), dndv, ..Tangents::flat(forward, forward) };
                 if forward.length_squared() > 0.0 { about } else { Tangents::about(n) }
             }
-            _ if forward.length_squared() > 0.0 => {
+            Section::Ribbon(normals) if forward.length_squared() > 0.0 => {
+                Tangents::flat(forward, map(self.across(normals, near, m.d) * (2.0 * m.r)))
+            }
+            Section::Flat if forward.length_squared() > 0.0 => {
+                // Across the ray, whose direction the normal tells.
                 let side = n.cross(forward).try_normalize().unwrap_or(n);
-                Tangents::flat(forward, side * map(unit_or(m.d, DVec3::Y) * (2.0 * m.r)).length())
+                let across = unit_or(self.space.inverse.vector(side.as_dvec3()), DVec3::X);
+                Tangents::flat(forward, map(across * (2.0 * m.r)))
             }
             _ => Tangents::about(n),
         }

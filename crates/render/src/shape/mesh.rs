@@ -397,6 +397,7 @@ mod tests {
         let input = Input {
             groups: vec![Group { geometries: vec![0], instances: vec![] }],
             geometries: vec![Geometry { kind, mask: u32::MAX }],
+            motions: Vec::new(),
         };
         let scene = Scene::build(input, &(), &Options::default()).unwrap();
         let depths = corners.map(|p| -p.z);
@@ -495,6 +496,7 @@ mod tests {
             let input = Input {
                 groups: vec![Group { geometries: vec![0], instances: vec![] }],
                 geometries: vec![Geometry { kind, mask: u32::MAX }],
+                motions: Vec::new(),
             };
             let scene = Scene::build(input, &(), &Options::default()).unwrap();
             let bounds = scene.bounds();

@@ -54,6 +54,7 @@ pub mod revolved;
 mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
+mod spherical;
 pub mod subdivision;
 mod tangents;
 

@@ -6,7 +6,11 @@ use straal_math::{Bounds, DVec3, Ray, Vec3};
 use super::exact::{outward, size};
 use super::offset::End;
 use super::patch::{Level, Patch};
-use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents};
+use super::spherical::SphericalRectangle;
+use super::{
+    Analytic, AreaSample, DirSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents, by_solid_angle,
+    solid_angle_pdf,
+};
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
 ///
@@ -15,13 +19,22 @@ use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tang
 pub struct Parallelogram {
     patch: Patch,
     pdf_area: f32,
+    /// Whether its points are drawn evenly as seen from a point, rather than evenly by area.
+    by_solid_angle: bool,
 }
 
 impl Parallelogram {
     /// By a corner and two edges that aren't parallel (nothing hits it if they are).
     pub fn new(corner: Vec3, a: Vec3, b: Vec3) -> Self {
         let patch = Patch::new(corner, a, b);
-        Self { patch, pdf_area: (1.0 / patch.area()) as f32 }
+        Self { patch, pdf_area: (1.0 / patch.area()) as f32, by_solid_angle: false }
+    }
+
+    /// The same, whose points are drawn evenly by solid angle where it is seen large, if it is a rectangle.
+    pub fn by_solid_angle(self) -> Self {
+        let Patch { a, b, .. } = self.patch;
+        let is_rectangle = a.dot(b).abs() <= 1e-6 * a.length() * b.length() && self.pdf_area.is_finite();
+        Self { by_solid_angle: is_rectangle, ..self }
     }
 
     /// What it shares with other flat shapes.
@@ -109,7 +122,39 @@ impl Form for Parallelogram {
 
     #[inline(always)]
     fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
-        DirSamples::by_area(p, self.patch.end_at(u), F::splat(self.pdf_area))
+        let by_area = DirSamples::by_area(p, self.patch.end_at(u), F::splat(self.pdf_area));
+        if !self.by_solid_angle {
+            return by_area;
+        }
+        let seen = SphericalRectangle::new(&self.patch, p);
+        let end = self.patch.end_at(seen.sample(u));
+        let (wi, there) = (end.p - p).normalize_checked();
+        let pdf = F::select(there, F::ONE / seen.solid_angle, F::ZERO);
+        DirSamples::select(seen.is_large(), DirSamples { end, wi, pdf }, by_area)
+    }
+
+    #[inline]
+    fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        if self.by_solid_angle {
+            let seen = SphericalRectangle::new(&self.patch, p);
+            if seen.is_large() {
+                let point = self.patch.point_at(seen.sample(u));
+                let wi = (point.p - p).try_normalize()?;
+                return Some(DirSample { point, wi, pdf: 1.0 / seen.solid_angle });
+            }
+        }
+        by_solid_angle(p, Parallelogram::sample_area(self, u))
+    }
+
+    #[inline]
+    fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
+        if self.by_solid_angle {
+            let seen = SphericalRectangle::new(&self.patch, p);
+            if seen.is_large() {
+                return 1.0 / seen.solid_angle;
+            }
+        }
+        solid_angle_pdf(p, hit, self.pdf_area)
     }
 
     #[inline]
@@ -125,9 +170,12 @@ impl Form for Parallelogram {
         let shape = |corner, a, b| super::Shape::Parallelogram(Box::new(Self::new(corner, a, b)));
         let corner = center - a * 0.5 - b * 0.5;
         let level = shape(center, Vec3::Z * stand.scale, Vec3::X * stand.scale);
+        let c = n.cross(a.as_dvec3()).normalize().as_vec3() * (0.7 * stand.scale);
+        let rectangle = super::Shape::Parallelogram(Box::new(Self::new(corner, a, c).by_solid_angle()));
         vec![
             Example::flat("parallelogram", shape(corner, a, b), corner, n),
             Example::flat("level", level, center, DVec3::Y),
+            Example::flat("rectangle by solid angle", rectangle, corner, n),
         ]
     }
 }

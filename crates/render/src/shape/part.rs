@@ -14,7 +14,7 @@ use straal_math::{Bounds, Ray};
 use super::{Form, Geometry, ShapeHit, SurfacePoint, Tangents};
 
 /// Most leaves of a solid: a bit for each.
-pub const MOST_LEAVES: usize = 64;
+pub const MOST_LEAVES: usize = straal_scene::whole::MOST_SOLIDS;
 
 /// What of a leaf's geometry is hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

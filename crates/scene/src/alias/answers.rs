@@ -13,8 +13,8 @@ pub(super) const BUMPS: Here = Write(
     "`normal_map: { texture: { image: { file: normals.png } } }` or `bump: { texture: stains, height: 0.01 }` in a material",
 );
 pub(super) const SUBSURFACE: Here = NotYet("light that travels below a surface");
-pub(super) const CSG: Here = NotYet("shapes made by union, intersection and difference");
-pub(super) const HAIR: Here = NotYet("curves and hair");
+pub(super) const CSG: Here = Write("`union`, `intersection` or `difference`, with a list `of` solids");
+pub(super) const HAIR: Here = NotYet("what hair does with light");
 pub(super) const ANIMATION: Here = NotYet("animations");
 pub(super) const PLACE: Here = Write("`transform: [translate: [0, 1, 0]]`");
 pub(super) const TURN: Here = Write("`transform: [rotate: { y: 30 }]`");

@@ -2,7 +2,7 @@
 
 use super::Here::{Called, NotYet, Write};
 use super::Table;
-use super::answers::{AREA, CAMERA, CSG, HAIR, PLACE, TEXTURES, TURN, TYPE};
+use super::answers::{AREA, CAMERA, CSG, PLACE, TEXTURES, TURN, TYPE};
 
 /// What words are in mappings of these marks.
 pub(super) const KEYS: &[Table] = &[
@@ -23,6 +23,60 @@ pub(super) const KEYS: &[Table] = &[
             ("r", Called("radius")),
             ("height length zmin zmax h", Write("`from` and `to`, the middles of its ends")),
             ("open closed capped", Called("caps")),
+        ],
+    ),
+    (
+        "cone: paraboloid: capsule:",
+        &[
+            ("p0 point1 start base basepoint bottom apex", Called("from")),
+            ("p1 point2 end cap cappoint top tip", Called("to")),
+            ("r baseradius radius0", Called("radius")),
+            (
+                "capradius radius1 r1 radiustop",
+                Write("`top_radius` of a `cone`, `end_radius` of a `capsule`"),
+            ),
+            ("height length zmin zmax h", Write("`from` and `to`, the middles of its ends")),
+            ("phimax thetamax sweep", Write("`phi: [0, 180]`, in degrees")),
+            ("open closed capped", Called("caps")),
+        ],
+    ),
+    (
+        "torus:",
+        &[
+            ("position origin location pos middle", Called("center")),
+            ("majorradius major r ringradius outerradius", Called("radius")),
+            ("minorradius minor tube thickness innerradius crosssection", Called("tube_radius")),
+            ("normal direction", Called("axis")),
+            ("phimax", Write("`phi: [0, 180]`, in degrees")),
+        ],
+    ),
+    (
+        "annulus:",
+        &[
+            ("position origin location pos middle", Called("center")),
+            ("outerradius r", Called("radius")),
+            ("innerradius hole holeradius", Called("inner_radius")),
+            ("direction axis", Called("normal")),
+            ("phimax", Write("`phi: [0, 180]`, in degrees")),
+        ],
+    ),
+    (
+        "curves:",
+        &[
+            ("controlpoints p vertices positions cv", Called("points")),
+            ("radius width widths width0 width1 thickness", Write("`radii`: half of how wide they are")),
+            ("type curvetype", Called("form")),
+            ("n", Called("normals")),
+            ("degree", Write("`basis: bezier`, `b_spline` or `linear`")),
+        ],
+    ),
+    ("union: intersection: difference:", &[("children objects shapes solids members a b", Called("of"))]),
+    (
+        "height_field:",
+        &[
+            ("filename path src image map texture", Called("file")),
+            ("data values pz", Called("heights")),
+            ("scale height amplitude", Write("`between: [0, 0.5]`, the y of height 0 and of height 1")),
         ],
     ),
     (
@@ -74,7 +128,10 @@ pub(super) const KEYS: &[Table] = &[
                 "smooth smoothing autosmooth shadesmooth facenormals flatshading",
                 Write("`shading: smooth`, `flat` or `gouraud`"),
             ),
-            ("subdivision subdivisionlevels levels subdiv", NotYet("subdivision surfaces")),
+            (
+                "subdivision subdivisionlevels levels subdiv subdivisionsurface",
+                Write("`subdivide: { scheme: catmull_clark, levels: 3 }`"),
+            ),
         ],
     ),
     (
@@ -149,6 +206,23 @@ pub(super) const KINDS: &[Table] = &[
         "sphere",
         &[
             ("ball sphereshape uvsphere icosphere ellipsoid", Called("sphere")),
+            ("ring washer diskwithhole", Called("annulus")),
+            ("donut doughnut", Called("torus")),
+            ("spherocylinder pill sphylinder roundcone spheresweep", Called("capsule")),
+            ("truncatedcone frustum", Called("cone")),
+            ("hyperbola onesheethyperboloid", Called("hyperboloid")),
+            ("parabola bowl", Called("paraboloid")),
+            ("bilinearpatch", Called("bilinear")),
+            ("heightfield terrain heightmap displacementgrid", Called("height_field")),
+            ("curve hair bsplinecurve linearcurve fur strands spline", Called("curves")),
+            ("merge add unionall", Called("union")),
+            ("intersect and", Called("intersection")),
+            ("subtract minus differenceof", Called("difference")),
+            ("sdf sdfgrid signeddistance isosurface metaball blob", Called("distance_field")),
+            (
+                "loopsubdiv catmullclark subdivision",
+                Write("`mesh` with `subdivide: { scheme: loop, levels: 3 }`"),
+            ),
             ("cube cuboid block rectangularcuboid aabb boxshape", Called("box")),
             ("quad rect square parallelogram rectanglelight grid", Called("rectangle")),
             ("disk circle diskshape", Called("disc")),
@@ -176,11 +250,10 @@ pub(super) const KINDS: &[Table] = &[
                 Write("materials are entries of the mapping `materials`, and a shape's `material`"),
             ),
             ("type shape", TYPE),
-            ("union difference intersection merge csg boolean", CSG),
-            ("curve curves hair bsplinecurve linearcurve fur", HAIR),
+            ("csg boolean", CSG),
             (
-                "heightfield torus cone volume nurbs sdf sdfgrid blob isosurface julia juliafractal text prism lathe superellipsoid hyperboloid paraboloid loopsubdiv catmullclark subdivision spheresweep metaball sor",
-                Write("not supported yet; as a mesh it can be read: `mesh: { file: torus.ply }`"),
+                "volume nurbs julia juliafractal text prism lathe superellipsoid sor",
+                Write("not supported yet; as a mesh it can be read: `mesh: { file: lathe.ply }`"),
             ),
         ],
     ),

@@ -1,10 +1,10 @@
 //! Points, directions and transforms.
 
-use serde_core::ser::Serializer;
+use serde_core::ser::{SerializeMap, Serializer};
 use serde_json::{Value as Json, json};
 use straal_math::{Affine, DVec3};
 
-use crate::decode::{Decoder, Describe};
+use crate::decode::{Decoder, Describe, Written};
 use crate::desc::{AxisAngle, Coordinate, Rotation, Step, Transform};
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -205,9 +205,43 @@ fn axis_of(name: &str) -> DVec3 {
     }
 }
 
+/// The key under which a transform tells what it is at several times.
+pub(crate) const MOTION: &str = "motion";
+
+/// A motion is made of at most so many parts.
+const MOST_TIMES: usize = 256;
+
 impl Describe for Transform {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         let before = d.diagnostics.errors();
+        if let Some(times) = tree.entry(MOTION) {
+            let Datum::Sequence(items) = &times.value.value else {
+                d.expected("a list of transforms, the first at time 0 and the last at time 1", &times.value);
+                return Self::default();
+            };
+            let is_of_a_node = d.is_within(&["world", "objects"])
+                && !d.is_within(&[
+                    "material",
+                    "emission",
+                    "mapping",
+                    "moved",
+                    "union",
+                    "intersection",
+                    "difference",
+                ]);
+            if !is_of_a_node {
+                let message = "only what stands in the world moves while the shutter is open";
+                let help = "`motion` is for the `transform` of shapes, groups and instances under `world:` and `objects:`";
+                d.push(Diagnostic::error(times.key.span, message).help(help));
+            }
+            let mut all = items.iter().map(|item| Self::read(item, limit, d).steps);
+            let (steps, later) = (all.next().unwrap_or_default(), all.collect::<Vec<_>>());
+            if later.is_empty() || later.len() > MOST_TIMES {
+                let message = format!("a motion has 2 to {} transforms, not {}", MOST_TIMES + 1, items.len());
+                d.push(Diagnostic::error(times.value.span, message));
+            }
+            return Self { steps, later, span: tree.span };
+        }
         let steps = match &tree.value {
             Datum::Null => Vec::new(),
             Datum::Sequence(items) => items.iter().map(|item| Step::read(item, limit, d)).collect(),
@@ -232,7 +266,7 @@ impl Describe for Transform {
                 Vec::new()
             }
         };
-        let transform = Self { steps, span: tree.span };
+        let transform = Self::of(steps, tree.span);
         let sound = || transform.affine().is_some_and(|a| straal_math::Transform::new(&a).is_some());
         if d.diagnostics.errors() == before && !sound() {
             let message =
@@ -245,10 +279,24 @@ impl Describe for Transform {
         Self::default()
     }
     fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        self.steps.write_to(out)
+        if self.later.is_empty() {
+            return self.steps.write_to(out);
+        }
+        let times: Vec<&Vec<Step>> = std::iter::once(&self.steps).chain(&self.later).collect();
+        let mut map = out.serialize_map(Some(1))?;
+        map.serialize_entry(MOTION, &times.into_iter().map(Written).collect::<Vec<_>>())?;
+        map.end()
     }
     fn schema(_: Limit, defs: &mut Definitions) -> Json {
         let step = Step::schema(Limit::FINITE, defs);
-        json!({ "anyOf": [{ "type": "array", "items": step }, step, { "type": "null" }] })
+        let steps = json!({ "anyOf": [{ "type": "array", "items": step }, step, { "type": "null" }] });
+        let motion = json!({
+            "description": "What it is while the shutter is open, at even times from 0 to 1.",
+            "type": "object",
+            "additionalProperties": false,
+            "properties": { MOTION: { "type": "array", "items": steps, "minItems": 2 } },
+            "required": [MOTION],
+        });
+        json!({ "anyOf": [{ "type": "array", "items": step }, step, motion, { "type": "null" }] })
     }
 }

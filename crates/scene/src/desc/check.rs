@@ -13,9 +13,9 @@ use crate::desc::{
     Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
     Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
     Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
-    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Principled,
-    Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere, SpotLight,
-    Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
+    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Portal,
+    Principled, Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere,
+    SpotLight, Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -574,6 +574,16 @@ pub(super) fn sky(l: &Sky, keys: &Keys<'_>, d: &mut Decoder) {
     }
 }
 
+pub(super) fn portal(p: &Portal, keys: &Keys<'_>, d: &mut Decoder) {
+    let [a, b] = p.edges;
+    if flat(a, b) {
+        let message = "this portal has no area: its edges are parallel or zero";
+        d.push(Diagnostic::error(keys.span("edges"), message));
+    } else if a.dot(b).abs() > 1e-3 * a.length() * b.length() {
+        d.push(Diagnostic::error(keys.span("edges"), "the edges of a portal must be at right angles"));
+    }
+}
+
 pub(super) fn when(w: &When, keys: &Keys<'_>, d: &mut Decoder) {
     if !w.is_sound() {
         let [year, month, day] = w.date;
@@ -832,15 +842,19 @@ fn dark(surface: &Surface, what: &str, keys: &Keys<'_>, d: &mut Decoder) {
     }
 }
 
-/// Complains of what isn't a solid.
+/// Complains of what isn't a solid that can be combined.
 fn closed(node: &Node, keys: &Keys<'_>, d: &mut Decoder) {
     let is_whole = |[from, to]: [f64; 2]| to - from >= 360.0;
-    let open = match node {
-        Node::Sphere(s) if s.heights.is_some() || !is_whole(s.phi) => "a part of a sphere is open",
-        Node::Cylinder(s) if !s.caps => "a cylinder without `caps: true` is open",
-        Node::Cone(s) if !s.caps => "a cone without `caps: true` is open",
-        Node::Torus(s) if !is_whole(s.phi) || !is_whole(s.theta) => "a part of a torus is open",
-        Node::Instance(_) => "an instance stands by itself: write the solid here",
+    let (kind, surface) = (node.kind(), node.surface());
+    let wrong = match node {
+        Node::Group(g) => return g.children.iter().for_each(|child| closed(child, keys, d)),
+        Node::Instance(_) | Node::Instances(_) => {
+            "an instance can't be combined: write what it shows here".to_owned()
+        }
+        Node::Sphere(s) if s.heights.is_some() || !is_whole(s.phi) => "a part of a sphere is open".to_owned(),
+        Node::Cylinder(s) if !s.caps => "a cylinder without `caps: true` is open".to_owned(),
+        Node::Cone(s) if !s.caps => "a cone without `caps: true` is open".to_owned(),
+        Node::Torus(s) if !is_whole(s.phi) || !is_whole(s.theta) => "a part of a torus is open".to_owned(),
         Node::Sphere(_)
         | Node::Cylinder(_)
         | Node::Cone(_)
@@ -851,36 +865,15 @@ fn closed(node: &Node, keys: &Keys<'_>, d: &mut Decoder) {
         | Node::DistanceField(_)
         | Node::Union(_)
         | Node::Intersection(_)
-        | Node::Difference(_) => "",
-        Node::Group(g) => return g.children.iter().for_each(|child| closed(child, keys, d)),
-        _ => "",
+        | Node::Difference(_) => match surface {
+            Some(s) if s.emission.is_some() => format!("a `{kind}` that is combined with others cannot glow"),
+            Some(s) if s.flip => format!("`flip` turns this `{kind}` inside out"),
+            _ => return,
+        },
+        _ => format!("a `{kind}` is not a solid: it has no inside"),
     };
-    let is_solid = matches!(
-        node,
-        Node::Sphere(_)
-            | Node::Cylinder(_)
-            | Node::Cone(_)
-            | Node::Torus(_)
-            | Node::Capsule(_)
-            | Node::Box(_)
-            | Node::Mesh(_)
-            | Node::DistanceField(_)
-            | Node::Union(_)
-            | Node::Intersection(_)
-            | Node::Difference(_)
-            | Node::Instance(_)
-    );
-    let message = match open {
-        "" if is_solid => {
-            if let Some(surface) = node.surface() {
-                dark(surface, "a part of a combination of solids", keys, d);
-            }
-            return;
-        }
-        "" => format!("a `{}` is not a solid: it has no inside", node.kind()),
-        open => open.to_owned(),
-    };
-    d.push(Diagnostic::error(keys.span("of"), message).help("what is combined must be closed"));
+    let help = "what is combined must be closed, its front outside";
+    d.push(Diagnostic::error(keys.span("of"), wrong).help(help));
 }
 
 pub(super) fn distance_field(s: &DistanceField, keys: &Keys<'_>, d: &mut Decoder) {

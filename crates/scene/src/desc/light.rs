@@ -231,6 +231,8 @@ describe! {
         tint: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
         /// Whether light sampling nearly leaves what is no brighter than the mean to the rays that surfaces scatter, which find it by themselves: for pictures with small bright lamps.
         compensate: bool = false,
+        /// Openings through which its light comes into a room: windows, whose light is found with less noise. Light that comes in elsewhere is then found by BSDF sampling alone.
+        portals: Vec<Portal> = Vec::new(),
         /// Turn about the local y axis in degrees, counter-clockwise seen from above, before `transform`.
         rotate: f64 = 0.0,
         /// Where the surroundings' axes lie; only its rotation counts.
@@ -251,6 +253,27 @@ describe! {
         /// A square of which equal areas show equal solid angles (Clarberg 2008), as pbrt-v4 has it: local +z in its middle, -z in its corners,
         /// +x in the middle of its right edge, +y in that of its lower one.
         "equal_area" => EqualArea,
+    }
+}
+
+describe! {
+    /// A rectangle through which light comes into a room.
+    pub struct Portal [check::portal] {
+        /// One corner.
+        corner: DVec3,
+        /// The two edges from that corner, at right angles; their cross product, first x second, leads into the room.
+        edges: [DVec3; 2],
+    }
+}
+
+impl Light {
+    /// The openings through which its light comes in, where it says any.
+    pub fn portals(&self) -> &[Portal] {
+        match self {
+            Self::Environment(l) => &l.portals,
+            Self::Sky(l) => &l.portals,
+            _ => &[],
+        }
     }
 }
 

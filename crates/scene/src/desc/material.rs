@@ -206,6 +206,10 @@ describe! {
             iridescence_thickness: Varying<f64> [Limit::within(0.0, 6500.0)] = Varying::Constant(400.0),
             /// How much rougher it is along the texture's u (`KHR_materials_anisotropy`).
             anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Which part of what is diffuse goes through, where it is a thin wall (`KHR_materials_diffuse_transmission`).
+            diffuse_transmission: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// The colour of what goes through so.
+            diffuse_transmission_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Whether the back looks like the front; else it is black.
             double_sided: bool = true,
         }),

@@ -36,7 +36,7 @@ pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
 pub use light::{
     AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
-    PointLight, Projector, SpotLight,
+    PointLight, Portal, Projector, SpotLight,
 };
 pub use material::*;
 pub use node::{Group, Instance, Instances, Node};
@@ -47,9 +47,9 @@ pub use settings::{
     SamplerKind, SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
-    Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, MeshSource,
-    Patches, Plane, Rectangle, Shading, Smoothing, Sphere, Subdivide, Subdivision, Surface, Triangle,
-    TriangleMesh,
+    Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, LightSampling,
+    MeshSource, Patches, Plane, Rectangle, Shading, Smoothing, Sphere, Subdivide, Subdivision, Surface,
+    Triangle, TriangleMesh,
 };
 pub use sky::{Sky, When};
 pub use solid::{

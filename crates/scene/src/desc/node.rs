@@ -125,7 +125,20 @@ impl Node {
     /// Where the node stands: its transform, and the turn towards what it looks at. `None` when the transform is singular, or when
     /// it stands where it looks.
     pub fn placement(&self) -> Option<Affine> {
-        let local = self.transform().affine()?;
+        self.placement_by(self.transform())
+    }
+
+    /// Where it stands at even times while the shutter is open, if it moves; empty if it stays.
+    pub fn motion(&self) -> Vec<Affine> {
+        if self.transform().later.is_empty() {
+            return Vec::new();
+        }
+        self.transform().at_times().filter_map(|at| self.placement_by(&at)).collect()
+    }
+
+    /// Where it would stand with another transform.
+    fn placement_by(&self, transform: &Transform) -> Option<Affine> {
+        let local = transform.affine()?;
         let Some(target) = self.look_at() else { return Some(local) };
         let (middle, front) = self.front();
         let inverse = local.inverse()?;

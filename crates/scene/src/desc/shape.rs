@@ -81,7 +81,19 @@ describe! {
         corner: DVec3 = DVec3::new(-1.0, -1.0, 0.0),
         /// The two edges from that corner; its front is towards their cross product, first x second.
         edges: [DVec3; 2] = [DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0)],
+        /// If it glows: how points on it are drawn.
+        light_sampling: LightSampling = LightSampling::Area,
     } with surface: Surface
+}
+
+describe! {
+    /// How points on a lamp are drawn.
+    pub enum LightSampling {
+        /// Evenly by area.
+        "area" => Area,
+        /// Evenly as seen from the point that is lit, where the lamp is seen large: less noise close to it. Only rectangles, not slanted parallelograms.
+        "solid_angle" => SolidAngle,
+    }
 }
 
 describe! {
@@ -167,7 +179,7 @@ describe! {
 describe! {
     /// A triangle mesh from a file, or written out by `positions` and `triangles`.
     pub struct TriangleMesh [check::mesh] {
-        /// A PLY or OBJ file.
+        /// A PLY, OBJ or STL file.
         file: Option<Asset<Mesh>> = None,
         /// Vertices, in place of a file.
         positions: Vec<DVec3> = Vec::new(),

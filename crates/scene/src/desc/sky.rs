@@ -3,6 +3,7 @@
 use straal_math::{DVec3, ops};
 
 use crate::desc::check;
+use crate::desc::light::Portal;
 use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
@@ -31,6 +32,8 @@ describe! {
         sun_angle: f64 [Limit::within(0.01, 90.0)] = 0.5358,
         /// Whether the sun is darker towards its rim, as it is.
         limb_darkening: bool = false,
+        /// Openings through which the sky's light comes into a room: windows, whose light is found with less noise. Light that comes in elsewhere is then found by BSDF sampling alone.
+        portals: Vec<Portal> = Vec::new(),
         /// Turn about the local y axis in degrees, counter-clockwise seen from above, before `transform`; the sun turns with it.
         rotate: f64 = 0.0,
         /// Where its axes lie; only its rotation counts.

@@ -12,13 +12,15 @@ use crate::value::{Axis, Factors, Matrix};
 pub struct Transform {
     /// The steps in reading order.
     pub steps: Vec<Step>,
+    /// The steps at later times while the shutter is open, evenly apart, the last at time 1; `steps` are those at time 0. Empty for what stays.
+    pub later: Vec<Vec<Step>>,
     /// Where they were said.
     pub span: Span,
 }
 
 impl PartialEq for Transform {
     fn eq(&self, o: &Self) -> bool {
-        self.steps == o.steps
+        self.steps == o.steps && self.later == o.later
     }
 }
 
@@ -26,12 +28,27 @@ impl Transform {
     /// All steps as one map from local to parent coordinates; `None` when a step has no direction or the whole is
     /// singular.
     pub fn affine(&self) -> Option<Affine> {
-        let mut all = Affine::IDENTITY;
-        for step in &self.steps {
-            all = all.then(&step.affine()?);
-        }
-        all.inverse().is_some().then_some(all)
+        together(&self.steps)
     }
+
+    /// By these steps alone.
+    pub fn of(steps: Vec<Step>, span: Span) -> Self {
+        Self { steps, later: Vec::new(), span }
+    }
+
+    /// What it is at each of its times, from 0 to 1; only itself if it stays.
+    pub fn at_times(&self) -> impl Iterator<Item = Self> + '_ {
+        std::iter::once(&self.steps).chain(&self.later).map(|steps| Self::of(steps.clone(), self.span))
+    }
+}
+
+/// Steps as one map, if it has an inverse.
+fn together(steps: &[Step]) -> Option<Affine> {
+    let mut all = Affine::IDENTITY;
+    for step in steps {
+        all = all.then(&step.affine()?);
+    }
+    all.inverse().is_some().then_some(all)
 }
 
 /// The turn about `pivot` that brings the direction `front` to `target`, first about the vertical and then up or down, so that what

@@ -4,7 +4,9 @@ use straal_accel as accel;
 use straal_math::Vec3;
 use straal_render::compile::GLOWING_BYTES;
 use straal_render::light::{Emitter, LightTable};
-use straal_render::shape::{Cylinder, Disc, Parallelogram, SMOOTHING_BYTES, Shape, TriangleMesh};
+use straal_render::shape::{
+    Curve, Cylinder, Disc, Parallelogram, Revolved, SMOOTHING_BYTES, Shape, TriangleMesh,
+};
 use straal_render::world::GEOMETRY_BYTES;
 use straal_scene::count::Tally;
 
@@ -49,6 +51,8 @@ pub(super) fn cost(t: &Tally) -> Cost {
             of(t.discs, size_of::<Disc>() + PIECE),
             of(t.rectangles, size_of::<Parallelogram>() + PIECE),
             of(t.cylinders, size_of::<Cylinder>() + PIECE),
+            of(t.revolved, size_of::<Revolved>() + PIECE),
+            of(t.curves, size_of::<Curve>() + PIECE),
             of(t.instances, instance + accel::sizes::OBJECT),
         ]),
         lights: sum(&[

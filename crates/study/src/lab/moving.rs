@@ -199,7 +199,7 @@ impl Parts {
             world.instances.push(placed(groups.len() - 1));
         }
         groups[0] = world;
-        Input { groups, geometries: input.geometries.clone() }
+        Input { groups, geometries: input.geometries.clone(), motions: input.motions.clone() }
     }
 
     /// The same top over stand-ins: a triangle across each box, so that next to nothing but the top is built.
@@ -208,6 +208,7 @@ impl Parts {
         let mut out = Input {
             groups: vec![Group::default()],
             geometries: geometries.iter().map(|&g| input.geometries[g as usize].clone()).collect(),
+            motions: Vec::new(),
         };
         out.groups[0].geometries = (0..geometries.len() as u32).collect();
         for b in boxes {
@@ -226,7 +227,7 @@ impl Parts {
 }
 
 fn placed(group: usize) -> Instance {
-    Instance { group: group as u32, transform: Transform::IDENTITY, mask: u32::MAX }
+    Instance { group: group as u32, transform: Transform::IDENTITY, motion: None, mask: u32::MAX }
 }
 
 #[cfg(test)]

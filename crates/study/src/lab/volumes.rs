@@ -105,7 +105,7 @@ fn weigh_one(bench: &Bench<'_>, input: &Input, object: &Object) -> Result<Bounde
     let (input, into) = alone(input, object);
     let one_by_one = bench.build(&input, Structure::Brute)?;
     let tree = bench.build(&input, Structure::default())?;
-    let empty = Input { groups: vec![Group::default()], geometries: Vec::new() };
+    let empty = Input { groups: vec![Group::default()], ..Input::default() };
     let nothing = bench.build(&empty, Structure::Brute)?;
     let bounds = one_by_one.bounds();
 

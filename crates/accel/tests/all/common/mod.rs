@@ -63,7 +63,7 @@ pub fn mesh(triangles: &[[Vec3; 3]]) -> Geometry {
 
 pub fn world(geometries: Vec<Geometry>) -> Input {
     let all = (0..geometries.len() as u32).collect();
-    Input { groups: vec![Group { geometries: all, instances: vec![] }], geometries }
+    Input { groups: vec![Group { geometries: all, instances: vec![] }], geometries, motions: Vec::new() }
 }
 
 /// Random triangles together with everything that is awkward.

@@ -5,12 +5,14 @@
 
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
-    Decay, DirectionalLight, Environment, Falloff, Light, PointLight, Spectrum, SpotLight, Varying,
+    Decay, DirectionalLight, Environment, Falloff, Light, PointLight, Projector, ScaleTexture, Sky, Spectrum,
+    SpotLight, Texture, TextureOf, Varying, When,
 };
 use straal_scene::limit::Limit;
 use straal_scene::{Diagnostic, Spanned, suggest};
 
 use super::spectrum::For;
+use super::texture::Role;
 use super::translate::Translator;
 use super::tree::{Class, Object, Value};
 use super::uv::{Uv, placed};
@@ -73,6 +75,11 @@ impl<'o> Translator<'o, '_, '_> {
                 let Some(light) = self.surroundings(o) else { return };
                 light
             }
+            "projector" => {
+                let Some(light) = self.projector(o) else { return };
+                light
+            }
+            "sunsky" | "sun" | "sky" => self.sky(o),
             "area" => {
                 self.fail(o.plugin.span, "an area light belongs into a shape");
                 return;
@@ -100,12 +107,14 @@ impl<'o> Translator<'o, '_, '_> {
         } else {
             beam
         };
-        if let Some(property) = self.get(o, "texture").filter(|p| matches!(p.value, Value::Object(_))) {
-            self.warn(property.span, "the `texture` of a spot isn't supported: its light is even");
-        }
+        let texture = match self.get(o, "texture").map(|p| &p.value) {
+            // From the lower right, as seen from the lamp: upside down here, and its rows the other way.
+            Some(Value::Object(i)) => Some(self.texture(*i, Uv::FlipV, Role::Share)),
+            _ => None,
+        };
         Light::Spot(SpotLight {
-            texture: None,
-            up: DVec3::Y,
+            texture,
+            up: -to_world.vector(DVec3::Y),
             position: to_world.point(DVec3::ZERO),
             direction: Some(to_world.vector(DVec3::Z)),
             look_at: None,
@@ -114,6 +123,129 @@ impl<'o> Translator<'o, '_, '_> {
             beam: Some(beam),
             falloff: Falloff::Linear,
         })
+    }
+
+    /// A picture that is thrown: upright as seen from the lamp, its first row above.
+    fn projector(&mut self, o: &'o Object) -> Option<Light> {
+        self.known_light(o, &["irradiance", "scale", "fov", "fov_axis", "focal_length"]);
+        let to_world = self.to_world(o);
+        let scale = self.within(o, "scale", 1.0, Limit::NON_NEGATIVE);
+        let fov = self.within(o, "fov", 40.0, Limit::within(0.1, 179.0));
+        let axis = self.word(o, "fov_axis", &["x", "y", "diagonal", "smaller", "larger"]);
+        if !o.has("fov") || !matches!(axis, None | Some("x")) {
+            self.warn(o.plugin.span, "the angle of a projector is that from left to right here, in `fov`");
+        }
+        let (picture, aspect) = match self.get(o, "irradiance").map(|p| &p.value) {
+            Some(Value::Object(i)) if !super::spectrum::is_spectrum(&self.objects[*i].plugin) => {
+                (self.texture(*i, Uv::FlipV, Role::Light), None)
+            }
+            _ => {
+                let of = Varying::Constant(self.constant(o, "irradiance", 1.0, For::Light));
+                (TextureOf::Inline(Texture::Scale(ScaleTexture { of, ..ScaleTexture::default() })), Some(1.0))
+            }
+        };
+        let ahead = to_world.vector(DVec3::Z);
+        Some(Light::Projector(Projector {
+            position: to_world.point(DVec3::ZERO),
+            direction: Some(ahead),
+            look_at: None,
+            up: to_world.vector(DVec3::Y),
+            picture,
+            // Its picture is an irradiance, of which a screen at distance 1 gets pi times as much.
+            intensity: std::f64::consts::PI * scale,
+            fov,
+            aspect,
+        }))
+    }
+
+    /// Sun and sky. Up is Mitsuba's local z and north its x; in versions before 2 up was y.
+    fn sky(&mut self, o: &'o Object) -> Light {
+        self.known_light(
+            o,
+            &[
+                "turbidity",
+                "albedo",
+                "latitude",
+                "longitude",
+                "timezone",
+                "year",
+                "month",
+                "day",
+                "hour",
+                "minute",
+                "second",
+                "sun_direction",
+                "sun_scale",
+                "sky_scale",
+                "sun_aperture",
+                "complex_sun",
+                "stretch",
+                "resolution",
+                "scale",
+                "sun_radius_scale",
+            ],
+        );
+        if o.is_old {
+            self.alike("sky", o, "this sky is that of version 3 here: alike, not the same".to_owned());
+        }
+        // Straal's north is -z, and y is up.
+        let own = match o.is_old {
+            true => Affine::IDENTITY,
+            false => Affine { rows: [[0.0, 0.0, -1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]] },
+        };
+        let all = own.then(&turn_of(&self.to_world(o)));
+        let said = self.vector(o, "sun_direction");
+        let sun_direction = said.and_then(|world| Some(all.inverse()?.vector(world)));
+        let sun_direction = sun_direction.filter(|d| d.try_normalize().is_some());
+        let when = if sun_direction.is_some() { None } else { Some(self.when(o)) };
+        let scale = self.within(o, "scale", 1.0, Limit::NON_NEGATIVE);
+        let sky_scale = scale * self.within(o, "sky_scale", 1.0, Limit::NON_NEGATIVE);
+        let sun_scale = scale * self.within(o, "sun_scale", 1.0, Limit::NON_NEGATIVE);
+        let wider = self.within(o, "sun_radius_scale", 1.0, Limit::POSITIVE);
+        let sun_angle = wider * self.within(o, "sun_aperture", 0.5338, Limit::within(0.01, 90.0));
+        let ground_albedo = match self.colour(o, "albedo", 0.3, For::Share, Uv::Same) {
+            Varying::Constant(albedo) => albedo,
+            Varying::Texture(_) => {
+                self.warn(o.plugin.span, "the ground's `albedo` is one colour here: grey is taken");
+                Spectrum::grey(0.3)
+            }
+        };
+        Light::Sky(Sky {
+            sun_direction,
+            when,
+            turbidity: self.within(o, "turbidity", 3.0, Limit::within(1.0, 10.0)),
+            ground_albedo,
+            sky_scale: if o.plugin.as_str() == "sun" { 0.0 } else { sky_scale },
+            sun_scale: if o.plugin.as_str() == "sky" { 0.0 } else { sun_scale },
+            sun_angle: self.held(o.plugin.span, "sun_aperture", sun_angle, Limit::within(0.01, 90.0)),
+            limb_darkening: self.boolean(o, "complex_sun").unwrap_or(false),
+            transform: placed(&all),
+            ..Sky::default()
+        })
+    }
+
+    /// A date and place; where nothing is said, those of Mitsuba.
+    fn when(&mut self, o: &'o Object) -> When {
+        let date = [
+            self.count(o, "year", 2010, [1, 9999]),
+            self.count(o, "month", 7, [1, 12]),
+            self.count(o, "day", 10, [1, 31]),
+        ];
+        let hour = self.within(o, "hour", 15.0, Limit::within(0.0, 24.0))
+            + self.within(o, "minute", 0.0, Limit::within(0.0, 60.0)) / 60.0
+            + self.within(o, "second", 0.0, Limit::within(0.0, 60.0)) / 3600.0;
+        let when = When {
+            latitude: self.within(o, "latitude", 35.6894, Limit::within(-90.0, 90.0)),
+            longitude: self.within(o, "longitude", 139.6917, Limit::within(-180.0, 180.0)),
+            date,
+            hour: if hour > 24.0 { 24.0 } else { hour },
+            utc_offset: self.within(o, "timezone", 9.0, Limit::within(-14.0, 14.0)),
+        };
+        if when.is_sound() {
+            return when;
+        }
+        self.fail(o.plugin.span, format!("there is no day {}-{}-{}", date[0], date[1], date[2]));
+        When { date: [2010, 7, 10], ..when }
     }
 
     fn surroundings(&mut self, o: &'o Object) -> Option<Light> {

@@ -1,6 +1,8 @@
 //! Integrators.
 
-use straal_scene::desc::{AmbientOcclusion, DirectLight, Integrator, PathTracer, Roulette, Technique};
+use straal_scene::desc::{
+    AmbientOcclusion, DirectLight, Integrator, LightTracer, PathTracer, Roulette, Technique,
+};
 use straal_scene::limit::Limit;
 use straal_scene::value::Depth;
 
@@ -58,6 +60,12 @@ impl<'o> Translator<'o, '_, '_> {
                 self.scene.integrator =
                     Integrator::Ao(AmbientOcclusion { rays, radius, ..AmbientOcclusion::default() });
             }
+            "ptracer" => {
+                self.only(o, &[&COMMON[..], &["samples_per_pass"]].concat());
+                let (max_depth, roulette_depth) = self.depths(o);
+                self.scene.integrator =
+                    Integrator::Light(LightTracer { max_depth, roulette_depth, roulette: Roulette::Root });
+            }
             "aov" | "moment" => {
                 self.only(o, &[&COMMON[..], &["aovs"]].concat());
                 let what = if o.plugin.as_str() == "aov" {
@@ -84,7 +92,8 @@ impl<'o> Translator<'o, '_, '_> {
         }
     }
 
-    fn path(&mut self, o: &'o Object) {
+    /// How many edges a path may have, and after how many roulette begins.
+    fn depths(&mut self, o: &'o Object) -> (Depth, u32) {
         let most = self.integer(o, "max_depth").unwrap_or(-1);
         let max_depth = match most {
             ..0 => Depth::Unlimited,
@@ -94,7 +103,11 @@ impl<'o> Translator<'o, '_, '_> {
             }
             most => Depth::Edges(u32::try_from(most).unwrap_or(u32::MAX)),
         };
-        let roulette_depth = self.count(o, "rr_depth", 5, [0, u32::MAX]);
+        (max_depth, self.count(o, "rr_depth", 5, [0, u32::MAX]))
+    }
+
+    fn path(&mut self, o: &'o Object) {
+        let (max_depth, roulette_depth) = self.depths(o);
         self.scene.integrator = Integrator::Path(PathTracer {
             max_depth,
             roulette_depth,

@@ -8,6 +8,8 @@
 //! `emitter.rs`, one-sided BSDFs in `bsdf.rs`.
 
 mod bsdf;
+mod curve;
+mod distance;
 mod emitter;
 mod integrator;
 mod kinds;

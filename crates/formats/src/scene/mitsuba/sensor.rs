@@ -95,15 +95,12 @@ impl<'o> Translator<'o, '_, '_> {
     /// Where a sensor stands and looks.
     fn observer(&mut self, o: &'o Object) -> Observer {
         let m = self.to_world(o);
-        if m.determinant() < 0.0 {
-            let span = self.get(o, "to_world").map_or(o.plugin.span, |p| p.span);
-            self.warn(span, "this `to_world` mirrors what the sensor sees, which isn't supported: left and right are as they are");
-        }
         let [eye, ahead, up] = [m.point(DVec3::ZERO), m.vector(DVec3::Z), m.vector(DVec3::Y)];
-        looking(eye, ahead, up).unwrap_or_else(|| {
+        let found = looking(eye, ahead, up).unwrap_or_else(|| {
             self.fail(o.plugin.span, "this sensor looks nowhere");
             Observer::default()
-        })
+        });
+        Observer { mirror: m.determinant() < 0.0, ..found }
     }
 
     fn perspective(&mut self, o: &'o Object) -> Camera {

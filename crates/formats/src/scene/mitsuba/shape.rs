@@ -50,6 +50,8 @@ impl<'o> Translator<'o, '_, '_> {
             "cube" => self.cube(o),
             "obj" | "ply" => self.mesh_file(o),
             "serialized" => self.serialized(o),
+            "bsplinecurve" | "linearcurve" | "hair" => self.curves(o),
+            "sdfgrid" => self.distances(o),
             "shapegroup" => {
                 self.group(i);
                 None
@@ -73,7 +75,7 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// What all surfaces share. `flip` says whether front and back change places.
-    fn surface(&mut self, o: &'o Object, at: &Affine, uv: Uv, flip: bool) -> Surface {
+    pub(super) fn surface(&mut self, o: &'o Object, at: &Affine, uv: Uv, flip: bool) -> Surface {
         let emitter = self.inside(o, Class::Emitter).first().copied();
         let emission = emitter.and_then(|e| self.area_light(e, uv));
         let media = |t: &Self, name: &str| match t.get(o, name).map(|p| &p.value) {
@@ -122,7 +124,7 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// Where a shape stands whose own parameters are `own`.
-    fn placed(&mut self, o: &'o Object, own: &Affine) -> Affine {
+    pub(super) fn placed(&mut self, o: &'o Object, own: &Affine) -> Affine {
         let to_world = self.to_world(o);
         let all = own.then(&to_world);
         if all.inverse().is_none() || !all.is_finite() {

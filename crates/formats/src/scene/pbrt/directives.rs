@@ -440,7 +440,7 @@ impl Reader<'_, '_> {
         let all = Instances {
             of: Link::new(name),
             transforms: vec![place],
-            transform: Transform { steps: Vec::new(), span },
+            transform: Transform::of(Vec::new(), span),
             look_at: None,
             material: None,
             name: None,

@@ -110,7 +110,7 @@ impl State {
 /// A map as a description says it.
 pub(super) fn as_transform(map: &Affine, span: Span) -> Transform {
     let steps = if map.is_identity() { Vec::new() } else { vec![Step::Matrix(Matrix(*map))] };
-    Transform { steps, span }
+    Transform::of(steps, span)
 }
 
 /// By how much a map makes lengths longer, on the whole.

@@ -152,12 +152,12 @@ impl Shine for Sky {
     #[inline(always)]
     fn radiance_pdf_from_many<F: Float, L: Lanes>(
         &self,
-        n: Vec3<F>,
+        at: &Receiver<F>,
         wi: Vec3<F>,
         readings: &Readings<'_, L>,
     ) -> (Light<F>, F) {
         let rgb = self.0.rgb(wi);
-        let pdf = self.0.cells.pdf(&self.0.cells.place(wi), n);
+        let pdf = self.0.cells.pdf(&self.0.cells.place(wi), at.n);
         (readings.radiance_of_rgb(rgb), F::select(rgb.is_black(), F::ZERO, pdf))
     }
 
@@ -167,8 +167,8 @@ impl Shine for Sky {
     }
 
     #[inline]
-    fn pdf_from(&self, n: Vec3, wi: Vec3) -> f32 {
-        if self.0.rgb(wi).is_black() { 0.0 } else { self.0.cells.pdf(&self.0.cells.place(wi), n) }
+    fn pdf_from(&self, at: &Receiver, wi: Vec3) -> f32 {
+        if self.0.rgb(wi).is_black() { 0.0 } else { self.0.cells.pdf(&self.0.cells.place(wi), at.n) }
     }
 
     /// What falls on the scene's disc from all sides.

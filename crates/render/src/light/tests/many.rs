@@ -19,7 +19,7 @@ fn street(count: usize) -> (Geometry, Vec<Emitter>) {
                 opacity: None,
                 below: None,
                 sides,
-                spread: crate::light::area::Spread::default(),
+                spread: area::Spread::default(),
                 placement: None,
             })
         };

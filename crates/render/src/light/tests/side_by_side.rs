@@ -38,7 +38,7 @@ impl Kernel for Samples<'_> {
         for first in (0..COUNT).step_by(F::WIDTH) {
             let (at, u) = lanes::<F>(&at[first..], &u[first..]);
             let s = example.emitter.sample_many(&example.geometry, &at, u, &readings);
-            let (radiance, pdf) = example.emitter.radiance_pdf_from_many(at.n, s.wi, &readings);
+            let (radiance, pdf) = example.emitter.radiance_pdf_from_many(&at, s.wi, &readings);
             let (mut light, mut seen) = ([Light::ZERO; BLOCK], [Light::ZERO; BLOCK]);
             s.radiance.for_each(|i, l| light[i] = l);
             radiance.for_each(|i, l| seen[i] = l);
@@ -70,7 +70,7 @@ fn points_on_lights_are_those_of_one_after_the_other() {
                     let one = e.emitter.sample(&e.geometry, &at[i], u[i], &in_rgb());
                     assert_eq!(sample, one, "{name}, {}, {simd:?}", e.name);
                     let Some(one) = one else { continue };
-                    let looked_up = e.emitter.radiance_pdf_from(at[i].n, one.wi, &in_rgb());
+                    let looked_up = e.emitter.radiance_pdf_from(&at[i], one.wi, &in_rgb());
                     assert_eq!(seen, looked_up, "{name}, {}, {simd:?}", e.name);
                 }
             }

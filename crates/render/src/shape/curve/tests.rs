@@ -7,6 +7,9 @@ use straal_math::Vec3;
 
 /// A straight tube, which is a cylinder.
 pub(super) fn examples(stand: &Setting) -> Vec<Example> {
+    if stand.scale != 1.0 {
+        return vec![];
+    }
     let (map, inverse) = (stand.map, stand.map.inverse().expect("it has one"));
     let space = Arc::new(Space::new(map).expect("it has an inverse"));
     let points = [-0.6, -0.2, 0.2, 0.6].map(|y| DVec3::new(0.1, y, 0.0));
@@ -19,7 +22,7 @@ pub(super) fn examples(stand: &Setting) -> Vec<Example> {
             (q.length() - 0.5, inverse.normal_by_inverse(q.normalize()))
         }),
         Example::new("ribbon", Shape::Curve(Box::new(ribbon)), move |p| {
-            (inverse.point(p).z, inverse.normal_by_inverse(-DVec3::Z))
+            (inverse.point(p).z, inverse.normal_by_inverse(DVec3::Z))
         }),
     ]
 }

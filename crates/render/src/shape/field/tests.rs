@@ -7,6 +7,9 @@ use crate::shape::tests::{Example, Rng, Setting};
 
 /// A ball, whose distance is exact.
 pub(super) fn examples(stand: &Setting) -> Vec<Example> {
+    if stand.scale != 1.0 {
+        return vec![];
+    }
     let (map, inverse) = (stand.map, stand.map.inverse().expect("it has one"));
     let field = Field::new(map, Arc::new(Body::Ball(DVec3::ZERO, 1.0))).expect("it is somewhere");
     vec![Example::new("field", Shape::Field(Box::new(field)), move |p| {

@@ -11,6 +11,7 @@ fn leaf(shape: Shape) -> Leaf {
     let input = accel::Input {
         groups: vec![accel::Group { geometries: vec![0], instances: vec![] }],
         geometries: vec![accel::Geometry { kind, mask: u32::MAX }],
+        motions: Vec::new(),
     };
     Leaf::new(geometry, input, vec![Face::Shape(0)]).expect("it can be built")
 }
@@ -22,6 +23,7 @@ fn mesh_leaf(mesh: crate::shape::TriangleMesh) -> Leaf {
     let input = accel::Input {
         groups: vec![accel::Group { geometries: vec![0], instances: vec![] }],
         geometries: vec![accel::Geometry { kind, mask: u32::MAX }],
+        motions: Vec::new(),
     };
     Leaf::new(geometry, input, vec![Face::Mesh(0)]).expect("it can be built")
 }
@@ -30,6 +32,9 @@ const EVERYWHERE: Bounds = Bounds { min: Vec3::splat(-f32::MAX), max: Vec3::spla
 
 /// A ball with a bite far away: on this side it is the whole ball.
 pub(super) fn examples(stand: &Setting) -> Vec<Example> {
+    if stand.scale != 1.0 {
+        return vec![];
+    }
     let (map, inverse) = (stand.map, stand.map.inverse().expect("it has one"));
     let ball =
         |map: Affine| leaf(Shape::Ellipsoid(Box::new(Ellipsoid::new(map).expect("it has an inverse"))));
