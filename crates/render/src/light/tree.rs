@@ -113,7 +113,7 @@ impl Cluster {
                 Some(if cos_reach > 0.0 { cone } else { whole })
             }
             Reach::Surface(lamp) => Some(Self::of_lamp(lamp)),
-            Reach::Point { .. } | Reach::Parallel { .. } | Reach::Around(_) => None,
+            Reach::Parallel { .. } | Reach::Around(_) => None,
         }
     }
 
