@@ -429,7 +429,6 @@ impl Shine for AreaLight {
             shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
             narrowed("disc, narrow", shape("", Shape::Disc(Box::new(disc)), Sides::Both), 80.0),
             mesh("cuboid", cuboid.clone(), Sides::Front),
-            narrowed("cuboid, narrow", mesh("", cuboid.clone(), Sides::Front), 120.0),
             mesh("cuboid, both", cuboid.transformed(&squash).unwrap(), Sides::Both),
         ]
     }

@@ -168,10 +168,13 @@ impl Shine for Projector {
         Some(self.position)
     }
 
+    /// Evenly over a screen.
     fn starts_towards(&self, u: [f32; 2]) -> (Vec3, f32) {
-        let d = self.direction(u).normalize();
-        let ([x, y], cos) = (self.thrown.slopes, d.dot(self.thrown.frame.n));
-        (d, 1.0 / (4.0 * x * y * cos * cos * cos))
+        let w = self.direction(u);
+        let [x, y] = self.thrown.slopes;
+        // A piece of the screen at a distance of 1 along the axis is seen under cos³ of its area.
+        let length = w.length();
+        (w / length, length * length * length / (4.0 * x * y))
     }
 
     /// A screen at a distance of 1 is as large as the picture.

@@ -212,7 +212,7 @@ impl<'a> Translation<'a, '_> {
         for (Packed { at, asset, .. }, result) in packed.iter().zip(decode(&packed, self.means)) {
             match result {
                 Ok((bitmap, notes)) => {
-                    self.made.assets.bitmaps.put(asset.handle, Arc::new(bitmap));
+                    self.made.bitmap(asset.file.clone(), Arc::new(bitmap));
                     for note in notes {
                         let (span, path) = self.document.place((at.start, at.end));
                         self.means.d.push(Diagnostic::warning(span, format!("{path}{note}")));

@@ -77,6 +77,9 @@ const METALS: [(&str, &str); 13] = [
     ("Pt_palik", "platinum"),
 ];
 
+/// A metal by its name, or the two parts of its index.
+type MetalOf = (Option<Known<straal_color::spectrum::refraction::Metal>>, [Option<Spectrum>; 2]);
+
 /// Alpha of facets.
 const ALPHA: Limit = Limit::UNIT;
 
@@ -502,10 +505,7 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// A metal by name or by its index; `None` for the perfect mirror.
-    fn metal(
-        &mut self,
-        o: &'o Object,
-    ) -> Option<(Option<Known<straal_color::spectrum::refraction::Metal>>, [Option<Spectrum>; 2])> {
+    fn metal(&mut self, o: &'o Object) -> Option<MetalOf> {
         let said = self.text(o, "material");
         if o.has("eta") || o.has("k") {
             let eta = self.constant(o, "eta", 0.0, For::Any);

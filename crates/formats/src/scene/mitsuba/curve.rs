@@ -1,10 +1,11 @@
 //! Files of curves: a point and a radius on each line, and an empty line between curves.
 
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{CurveBasis, CurveForm, Curves, Node};
+use straal_scene::desc::{CurveBasis, CurveForm, Curves, Material, MaterialRef, Node, Relief, TwoFaces};
 use straal_scene::limit::Limit;
 use straal_scene::{Diagnostic, suggest};
 
+use super::bsdf;
 use super::translate::Translator;
 use super::tree::Object;
 use super::uv::Uv;
@@ -62,8 +63,14 @@ impl<'o> Translator<'o, '_, '_> {
             }
         };
         self.read.push((found.path, found.name, blake3::hash(&bytes).into()));
-        let to_world = self.to_world(o);
-        let surface = self.surface(o, &Affine::IDENTITY, Uv::Same, false);
+        let to_world = self.world_of(o);
+        let mut surface = self.surface(o, &Affine::IDENTITY, Uv::Same, false);
+        // What is seen from within isn't there, as in Mitsuba: tubes are open.
+        surface.material = surface.material.take().map(|front| {
+            let back = Box::new(MaterialRef::Inline(Box::new(bsdf::nothing())));
+            let both = TwoFaces { front: Box::new(front), back, relief: Relief::default() };
+            MaterialRef::Inline(Box::new(Material::TwoFaces(both)))
+        });
         Some(Node::Curves(Curves {
             points: read.points.iter().map(|p| to_world.point(*p)).collect(),
             starts: read.starts,

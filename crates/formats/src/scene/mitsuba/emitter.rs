@@ -98,7 +98,7 @@ impl<'o> Translator<'o, '_, '_> {
 
     fn spot(&mut self, o: &'o Object) -> Light {
         self.known_light(o, &["intensity", "cutoff_angle", "beam_width", "texture"]);
-        let to_world = self.to_world(o);
+        let to_world = self.world_of(o);
         let cutoff = self.within(o, "cutoff_angle", 20.0, Limit::within(0.001, 180.0));
         let beam = self.within(o, "beam_width", 0.75 * cutoff, Limit::within(0.0, 180.0));
         let beam = if beam > cutoff {
@@ -128,7 +128,7 @@ impl<'o> Translator<'o, '_, '_> {
     /// A picture that is thrown: upright as seen from the lamp, its first row above.
     fn projector(&mut self, o: &'o Object) -> Option<Light> {
         self.known_light(o, &["irradiance", "scale", "fov", "fov_axis", "focal_length"]);
-        let to_world = self.to_world(o);
+        let to_world = self.world_of(o);
         let scale = self.within(o, "scale", 1.0, Limit::NON_NEGATIVE);
         let fov = self.within(o, "fov", 40.0, Limit::within(0.1, 179.0));
         let axis = self.word(o, "fov_axis", &["x", "y", "diagonal", "smaller", "larger"]);
@@ -193,7 +193,7 @@ impl<'o> Translator<'o, '_, '_> {
             true => Affine::IDENTITY,
             false => Affine { rows: [[0.0, 0.0, -1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]] },
         };
-        let all = own.then(&turn_of(&self.to_world(o)));
+        let all = own.then(&turn_of(&self.world_of(o)));
         let said = self.vector(o, "sun_direction");
         let sun_direction = said.and_then(|world| Some(all.inverse()?.vector(world)));
         let sun_direction = sun_direction.filter(|d| d.try_normalize().is_some());
@@ -257,7 +257,7 @@ impl<'o> Translator<'o, '_, '_> {
         };
         let found = self.file(o, &file)?;
         let scale = self.within(o, "scale", 1.0, Limit::NON_NEGATIVE);
-        let to_world = self.to_world(o);
+        let to_world = self.world_of(o);
         let file = Some(self.made.in_file(Spanned::new(found.name, file.span)));
         Some(Light::Environment(Environment {
             file,

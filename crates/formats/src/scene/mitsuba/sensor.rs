@@ -94,7 +94,7 @@ impl<'o> Translator<'o, '_, '_> {
 
     /// Where a sensor stands and looks.
     fn observer(&mut self, o: &'o Object) -> Observer {
-        let m = self.to_world(o);
+        let m = self.world_of(o);
         let [eye, ahead, up] = [m.point(DVec3::ZERO), m.vector(DVec3::Z), m.vector(DVec3::Y)];
         let found = looking(eye, ahead, up).unwrap_or_else(|| {
             self.fail(o.plugin.span, "this sensor looks nowhere");
@@ -170,7 +170,7 @@ impl<'o> Translator<'o, '_, '_> {
         if o.plugin.as_str() == "telecentric" {
             self.unsupported(o, "it is `orthographic` here, sharp everywhere");
         }
-        let m = self.to_world(o);
+        let m = self.world_of(o);
         let [across, up] = [m.vector(DVec3::X).length(), m.vector(DVec3::Y).length()];
         if (across - up).abs() > 1e-4 * across {
             self.warn(

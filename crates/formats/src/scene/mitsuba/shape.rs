@@ -125,7 +125,7 @@ impl<'o> Translator<'o, '_, '_> {
 
     /// Where a shape stands whose own parameters are `own`.
     pub(super) fn placed(&mut self, o: &'o Object, own: &Affine) -> Affine {
-        let to_world = self.to_world(o);
+        let to_world = self.world_of(o);
         let all = own.then(&to_world);
         if all.inverse().is_none() || !all.is_finite() {
             self.fail(o.plugin.span, format!("this {} has no size", suggest::brief(&o.plugin)));

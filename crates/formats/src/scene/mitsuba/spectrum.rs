@@ -280,7 +280,7 @@ fn measured(wavelengths: Vec<f64>, values: Vec<f64>) -> Spectrum {
 /// Planck's radiance in W/(m² sr nm), with the constants of CODATA 2018.
 fn black_body(kelvin: f64, scale: f64) -> Spectrum {
     const STEP: usize = 5;
-    let wavelengths: Vec<f64> = (360..=830).step_by(STEP).map(|nm| f64::from(nm)).collect();
+    let wavelengths: Vec<f64> = (360..=830).step_by(STEP).map(f64::from).collect();
     let radiance = |nm: f64| {
         let x = 1.438_776_877e7 / (nm * kelvin);
         let m = nm * 1e-9;

@@ -280,7 +280,7 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// That of an object to the world, which must have an inverse.
-    pub fn to_world(&mut self, o: &'o Object) -> Affine {
+    pub fn world_of(&mut self, o: &'o Object) -> Affine {
         let m = self.transform(o, "to_world");
         if m.inverse().is_none() {
             let span = self.get(o, "to_world").map_or(o.plugin.span, |p| p.span);

@@ -10,7 +10,9 @@ fn rays_bring_what_sampling_finds() {
     let all = super::super::registry().into_iter().flat_map(|(_, all)| all);
     for e in all.filter(sends_rays) {
         // From outside, only the near side of a ball is looked for; nothing here keeps off what its inner side sends.
-        if ["sphere, inside", "ellipsoid"].contains(&e.name) {
+        // Rays spread, so that they can't bring the same from afar; and through portals alone sampling finds less than there is.
+        let is_other = ["sphere, inside", "ellipsoid", "point, the same from afar"].contains(&e.name);
+        if is_other || e.name.starts_with("portal") {
             continue;
         }
         let disc = Disc::new(Vec3::new(0.4, 1.9, 0.3), Vec3::new(1.6, 0.0, 0.2), Vec3::new(0.1, 0.3, 1.5));
