@@ -145,7 +145,7 @@ impl AreaLight {
                 #[inline(always)]
                 |i| {
                     let u = [u[0].lane(i), u[1].lane(i)];
-                    let part = part.map(|part| part.lane(i).min(last));
+                    let part = part.map(|part| Ord::min(part.lane(i), last));
                     self.sample_textured(geometry, (at.p.lane(i), u), part, &readings.of(i))
                 },
             );
