@@ -41,7 +41,8 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "N", value_parser = quantity::frame, hide_short_help = true, help_heading = PICTURE)]
     pub frame: Option<f64>,
 
-    /// What stands for a name that a scene of Mitsuba leaves open, such as -D spp=16 for $spp; may be given several times
+    /// What stands for a name that a scene of Mitsuba leaves open, such as -D spp=16 for $spp; of a scene of glTF, which camera, scene, variant
+    /// or animation is shown, as -D camera=NAME, and how many frames a second has, fps; may be given several times
     #[arg(
         short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition, hide_short_help = true,
         help_heading = MACHINE

@@ -142,6 +142,11 @@ pub fn scene(settings: &RenderSettings) -> Result<Loaded, Failure> {
 
 /// The scene as a file of its own, with all that was said on the command line.
 fn scene_text(loaded: &Loaded, settings: &RenderSettings) -> Result<String, Failure> {
+    if let Some(held) = loaded.held.first() {
+        let message =
+            format!("the scene's own file holds meshes or pictures, such as `{held}`, which one text can't");
+        return Err(Failure::input(message).help("`straal convert` writes them beside the scene"));
+    }
     let development = settings.development(Development::of(&loaded.scene.film));
     let scene = written::scene(loaded, &settings.overrides, &development)
         .map_err(|e| refused(e, &loaded.warnings))?;

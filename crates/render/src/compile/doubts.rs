@@ -46,8 +46,9 @@ pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
             _ => "the directional light".to_owned(),
         };
         notes.push(format!(
-            "{what} shines on glass with {percent} % of its light, and light without size doesn't get through glass: what lies \
-             behind it stays dark. A lamp that has a size gets through: a small sphere with `emission`"
+            "{what} shines on glass with {percent} % of its light, and light without size doesn't get through glass to where rays from the camera look for \
+             it: what lies behind stays dark. The integrator `light` sends rays from the lamp, which do; and so does the light of a lamp that has a size, such as a \
+             small sphere with `emission`"
         ));
     }
 }

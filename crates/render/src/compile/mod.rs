@@ -98,7 +98,10 @@ pub fn compile_after(before: Option<World>, request: &Request<'_>) -> Result<Wor
     let mut notes = std::mem::take(&mut world.notes);
     let eye = request.scene.camera.observer().keyframes().first().map_or(DVec3::ZERO, |m| m.eye);
     doubts::depth(world.accel.bounds(), eye - world.centre, &mut notes);
-    doubts::lights_behind_glass(&world, &mut notes);
+    // Rays from the lamps go through glass.
+    if !matches!(request.scene.integrator, desc::Integrator::Light(_)) {
+        doubts::lights_behind_glass(&world, &mut notes);
+    }
     world.notes = notes;
     Ok(world)
 }

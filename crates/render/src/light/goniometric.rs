@@ -150,6 +150,10 @@ impl Shine for Goniometric {
         )
     }
 
+    fn starts_at(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
     fn power(&self, _: &Geometry, _: f64) -> f64 {
         self.distribution.total * strength(&self.intensity)
     }

@@ -7,7 +7,7 @@ use straal_math::simd::Float;
 use straal_math::{DVec3, Vec3, ops};
 use straal_scene::desc;
 
-use super::{Emitter, Extent, LightSample, Reach, Receiver, Shine};
+use super::{Ball, Emitted, Emitter, Extent, LightSample, Reach, Receiver, Shine};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 
@@ -296,6 +296,17 @@ impl Shine for Box<Portals> {
     #[inline]
     fn pdf_from(&self, at: &Receiver, wi: Vec3) -> f32 {
         self.pdf(at, wi)
+    }
+
+    /// As the surroundings do: what doesn't come in ends at a wall.
+    fn emit<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        ball: &Ball,
+        u: [f32; 4],
+        reading: &Reading<'_, L>,
+    ) -> Option<Emitted> {
+        self.surroundings.emit(geometry, ball, u, reading)
     }
 
     /// Of what is around, as if it came in everywhere.

@@ -164,6 +164,19 @@ impl Shine for Projector {
         )
     }
 
+    fn starts_at(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
+    /// Evenly over a screen.
+    fn starts_towards(&self, u: [f32; 2]) -> (Vec3, f32) {
+        let w = self.direction(u);
+        let [x, y] = self.thrown.slopes;
+        // A piece of the screen at a distance of 1 along the axis is seen under cos³ of its area.
+        let length = w.length();
+        (w / length, length * length * length / (4.0 * x * y))
+    }
+
     /// A screen at a distance of 1 is as large as the picture.
     fn power(&self, _: &Geometry, _: f64) -> f64 {
         let [x, y] = self.thrown.slopes.map(f64::from);

@@ -537,7 +537,7 @@ pub(super) fn goniometric(l: &Goniometric, keys: &Keys<'_>, d: &mut Decoder) {
         d.push(Diagnostic::error(keys.span("zero"), "`zero` has no direction: all three numbers are 0"));
     } else if axis != DVec3::ZERO && Affine::look_at(DVec3::ZERO, axis, zero).is_none() {
         let help =
-            "choose another `zero`, such as `zero: [0, 1, 0]`: it says how the lamp is turned about its axis";
+            "choose another `zero`, such as `zero: [0, 0, 1]`: it says how the lamp is turned about its axis";
         d.push(Diagnostic::error(keys.span("zero"), "`zero` is along the lamp's axis").help(help));
     }
     if let Spectrum::Rgb(LinearRgb(rgb)) = l.color

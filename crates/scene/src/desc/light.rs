@@ -60,7 +60,7 @@ describe! {
     pub enum Decay {
         /// With its square, as light does.
         "inverse_square" => InverseSquare,
-        /// Not at all: as bright everywhere as at a distance of 1, as in many textbooks.
+        /// Not at all: as bright everywhere as at a distance of 1, as in many textbooks. Rays from the lamp, of the integrator `light`, spread all the same.
         "none" => None,
     }
 }
