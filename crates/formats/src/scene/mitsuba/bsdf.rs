@@ -695,7 +695,7 @@ impl<'o> Translator<'o, '_, '_> {
                     let mix = Mix {
                         first: Box::new(material),
                         second: Box::new(rest),
-                        weight: Varying::Constant(share.clamp(0.0, 1.0)),
+                        weight: Varying::Constant(if share < 1.0 { share } else { 1.0 }),
                         relief: Relief::default(),
                     };
                     (MaterialRef::Inline(Box::new(Material::Mix(mix))), left)
@@ -750,7 +750,7 @@ impl<'o> Translator<'o, '_, '_> {
                     relief,
                     ..CoatedConductor::default()
                 };
-                made.coat.coat_eta = relative.clamp(1.0001, 10.0);
+                made.coat.coat_eta = if relative < 10.0 { relative } else { 10.0 };
                 made.coat.coat_roughness = Varying::Constant(alpha);
                 made.coat.two_sided = m.two_sided;
                 Material::CoatedConductor(made)

@@ -328,7 +328,7 @@ fn what_is_wrong_is_told_with_its_place() {
         (r#"<shape type="instance"/>"#, "an instance needs a `shapegroup`"),
         (r#"<bsdf type="twosided" id="a"><ref id="a"/></bsdf>"#, "`a` is a part of itself"),
         (r#"<shape type="ply"><string name="filename" value="no.ply"/></shape>"#, "cannot read `no.ply`"),
-        (r#"<shape type="hair"/>"#, "isn't supported: it is left out"),
+        (r#"<shape type="heightfield"/>"#, "isn't supported: it is left out"),
         (
             r#"<shape type="sphere"><transform name="to_world"><scale x="0"/></transform></shape>"#,
             "has no inverse",
