@@ -101,20 +101,22 @@ impl Sources {
     /// Keeps a text under the name by which messages call it.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> FileId {
         let text = text.into();
+        let file = self.add_lines(name, &text);
+        if let Some(own) = self.files.get_mut(file.0 as usize) {
+            own.text = text;
+        }
+        file
+    }
+
+    /// Keeps the places of a text's lines only: a [`Span`] of it has its line and column, but can't be quoted.
+    pub fn add_lines(&mut self, name: impl Into<String>, text: &str) -> FileId {
         // A line ends in a line feed, a carriage return or both.
         let bytes = text.as_bytes();
         let ends = |i: usize| bytes[i] == b'\n' || bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n');
         let starts = (0..bytes.len()).filter(|&i| ends(i)).map(|i| clamp(i + 1));
         let lines = std::iter::once(0).chain(starts).collect();
-        self.files.push(File { name: name.into(), text, lines });
+        self.files.push(File { name: name.into(), text: String::new(), lines });
         FileId(clamp(self.files.len() - 1))
-    }
-
-    /// Lets go of a text, of which the places of its lines are kept: a [`Span`] still has its line and column, but can't be quoted.
-    pub fn let_go(&mut self, file: FileId) {
-        if let Some(file) = self.files.get_mut(file.0 as usize) {
-            file.text = String::new();
-        }
     }
 
     /// The name of a file; empty for one that isn't here.
@@ -134,7 +136,7 @@ impl Sources {
         let start = file.lines[line];
         let column = match file.text.get(start as usize..span.start as usize) {
             Some(head) => head.chars().count(),
-            // What was let go of is counted in bytes.
+            // What isn't kept is counted in bytes.
             None if file.text.is_empty() => span.start.saturating_sub(start) as usize,
             None => 0,
         };

@@ -97,7 +97,7 @@ impl Reader<'_, '_> {
                 }
                 Next::Token(token) => token,
             };
-            if self.means.d.is_full() && self.means.d.has_errors() {
+            if self.is_done || self.means.d.is_full() && self.means.d.has_errors() {
                 return;
             }
             let word = self.tokens.text(token);
@@ -131,11 +131,10 @@ impl Reader<'_, '_> {
             self.end_of_curves();
         }
         let just_named = self.just_named.take();
-        if !self.in_world && OF_THE_WORLD.contains(&word) {
-            self.error(
-                span,
-                format!("`{word}` comes before `WorldBegin`, where only the picture is told of"),
-            );
+        // Once: where one does, all do.
+        if !self.in_world && OF_THE_WORLD.contains(&word) && !std::mem::replace(&mut self.is_early, true) {
+            let message = format!("`{word}` comes before `WorldBegin`, where only the picture is told of");
+            self.error(span, message);
         }
         if self.in_world && OF_THE_OPTIONS.contains(&word) {
             self.error(span, format!("`{word}` must come before `WorldBegin`"));
@@ -357,7 +356,8 @@ impl Reader<'_, '_> {
 
     fn save(&mut self, why: Why, span: Span) {
         if self.stack.len() >= DEEPEST {
-            self.warn_once(span, format!("blocks are nested more than {DEEPEST} deep"));
+            self.is_done = true;
+            return self.error(span, format!("blocks are nested more than {DEEPEST} deep"));
         }
         self.stack.push(Saved { why, span, state: self.state.clone() });
     }
@@ -398,6 +398,7 @@ impl Reader<'_, '_> {
         // The last that is said comes first.
         let mut all: Vec<Param> = params.into_list();
         all.extend(list.iter().flat_map(|known| known.iter().cloned()));
+        all.truncate(super::params::MOST);
         *list = Some(Rc::new(all));
     }
 
@@ -527,7 +528,7 @@ impl Reader<'_, '_> {
                 return Err(crate::files::Refusal::new(shortage.to_string()).help(shortage.help()));
             }
             let bytes = crate::files::read_packed(&path, limits.max_bytes)?;
-            read = Some((blake3::hash(&bytes).into(), bytes.len() as u64));
+            read = Some((blake3::hash(&bytes).into(), super::tokens::kept(bytes.len())));
             Ok((shown, bytes))
         });
         if let Err(refusal) = entered {

@@ -5,8 +5,8 @@ use std::rc::Rc;
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
     Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, ImageTexture, Light, Mapping,
-    PointLight, Spectrum, SpotLight, Texture, TextureChannel, TextureFilter, TextureSpace, Varying, Wrap,
-    Wraps,
+    PointLight, Projector, Spectrum, SpotLight, Texture, TextureChannel, TextureFilter, TextureOf,
+    TextureSpace, UvMapping, Varying, Wrap, Wraps,
 };
 use straal_scene::{Bitmap, Image, Span, Spanned};
 
@@ -277,44 +277,63 @@ impl Reader<'_, '_> {
         self.scene.lights.push(Light::Point(PointLight { position, intensity, decay: Decay::InverseSquare }));
     }
 
-    /// A projector, as a spot of its mean.
+    /// A projector. pbrt's sends as much light in all directions where its picture is the same, so that a screen gets less towards the edges.
     fn projection(&mut self, kind: &Spanned<String>, params: &Params, map: &Affine) {
-        let fov = params.float("fov", 90.0);
         let Some(file) = params.string("filename").or(params.string("mapname")).cloned() else {
             return self.error(params.span, "a light `projection` needs a `filename`");
         };
-        let Some(image) = self.read_picture(&file) else { return };
-        let mut mean = [0.0; 3];
-        for pixel in &image.pixels {
-            for (sum, v) in mean.iter_mut().zip(pixel) {
-                *sum += f64::from(*v) / image.pixels.len() as f64;
-            }
+        let fov = params.float("fov", 90.0);
+        let [width, height] = self.picture_size(&file).unwrap_or([1, 1]).map(|n| n as f64);
+        let aspect = if height > 0.0 { width / height } else { 1.0 };
+        // The angle spans the shorter side.
+        let (sin, cos) = ops::sin_cos_degrees(0.5 * fov);
+        let tan = sin / cos * if aspect > 1.0 { aspect } else { 1.0 };
+        let across = 2.0 * ops::atan2_d(tan, 1.0).to_degrees();
+        let [right, up, forward] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| map.vector(axis));
+        let fits = fov > 0.0 && (0.1..=179.0).contains(&across) && (0.01..=100.0).contains(&aspect);
+        if !fits || forward.cross(up).try_normalize().is_none() {
+            return self.error(params.span, "this projector throws no picture: its `fov` is out of range");
         }
-        self.warn(kind.span, "`projection` is approximated: a spot of the mean of its picture");
-        let direction = map.vector(DVec3::Z);
-        let cutoff = 0.5 * fov;
-        if !(0.001..=89.0).contains(&cutoff) {
-            return self.error(params.span, "`fov` of a projector must be above 0 and below 178 degrees");
-        }
-        let mut scale = self.scale(params) * self.light_scale;
+        self.warn_once(
+            kind.span,
+            "a projector's picture is even on a screen here; pbrt's falls off towards the edges",
+        );
+        let mut intensity = self.scale(params) * self.light_scale;
         if let Some(power) = params.maybe_float("power").filter(|v| *v > 0.0) {
-            let (_, cos) = ops::sin_cos_degrees(cutoff);
-            let luminance = straal_color::luminance(mean.map(|v| v as f32));
-            let all = 2.0 * std::f64::consts::PI * (1.0 - cos) * f64::from(luminance);
-            scale = if all > 0.0 { scale * power / all } else { 0.0 };
+            let Some(image) = self.read_picture(&file) else { return };
+            let sum: f64 = image.pixels.iter().map(|p| f64::from(straal_color::luminance(*p))).sum();
+            let mean = sum / image.pixels.len() as f64;
+            // On the plane at distance 1, where a picture is even, as much falls on each part.
+            let area = 4.0 * tan * tan / aspect;
+            intensity = if mean > 0.0 { intensity * power / (area * mean) } else { 0.0 };
         }
-        let colour = Spectrum::Rgb(straal_scene::value::LinearRgb(mean.map(positive)));
-        let intensity = times(&colour, scale);
-        self.scene.lights.push(Light::Spot(SpotLight {
-            texture: None,
-            up: DVec3::Y,
+        if !(intensity as f32).is_finite() {
+            return self.error(params.span, "this light is brighter than numbers go");
+        }
+        // With x to the right as pbrt sees it.
+        let is_mirrored = right.dot(forward.cross(up)) < 0.0;
+        let uv = match is_mirrored {
+            true => UvMapping { scale: [-1.0, 1.0], rotate: 0.0, translate: [1.0, 0.0] },
+            false => UvMapping::default(),
+        };
+        let picture = TextureOf::Inline(Texture::Image(ImageTexture {
+            file: self.made.in_file::<Bitmap>(file),
+            color_space: TextureSpace::Auto,
+            channel: TextureChannel::Luminance,
+            filter: TextureFilter::Bilinear,
+            anisotropy: 16.0,
+            wrap: Wraps([Wrap::Clamp, Wrap::Clamp]),
+            mapping: Mapping::Uv(uv),
+        }));
+        self.scene.lights.push(Light::Projector(Projector {
             position: map.point(DVec3::ZERO),
-            direction: Some(direction),
+            direction: Some(forward),
             look_at: None,
+            up,
+            picture,
             intensity,
-            cutoff,
-            beam: Some(cutoff),
-            falloff: Falloff::Smooth,
+            fov: across,
+            aspect: Some(aspect),
         }));
     }
 

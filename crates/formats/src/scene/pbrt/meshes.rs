@@ -2,7 +2,7 @@
 
 use straal_math::Affine;
 use straal_scene::Mesh;
-use straal_scene::desc::MaterialRef;
+use straal_scene::desc::{MaterialRef, Subdivide, Subdivision};
 
 use super::Reader;
 use super::params::{Params, Type};
@@ -111,17 +111,13 @@ impl Reader<'_, '_> {
         let Some(triangles) = self.faces::<3>(params, cage.positions.len()) else { return };
         params.pass_over(&["scheme"]);
         let wanted = params.maybe_integer("nlevels").unwrap_or_else(|| params.integer("levels", 3));
-        // Each level has four times as many.
-        const MOST: usize = 16_000_000;
-        let mut levels = wanted.clamp(0, 12).unsigned_abs();
-        while levels > 0 && triangles.len().saturating_mul(1 << (2 * levels)) > MOST {
-            levels -= 1;
-        }
+        let levels = wanted.clamp(0, 8).unsigned_abs();
         if i64::from(levels) != i64::from(wanted) {
-            self.warn(params.span, format!("this is subdivided {levels} times only"));
+            self.warn(params.span, format!("this is subdivided {levels} times"));
         }
-        let mesh = super::subdivide::subdivided(&cage.positions, &triangles, levels);
-        self.made_mesh(mesh, at, params.span);
+        // Loop's rule knows places only.
+        let cage = Mesh { normals: Vec::new(), uvs: Vec::new(), triangles, ..cage };
+        self.made_cage(cage, Subdivide { scheme: Subdivision::Loop, levels }, (at, params.span));
     }
 }
 

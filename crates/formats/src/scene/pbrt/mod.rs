@@ -20,11 +20,9 @@ mod lights;
 mod materials;
 mod meshes;
 mod params;
-mod round;
 mod shapes;
 mod spectra;
 mod state;
-mod subdivide;
 #[cfg(test)]
 mod tests;
 mod textures;
@@ -78,7 +76,7 @@ struct Object {
 /// How far a scene has been read.
 struct Reader<'a, 'm> {
     means: &'a mut Means<'m>,
-    tokens: Tokens,
+    tokens: Tokens<'a>,
     scene: Scene,
     made: Made,
     /// What was read besides, see [`Translated::files`].
@@ -106,12 +104,18 @@ struct Reader<'a, 'm> {
     /// Bytes that they take.
     mesh_bytes: u64,
     curves: Option<curves::Gathered>,
+    /// How many nodes there are.
+    nodes: u64,
+    /// Whether the rest isn't read, after an error that leaves no sense in it.
+    is_done: bool,
+    /// Whether something of the world came before it.
+    is_early: bool,
     /// What the last directive named as a material though nothing goes by it.
     just_named: Option<Name>,
 }
 
 impl<'a, 'm> Reader<'a, 'm> {
-    fn new(name: &str, bytes: &[u8], means: &'a mut Means<'m>) -> Self {
+    fn new(name: &str, bytes: &'a [u8], means: &'a mut Means<'m>) -> Self {
         let tokens = Tokens::new(name, bytes, means.d);
         // Where nothing is said, the camera stands at the origin and looks along +z.
         let observer = Observer { eye: DVec3::ZERO, look_at: DVec3::Z, ..Observer::default() };
@@ -122,7 +126,7 @@ impl<'a, 'm> Reader<'a, 'm> {
             scene: Scene::seen_by(camera),
             made: Made::default(),
             files: Vec::new(),
-            text_bytes: bytes.len() as u64,
+            text_bytes: tokens::kept(bytes.len()),
             options: Options::default(),
             in_world: false,
             state: State::default(),
@@ -138,6 +142,9 @@ impl<'a, 'm> Reader<'a, 'm> {
             meshes: 0,
             mesh_bytes: 0,
             curves: None,
+            nodes: 0,
+            is_done: false,
+            is_early: false,
             just_named: None,
         }
     }
@@ -153,9 +160,13 @@ impl<'a, 'm> Reader<'a, 'm> {
         }
         if !self.in_world {
             let place = self.tokens.place();
-            self.error(place, "the file ends before `WorldBegin`: nothing is in the world");
+            let mut complaint =
+                Diagnostic::error(place, "the file ends before `WorldBegin`: nothing is in the world");
+            if self.is_early {
+                complaint = complaint.help("perhaps it is a part of a scene, which another file includes");
+            }
+            self.d().push(complaint);
         }
-        self.tokens.end(self.means.d);
         let Self { scene, made, files, text_bytes, .. } = self;
         Some(Translated { scene, made, files, text_bytes })
     }
@@ -190,6 +201,18 @@ impl<'a, 'm> Reader<'a, 'm> {
 
     /// Puts something into the object that is open, or into the world.
     fn push(&mut self, node: Node) {
+        self.nodes += 1;
+        if self.nodes.is_multiple_of(1 << 14) {
+            let bytes = self.nodes * size_of::<Node>() as u64 + self.mesh_bytes;
+            let help = "instances of objects, and meshes of many triangles, take less than single shapes";
+            let what = || "the description of this scene".to_owned();
+            if let Some(shortage) = self.means.ledger.refuse(bytes, what, help) {
+                self.means.d.lacks_memory = true;
+                self.is_done = true;
+                let place = self.tokens.place();
+                return self.error(place, shortage.to_string());
+            }
+        }
         match &mut self.object {
             Some(object) => object.nodes.push(node),
             None => self.scene.world.push(node),

@@ -53,6 +53,9 @@ const TYPES: [(&str, Type); 20] = [
     ("vector4", Type::Float),
 ];
 
+/// Most parameters of a thing, or of what is said around things.
+pub(super) const MOST: usize = 500;
+
 /// How many of them version 4 has.
 const OF_VERSION_4: usize = 13;
 
@@ -107,8 +110,9 @@ pub(super) struct Params {
 
 impl Params {
     /// Reads all that follow.
-    pub fn read(tokens: &mut Tokens, space: Space, span: Span, d: &mut Diagnostics) -> Self {
+    pub fn read(tokens: &mut Tokens<'_>, space: Space, span: Span, d: &mut Diagnostics) -> Self {
         let mut own: Vec<Param> = Vec::new();
+        let mut is_full = false;
         while let Some(token) = tokens.here(d) {
             if token.kind != Kind::Text {
                 tokens.put_back(token);
@@ -120,7 +124,11 @@ impl Params {
                 d.push(Diagnostic::warning(param.span, message).related(first.span, "the first is here"));
                 continue;
             }
-            own.push(param);
+            if own.len() < MOST {
+                own.push(param);
+            } else if !std::mem::replace(&mut is_full, true) {
+                d.push(Diagnostic::error(param.span, format!("there are more than {MOST} parameters")));
+            }
         }
         Self { own, span, ..Self::default() }
     }
@@ -245,7 +253,12 @@ impl Params {
             } else if asked.contains(&&*param.name) {
                 (format!("`{name}` of {of} is of another type: it is passed over"), None)
             } else {
-                let help = suggest::did_you_mean(&param.name, asked.iter().copied());
+                // Nobody reads more of them than are kept.
+                let help = if d.is_full() {
+                    None
+                } else {
+                    suggest::did_you_mean(&param.name, asked.iter().copied())
+                };
                 (format!("{of} has no parameter `{name}`: it is passed over"), help)
             };
             d.push(Diagnostic::warning(param.span, message).maybe_help(help));
@@ -254,7 +267,7 @@ impl Params {
 }
 
 /// One parameter, whose declaration was read; `None` after a complaint.
-fn one(token: Token, tokens: &mut Tokens, space: Space, d: &mut Diagnostics) -> Option<Param> {
+fn one(token: Token, tokens: &mut Tokens<'_>, space: Space, d: &mut Diagnostics) -> Option<Param> {
     let declared = unescaped(tokens.text(token));
     let mut words = declared.split([' ', '\t']).filter(|w| !w.is_empty());
     let (word, name) = (words.next().unwrap_or(""), words.next().unwrap_or(""));
@@ -316,7 +329,7 @@ fn is_sound(param: &Param, d: &mut Diagnostics) -> bool {
 /// The values of a parameter, with or without brackets. `ignored` ones are of no known type.
 fn values(
     kind: Type,
-    (span, tokens): (Span, &mut Tokens),
+    (span, tokens): (Span, &mut Tokens<'_>),
     ignored: bool,
     d: &mut Diagnostics,
 ) -> Option<Values> {
@@ -381,7 +394,7 @@ fn values(
 }
 
 /// Takes one more value; `false` after a complaint.
-fn push(values: &mut Values, token: Token, tokens: &Tokens, ignored: bool, d: &mut Diagnostics) -> bool {
+fn push(values: &mut Values, token: Token, tokens: &Tokens<'_>, ignored: bool, d: &mut Diagnostics) -> bool {
     if ignored {
         return true;
     }

@@ -1,16 +1,16 @@
 //! Shapes.
 //!
-//! Round ones stand about z. Whole ones are straal's own; parts of them, by `zmin`, `zmax`, `phimax` and `innerradius`, become triangles.
+//! Round ones stand about z, and `phimax` goes from +x towards +y.
 
 use std::sync::Arc;
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{self, Cylinder, Disc, MaterialRef, Node, Sphere, TriangleMesh};
+use straal_scene::desc::{self, Annulus, Cylinder, Disc, MaterialRef, Node, Sphere, Subdivide, TriangleMesh};
 use straal_scene::value::Asset;
 use straal_scene::{Mesh, MeshAsset, Span, Spanned};
 
 use super::params::Params;
 use super::state::{as_transform, scale_of};
-use super::{Reader, Thing, round};
+use super::{Reader, Thing};
 
 /// pbrt's shapes.
 const KINDS: [&str; 8] =
@@ -94,20 +94,17 @@ impl Reader<'_, '_> {
     fn sphere(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
         let Some(cut) = self.cut(params, None) else { return };
         let Cut { radius, z: [low, high], phi } = cut;
-        let whole = low <= -radius && high >= radius && phi >= 360.0;
-        if !whole {
-            let (low, high) =
-                (if low > -radius { low } else { -radius }, if high < radius { high } else { radius });
-            if low >= high {
-                return self.warn(params.span, "this shape is left out: it has no extent");
-            }
-            let mesh = round::sphere(&Cut { z: [low, high], ..cut });
-            return self.made_mesh(mesh, (map, material), params.span);
+        let whole = low <= -radius && high >= radius;
+        let [low, high] =
+            [if low > -radius { low } else { -radius }, if high < radius { high } else { radius }];
+        if low >= high {
+            return self.warn(params.span, "this shape is left out: it has no extent");
         }
         let scale = scale_of(map);
-        let area = 4.0 * std::f64::consts::PI * radius * radius * scale * scale;
+        let area = phi.to_radians() * radius * (high - low) * scale * scale;
         let surface = self.with(&UPRIGHT.then(map), material, (area, 1), params.span);
-        self.push(Node::Sphere(Sphere { radius, surface, ..Sphere::default() }));
+        let heights = (!whole).then_some([low, high]);
+        self.push(Node::Sphere(Sphere { radius, heights, phi: [0.0, phi], surface, ..Sphere::default() }));
     }
 
     fn disk(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
@@ -119,16 +116,18 @@ impl Reader<'_, '_> {
         if !((radius as f32) > 0.0 && phi > 0.0 && inner < radius) {
             return self.warn(params.span, "this shape is left out: it has no extent");
         }
-        if inner > 0.0 || phi < 360.0 {
-            let phi = if phi < 360.0 { phi } else { 360.0 };
-            let mesh = round::ring([inner, radius], height, phi);
-            return self.made_mesh(mesh, (map, material), params.span);
-        }
+        let phi = if phi < 360.0 { phi } else { 360.0 };
         let scale = scale_of(map);
-        let area = std::f64::consts::PI * radius * radius * scale * scale;
+        let area = 0.5 * phi.to_radians() * (radius * radius - inner * inner) * scale * scale;
         let surface = self.with(map, material, (area, 1), params.span);
         let center = DVec3::new(0.0, 0.0, height);
-        self.push(Node::Disc(Disc { center, normal: DVec3::Z, radius, surface }));
+        let normal = DVec3::Z;
+        self.push(if inner > 0.0 || phi < 360.0 {
+            let phi = [0.0, phi];
+            Node::Annulus(Annulus { center, normal, radius, inner_radius: inner, phi, surface })
+        } else {
+            Node::Disc(Disc { center, normal, radius, surface })
+        });
     }
 
     fn cylinder(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
@@ -137,15 +136,18 @@ impl Reader<'_, '_> {
         if low >= high {
             return self.warn(params.span, "this shape is left out: it has no extent");
         }
-        if phi < 360.0 {
-            let mesh = round::tube(&cut);
-            return self.made_mesh(mesh, (map, material), params.span);
-        }
         let scale = scale_of(map);
-        let area = 2.0 * std::f64::consts::PI * radius * (high - low) * scale * scale;
+        let area = phi.to_radians() * radius * (high - low) * scale * scale;
         let surface = self.with(map, material, (area, 1), params.span);
         let [from, to] = [low, high].map(|z| DVec3::new(0.0, 0.0, z));
-        self.push(Node::Cylinder(Cylinder { from, to, radius, surface, ..Cylinder::default() }));
+        self.push(Node::Cylinder(Cylinder {
+            from,
+            to,
+            radius,
+            phi: [0.0, phi],
+            surface,
+            ..Cylinder::default()
+        }));
     }
 
     fn ply_mesh(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
@@ -165,24 +167,43 @@ impl Reader<'_, '_> {
         }
         let asset = self.made.in_file::<Mesh>(file);
         let surface = self.with(map, material, (1.0, 1), params.span);
-        self.push(mesh_node(asset, surface));
+        self.push(Node::Mesh(mesh_node(asset, surface)));
     }
 
     /// A mesh that isn't in a file.
-    pub(super) fn made_mesh(
+    pub(super) fn made_mesh(&mut self, mesh: Mesh, at: (&Affine, Option<MaterialRef>), span: Span) {
+        let made = self.mesh(mesh, at, span);
+        made.into_iter().for_each(|mesh| self.push(Node::Mesh(mesh)));
+    }
+
+    /// One that is a control cage.
+    pub(super) fn made_cage(
+        &mut self,
+        mesh: Mesh,
+        how: Subdivide,
+        (at, span): ((&Affine, Option<MaterialRef>), Span),
+    ) {
+        let made = self.mesh(mesh, at, span);
+        made.into_iter()
+            .for_each(|mesh| self.push(Node::Mesh(TriangleMesh { subdivide: Some(how.clone()), ..mesh })));
+    }
+
+    fn mesh(
         &mut self,
         mesh: Mesh,
         (map, material): (&Affine, Option<MaterialRef>),
         span: Span,
-    ) {
+    ) -> Option<TriangleMesh> {
         if mesh.triangles.is_empty() {
-            return self.warn(span, "this shape is left out: it has no triangles");
+            self.warn(span, "this shape is left out: it has no triangles");
+            return None;
         }
         let what = || "a mesh of this scene".to_owned();
         let help = "a mesh of fewer triangles takes less";
         if let Some(shortage) = self.means.ledger.refuse(self.mesh_bytes + mesh.heap_bytes(), what, help) {
             self.d().lacks_memory = true;
-            return self.error(span, shortage.to_string());
+            self.error(span, shortage.to_string());
+            return None;
         }
         self.mesh_bytes += mesh.heap_bytes();
         let extent = match self.state.area_light {
@@ -193,12 +214,12 @@ impl Reader<'_, '_> {
         self.meshes += 1;
         let name = Spanned::new(format!("mesh {} of the scene", self.meshes), span);
         let asset = self.made.mesh(name, MeshAsset { mesh: Arc::new(mesh), ..MeshAsset::default() });
-        self.push(mesh_node(asset, surface));
+        Some(mesh_node(asset, surface))
     }
 }
 
-fn mesh_node(asset: Asset<Mesh>, surface: desc::Surface) -> Node {
-    Node::Mesh(TriangleMesh { file: Some(asset), surface, ..TriangleMesh::default() })
+fn mesh_node(asset: Asset<Mesh>, surface: desc::Surface) -> TriangleMesh {
+    TriangleMesh { file: Some(asset), surface, ..TriangleMesh::default() }
 }
 
 /// The area of a mesh where a map puts it.

@@ -106,12 +106,15 @@ fn named(name: &str) -> Option<Named> {
     (name == "illum-acesD60").then_some(Named::Daylight(6000.0))
 }
 
-/// A spectrum times a number.
+/// A spectrum times a number, within what light can be computed with.
 pub(super) fn times(spectrum: &Spectrum, factor: f64) -> Spectrum {
+    const MOST: f64 = 1e30;
+    let held = |v: f64| if v < MOST { v } else { MOST };
     match spectrum {
-        Spectrum::Rgb(LinearRgb(rgb)) => Spectrum::Rgb(LinearRgb(rgb.map(|v| v * factor))),
+        Spectrum::Rgb(LinearRgb(rgb)) => Spectrum::Rgb(LinearRgb(rgb.map(|v| held(v * factor)))),
         Spectrum::Measured(m) => {
-            Spectrum::Measured(Box::new(Measured { scale: m.scale * factor, ..(**m).clone() }))
+            let scale = held(m.scale * factor);
+            Spectrum::Measured(Box::new(Measured { scale, ..(**m).clone() }))
         }
     }
 }

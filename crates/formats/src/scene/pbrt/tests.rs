@@ -163,6 +163,29 @@ fn meshes_of_the_text_stand_beside_the_description() {
 }
 
 #[test]
+fn parts_of_round_shapes_and_curves_are_straals_own() {
+    let scene = sound(
+        "WorldBegin Shape \"sphere\" \"float radius\" 2 \"float zmin\" -1 \"float phimax\" 90\n\
+         Shape \"disk\" \"float innerradius\" 0.5 Shape \"cylinder\" \"float phimax\" 180\n\
+         Shape \"curve\" \"point3 P\" [ 0 0 0 1 0 0 1 1 0 2 1 0 ] \"float width0\" 2 \"float width1\" 0\n\
+         Shape \"curve\" \"point3 P\" [ 0 0 0 1 0 0 1 1 0 2 1 0 ] \"string type\" \"flat\"\n\
+         Shape \"loopsubdiv\" \"integer levels\" 2 \"integer indices\" [ 0 1 2 ] \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ]",
+    );
+    let [Node::Sphere(s), Node::Annulus(a), Node::Cylinder(c), Node::Curves(k), Node::Mesh(m)] =
+        scene.world.as_slice()
+    else {
+        panic!("{:?}", scene.world)
+    };
+    assert_eq!((s.heights, s.phi), (Some([-1.0, 2.0]), [0.0, 90.0]));
+    // What is a height along y there is one along z here.
+    assert_eq!(s.surface.transform.affine().unwrap().point(DVec3::Y), DVec3::Z);
+    assert_eq!((a.inner_radius, a.phi, c.phi), (0.5, [0.0, 360.0], [0.0, 180.0]));
+    assert_eq!((k.starts.as_slice(), k.points.len()), ([0, 4].as_slice(), 8));
+    assert_eq!((k.radii[0], k.radii[3], k.radii[4]), (1.0, 0.0, 0.5));
+    assert_eq!(m.subdivide.as_ref().map(|s| s.levels), Some(2));
+}
+
+#[test]
 fn power_is_shared_out_by_area() {
     let scene = sound(
         "WorldBegin AreaLightSource \"diffuse\" \"float power\" 100 Scale 2 2 2 Shape \"sphere\" \"float radius\" 0.5",

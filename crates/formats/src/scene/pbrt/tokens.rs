@@ -29,9 +29,28 @@ pub(super) struct Token {
     pub span: Span,
 }
 
+/// The text of a file.
+#[derive(Clone)]
+enum Text<'t> {
+    /// That of the scene's own.
+    Lent(&'t str),
+    Own(Rc<String>),
+}
+
+impl std::ops::Deref for Text<'_> {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        match self {
+            Self::Lent(text) => text,
+            Self::Own(text) => text,
+        }
+    }
+}
+
 /// A file that is being read.
-struct Frame {
-    text: Rc<String>,
+struct Frame<'t> {
+    text: Text<'t>,
     file: FileId,
     at: usize,
     /// Whether what it changes of the graphics state stays within it.
@@ -58,10 +77,10 @@ const MOST_FILES: usize = 100_000;
 const MOST_BYTES: u64 = 1 << 34;
 
 /// The pieces of a scene and of what it includes, in the order in which they count.
-pub(super) struct Tokens {
-    frames: Vec<Frame>,
+pub(super) struct Tokens<'t> {
+    frames: Vec<Frame<'t>>,
     /// What was read, by its path.
-    known: BTreeMap<PathBuf, (Rc<String>, FileId)>,
+    known: BTreeMap<PathBuf, (Text<'t>, FileId)>,
     /// How many files were included, and how many bytes they had.
     included: (usize, u64),
     /// A piece that was looked at and is still to come.
@@ -70,6 +89,9 @@ pub(super) struct Tokens {
 
 /// Bytes as text of the same length: what is no UTF-8, as may be in old comments, becomes question marks.
 pub(super) fn as_text(bytes: &[u8]) -> String {
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        return text.to_owned();
+    }
     let mut text = String::with_capacity(bytes.len());
     for chunk in bytes.utf8_chunks() {
         text.push_str(chunk.valid());
@@ -78,12 +100,28 @@ pub(super) fn as_text(bytes: &[u8]) -> String {
     text
 }
 
-impl Tokens {
+/// A text of more bytes isn't kept for messages, but only the places of its lines.
+const LARGE: usize = 1 << 24;
+
+/// Bytes that are kept of a text.
+pub(super) const fn kept(length: usize) -> u64 {
+    if length > LARGE { 0 } else { length as u64 }
+}
+
+/// Keeps a text for messages, or what is kept of it.
+fn keep(name: &str, text: &str, d: &mut Diagnostics) -> FileId {
+    if text.len() > LARGE { d.sources.add_lines(name, text) } else { d.sources.add(name, text) }
+}
+
+impl<'t> Tokens<'t> {
     /// Those of a text.
-    pub fn new(name: &str, bytes: &[u8], d: &mut Diagnostics) -> Self {
-        let text = as_text(bytes);
-        let file = d.sources.add(name, text.as_str());
-        let frame = Frame { text: Rc::new(text), file, at: 0, is_import: false };
+    pub fn new(name: &str, bytes: &'t [u8], d: &mut Diagnostics) -> Self {
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => Text::Lent(text),
+            Err(_) => Text::Own(Rc::new(as_text(bytes))),
+        };
+        let file = keep(name, &text, d);
+        let frame = Frame { text, file, at: 0, is_import: false };
         Self { frames: vec![frame], known: BTreeMap::new(), included: (0, 0), waiting: None }
     }
 
@@ -102,10 +140,9 @@ impl Tokens {
             Some(known) => known.clone(),
             None => {
                 let (name, bytes) = read(d)?;
-                let text = as_text(&bytes);
-                drop(bytes);
-                let file = d.sources.add(name, text.as_str());
-                let found = (Rc::new(text), file);
+                let text = String::from_utf8(bytes).unwrap_or_else(|e| as_text(e.as_bytes()));
+                let file = keep(&name, &text, d);
+                let found = (Text::Own(Rc::new(text)), file);
                 self.known.insert(path.clone(), found.clone());
                 found
             }
@@ -151,18 +188,6 @@ impl Tokens {
         self.waiting = Some(token);
     }
 
-    /// Lets go of the texts; of large ones messages keep the places of lines only.
-    pub fn end(&mut self, d: &mut Diagnostics) {
-        const LARGE: usize = 1 << 24;
-        let known = self.known.values().cloned();
-        let texts = self.frames.iter().map(|frame| (frame.text.clone(), frame.file)).chain(known);
-        for (_, file) in texts.filter(|(text, _)| text.len() > LARGE) {
-            d.sources.let_go(file);
-        }
-        self.frames.clear();
-        self.known.clear();
-    }
-
     /// The place that reading has come to.
     pub fn place(&self) -> Span {
         self.frames.last().map_or(Span::NONE, |frame| {
@@ -205,7 +230,7 @@ const fn ends(b: u8) -> bool {
     matches!(b, b' ' | b'\n' | b'\t' | b'\r' | b'"' | b'[' | b']')
 }
 
-impl Frame {
+impl Frame<'_> {
     fn next(&mut self, d: &mut Diagnostics) -> Option<Token> {
         let bytes = self.text.as_bytes();
         let mut at = self.at;
