@@ -24,7 +24,7 @@ const USAGE: &str = "\
 usage: cargo xtask CHORE [NAME...]
 
   gallery      render the scenes of scenes/ (or those named) to book/src/images; `--minutes 5`: for no longer than that each
-  references   render the scenes of scenes/reference (or those named) and compare them with the reference pictures
+  references   render the reference scenes of the shared data (or those named) and compare them with their pictures
   book         bring the book's generated text and drawings up to date and make its HTML in target/book
   looks        make the book's pictures of tone curves, of blur by depth, of filters, of integrators and of denoising
   uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept

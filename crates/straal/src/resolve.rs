@@ -187,8 +187,7 @@ impl Plan {
         // Pixels have next to no samples of their own.
         let by_light = integrator.splats();
         if by_light {
-            let wants_noise = noise.is_some() || wish.error == Some(true);
-            check_light_splats(wants_noise, splat, denoise.is_some(), recording)?;
+            check_light_splats(noise.is_some(), splat, denoise.is_some(), recording)?;
         }
         let settings = Settings {
             size,
@@ -197,7 +196,7 @@ impl Plan {
             seed: wish.seed.unwrap_or(scene.sampler.seed),
             // All pixels get as many samples, until the denoised picture is good enough.
             noise: noise.filter(|_| denoise.is_none()),
-            error: wish.error.unwrap_or(!by_light) || denoise.is_some(),
+            error: wish.error.unwrap_or(true) && !by_light || denoise.is_some(),
             halves: denoise.is_some(),
             guides: wish.guides.unwrap_or(if denoise.is_some() { Guides::Specular } else { Guides::First }),
             layers: wish.layers.unwrap_or(true) && !by_light || denoise.is_some(),
@@ -328,7 +327,7 @@ fn check_size(plan: &Plan) -> Result<(), Error> {
 /// What doesn't go together with light that is brought to the whole picture by paths that are no pixel's own.
 fn check_light_splats(noise: bool, splat: bool, denoise: bool, recording: Recording) -> Result<(), Error> {
     let cannot = if noise {
-        "tell the noise of a pixel, since the light in it comes from paths that are no samples of it: --replicates 8 measures it"
+        "end where the noise of a pixel is low, since the light in it comes from paths that are no samples of it: --replicates 8 measures it"
     } else if splat {
         "splat its own samples by the filter as well: the light that it brings counts in every pixel that the filter reaches anyway"
     } else if denoise {

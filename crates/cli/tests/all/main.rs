@@ -4,6 +4,7 @@ mod accel;
 mod book;
 mod common;
 mod complaints;
+mod convert;
 mod denoise;
 mod develop;
 mod diff;

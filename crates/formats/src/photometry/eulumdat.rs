@@ -42,7 +42,7 @@ impl Lines<'_> {
 
 pub(super) fn read(lines: &[&str]) -> Result<Photometry, ReadError> {
     let mut lines = Lines { lines, at: 2 };
-    let symmetry = lines.number("the kind of symmetry, 0 to 4")?;
+    let symmetry = lines.number("the kind of symmetry, 0 to 4").unwrap_or(f64::NAN);
     if ![0.0, 1.0, 2.0, 3.0, 4.0].contains(&symmetry) {
         let message = "this is neither an IES file, which has a line with `TILT=`, nor EULUMDAT, whose third line says a symmetry from 0 to 4";
         return Err(ReadError::file(message));

@@ -115,7 +115,7 @@ fn about_axis(planes: &[f64], angles: Vec<f64>, candela: &[f32]) -> Result<Photo
     } else if is(90.0, 270.0) {
         Ok(all_around(table, |p| {
             if around(p) < 90.0 {
-                180.0 - p
+                180.0 - around(p)
             } else if p > 270.0 {
                 540.0 - p
             } else {

@@ -299,7 +299,7 @@ fn textures_are_read_as_they_lie() {
         {"bufferView": 1, "componentType": 5126, "type": "VEC2", "count": 3}"#;
     let more = format!(
         r#", "images": [{{"uri": "{DOT}"}}], "samplers": [{{"wrapS": 33071, "magFilter": 9728}}], "textures": [{{"source": 0, "sampler": 0}}],
-        "materials": [{{"alphaMode": "MASK", "pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0, "texCoord": 1}},
+        "materials": [{{"alphaMode": "MASK", "doubleSided": true, "pbrMetallicRoughness": {{"baseColorTexture": {{"index": 0, "texCoord": 1}},
         "metallicRoughnessTexture": {{"index": 0}}, "roughnessFactor": 0.5}}}}], "nodes": [{{"mesh": 0}}],
         "meshes": [{{"primitives": [{{"material": 0, "attributes": {{"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 1}}}}]}}]"#
     );

@@ -2,6 +2,7 @@
 
 use super::build::{Build, Place};
 use super::place::{tangents, unit};
+use crate::shape::exact::clamped;
 use crate::shape::revolved::{self, Frustum, Revolved, Ring, Zone};
 use crate::shape::{Disc, Shape};
 use straal_math::{Affine, DVec3};
@@ -82,7 +83,7 @@ impl<'a> Build<'a> {
         // It sweeps a flat ring: from where it is next to the axis to its end that is furthest from it.
         let [a, b] = s.line.map(|p| DVec3::new(p.x, 0.0, p.z));
         let way = b - a;
-        let nearest = (-a.dot(way) / way.dot(way)).clamp(0.0, 1.0);
+        let nearest = clamped(-a.dot(way) / way.dot(way), 0.0, 1.0);
         let inner = (a + way * nearest).length();
         let outer = if a.length() > b.length() { a.length() } else { b.length() };
         let own = about(DVec3::new(0.0, s.line[0].y, 0.0), DVec3::Y, outer);

@@ -124,6 +124,11 @@ impl Integrator for LightTracer {
                 "no rays (`integrator: light`) can be sent from a surface without an end, or a program's own shape, that shines; `path` sees it".into(),
             );
         }
+        if world.emitters.iter().any(|e| matches!(e, Emitter::Point(point) if !point.falls)) {
+            return Some(
+                "a light that doesn't fall with the distance isn't made of rays (`integrator: light`), which spread; `path` takes it as it is".into(),
+            );
+        }
         let from_afar = world.emitters.iter().any(Emitter::is_from_afar);
         if from_afar && (0..geometry.shapes.len() as u32).any(endless) {
             return Some(
@@ -146,7 +151,8 @@ impl Integrator for LightTracer {
         let beta = lanes.full() * emitted.power() * (1.0 / (pmf * paths));
         let state =
             State { lanes, beta, start: beta.max_lane(), depth: 1, first: true, inside: Inside::default() };
-        Some((Ray::new(emitted.from.leave(emitted.d), emitted.d), state))
+        let ray = Ray::new(emitted.from.leave(emitted.d), emitted.d);
+        Some((Ray { time: moment(world, start.pattern, &start.name), ..ray }, state))
     }
 
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
@@ -174,6 +180,11 @@ fn leave<L: Lanes>(
     let u = pattern.d4(name, Purpose::LightPoint);
     let emitted = emitter.emit(&world.geometry, &world.ball(), u, &world.reading(lanes))?;
     Some((pick.index, pick.pmf, emitted))
+}
+
+/// When it leaves, from 0 to 1 over the shutter, in a world where that makes a difference.
+fn moment(world: &World, pattern: Pattern, name: &SampleName) -> f32 {
+    if world.accel.moves() { pattern.d1(name, Purpose::Time) } else { 0.0 }
 }
 
 /// Shows the camera the very point of the lamp from which a path set out.
@@ -207,6 +218,7 @@ fn show_lamp<L: Lanes>(
         }
         _ => (emitted.light * (each / emitted.pdf_direction), Ray::new(shown.o, shown.d)),
     };
+    let way = Ray { time: moment(world, queue.pattern, &path.name), ..way };
     let light = lanes.full() * light * left_on_way(world, &way, Inside::default(), lanes);
     if !light.is_black() {
         out.shadow(way, Contribution::splat(path, light, shown.position));

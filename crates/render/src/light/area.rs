@@ -134,11 +134,18 @@ impl AreaLight {
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
         let (Value::Constant(radiance), None, None) = (&self.radiance, &self.opacity, &self.below) else {
+            // Lanes that picked another lamp have numbers of that.
+            let last = match &self.surface {
+                LitSurface::Mesh { mesh, .. } => {
+                    geometry.meshes[*mesh as usize].indices.len().saturating_sub(1) as u32
+                }
+                LitSurface::Shape(_) => 0,
+            };
             return LightSample::one_by_one(
                 #[inline(always)]
                 |i| {
                     let u = [u[0].lane(i), u[1].lane(i)];
-                    let part = part.map(|part| part.lane(i));
+                    let part = part.map(|part| Ord::min(part.lane(i), last));
                     self.sample_textured(geometry, (at.p.lane(i), u), part, &readings.of(i))
                 },
             );

@@ -70,7 +70,7 @@ impl SunDisc {
             let out = lack * (F::splat(2.0) - lack) / self.sin_squared;
             let cos = (F::ONE - out).max(F::ZERO).sqrt();
             let bright = LIMB.iter().rev().fold(F::ZERO, |sum, k| sum * cos + *k);
-            radiance = radiance * (bright / LIMB_MEAN);
+            radiance *= bright / LIMB_MEAN;
         }
         F::select(lack.le(F::splat(self.spread)), radiance, F::ZERO)
     }

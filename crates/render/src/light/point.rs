@@ -55,8 +55,9 @@ impl Shine for PointLight {
         )
     }
 
+    /// Of one that doesn't fall there are no rays.
     fn starts_at(&self) -> Option<Vec3> {
-        Some(self.position)
+        self.falls.then_some(self.position)
     }
 
     /// Of one that doesn't fall, what it would send out if it did.

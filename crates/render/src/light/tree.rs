@@ -95,7 +95,7 @@ impl Cluster {
         Self { bounds, axis: Vec3::Z, cos_normals: -1.0, cos_reach: 0.0, strength }
     }
 
-    /// Of what is known of a light; `None` for one from afar.
+    /// Of what is known of a light; `None` for one from afar, and one that doesn't fall with the distance.
     fn of_reach(reach: &Reach) -> Option<Self> {
         match reach {
             Reach::Point { position, intensity, falls } => {

@@ -2,7 +2,7 @@
 
 use straal_math::{Bounds, DVec3, Ray};
 
-use super::exact::{outward, rounded, size, unit_or};
+use super::exact::{clamped, outward, rounded, size, unit_or};
 use super::revolved::{gauss, roots::Roots, roots::quadratic};
 use super::tangents::unit_change;
 use super::{AreaSample, Form, ShapeHit, SurfacePoint, Tangents};
@@ -67,9 +67,9 @@ impl Bilinear {
             if !(du.is_finite() && dv.is_finite()) {
                 break;
             }
-            (u, v) = ((u + du).clamp(-0.5, 1.5), (v + dv).clamp(-0.5, 1.5));
+            (u, v) = (clamped(u + du, -0.5, 1.5), clamped(v + dv, -0.5, 1.5));
         }
-        [u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)]
+        [u, v].map(|x| clamped(x, 0.0, 1.0))
     }
 }
 

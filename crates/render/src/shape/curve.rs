@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use straal_math::{Affine, Bounds, DVec3, Ray, ops};
 
-use super::exact::{at, outward, rounded, unit_or};
+use super::exact::{at, clamped, outward, rounded, unit_or};
 use super::sampling;
 use super::{Form, ShapeHit, SurfacePoint, Tangents};
 
@@ -168,7 +168,7 @@ impl Curve {
             if !step.is_finite() {
                 break;
             }
-            u = (u - step).clamp(0.0, 1.0);
+            u = clamped(u - step, 0.0, 1.0);
             m = self.moving(u);
         }
         (u, m)
@@ -293,7 +293,7 @@ impl Curve {
         let way = b - a;
         let part = -(a.x * way.x + a.y * way.y) / (way.x * way.x + way.y * way.y);
         let mut u =
-            if part.is_finite() { low + (high - low) * part.clamp(0.0, 1.0) } else { 0.5 * (low + high) };
+            if part.is_finite() { low + (high - low) * clamped(part, 0.0, 1.0) } else { 0.5 * (low + high) };
         let seen = |u: f64| {
             let m = self.moving(u);
             (line.seen(m.p), line.seen(line.o + m.d), line.seen(line.o + m.dd))
@@ -303,7 +303,7 @@ impl Curve {
             let f = c.x * d.x + c.y * d.y;
             let slope = d.x * d.x + d.y * d.y + c.x * dd.x + c.y * dd.y;
             if slope > 0.0 {
-                u = (u - f / slope).clamp(low, high);
+                u = clamped(u - f / slope, low, high);
             }
         }
         let (c, d, _) = seen(u);
@@ -322,15 +322,15 @@ impl Curve {
         // Wide enough for a tube that grows, so that none is passed by that is met.
         let r = m.r + 0.1 * self.widest();
         let rest = b * b - a * (o.dot(o) - r * r);
-        if !(rest > 0.0) {
+        if rest <= 0.0 || rest.is_nan() {
             return;
         }
         for sign in [-1.0, 1.0] {
             let s = if a > 1e-12 { (-b + sign * rest.sqrt()) / a } else { sign * r };
             let reach = 4.0 * r + (open.u[1] - open.u[0]) * speed;
-            let s = s.clamp(-reach, reach);
+            let s = clamped(s, -reach, reach);
             let slid = (from + line.d * s).dot(axis) / speed;
-            let start = if slid.is_finite() { (u + slid).clamp(0.0, 1.0) } else { u };
+            let start = if slid.is_finite() { clamped(u + slid, 0.0, 1.0) } else { u };
             if let Some((s, u)) = self.newton(line, c.z + s, start) {
                 offer(s, u, 0.0);
             }
@@ -465,7 +465,7 @@ impl Form for Curve {
                 if !is_ribbon {
                     // It turns towards whoever looks, so that another ray may meet it anywhere as far away as it is wide.
                     let wide = space.map.vector(across * (2.0 * m.r)).as_vec3().length();
-                    p_err = p_err + straal_math::Vec3::splat(wide);
+                    p_err += straal_math::Vec3::splat(wide);
                     if n.dot(ray.d) > 0.0 {
                         n = -n;
                     }
@@ -478,8 +478,8 @@ impl Form for Curve {
     fn tangents(&self, s: &SurfacePoint) -> Tangents {
         let q = self.space.inverse.point(s.p.as_dvec3());
         let length = self.along[1] - self.along[0];
-        let near = ((f64::from(s.uv[0]) - self.along[0]) / length).clamp(0.0, 1.0);
-        let (near, m) = self.foot(q, if near.is_finite() { near } else { 0.5 });
+        let near = clamped((f64::from(s.uv[0]) - self.along[0]) / length, 0.0, 1.0);
+        let (near, m) = self.foot(q, near);
         let map = |v: DVec3| self.space.map.vector(v).as_vec3();
         let n = s.ng;
         let level = |v: straal_math::Vec3| v - n * n.dot(v);

@@ -433,6 +433,17 @@ pub(crate) mod exact {
         o.to_double() + d.to_double() * t.to_double()
     }
 
+    /// The nearest number in a range: its lower end for what isn't a number.
+    pub fn clamped(x: f64, low: f64, high: f64) -> f64 {
+        if x > high {
+            high
+        } else if x > low {
+            x
+        } else {
+            low
+        }
+    }
+
     /// Absolute values summed.
     #[inline(always)]
     pub fn size<D: Double>(v: DVec3<D>) -> D {

@@ -175,7 +175,7 @@ impl Form for Parallelogram {
         vec![
             Example::flat("parallelogram", shape(corner, a, b), corner, n),
             Example::flat("level", level, center, DVec3::Y),
-            Example::flat("rectangle by solid angle", rectangle, corner, n),
+            Example::flat("rectangle by solid angle", rectangle, corner, a.as_dvec3().cross(c.as_dvec3())),
         ]
     }
 }

@@ -198,7 +198,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// The face of a leaf, by their numbers; `within` holds the whole.
+    /// The face of a leaf, by their numbers; `within` holds the whole. `None` where none of it is in there.
     pub fn new(solid: Arc<Solid>, leaf: u32, face: u32, within: Bounds) -> Option<Self> {
         let of = solid.leaves.get(leaf as usize)?;
         let bounds = match of.faces.get(face as usize)? {
@@ -207,7 +207,8 @@ impl Part {
                 Bounds::of_points(of.geometry.meshes.get(*i as usize)?.positions.iter().copied())
             }
         };
-        Some(Self { solid, leaf, face, bounds: bounds.intersection(within) })
+        let bounds = bounds.intersection(within);
+        (!bounds.is_empty()).then_some(Self { solid, leaf, face, bounds })
     }
 
     fn leaf(&self) -> &Leaf {

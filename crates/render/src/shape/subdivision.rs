@@ -144,10 +144,10 @@ impl Cage {
             for (i, &v) in edge.ends.iter().enumerate() {
                 let (here, other) = (&mut all[v as usize], self.point(edge.ends[1 - i]));
                 here.edges += 1;
-                here.sum = here.sum + other;
+                here.sum += other;
                 if edge.is_border() {
                     here.borders += 1;
-                    here.border_sum = here.border_sum + other;
+                    here.border_sum += other;
                 }
             }
         }
@@ -163,7 +163,7 @@ impl Cage {
             for v in &self.corners[face] {
                 let here = &mut around[*v as usize];
                 here.faces += 1;
-                here.middle_sum = here.middle_sum + *middle;
+                here.middle_sum += *middle;
             }
         }
         let mut points: Vec<DVec3> = self
@@ -282,7 +282,7 @@ impl Cage {
                 for (i, v) in corners.iter().enumerate() {
                     // The corner across.
                     let here = &mut around[*v as usize];
-                    here.middle_sum = here.middle_sum + self.point(corners[(i + 2) % corners.len()]);
+                    here.middle_sum += self.point(corners[(i + 2) % corners.len()]);
                 }
             }
         }
@@ -315,7 +315,7 @@ impl Cage {
             for i in 0..n {
                 let [a, b, c] = [(i + n - 1) % n, i, (i + 1) % n].map(|k| self.point(corners[k]));
                 let here = &mut normals[corners[i] as usize];
-                *here = *here + (c - b).cross(a - b);
+                *here += (c - b).cross(a - b);
             }
         }
         // A vertex for each place and texture coordinate.

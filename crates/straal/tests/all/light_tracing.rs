@@ -170,11 +170,13 @@ fn by_wavelengths_it_is_the_same_picture() {
 
 #[test]
 fn its_error_is_told_by_replicates() {
-    let job = job_of(POINT, "light", Overrides { spp: Some(2), ..Overrides::default() });
+    // As the command asks for an EXR.
+    let wish = Overrides { spp: Some(2), error: Some(true), layers: Some(true), ..Overrides::default() };
+    let job = job_of(POINT, "light", wish);
     let one = job.render(&mut Control::to_the_end()).unwrap().picture.layers;
     assert!(one.error.is_none() && one.variance.is_empty());
     let error = job.render_replicates(4, &mut Control::to_the_end()).unwrap().picture.layers.error;
-    assert!(error.is_some_and(|e| e.rgb.iter().filter(|e| e[1] > 0.0).count() > 1000));
+    assert!(error.is_some_and(|e| e.rgb.iter().filter(|e| e[1] > 0.0).count() > 300));
 }
 
 #[test]
@@ -191,7 +193,6 @@ fn what_does_not_go_with_it_is_refused() {
     let none = Overrides::default;
     for (wish, why) in [
         (Overrides { noise: Some(0.1), ..none() }, "--replicates"),
-        (Overrides { error: Some(true), ..none() }, "--replicates"),
         (Overrides { splat: Some(true), ..none() }, "every pixel that the filter reaches"),
         (Overrides { denoise: Some(Denoise::Best), ..none() }, "denoiser"),
     ] {

@@ -17,6 +17,8 @@ use crate::Limits;
 pub(super) struct Shape<'s> {
     /// How much of each morph target.
     pub weights: &'s [f64],
+    /// Which set of texture coordinates is the mesh's own, by which it can shine.
+    pub primary: usize,
     /// From each joint's bind pose to where it is, if the mesh follows a skeleton.
     pub joints: Option<&'s [Affine]>,
 }
@@ -29,9 +31,9 @@ pub(super) struct Made {
     pub notes: Vec<&'static str>,
 }
 
-/// The name of a set of texture coordinates among a mesh's attributes; the first is the mesh's own.
-pub(super) fn set_name(set: usize) -> String {
-    format!("uv{set}")
+/// The name of a set of texture coordinates among the attributes of a mesh that has another for its own, whose place the first takes.
+pub(super) fn set_name(set: usize, primary: usize) -> String {
+    format!("uv{}", if set == 0 { primary } else { set })
 }
 
 /// So many sets of texture coordinates are read.
@@ -196,13 +198,13 @@ pub(super) fn read(
     sets.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
     let mut mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
     for (set, coordinates) in sets.into_iter().enumerate().filter(|(_, c)| !c.is_empty()) {
-        if set == 0 {
+        if set == shape.primary {
             mesh.uvs = coordinates;
             continue;
         }
         let values = coordinates.into_flattened();
         mesh.attributes.push(Attribute {
-            name: set_name(set),
+            name: set_name(set, shape.primary),
             per: Per::Vertex,
             channels: 2,
             is_code: false,
@@ -282,9 +284,43 @@ fn follow(
     }
 }
 
+/// Whether triangles have an edge without a neighbour that faces the same way: so that the backs of some can be seen from outside.
+pub(super) fn is_open(mesh: &Mesh) -> bool {
+    let place = |i: u32| mesh.positions[i as usize].map(|v| (v + 0.0).to_bits());
+    // Vertices at the same place are one.
+    let mut order: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&i| place(i));
+    let mut one = vec![0; order.len()];
+    for pair in order.windows(2) {
+        one[pair[1] as usize] = one[pair[0] as usize] + u32::from(place(pair[0]) != place(pair[1]));
+    }
+    let mut edges: Vec<(u32, u32, bool)> = Vec::new();
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|i| one[i as usize]);
+        let ends = [(a, b), (b, c), (c, a)].into_iter().filter(|(a, b)| a != b);
+        edges.extend(ends.map(|(a, b)| if a < b { (a, b, true) } else { (b, a, false) }));
+    }
+    edges.sort_unstable();
+    let balance = |run: &[(u32, u32, bool)]| 2 * run.iter().filter(|edge| edge.2).count() == run.len();
+    !edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).all(balance)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_closed_mesh_has_each_edge_both_ways() {
+        let positions =
+            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [-0.0, 0.0, 0.0]];
+        let triangles = vec![[0, 2, 1], [4, 1, 3], [1, 2, 3], [2, 0, 3]];
+        let mut mesh = Mesh { positions, triangles, ..Mesh::default() };
+        assert!(!is_open(&mesh));
+        mesh.triangles[0] = [0, 1, 2];
+        assert!(is_open(&mesh));
+        mesh.triangles.remove(0);
+        assert!(is_open(&mesh) && !is_open(&Mesh::default()));
+    }
 
     #[test]
     fn strips_and_fans_face_one_way() {

@@ -3,23 +3,27 @@
 use straal_scene::desc::{
     AttributeName, AttributePer, AttributeTexture, Diffuse, Gltf, GreenAxis, ImageTexture, Mask, Material,
     MaterialRef, NormalMap, NormalSpace, Relief, RemapTexture, ScaleTexture, Spectrum, Texture,
-    TextureChannel, TextureOf, TextureSpace, Varying,
+    TextureChannel, TextureOf, TextureSpace, TwoFaces, Varying,
 };
 use straal_scene::value::{LinearRgb, Link};
 
 use super::Translation;
-use super::document::{Fault, Result, number_or, text, vector_or};
+use super::document::{Fault, Result, flag, number_or, text, vector_or};
 use super::geometry::SETS;
 use super::json::{Json, Value};
-use super::textures::Map;
+use super::textures::{Map, set_of};
 
 /// What a mesh has that materials are read off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Has {
     /// Which sets of texture coordinates.
     pub sets: [bool; SETS],
+    /// Which of them is the mesh's own.
+    pub primary: usize,
     /// Numbers of its vertices' colours: 0, 3 or 4.
     pub colours: usize,
+    /// Whether backs of its triangles can be seen that aren't to be.
+    pub shows_backs: bool,
 }
 
 /// What a mesh is shown with.
@@ -63,6 +67,25 @@ impl<'a> Translation<'a, '_> {
         Ok(look)
     }
 
+    /// The set of texture coordinates by which what a material shines is read: a mesh must have it for its own.
+    pub fn shining_set(&self, at: Option<&'a Json>) -> Result<usize> {
+        let Some(at) = at else { return Ok(0) };
+        let (_, said) = self.document.item("materials", at)?;
+        let info = if said.extension("KHR_materials_unlit").is_some() {
+            said.get("pbrMetallicRoughness").and_then(|pbr| pbr.get("baseColorTexture"))
+        } else if vector_or(said, "emissiveFactor", BLACK)? != BLACK {
+            said.get("emissiveTexture")
+        } else {
+            None
+        };
+        Ok(info.map_or(Ok(0), set_of)?.min(SETS - 1))
+    }
+
+    /// Whether the backs of what has that material are seen.
+    pub fn is_double_sided(&self, at: Option<&'a Json>) -> Result<bool> {
+        at.map_or(Ok(false), |at| flag(self.document.item("materials", at)?.1, "doubleSided"))
+    }
+
     /// A name that no material has: the one that is wanted, or one with a number.
     fn free_name(&self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
@@ -85,14 +108,14 @@ impl<'a> Translation<'a, '_> {
             }
             self.warn(said, "vertices have colours, by which nothing can shine: what should be unlit is lit");
         }
-        // Whether the back is seen, programs that draw triangles leave out to be quicker; for light it makes no sense.
+        // Backs that aren't to be seen are holes, where any can be seen.
         let mut material = Gltf { base_color: base.colour, double_sided: true, ..Gltf::default() };
         match &base.gloss {
             None => self.metal_and_roughness(&mut material, said, has)?,
             Some(gloss) => self.specular_and_gloss(&mut material, gloss, has)?,
         }
         let emissive_factor = vector_or(said, "emissiveFactor", BLACK)?.map(share);
-        let map = self.map(said, "emissiveTexture", has.sets)?;
+        let map = self.map(said, "emissiveTexture", has)?;
         let mut shines = false;
         if emissive_factor != BLACK {
             material.emissive = colour(map.as_ref(), emissive_factor);
@@ -119,12 +142,23 @@ impl<'a> Translation<'a, '_> {
             return Ok((masked(Material::Gltf(material), base.alpha), Some(emission), false));
         }
         material.alpha = base.alpha;
+        let has_inside = material.volume && material.transmission != Varying::Constant(0.0);
+        if has.shows_backs && !shines && !has_inside {
+            let none = Material::Diffuse(Diffuse::default());
+            let [front, back] = [Material::Gltf(material), masked(none, Varying::Constant(0.0))]
+                .map(|part| Box::new(MaterialRef::Inline(Box::new(part))));
+            return Ok((
+                Material::TwoFaces(TwoFaces { front, back, relief: Relief::default() }),
+                None,
+                false,
+            ));
+        }
         Ok((Material::Gltf(material), None, false))
     }
 
     fn metal_and_roughness(&mut self, material: &mut Gltf, said: &'a Json, has: Has) -> Result<()> {
         let pbr = said.get("pbrMetallicRoughness").unwrap_or(&NOTHING);
-        let map = self.map(pbr, "metallicRoughnessTexture", has.sets)?;
+        let map = self.map(pbr, "metallicRoughnessTexture", has)?;
         let number = |channel, key| Ok(amount(map.as_ref(), channel, share(number_or(pbr, key, 1.0)?)));
         material.metallic = number(TextureChannel::Blue, "metallicFactor")?;
         material.roughness = number(TextureChannel::Green, "roughnessFactor")?;
@@ -136,7 +170,7 @@ impl<'a> Translation<'a, '_> {
     fn specular_and_gloss(&mut self, material: &mut Gltf, gloss: &'a Json, has: Has) -> Result<()> {
         /// What an index of 5 reflects straight on.
         const MOST: f64 = 4.0 / 9.0;
-        let map = self.map(gloss, "specularGlossinessTexture", has.sets)?;
+        let map = self.map(gloss, "specularGlossinessTexture", has)?;
         let factor = share(number_or(gloss, "glossinessFactor", 1.0)?);
         material.metallic = Varying::Constant(0.0);
         material.ior = 5.0;
@@ -150,7 +184,7 @@ impl<'a> Translation<'a, '_> {
     }
 
     fn relief(&mut self, said: &'a Json, has: Has) -> Result<Relief> {
-        let map = self.map(said, "normalTexture", has.sets)?;
+        let map = self.map(said, "normalTexture", has)?;
         let strength = said.get("normalTexture").map_or(Ok(1.0), |info| number_or(info, "scale", 1.0))?;
         let normal_map = map.map(|map| NormalMap {
             texture: TextureOf::Inline(Texture::Image(map.number(TextureChannel::Luminance))),
@@ -169,18 +203,18 @@ impl<'a> Translation<'a, '_> {
             material.ior = if ior == 0.0 { 5.0 } else { ior.clamp(1.0, 5.0) };
         }
         if let Some(more) = said.extension("KHR_materials_specular") {
-            let strength = self.map(more, "specularTexture", has.sets)?;
-            let tint = self.map(more, "specularColorTexture", has.sets)?;
+            let strength = self.map(more, "specularTexture", has)?;
+            let tint = self.map(more, "specularColorTexture", has)?;
             let factor = share(number_or(more, "specularFactor", 1.0)?);
             material.specular = amount(strength.as_ref(), TextureChannel::Alpha, factor);
             let factor = vector_or(more, "specularColorFactor", WHITE)?.map(|v| v.clamp(0.0, 3.9));
             material.specular_color = colour(tint.as_ref(), factor);
         }
         if let Some(more) = said.extension("KHR_materials_clearcoat") {
-            let map = self.map(more, "clearcoatTexture", has.sets)?;
+            let map = self.map(more, "clearcoatTexture", has)?;
             let factor = share(number_or(more, "clearcoatFactor", 0.0)?);
             material.clearcoat = amount(map.as_ref(), TextureChannel::Red, factor);
-            let map = self.map(more, "clearcoatRoughnessTexture", has.sets)?;
+            let map = self.map(more, "clearcoatRoughnessTexture", has)?;
             let rough = share(number_or(more, "clearcoatRoughnessFactor", 0.0)?);
             material.clearcoat_roughness = amount(map.as_ref(), TextureChannel::Green, rough);
             if let Some(normals) = more.get("clearcoatNormalTexture").filter(|_| factor > 0.0) {
@@ -201,30 +235,30 @@ impl<'a> Translation<'a, '_> {
             }
         }
         if let Some(more) = said.extension("KHR_materials_sheen") {
-            let map = self.map(more, "sheenColorTexture", has.sets)?;
+            let map = self.map(more, "sheenColorTexture", has)?;
             let factor = vector_or(more, "sheenColorFactor", BLACK)?.map(share);
             if factor != BLACK {
                 material.sheen_color = colour(map.as_ref(), factor);
             }
-            let map = self.map(more, "sheenRoughnessTexture", has.sets)?;
+            let map = self.map(more, "sheenRoughnessTexture", has)?;
             let rough = share(number_or(more, "sheenRoughnessFactor", 0.0)?);
             material.sheen_roughness = amount(map.as_ref(), TextureChannel::Alpha, rough);
         }
         if let Some(more) = said.extension("KHR_materials_iridescence") {
-            let map = self.map(more, "iridescenceTexture", has.sets)?;
+            let map = self.map(more, "iridescenceTexture", has)?;
             let factor = share(number_or(more, "iridescenceFactor", 0.0)?);
             material.iridescence = amount(map.as_ref(), TextureChannel::Red, factor);
             material.iridescence_ior = number_or(more, "iridescenceIor", 1.3)?.clamp(1.0, 5.0);
             let nm = |v: f64| v.clamp(0.0, 6500.0);
             let least = nm(number_or(more, "iridescenceThicknessMinimum", 100.0)?);
             let most = nm(number_or(more, "iridescenceThicknessMaximum", 400.0)?);
-            material.iridescence_thickness = match self.map(more, "iridescenceThicknessTexture", has.sets)? {
+            material.iridescence_thickness = match self.map(more, "iridescenceThicknessTexture", has)? {
                 Some(map) => range(map.number(TextureChannel::Green), [0.0, 1.0], [least, most]),
                 None => Varying::Constant(most),
             };
         }
         if let Some(more) = said.extension("KHR_materials_anisotropy") {
-            let map = self.map(more, "anisotropyTexture", has.sets)?;
+            let map = self.map(more, "anisotropyTexture", has)?;
             let factor = share(number_or(more, "anisotropyStrength", 0.0)?);
             material.anisotropy = amount(map.as_ref(), TextureChannel::Blue, factor);
             if factor > 0.0 && (number_or(more, "anisotropyRotation", 0.0)? != 0.0 || map.is_some()) {
@@ -241,16 +275,16 @@ impl<'a> Translation<'a, '_> {
     fn inside(&mut self, material: &mut Gltf, said: &'a Json, has: Has) -> Result<()> {
         let mut is_clear = false;
         if let Some(more) = said.extension("KHR_materials_transmission") {
-            let map = self.map(more, "transmissionTexture", has.sets)?;
+            let map = self.map(more, "transmissionTexture", has)?;
             let factor = share(number_or(more, "transmissionFactor", 0.0)?);
             is_clear = factor > 0.0;
             material.transmission = amount(map.as_ref(), TextureChannel::Red, factor);
         }
         if let Some(more) = said.extension("KHR_materials_diffuse_transmission") {
             let factor = share(number_or(more, "diffuseTransmissionFactor", 0.0)?);
-            let map = self.map(more, "diffuseTransmissionTexture", has.sets)?;
+            let map = self.map(more, "diffuseTransmissionTexture", has)?;
             material.diffuse_transmission = amount(map.as_ref(), TextureChannel::Alpha, factor);
-            let map = self.map(more, "diffuseTransmissionColorTexture", has.sets)?;
+            let map = self.map(more, "diffuseTransmissionColorTexture", has)?;
             let factor = vector_or(more, "diffuseTransmissionColorFactor", WHITE)?.map(share);
             material.diffuse_transmission_color = colour(map.as_ref(), factor);
         }
@@ -293,7 +327,7 @@ impl<'a> Base<'a> {
             }
         };
         let [r, g, b, a] = vector_or(of, factor, [1.0; 4])?.map(share);
-        let map = t.map(of, texture, has.sets)?;
+        let map = t.map(of, texture, has)?;
         let painted = (has.colours > 0).then(|| vertices(TextureChannel::Luminance));
         let colour = match painted {
             None => colour(map.as_ref(), [r, g, b]),

@@ -14,8 +14,9 @@ use straal_scene::{Bitmap, Diagnostic};
 
 use super::container;
 use super::document::{Fault, Result, number, required, size, size_or, text, vector_or};
-use super::geometry::{SETS, set_name};
+use super::geometry::set_name;
 use super::json::Json;
+use super::material::Has;
 use super::{Translation, degrees};
 use crate::image;
 use crate::scene::Means;
@@ -65,17 +66,14 @@ impl Map {
 }
 
 impl<'a> Translation<'a, '_> {
-    /// What an object has as a texture under a key: none where there is none, or where it has no effect, which is told. `sets` says which
-    /// sets of texture coordinates there are.
-    pub fn map(&mut self, of: &'a Json, key: &str, sets: [bool; SETS]) -> Result<Option<Map>> {
+    /// What an object has as a texture under a key: none where there is none, or where it has no effect, which is told. `has` says which
+    /// texture coordinates there are.
+    pub fn map(&mut self, of: &'a Json, key: &str, has: Has) -> Result<Option<Map>> {
         let Some(info) = of.get(key) else { return Ok(None) };
         let (_, texture) = self.document.item("textures", required(info, "index")?)?;
         let moved = info.extension("KHR_texture_transform");
-        let set = match moved.and_then(|moved| moved.get("texCoord")) {
-            Some(set) => size(set)?,
-            None => size_or(info, "texCoord", 0)?,
-        };
-        if !sets.get(set).is_some_and(|is_there| *is_there) {
+        let set = set_of(info)?;
+        if !has.sets.get(set).is_some_and(|is_there| *is_there) {
             self.warn(info, "the texture has no effect: the mesh has no texture coordinates of that number");
             return Ok(None);
         }
@@ -86,10 +84,13 @@ impl<'a> Translation<'a, '_> {
             }
             None => UvMapping::default(),
         };
-        let mapping = if set == 0 {
+        let mapping = if set == has.primary {
             Mapping::Uv(uv)
         } else {
-            Mapping::Attribute(AttributeMapping { name: CoordinatesName(set_name(set).into()), uv })
+            Mapping::Attribute(AttributeMapping {
+                name: CoordinatesName(set_name(set, has.primary).into()),
+                uv,
+            })
         };
         let Some(picture) = self.source(texture)? else { return Ok(None) };
         let (filter, wrap) = self.sampler(texture)?;
@@ -254,6 +255,14 @@ fn decode(packed: &[Packed<'_>], means: &Means<'_>) -> Vec<Decoded> {
     });
     let broken = || Err(crate::ReadError::file("its decoder broke down"));
     decoded.into_iter().map(|result| result.unwrap_or_else(broken)).collect()
+}
+
+/// Which set of texture coordinates a texture lies by.
+pub(super) fn set_of(info: &Json) -> Result<usize> {
+    match info.extension("KHR_texture_transform").and_then(|moved| moved.get("texCoord")) {
+        Some(set) => size(set),
+        None => size_or(info, "texCoord", 0),
+    }
 }
 
 /// What `KHR_texture_transform` does, for texture coordinates whose v rises upwards. With v downwards a point p becomes

@@ -90,12 +90,12 @@ impl<'a> Translation<'a, '_> {
         if let Some(skin) = said.get("skin") {
             // What follows a skeleton stands where its joints are, wherever its node is.
             let joints = self.joints(tree, skin)?;
-            let shown = self.mesh(mesh, Shape { weights: &weights, joints: Some(&joints) })?;
+            let shown = self.mesh(mesh, Shape { weights: &weights, joints: Some(&joints), primary: 0 })?;
             self.reach(&shown, &Affine::IDENTITY);
             self.skinned.extend(shown.nodes);
             return Ok(Vec::new());
         }
-        let shape = Shape { weights: &weights, joints: None };
+        let shape = Shape { weights: &weights, joints: None, primary: 0 };
         let instances = said.extension("EXT_mesh_gpu_instancing");
         if instances.is_none() && !is_shared {
             let shown = self.mesh(mesh, shape)?;
@@ -171,9 +171,14 @@ impl<'a> Translation<'a, '_> {
     fn mesh(&mut self, mesh: &'a Json, shape: Shape<'_>) -> Result<Shown> {
         let mut shown = Shown { nodes: Vec::new(), bounds: None };
         for primitive in required(mesh, "primitives")?.items() {
-            let Some(known) = self.primitive(primitive, shape)? else { continue };
+            let material = self.material_of(primitive)?;
+            let shape = Shape { primary: self.shining_set(material)?, ..shape };
+            let Some(mut known) = self.primitive(primitive, shape)? else { continue };
+            if !self.is_double_sided(material)? {
+                known.has.shows_backs = geometry::is_open(&self.made.assets.mesh(known.asset.handle).mesh);
+            }
             shown.bounds = union(shown.bounds, known.bounds);
-            let look = self.look(self.material_of(primitive)?, known.has)?;
+            let look = self.look(material, known.has)?;
             let surface = Surface {
                 material: Some(material::named(&look)),
                 two_sided_emission: look.both_sides,
@@ -230,7 +235,7 @@ impl<'a> Translation<'a, '_> {
         }
         let is_plain =
             shape.joints.is_none() && (shape.weights.is_empty() || primitive.get("targets").is_none());
-        let key = is_plain.then(|| self.key(primitive, mode));
+        let key = is_plain.then(|| format!("{} {}", shape.primary, self.key(primitive, mode)));
         if let Some(known) = key.as_ref().and_then(|key| self.primitives.get(key)) {
             return Ok(Some(known.clone()));
         }
@@ -260,14 +265,14 @@ impl<'a> Translation<'a, '_> {
             return Err(Fault::of(primitive, shortage.to_string()));
         }
         self.kept += bytes;
-        let mut has = Has { sets: [false; SETS], colours: 0 };
-        has.sets[0] = !mesh.uvs.is_empty();
+        let mut has = Has { sets: [false; SETS], primary: shape.primary, ..Has::default() };
+        has.sets[shape.primary] = !mesh.uvs.is_empty();
         for attribute in &mesh.attributes {
             if attribute.name == "color" {
                 has.colours = attribute.channels;
             }
-            for set in 1..SETS {
-                has.sets[set] |= attribute.name == geometry::set_name(set);
+            for set in (0..SETS).filter(|set| *set != shape.primary) {
+                has.sets[set] |= attribute.name == geometry::set_name(set, shape.primary);
             }
         }
         let bounds = bounds(&mesh);

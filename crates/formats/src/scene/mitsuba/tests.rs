@@ -23,12 +23,12 @@ fn read_in(base: &Path, text: &str, define: &[(&str, &str)]) -> (Option<Translat
         define.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
     let (mut finder, mut ledger, mut d) = (Finder::default(), Ledger::new(None), Diagnostics::default());
     let mut means = Means {
-        frame: 0.0,
         base,
         limits: &Limits::default(),
         finder: &mut finder,
         ledger: &mut ledger,
         define: &define,
+        frame: 0.0,
         lenient: false,
         d: &mut d,
     };

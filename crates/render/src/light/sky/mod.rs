@@ -18,7 +18,7 @@ use crate::texture::Readings;
 
 /// The sky without the sun; nothing shines from below the horizon.
 ///
-/// Its radiance is a formula ([`model`]). It is drawn by the cells of a grid over the upper half of all directions, so that no sample is lost below the horizon of level
+/// Its radiance is a formula. It is drawn by the cells of a grid over the upper half of all directions, so that no sample is lost below the horizon of level
 /// ground.
 #[derive(Clone, Debug)]
 pub struct Sky(Box<Dome>);

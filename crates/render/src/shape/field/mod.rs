@@ -162,9 +162,10 @@ impl Form for Field {
         }
     }
 
-    /// What moves one texture coordinate alone, in the surface.
+    /// What moves one texture coordinate alone, in the surface; how the normal turns is told by a short way along it.
     fn tangents(&self, s: &SurfacePoint) -> Tangents {
-        let from = self.inverse.point(s.p.as_dvec3()) - self.middle();
+        let q = self.inverse.point(s.p.as_dvec3());
+        let from = q - self.middle();
         let rr = from.x * from.x + from.z * from.z;
         // The gradients of u and v, seen from the world.
         let u = DVec3::new(from.z, 0.0, -from.x) / (rr * std::f64::consts::TAU);
@@ -173,12 +174,21 @@ impl Form for Field {
         let n = s.ng.as_dvec3();
         let (along_u, along_v) = (v.cross(n), n.cross(u));
         let det = u.dot(along_u);
-        let [du, dv] = [along_u, along_v].map(|a| (a / det).as_vec3());
-        if du.is_finite() && dv.is_finite() && du != Vec3::ZERO && dv != Vec3::ZERO {
-            Tangents::flat(du, dv)
-        } else {
-            Tangents::about(s.n)
+        let [du, dv] = [along_u, along_v].map(|a| a / det);
+        let [dpdu, dpdv] = [du, dv].map(DVec3::as_vec3);
+        if !dpdu.is_finite() || !dpdv.is_finite() || dpdu == Vec3::ZERO || dpdv == Vec3::ZERO {
+            return Tangents::about(s.n);
         }
+        let normal = |q: DVec3| {
+            let gradient = self.body.value(Jet::of(q)).gradient();
+            unit_or(self.inverse.normal_by_inverse(gradient), n)
+        };
+        let turn = |d: DVec3| {
+            let way = self.inverse.vector(d);
+            let step = 1e-4 * (self.high - self.low).max_element() / way.length();
+            ((normal(q + way * step) - normal(q - way * step)) / (2.0 * step)).as_vec3()
+        };
+        Tangents { dpdu, dpdv, dndu: turn(du), dndv: turn(dv) }
     }
 
     #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use straal_math::{DVec3, ops};
 
+use crate::shape::exact::clamped;
+
 use super::roots::{Roots, quadratic};
 use super::zone::ops_max;
 use super::{Across, Along, Profile};
@@ -52,7 +54,7 @@ impl Capsule {
     fn center(&self, [rho, y]: Across) -> (f64, Part) {
         // Along the wall's normal to the axis.
         let h = y - rho * self.lean / self.upright;
-        if !(h > 0.0) {
+        if h <= 0.0 || h.is_nan() {
             (0.0, Part::Low)
         } else if h < 1.0 {
             (h, Part::Wall)
@@ -67,13 +69,7 @@ impl Capsule {
 
     /// On a ball, by how far above its middle.
     fn on_ball(radius: f64, center: f64, up: f64) -> Across {
-        let up = if up > radius {
-            radius
-        } else if up < -radius {
-            -radius
-        } else {
-            up
-        };
+        let up = clamped(up, -radius, radius);
         [(radius * radius - up * up).abs().sqrt(), center + up]
     }
 }
@@ -126,8 +122,7 @@ impl Profile for Capsule {
 
     fn v(&self, p: Across) -> f64 {
         let [low, wall, _] = self.lengths;
-        let from_below =
-            |radius: f64, up: f64| radius * ops::acos_d(-ops_max([-1.0, -ops_max([-1.0, -up / radius])]));
+        let from_below = |radius: f64, up: f64| radius * ops::acos_d(clamped(-up / radius, -1.0, 1.0));
         let [_, b] = self.radius;
         let so_far = match self.center(p) {
             (_, Part::Low) => from_below(self.radius[0], p[1]),

@@ -2,6 +2,8 @@
 
 use straal_math::DVec3;
 
+use crate::shape::exact::clamped;
+
 use super::roots::{Roots, quadratic};
 use super::zone::ops_max;
 use super::{Across, Along, Profile};
@@ -48,13 +50,7 @@ impl Profile for Frustum {
     fn nearest(&self, [rho, y]: Across) -> Across {
         let k = self.slope;
         let t = ((rho - self.base) * k + y) / (k * k + 1.0);
-        let t = if t > 1.0 {
-            1.0
-        } else if t > 0.0 {
-            t
-        } else {
-            0.0
-        };
+        let t = clamped(t, 0.0, 1.0);
         [self.base + k * t, t]
     }
 

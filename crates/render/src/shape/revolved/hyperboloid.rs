@@ -2,6 +2,8 @@
 
 use straal_math::{DVec3, ops};
 
+use crate::shape::exact::clamped;
+
 use super::roots::{Roots, quadratic};
 use super::zone::ops_max;
 use super::{Across, Along, Profile};
@@ -33,14 +35,7 @@ impl Hyperboloid {
 
     /// The part of the way at a height.
     fn part(&self, y: f64) -> f64 {
-        let v = (y - self.from.y) / self.way.y;
-        if v > 1.0 {
-            1.0
-        } else if v > 0.0 {
-            v
-        } else {
-            0.0
-        }
+        clamped((y - self.from.y) / self.way.y, 0.0, 1.0)
     }
 }
 

@@ -2,6 +2,8 @@
 
 use straal_math::DVec3;
 
+use crate::shape::exact::clamped;
+
 use super::roots::{Roots, quadratic};
 use super::zone::ops_max;
 use super::{Across, Along, Profile};
@@ -19,13 +21,7 @@ impl Paraboloid {
     }
 
     fn clamped(&self, y: f64) -> f64 {
-        if y > 1.0 {
-            1.0
-        } else if y > self.begin {
-            y
-        } else {
-            self.begin
-        }
+        clamped(y, self.begin, 1.0)
     }
 }
 

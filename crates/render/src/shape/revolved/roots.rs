@@ -41,7 +41,7 @@ pub(crate) fn quadratic(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
 /// cross 0 are found, however close together.
 pub(crate) fn between(coefficients: &[f64], low: f64, high: f64, out: &mut Roots) {
     let n = coefficients.len();
-    if n < 2 || n > 5 || !(low < high) {
+    if !(2..=5).contains(&n) || low >= high || (high - low).is_nan() {
         return;
     }
     let mut edges = Roots::default();

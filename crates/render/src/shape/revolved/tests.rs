@@ -48,7 +48,7 @@ fn askew(r: f64, y: f64) -> (f64, Across) {
 /// The distance from balls of radius 0.6 at height 0 and 0.4 at height 1, and all between.
 fn capsule(r: f64, y: f64) -> (f64, Across) {
     let lean = 0.2_f64;
-    let h = (y - r * lean / (1.0 - lean * lean).sqrt()).clamp(0.0, 1.0);
+    let h = crate::shape::exact::clamped(y - r * lean / (1.0 - lean * lean).sqrt(), 0.0, 1.0);
     let length = (r * r + (y - h) * (y - h)).sqrt();
     (length - 0.6 + 0.2 * h, [r / length, (y - h) / length])
 }

@@ -51,7 +51,7 @@ impl Profile for Torus {
         // The part of the line in the ball about all of it, and between the planes that it touches; a little more.
         let reach = (1.0 + a) * (1.0 + 1e-9);
         let rest = reach * reach - o.dot(o);
-        if !(rest > 0.0) {
+        if rest <= 0.0 || rest.is_nan() {
             return;
         }
         // The origin is where the line comes closest, up to rounding.
@@ -98,7 +98,7 @@ impl Profile for Torus {
 
     fn nearest(&self, [rho, y]: Across) -> Across {
         let (x, length) = (rho - 1.0, ((rho - 1.0) * (rho - 1.0) + y * y).sqrt());
-        if !(length > 0.0) {
+        if length == 0.0 || length.is_nan() {
             return self.on(0.0);
         }
         if !self.is_whole

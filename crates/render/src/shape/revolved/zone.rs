@@ -2,6 +2,8 @@
 
 use straal_math::{DVec3, ops};
 
+use crate::shape::exact::clamped;
+
 use super::roots::{Roots, quadratic};
 use super::{Across, Along, Profile};
 
@@ -16,15 +18,7 @@ pub struct Zone {
 
 /// The angle from the pole below at a height.
 fn angle(y: f64) -> f64 {
-    ops::acos_d(
-        -(if y > 1.0 {
-            1.0
-        } else if y < -1.0 {
-            -1.0
-        } else {
-            y
-        }),
-    )
+    ops::acos_d(-clamped(y, -1.0, 1.0))
 }
 
 impl Zone {
@@ -34,14 +28,8 @@ impl Zone {
         Self { low, high, angles: [angle(low), angle(high)] }
     }
 
-    fn clamped(&self, y: f64) -> f64 {
-        if y < self.low {
-            self.low
-        } else if y > self.high {
-            self.high
-        } else {
-            y
-        }
+    fn within(&self, y: f64) -> f64 {
+        clamped(y, self.low, self.high)
     }
 
     fn on(y: f64) -> Across {
@@ -66,7 +54,7 @@ impl Profile for Zone {
 
     fn nearest(&self, [rho, y]: Across) -> Across {
         let length = (rho * rho + y * y).sqrt();
-        let y_on = self.clamped(y / length);
+        let y_on = self.within(y / length);
         if y_on == y / length { [rho / length, y_on] } else { Self::on(y_on) }
     }
 
@@ -87,7 +75,7 @@ impl Profile for Zone {
 
     /// Even in height, and so in area (Archimedes).
     fn at(&self, w: f64) -> (Across, f64) {
-        (Self::on(self.clamped(self.low + w * (self.high - self.low))), self.high - self.low)
+        (Self::on(self.within(self.low + w * (self.high - self.low))), self.high - self.low)
     }
 
     fn weight(&self, _: Across) -> f64 {

@@ -1,0 +1,34 @@
+//! A scene of another format, written in the scene language, gives the same bits.
+
+use crate::common::Folder;
+
+#[test]
+fn what_is_converted_gives_the_same_bits() {
+    let folder = Folder::new();
+    let seed = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/gltf/scene.glb");
+    std::fs::copy(seed, folder.path("scene.glb")).unwrap();
+    std::fs::create_dir_all(folder.path("deep/er")).unwrap();
+    let run = folder.straal("convert scene.glb deep/er/x.yaml");
+    assert_eq!(run.code, Some(0), "{run:?}");
+    for name in ["images-0.png", "meshes-0-primitives-0-shape-0.ply"] {
+        assert!(folder.path("deep/er/x_files").join(name).is_file(), "{name}");
+    }
+    let film_hash = |scene: &str| {
+        let report = folder.json(&format!("render {scene} --size 24x16 --spp 2 -o a.png"));
+        report["film_hash"].as_str().unwrap_or_else(|| panic!("{scene}: {report}")).to_owned()
+    };
+    assert_eq!(film_hash("scene.glb"), film_hash("deep/er/x.yaml"));
+}
+
+#[test]
+fn what_is_read_is_not_written_over() {
+    let folder = Folder::new();
+    folder.write(
+        "a.yaml",
+        "camera: { perspective: { eye: [0, 0, 5], look_at: [0, 0, 0] } }\nworld: [sphere]\n",
+    );
+    let run = folder.straal("convert a.yaml a.yaml");
+    assert_eq!(run.code, Some(2), "{run:?}");
+    assert_eq!(folder.straal("convert a.yaml a.png").code, Some(2));
+    assert_eq!(folder.straal("convert a.yaml b.yaml").code, Some(0));
+}
