@@ -86,7 +86,8 @@ fn a_screen_window_is_a_shift_and_an_angle() {
     ));
     let Camera::Perspective(c) = &scene.camera else { panic!() };
     // Half as wide as a plane of 45 degrees to each side.
-    assert!((c.fov.unwrap() - 2.0 * 0.5f64.atan().to_degrees()).abs() < 1e-9);
+    // Twice the angle whose tangent is 1/2.
+    assert!((c.fov.unwrap() - 53.130_102_354_155_98).abs() < 1e-9);
     assert_eq!((&c.fov_axis, c.shift), (&FovAxis::X, [0.5, -0.5]));
 }
 
