@@ -161,6 +161,7 @@ fn nodes_move_from_frame_to_frame() {
         "animations": [{"name": "go", "samplers": [{"input": 1, "output": 2}],
         "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]"#;
     let text = file(&bytes, views, accessors, more);
+    let mut eye = None;
     for (frame, x) in [(0.0, 0.0), (6.0, 6.0), (99.0, 24.0)] {
         let options = Options { frame, ..Options::default() };
         let loaded =
@@ -168,6 +169,8 @@ fn nodes_move_from_frame_to_frame() {
                 .unwrap();
         assert_eq!(places(&loaded).map_points(), [[x + 1.0, 0.0, 0.0]]);
         assert_eq!(loaded.scene.animation.frames, 25);
+        let Camera::Perspective(c) = loaded.scene.camera else { panic!() };
+        assert_eq!(*eye.get_or_insert(c.observer.eye), c.observer.eye, "the camera stays");
     }
     assert!(load_with(&text, &[("animation", "stop")]).unwrap_err().to_string().contains("it has go"));
 }

@@ -33,8 +33,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use straal_math::DVec3;
-use straal_scene::desc::{Camera, Node, Orthographic, Perspective, Scene};
-use straal_scene::{Diagnostic, Span, suggest};
+use straal_scene::desc::{Camera, Light, Node, Orthographic, Perspective, Scene};
+use straal_scene::{Diagnostic, Diagnostics, Span, suggest};
 
 use self::container::Container;
 use self::document::{Document, Result, required, text};
@@ -110,17 +110,43 @@ pub(super) fn read(name: &str, bytes: &[u8], means: &mut Means<'_>) -> Option<Tr
         kept: 0,
         meshes: 0,
         variant: None,
+        is_fitted: false,
         told: BTreeMap::new(),
     };
     if let Err(fault) = translation.all() {
         translation.means.d.push(translation.document.error(&fault));
     }
     translation.tell();
-    let Translation { scene, made, means, .. } = translation;
+    let Translation { mut scene, made, means, is_fitted, .. } = translation;
     if means.d.has_errors() {
         return None;
     }
+    if is_fitted && means.frame != 0.0 {
+        see_as_at_first(&mut scene, name, bytes, means);
+    }
     Some(Translated { scene, made, files, text_bytes: text.len() as u64 })
+}
+
+/// Has a scene without a camera seen, and lit, in all frames as in the first: a camera that follows what moves would hide that it does.
+fn see_as_at_first(scene: &mut Scene, name: &str, bytes: &[u8], means: &mut Means<'_>) {
+    let (mut d, mut ledger) = (Diagnostics::default(), *means.ledger);
+    let mut still = Means {
+        base: means.base,
+        limits: means.limits,
+        finder: &mut *means.finder,
+        ledger: &mut ledger,
+        define: means.define,
+        frame: 0.0,
+        lenient: means.lenient,
+        d: &mut d,
+    };
+    let Some(first) = read(name, bytes, &mut still) else { return };
+    scene.camera = first.scene.camera;
+    if let (Some(Light::Environment(to)), Some(Light::Environment(from))) =
+        (scene.lights.first_mut(), first.scene.lights.first())
+    {
+        to.rotate = from.rotate;
+    }
 }
 
 /// A file on its way to a scene.
@@ -150,6 +176,8 @@ struct Translation<'a, 'm> {
     meshes: usize,
     /// The variant of materials that is shown.
     variant: Option<usize>,
+    /// Whether it is seen by a camera that isn't its own.
+    is_fitted: bool,
     /// What is to be told, where it was met first, and how often.
     told: BTreeMap<String, ((u32, u32), usize)>,
 }

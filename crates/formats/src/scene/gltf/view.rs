@@ -63,6 +63,7 @@ impl<'a> Translation<'a, '_> {
         let [min, max] = self.extent().unwrap_or([DVec3::ZERO, DVec3::ONE]);
         let [x, y, z] = (max - min).to_array();
         let side = if z < 0.25 * if x > y { x } else { y } { Side::Front } else { Side::ThreeQuarter };
+        self.is_fitted = true;
         self.scene.camera = studio::fitting(&self.corners, side, size);
         Ok(())
     }
