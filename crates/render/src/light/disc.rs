@@ -117,9 +117,10 @@ impl Shine for SunDisc {
         if is_lit { warp::uniform_cone_pdf(self.spread) } else { 0.0 }
     }
 
-    /// What falls on the scene's disc.
+    /// What falls on discs as wide as the scene, each across its direction: radiance times solid angle.
     fn power(&self, _: &Geometry, disc: f64) -> f64 {
-        disc * strength(&self.irradiance)
+        let solid_angle = 2.0 * std::f64::consts::PI * f64::from(self.spread);
+        disc * strength(&self.irradiance) * solid_angle / (std::f64::consts::PI * f64::from(self.sin_squared))
     }
 
     fn reach(&self, _: &Geometry) -> Option<Reach> {
