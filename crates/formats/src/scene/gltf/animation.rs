@@ -8,7 +8,7 @@ use straal_scene::{Diagnostic, Span, suggest};
 
 use super::document::{Fault, Result, in_list, required, text};
 use super::json::Json;
-use super::{Translation, degrees};
+use super::{Translation, Within, degrees};
 
 /// What of a node moves, at the frame that is shown.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -78,7 +78,7 @@ impl<'a> Translation<'a, '_> {
         }
         if !poses.is_empty() {
             // The last frame is that at which the last key is reached.
-            let frames = (end * fps).ceil().clamp(0.0, 999_999.0) as u32 + 1;
+            let frames = (end * fps).ceil().within(0.0, 999_999.0) as u32 + 1;
             self.scene.animation = Animation { frames, fps, ..Animation::default() };
         }
         Ok(poses)

@@ -259,7 +259,7 @@ pub(super) fn number_or(of: &Json, key: &str, absent: f64) -> Result<f64> {
 pub(super) fn size(at: &Json) -> Result<usize> {
     let v = at.number().ok_or_else(|| expected("a whole number", at))?;
     // 2^53 and beyond aren't exact.
-    let is_whole = v >= 0.0 && v < 9_007_199_254_740_992.0 && v.fract() == 0.0;
+    let is_whole = (0.0..9_007_199_254_740_992.0).contains(&v) && v.fract() == 0.0;
     if is_whole { Ok(v as usize) } else { Err(Fault::of(at, "a whole number from 0 on was expected")) }
 }
 

@@ -235,8 +235,11 @@ fn add<const N: usize>(to: &mut [[f32; N]], what: &[[f32; N]], weight: f64) {
     }
 }
 
+/// Four joints of each vertex, and how much it follows each.
+type Influence = (Vec<[f32; 4]>, Vec<[f32; 4]>);
+
 /// Which joints each vertex follows, and how much: four or more of each.
-fn influences(columns: &mut Columns<'_, '_>) -> Result<Vec<(Vec<[f32; 4]>, Vec<[f32; 4]>)>> {
+fn influences(columns: &mut Columns<'_, '_>) -> Result<Vec<Influence>> {
     let mut sets = Vec::new();
     for set in 0..SETS {
         let [joints, weights] = ["JOINTS", "WEIGHTS"].map(|of| columns.lists::<4>(&format!("{of}_{set}")));
@@ -249,12 +252,7 @@ fn influences(columns: &mut Columns<'_, '_>) -> Result<Vec<(Vec<[f32; 4]>, Vec<[
 }
 
 /// Moves vertices with the joints that they follow.
-fn follow(
-    positions: &mut [[f32; 3]],
-    normals: &mut [[f32; 3]],
-    joints: &[Affine],
-    influences: &[(Vec<[f32; 4]>, Vec<[f32; 4]>)],
-) {
+fn follow(positions: &mut [[f32; 3]], normals: &mut [[f32; 3]], joints: &[Affine], influences: &[Influence]) {
     if influences.is_empty() {
         return;
     }

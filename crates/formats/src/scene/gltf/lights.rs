@@ -12,7 +12,7 @@ use straal_scene::{Diagnostic, Image, Span};
 
 use super::document::{Fault, Result, in_list, number_or, required, text, vector_or};
 use super::tree::Tree;
-use super::{Translation, degrees};
+use super::{Translation, Within, degrees};
 
 impl<'a> Translation<'a, '_> {
     /// The lights of the nodes that are shown.
@@ -30,7 +30,7 @@ impl<'a> Translation<'a, '_> {
             let direction = place.vector(-DVec3::Z).try_normalize();
             let color = vector_or(light, "color", [1.0; 3])?;
             let strength = number_or(light, "intensity", 1.0)?;
-            let power = color.map(|v| (v * strength).clamp(0.0, f64::from(f32::MAX)));
+            let power = color.map(|v| (v * strength).within(0.0, f64::from(f32::MAX)));
             let power = Spectrum::Rgb(LinearRgb(power));
             let kind = required(light, "type")?;
             let light = match (text(kind)?, direction) {
@@ -55,8 +55,8 @@ impl<'a> Translation<'a, '_> {
                     let cone = light.get("spot").unwrap_or(light);
                     let outer = degrees(number_or(cone, "outerConeAngle", std::f64::consts::FRAC_PI_4)?);
                     let inner = degrees(number_or(cone, "innerConeAngle", 0.0)?);
-                    let cutoff = outer.clamp(0.001, 90.0);
-                    let beam = Some(inner.clamp(0.0, cutoff));
+                    let cutoff = outer.within(0.001, 90.0);
+                    let beam = Some(inner.within(0.0, cutoff));
                     let falloff = Falloff::Smooth;
                     Light::Spot(SpotLight {
                         position,
@@ -102,7 +102,7 @@ impl<'a> Translation<'a, '_> {
         if stops.abs() <= 1.0 {
             return;
         }
-        let stops = ((stops * 10.0).round() / 10.0).clamp(-64.0, 64.0);
+        let stops = ((stops * 10.0).round() / 10.0).within(-64.0, 64.0);
         self.scene.film.exposure = Exposure::stops(stops as f32);
         let decimals = if lux < 100.0 { 2 } else { 0 };
         let message = format!(
@@ -187,7 +187,7 @@ impl Lamp {
         let inside = |axis: DVec3, half: f64| {
             // Soft at the rim.
             let v = (1.1 - (towards.dot(axis) / along).abs() / half) / 0.2;
-            let v = v.clamp(0.0, 1.0);
+            let v = v.within(0.0, 1.0);
             v * v * (3.0 - 2.0 * v)
         };
         self.radiance * inside(right, self.half[0]) * inside(front.cross(right), self.half[1])

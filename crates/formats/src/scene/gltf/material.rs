@@ -7,11 +7,11 @@ use straal_scene::desc::{
 };
 use straal_scene::value::{LinearRgb, Link};
 
-use super::Translation;
 use super::document::{Fault, Result, flag, number_or, text, vector_or};
 use super::geometry::SETS;
 use super::json::{Json, Value};
 use super::textures::{Map, set_of};
+use super::{Translation, Within};
 
 /// What a mesh has that materials are read off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -190,7 +190,7 @@ impl<'a> Translation<'a, '_> {
             texture: TextureOf::Inline(Texture::Image(map.number(TextureChannel::Luminance))),
             space: NormalSpace::Tangent,
             green: GreenAxis::Up,
-            strength: strength.clamp(-100.0, 100.0),
+            strength: strength.within(-100.0, 100.0),
         });
         Ok(Relief { normal_map, bump: None })
     }
@@ -200,14 +200,14 @@ impl<'a> Translation<'a, '_> {
         if let Some(more) = said.extension("KHR_materials_ior") {
             let ior = number_or(more, "ior", 1.5)?;
             // 0 stands for endless: a surface that reflects all.
-            material.ior = if ior == 0.0 { 5.0 } else { ior.clamp(1.0, 5.0) };
+            material.ior = if ior == 0.0 { 5.0 } else { ior.within(1.0, 5.0) };
         }
         if let Some(more) = said.extension("KHR_materials_specular") {
             let strength = self.map(more, "specularTexture", has)?;
             let tint = self.map(more, "specularColorTexture", has)?;
             let factor = share(number_or(more, "specularFactor", 1.0)?);
             material.specular = amount(strength.as_ref(), TextureChannel::Alpha, factor);
-            let factor = vector_or(more, "specularColorFactor", WHITE)?.map(|v| v.clamp(0.0, 3.9));
+            let factor = vector_or(more, "specularColorFactor", WHITE)?.map(|v| v.within(0.0, 3.9));
             material.specular_color = colour(tint.as_ref(), factor);
         }
         if let Some(more) = said.extension("KHR_materials_clearcoat") {
@@ -248,8 +248,8 @@ impl<'a> Translation<'a, '_> {
             let map = self.map(more, "iridescenceTexture", has)?;
             let factor = share(number_or(more, "iridescenceFactor", 0.0)?);
             material.iridescence = amount(map.as_ref(), TextureChannel::Red, factor);
-            material.iridescence_ior = number_or(more, "iridescenceIor", 1.3)?.clamp(1.0, 5.0);
-            let nm = |v: f64| v.clamp(0.0, 6500.0);
+            material.iridescence_ior = number_or(more, "iridescenceIor", 1.3)?.within(1.0, 5.0);
+            let nm = |v: f64| v.within(0.0, 6500.0);
             let least = nm(number_or(more, "iridescenceThicknessMinimum", 100.0)?);
             let most = nm(number_or(more, "iridescenceThicknessMaximum", 400.0)?);
             material.iridescence_thickness = match self.map(more, "iridescenceThicknessTexture", has)? {
@@ -302,7 +302,7 @@ impl<'a> Translation<'a, '_> {
             }
         }
         if let Some(more) = said.extension("KHR_materials_dispersion").filter(|_| is_clear) {
-            material.dispersion = number_or(more, "dispersion", 0.0)?.clamp(0.0, 3.2);
+            material.dispersion = number_or(more, "dispersion", 0.0)?.within(0.0, 3.2);
         }
         Ok(())
     }
@@ -372,11 +372,11 @@ fn masked(material: Material, opacity: Varying<f64>) -> Material {
 }
 
 fn share(v: f64) -> f64 {
-    v.clamp(0.0, 1.0)
+    v.within(0.0, 1.0)
 }
 
 fn positive(v: f64) -> f64 {
-    v.clamp(0.0, f64::from(f32::MAX))
+    v.within(0.0, f64::from(f32::MAX))
 }
 
 fn of_texture<T>(texture: Texture) -> Varying<T> {

@@ -20,7 +20,7 @@ impl Packed<'_> {
         let Self { count, stride, mode, filter } = *self;
         match mode {
             "ATTRIBUTES" => {
-                if stride == 0 || stride % 4 != 0 || stride > 256 {
+                if stride == 0 || !stride.is_multiple_of(4) || stride > 256 {
                     return Err("`byteStride` must be a multiple of 4, and 256 at most");
                 }
                 let mut bytes = attributes(from, count, stride)?;
@@ -165,7 +165,7 @@ fn triangles(from: &[u8], count: usize) -> Unpacked<Vec<u32>> {
     if from.first() != Some(&0xe1) {
         return Err("the packed triangles don't begin with 0xe1: another version of the encoding");
     }
-    if count % 3 != 0 {
+    if !count.is_multiple_of(3) {
         return Err("`count` of triangles must be a multiple of 3");
     }
     let body = from.len().checked_sub(17).ok_or(CUT)?;

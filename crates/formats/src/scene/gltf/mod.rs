@@ -163,7 +163,7 @@ struct Translation<'a, 'm> {
     /// Primitives by what they are read from.
     primitives: BTreeMap<String, world::Known>,
     /// Meshes that are shown several times, by where they are said and their weights.
-    objects: BTreeMap<(u32, Vec<u64>), Option<(String, Option<[DVec3; 2]>)>>,
+    objects: BTreeMap<(u32, Vec<u64>), Option<world::Object>>,
     /// What follows skeletons, which stands in the world as it is.
     skinned: Vec<Node>,
     /// Corners of boxes around all that is seen.
@@ -312,6 +312,24 @@ impl<'a> Translation<'a, '_> {
             let (span, path) = self.document.place(place);
             let more = if count > 1 { format!(", and so {} more times", count - 1) } else { String::new() };
             self.means.d.push(Diagnostic::warning(span, format!("{path}{message}{more}")));
+        }
+    }
+}
+
+/// Numbers that are kept between two.
+trait Within {
+    /// The nearest that is from `least` to `most`.
+    fn within(self, least: f64, most: f64) -> f64;
+}
+
+impl Within for f64 {
+    fn within(self, least: f64, most: f64) -> f64 {
+        if self < least {
+            least
+        } else if self > most {
+            most
+        } else {
+            self
         }
     }
 }

@@ -7,7 +7,7 @@ use straal_scene::{Diagnostic, Span, suggest};
 use super::document::{Fault, Result, number, required, text};
 use super::json::Json;
 use super::tree::Tree;
-use super::{Translation, degrees};
+use super::{Translation, Within, degrees};
 use crate::studio::{self, Side};
 
 /// Pixels of a picture, whatever its shape.
@@ -131,7 +131,7 @@ fn positive(at: &Json) -> Result<f64> {
 
 /// The size of a picture of that width over height.
 fn shape(aspect: f64) -> [u32; 2] {
-    let aspect = aspect.clamp(1.0 / 64.0, 64.0);
+    let aspect = aspect.within(1.0 / 64.0, 64.0);
     let height = (AREA / aspect).sqrt().round();
     [(height * aspect).round() as u32, height as u32]
 }

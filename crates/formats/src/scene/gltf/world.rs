@@ -24,6 +24,9 @@ pub(super) struct Known {
     bounds: Option<[DVec3; 2]>,
 }
 
+/// The name of one of the scene's objects, and the box around it.
+pub(super) type Object = (String, Option<[DVec3; 2]>);
+
 /// What a mesh is shown as.
 struct Shown {
     nodes: Vec<Node>,
@@ -142,7 +145,7 @@ impl<'a> Translation<'a, '_> {
     }
 
     /// A mesh as one of the scene's objects, and the box around it; none where there is nothing to see.
-    fn object(&mut self, mesh: &'a Json, shape: Shape<'_>) -> Result<Option<(String, Option<[DVec3; 2]>)>> {
+    fn object(&mut self, mesh: &'a Json, shape: Shape<'_>) -> Result<Option<Object>> {
         let key = (mesh.start, shape.weights.iter().map(|w| w.to_bits()).collect::<Vec<u64>>());
         if let Some(known) = self.objects.get(&key) {
             return Ok(known.clone());
