@@ -31,7 +31,7 @@ impl Motion {
         let before = (along as usize).min(last - 1);
         let part = along - before as f64;
         let part = if part > 1.0 { 1.0 } else { part };
-        if !(part > 0.0) {
+        if part <= 0.0 || part.is_nan() {
             return self.transforms[before];
         }
         let (a, b) = (&self.keys[before].rows, &self.keys[before + 1].rows);

@@ -120,7 +120,6 @@ pub fn all(isa: Isa, rounds: usize) {
             group: 1,
             transform: Transform::new(&m).expect("a sound map"),
             motion: None,
-            motion: None,
             mask: u32::MAX,
         }
     });
