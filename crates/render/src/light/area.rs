@@ -420,8 +420,9 @@ impl Shine for AreaLight {
         let sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.3), radius: 0.7 };
         let (a, b) = (Vec3::new(1.5, 0.2, 0.0), Vec3::new(0.3, 0.1, -1.2));
         let flat = Parallelogram::new(Vec3::new(-0.7, -0.6, 0.5), a, b);
-        let level =
-            Parallelogram::new(Vec3::new(-0.7, -0.4, -0.6), Vec3::X * 1.4, Vec3::Z * 1.1).by_solid_angle();
+        // At right angles.
+        let upright = Vec3::new(0.1, -0.75, 1.0);
+        let rectangle = Parallelogram::new(Vec3::new(-0.7, 0.3, -0.5), a, upright).by_solid_angle();
         let disc = Disc::new(Vec3::new(0.2, 0.1, 0.0), a, b);
         let tube = Cylinder::between(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.9, 0.4, 0.2), 0.3).unwrap();
         let cuboid = TriangleMesh::cuboid(Vec3::new(-0.5, -0.2, -0.8), Vec3::new(0.6, 0.3, 0.7));
@@ -431,7 +432,7 @@ impl Shine for AreaLight {
             shape("ellipsoid", Shape::Ellipsoid(Box::new(Ellipsoid::new(squash).unwrap())), Sides::Both),
             shape("disc", Shape::Disc(Box::new(disc)), Sides::Front),
             shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
-            shape("parallelogram by solid angle", Shape::Parallelogram(Box::new(level)), Sides::Both),
+            shape("rectangle by solid angle", Shape::Parallelogram(Box::new(rectangle)), Sides::Both),
             shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
             shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
             narrowed("disc, narrow", shape("", Shape::Disc(Box::new(disc)), Sides::Both), 80.0),
