@@ -69,7 +69,11 @@ impl SunDisc {
             // On the sun's surface, whose disc is seen so large: sin² = 2 lack - lack².
             let out = lack * (F::splat(2.0) - lack) / self.sin_squared;
             let cos = (F::ONE - out).max(F::ZERO).sqrt();
-            let bright = LIMB.iter().rev().fold(F::ZERO, |sum, k| sum * cos + *k);
+            let bright = LIMB.iter().rev().fold(
+                F::ZERO,
+                #[inline(always)]
+                |sum, k| sum * cos + *k,
+            );
             radiance *= bright / LIMB_MEAN;
         }
         F::select(lack.le(F::splat(self.spread)), radiance, F::ZERO)

@@ -52,7 +52,10 @@ impl Thrown {
     fn place<F: Float>(&self, w: Vec3<F>) -> ([F; 2], F, F::Mask) {
         let Frame { s, t, n } = self.frame;
         let (x, y, z) = (Vec3::uniform(s).dot(w), Vec3::uniform(t).dot(w), Vec3::uniform(n).dot(w));
-        let [u, v] = [x / (z * self.slopes[0]), y / (z * self.slopes[1])].map(|v| v * 0.5 + 0.5);
+        let [u, v] = [x / (z * self.slopes[0]), y / (z * self.slopes[1])].map(
+            #[inline(always)]
+            |v| v * 0.5 + 0.5,
+        );
         let inside = |v: F| v.ge(F::ZERO) & v.le(F::ONE);
         ([u, v], z / w.length(), z.gt(F::ZERO) & inside(u) & inside(v))
     }
@@ -156,6 +159,7 @@ impl Shine for Projector {
         towards(
             (self.position, true),
             at.p,
+            #[inline(always)]
             #[inline(always)]
             |wi| {
                 let picture = self.thrown.look_up((&self.picture, self.position), -wi, readings);

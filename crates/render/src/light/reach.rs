@@ -89,15 +89,27 @@ impl Reach {
                 let near = facing(everywhere, way.dot(at.n) / d2.sqrt()) * *intensity;
                 if *falls { near / d2 } else { near }
             }
-            Self::Spot { spot, intensity } => {
-                shared(at, everywhere, (spot.position(), *intensity), |w| spot.share(w))
-            }
-            Self::Projector { projector, intensity } => {
-                shared(at, everywhere, (projector.position(), *intensity), |w| projector.share(w))
-            }
-            Self::Measured { lamp, intensity } => {
-                shared(at, everywhere, (lamp.position(), *intensity), |w| lamp.share(w))
-            }
+            Self::Spot { spot, intensity } => shared(
+                at,
+                everywhere,
+                (spot.position(), *intensity),
+                #[inline(always)]
+                |w| spot.share(w),
+            ),
+            Self::Projector { projector, intensity } => shared(
+                at,
+                everywhere,
+                (projector.position(), *intensity),
+                #[inline(always)]
+                |w| projector.share(w),
+            ),
+            Self::Measured { lamp, intensity } => shared(
+                at,
+                everywhere,
+                (lamp.position(), *intensity),
+                #[inline(always)]
+                |w| lamp.share(w),
+            ),
             Self::Parallel { wi, irradiance, sin } => {
                 // From 1 where its middle is straight above down to 0 where all of it is below the horizon.
                 let above = (Vec3::uniform(*wi).dot(at.n) + *sin) / (1.0 + *sin);

@@ -214,7 +214,11 @@ impl Many {
     /// What all of those from afar bring, and the part of the picks that the others have.
     #[inline(always)]
     fn shares<F: Float>(&self, at: &Receiver<F>) -> (F, F) {
-        let far = self.far.iter().fold(F::ZERO, |sum, (_, reach)| sum + Self::estimate(reach, at));
+        let far = self.far.iter().fold(
+            F::ZERO,
+            #[inline(always)]
+            |sum, (_, reach)| sum + Self::estimate(reach, at),
+        );
         let Some(tree) = &self.near else { return (far, F::ZERO) };
         if self.far.is_empty() {
             return (far, F::ONE);

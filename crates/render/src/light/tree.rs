@@ -276,7 +276,14 @@ impl Tree {
     #[inline(always)]
     pub fn estimate<F: Float>(&self, at: &Receiver<F>) -> F {
         let rows = &self.nodes[0];
-        importance(rows.map(|row| row.map(F::splat)), at, at.is_anywhere())
+        importance(
+            rows.map(
+                #[inline(always)]
+                |row| row.map(F::splat),
+            ),
+            at,
+            at.is_anywhere(),
+        )
     }
 
     /// Goes down by `u` in [0, 1).

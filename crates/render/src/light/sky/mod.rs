@@ -79,9 +79,15 @@ impl Dome {
         let mut rgb = [r, g, b];
         if let Some(Matrix3(m)) = &self.to_work {
             let row = |k: usize| r * m[k][0] as f32 + g * m[k][1] as f32 + b * m[k][2] as f32;
-            rgb = [0, 1, 2].map(|k| row(k).max(F::ZERO));
+            rgb = [0, 1, 2].map(
+                #[inline(always)]
+                |k| row(k).max(F::ZERO),
+            );
         }
-        let [r, g, b] = rgb.map(|v| v * self.scale);
+        let [r, g, b] = rgb.map(
+            #[inline(always)]
+            |v| v * self.scale,
+        );
         Light([r, g, b, F::ZERO]).only(up.ge(F::ZERO))
     }
 }
