@@ -146,7 +146,6 @@ impl Shine for Goniometric {
             (self.position, true),
             at.p,
             #[inline(always)]
-            #[inline(always)]
             |wi| readings.eval(&self.intensity, &ShadingPoint::NOWHERE) * self.share(-wi),
         )
     }

@@ -160,7 +160,6 @@ impl Shine for Projector {
             (self.position, true),
             at.p,
             #[inline(always)]
-            #[inline(always)]
             |wi| {
                 let picture = self.thrown.look_up((&self.picture, self.position), -wi, readings);
                 picture * (self.share(-wi) * self.intensity)

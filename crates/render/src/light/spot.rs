@@ -162,7 +162,6 @@ impl Shine for SpotLight {
             (self.position, true),
             at.p,
             #[inline(always)]
-            #[inline(always)]
             |wi| {
                 let all = readings.eval(&self.intensity, &self.place()) * self.share(-wi);
                 match &self.mask {
