@@ -1,8 +1,8 @@
 //! Scenes of other programs, read into straal's own description.
 //!
-//! A reader gets the bytes of the file that was asked for and what it may do ([`Means`]), and gives back a description and what
-//! it made itself ([`Translated`]): meshes and pictures that stand in its text or in a buffer. What the scene names as files
-//! of its own (PLY, PNG, spectra) it only names, with the handles that [`Made`] gives; these are found and read as those of any scene. A
+//! A reader gets the bytes of the file that was asked for and what it may do (`Means`), and gives back a description and what
+//! it made itself (`Translated`): meshes and pictures that stand in its text or in a buffer. What the scene names as files
+//! of its own (PLY, PNG, spectra) it only names, with the handles that `Made` gives; these are found and read as those of any scene. A
 //! reader says what it leaves out or approximates, by name and place, and never guesses silently.
 
 mod gltf;

@@ -2,7 +2,7 @@
 //!
 //! A ray goes on by as much as the distance, over the field's Lipschitz bound, says that nothing can be in its way (Hart 1996, "Sphere
 //! tracing"), until it has changed its side; where between the last two steps is found by halving. Steps are never shorter than a
-//! small part of the whole ([`STEPS`]), so that rays that graze it end; what is thinner than that may be passed by.
+//! small part of the whole (`STEPS`), so that rays that graze it end; what is thinner than that may be passed by.
 //!
 //! Hit coordinates: none (0). Texture coordinates: u turns about the vertical through the middle from +z towards +x, v rises from 0 at
 //! the bottom to 1.

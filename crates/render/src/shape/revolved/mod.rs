@@ -1,6 +1,6 @@
 //! Surfaces of revolution: a curve turned about the y-axis, by the whole turn or a part of it, under an affine map.
 //!
-//! The curve ([`Profile`], a file each) lies in the half-plane of distance rho from the axis and height y. What they share is here:
+//! The curve (`Profile`, a file each) lies in the half-plane of distance rho from the axis and height y. What they share is here:
 //! the part of a turn, the map, areas, densities. Hits are solved in double precision near the shape: the ray's origin is moved to
 //! where it comes closest to the middle, so that nothing cancels however far it set out.
 //!
