@@ -87,4 +87,4 @@ impl Ledger {
 }
 
 /// Bytes that the program takes by itself: its code, its tables, the stacks of its threads.
-pub const PROGRAM: u64 = 8_500_000;
+pub const PROGRAM: u64 = 15_000_000;

@@ -194,8 +194,13 @@ impl Tree {
 
     /// Of all lights that have a place; those from afar have no part of it. `None` where there are none.
     pub fn new(emitters: &[Emitter], geometry: &Geometry) -> Option<Self> {
-        let (mut parts, mut firsts, mut known) =
-            (Vec::new(), Vec::with_capacity(emitters.len() + 1), Vec::new());
+        // Lists that grow leave holes in memory behind.
+        let parts_of = |emitter: &Emitter| {
+            mesh_of(emitter).map_or(1, |(_, mesh)| geometry.meshes[mesh as usize].indices.len())
+        };
+        let count = emitters.iter().map(parts_of).sum();
+        let (mut parts, mut known) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut firsts = Vec::with_capacity(emitters.len() + 1);
         for (index, emitter) in (0..).zip(emitters) {
             firsts.push(parts.len() as u32);
             let mut add = |part: u32, cluster: Option<Cluster>| {
@@ -490,11 +495,13 @@ fn split(lamps: &mut [Known], depth: u32) -> usize {
     }
     let half = lamps.len() / 2;
     let Some((_, axis, cut)) = best else {
-        lamps.sort_by(|a, b| middle(a)[widest].total_cmp(&middle(b)[widest]).then(a.part.cmp(&b.part)));
+        lamps.sort_unstable_by(|a, b| {
+            middle(a)[widest].total_cmp(&middle(b)[widest]).then(a.part.cmp(&b.part))
+        });
         return half;
     };
     let is_first = |k: &Known| bin(middle(k)[axis], centers.min[axis], extent[axis]) < cut;
-    lamps.sort_by_key(|k| (!is_first(k), k.part));
+    lamps.sort_unstable_by_key(|k| (!is_first(k), k.part));
     let count = lamps.iter().filter(|k| is_first(k)).count();
     if count == 0 || count == lamps.len() { half } else { count }
 }
