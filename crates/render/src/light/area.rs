@@ -421,8 +421,8 @@ impl Shine for AreaLight {
         let (a, b) = (Vec3::new(1.5, 0.2, 0.0), Vec3::new(0.3, 0.1, -1.2));
         let flat = Parallelogram::new(Vec3::new(-0.7, -0.6, 0.5), a, b);
         // At right angles.
-        let upright = Vec3::new(0.1, -0.75, 1.0);
-        let rectangle = Parallelogram::new(Vec3::new(-0.7, 0.3, -0.5), a, upright).by_solid_angle();
+        let upright = Vec3::new(-0.12, 0.9, 0.7);
+        let rectangle = Parallelogram::new(Vec3::new(-0.7, -0.6, -0.3), a, upright).by_solid_angle();
         let disc = Disc::new(Vec3::new(0.2, 0.1, 0.0), a, b);
         let tube = Cylinder::between(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.9, 0.4, 0.2), 0.3).unwrap();
         let cuboid = TriangleMesh::cuboid(Vec3::new(-0.5, -0.2, -0.8), Vec3::new(0.6, 0.3, 0.7));
