@@ -21,8 +21,8 @@ use straal_study::cost;
 pub(super) const RENDER_ABOUT: &str = "\
 Renders a scene to a picture.
 
-SCENE is a file in the scene language (.yaml, .json) or a bare mesh (.ply, .obj, .stl), which is put into a studio with a \
-camera and lights by itself. What is said here wins over what the scene says.
+SCENE is a file in the scene language (.yaml, .json), a scene of glTF (.gltf, .glb), pbrt (.pbrt) or Mitsuba (.xml), or a bare \
+mesh (.ply, .obj, .stl), which is put into a studio with a camera and lights by itself. What is said here wins over what the scene says.
 
 The same scene and settings give the same bits, whatever the number of threads, the instruction set or the crop. \
 Rendering goes in passes over the whole picture; a render that is ended by --time or by Ctrl-C leaves the very \
