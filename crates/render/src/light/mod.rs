@@ -45,6 +45,7 @@ pub mod point;
 pub mod portals;
 pub mod projector;
 mod reach;
+mod resampled;
 pub mod sky;
 pub mod spot;
 pub mod table;
