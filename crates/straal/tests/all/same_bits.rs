@@ -7,11 +7,12 @@ use straal_accel::{Isa, Structure};
 use straal_render::film::Channel;
 use straal_render::film::channel::{NODES, NORMAL, PRIMITIVES, TIME};
 
-const SCENES: [&str; 4] = [
+const SCENES: [&str; 5] = [
     "scenes/embedded.yaml",
     "scenes/cornell-box.yaml",
     "scenes/glass-and-mirror.yaml",
     "scenes/teapots.yaml",
+    "scenes/shapes.yaml",
 ];
 
 fn small() -> Overrides {
@@ -64,7 +65,7 @@ fn structures() {
     // What tests every triangle of an object can't do a thousand teapots in a test.
     for &structure in other.iter().filter(|s| !matches!(s, Structure::Brute | Structure::Volumes(_))) {
         let tiny = |wish| Overrides { size: Some([20, 15]), spp: Some(2), ..wish };
-        for scene in ["scenes/glass-and-mirror.yaml", "scenes/teapots.yaml"] {
+        for scene in ["scenes/glass-and-mirror.yaml", "scenes/teapots.yaml", "scenes/shapes.yaml"] {
             assert_eq!(
                 hash(scene, tiny(wish(structure))),
                 hash(scene, tiny(small())),
