@@ -43,7 +43,8 @@ mod diffuse_transmission;
 mod dispersive;
 pub mod energy;
 mod facet_conductor;
-pub mod fresnel;
+pub mod film;
+mod fresnel;
 mod ggx;
 mod glossy;
 mod gltf;
@@ -69,6 +70,7 @@ mod testing;
 #[cfg(test)]
 mod tests;
 mod thin_dielectric;
+mod thin_film;
 mod transparent;
 mod two_faces;
 
@@ -99,6 +101,7 @@ pub use schlick_mirror::SchlickMirror;
 pub use shaded::Shaded;
 pub use sheen::{Sheen, SheenMaterial};
 pub use thin_dielectric::{ThinDielectric, ThinDielectricMaterial};
+pub use thin_film::{Bands, ThinFilm, ThinFilmMaterial};
 pub use transparent::{Clear, Share, TransparentMaterial};
 pub use two_faces::TwoFacesMaterial;
 
@@ -119,6 +122,8 @@ list::materials! {
     Transparent(TransparentMaterial),
     /// A pane without an inside.
     ThinDielectric(ThinDielectricMaterial),
+    /// A soap bubble, or what shimmers on metal.
+    ThinFilm(ThinFilmMaterial),
     /// Scatters evenly on both sides.
     DiffuseTransmission(DiffuseTransmissionMaterial),
     /// An even ground below a clear boundary.
@@ -172,6 +177,8 @@ list::bsdfs! {
     RoughDielectric(RoughDielectric<'w>),
     /// As a pane without an inside.
     ThinDielectric(ThinDielectric),
+    /// As a thin film.
+    ThinFilm(ThinFilm<'w>),
     /// Evenly on both sides.
     DiffuseTransmission(DiffuseTransmission),
     /// As an even ground below a clear boundary.

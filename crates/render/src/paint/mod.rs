@@ -16,6 +16,7 @@ use straal_scene::{Assets, Bitmap, Handle, Image, Mesh, Photometry, Scene};
 
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
 use crate::light::goniometric::Distribution;
+use crate::material::Bands;
 use crate::texture::{
     Maker, Mapping, Meaning, MeshAttribute, Pyramid, Texture, TextureKind, TextureRef, Use, Value,
 };
@@ -37,6 +38,8 @@ pub(crate) struct Paint<'a> {
     measured: BTreeMap<(Quantity, Content), Colour>,
     /// Indices of refraction of metals.
     metals: BTreeMap<Metal, [Colour; 2]>,
+    /// What red, green and blue see of waves, if a film was met.
+    bands: Option<Arc<Bands>>,
     /// Filled as colours are met.
     pub spectra: SpectralTables,
     /// Filled as textures are met.
@@ -162,6 +165,7 @@ impl<'a> Paint<'a> {
             tables: BTreeMap::new(),
             measured: BTreeMap::new(),
             metals: BTreeMap::new(),
+            bands: None,
             spectra,
             textures: Vec::new(),
             named: BTreeMap::new(),
@@ -523,6 +527,14 @@ impl<'a> Paint<'a> {
             };
         }
         self.index(&bins, "a metal")
+    }
+
+    /// What red, green and blue see of waves that meet; none by wavelengths.
+    pub fn bands(&mut self) -> Option<Arc<Bands>> {
+        if self.bands.is_none() && self.uplift.is_none() {
+            self.bands = Some(Arc::new(Bands::new(self.space)));
+        }
+        self.bands.clone()
     }
 
     /// An index of refraction by wavelength, and in RGB the one that looks like it.

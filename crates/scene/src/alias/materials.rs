@@ -139,6 +139,7 @@ pub(super) const KINDS: &[Table] = &[(
         ),
         ("roughdielectric roughglass frostedglass", ROUGH_GLASS),
         ("thinglass archglass", Called("thin_dielectric")),
+        ("soap bubble soapbubble film oil iridescence iridescent oxide", Called("thin_film")),
         ("roughdiffuse orennayar rough", Write("`diffuse: { roughness: 0.5 }`")),
         ("velvet cloth fabric sheenbsdf charlie", Called("sheen")),
         ("blinn blinnphong", Write("`phong: { highlight: blinn }`")),

@@ -15,7 +15,8 @@ use crate::desc::{
     Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
     Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Portal,
     Principled, Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere,
-    SpotLight, Surface, Texture, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
+    SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
+    When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -351,17 +352,31 @@ pub(super) fn formula(f: &Formula, keys: &Keys<'_>, d: &mut Decoder) {
 }
 
 pub(super) fn conductor(c: &Conductor, keys: &Keys<'_>, d: &mut Decoder) {
-    metal("conductor", &c.metal, [c.eta.is_some(), c.k.is_some()], keys, d);
+    metal("conductor", &c.metal, [("eta", c.eta.is_some()), ("k", c.k.is_some())], keys, d);
 }
 
 pub(super) fn coated_conductor(c: &CoatedConductor, keys: &Keys<'_>, d: &mut Decoder) {
-    metal("coated_conductor", &c.metal, [c.eta.is_some(), c.k.is_some()], keys, d);
+    metal("coated_conductor", &c.metal, [("eta", c.eta.is_some()), ("k", c.k.is_some())], keys, d);
+}
+
+/// Whatever lies below a film, if anything does.
+pub(super) fn thin_film(f: &ThinFilm, keys: &Keys<'_>, d: &mut Decoder) {
+    let given = [("base_eta", f.base_eta.is_some()), ("base_k", f.base_k.is_some())];
+    if f.metal.is_some() || given.iter().any(|(_, given)| *given) {
+        metal("thin_film", &f.metal, given, keys, d);
+    }
 }
 
 /// A metal is told by its name, or by both parts of its index of refraction.
-fn metal(owner: &str, named: &Option<Known<Metal>>, given: [bool; 2], keys: &Keys<'_>, d: &mut Decoder) {
+fn metal(
+    owner: &str,
+    named: &Option<Known<Metal>>,
+    given: [(&str, bool); 2],
+    keys: &Keys<'_>,
+    d: &mut Decoder,
+) {
     if named.is_some() {
-        for (key, given) in ["eta", "k"].into_iter().zip(given) {
+        for (key, given) in given {
             if given {
                 let message = format!("`{owner}` takes `metal` or `{key}`, not both");
                 let help = (keys.key_span("metal"), "`metal` is here");
@@ -370,9 +385,10 @@ fn metal(owner: &str, named: &Option<Known<Metal>>, given: [bool; 2], keys: &Key
         }
         return;
     }
-    for (key, given) in ["eta", "k"].into_iter().zip(given) {
+    let [(eta, _), (k, _)] = given;
+    for (key, given) in given {
         if !given {
-            let message = format!("`{owner}` needs `metal`, or `eta` and `k`: there is no `{key}`");
+            let message = format!("`{owner}` needs `metal`, or `{eta}` and `{k}`: there is no `{key}`");
             d.push(Diagnostic::error(keys.owner(), message));
             return;
         }

@@ -255,6 +255,21 @@ describe! {
             /// Tint of what passes; physical is 1.
             transmittance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
         }),
+        /// A film of some hundred nanometres, in which waves of light meet: a soap bubble, or the colours of oil and oxide on a polished metal.
+        "thin_film" => ThinFilm(struct ThinFilm [check::thin_film] {
+            /// Thickness in nanometres.
+            thickness: Varying<f64> [Limit::within(0.0, 20000.0)] = Varying::Constant(400.0),
+            /// Index of refraction of the film.
+            eta: f64 [Limit::within(1.0, 10.0)] = 1.33,
+            /// Index of refraction of what is around it.
+            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            /// The metal below, such as `gold`; give this or `base_eta` and `base_k`, or none of them for a film that hangs in the air.
+            metal: Option<Known<Metal>> = None,
+            /// Real part of the index of refraction of what lies below, which takes all light that passes.
+            base_eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            /// Imaginary part of that index: absorption.
+            base_k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+        }),
         /// Scatters light evenly on both sides, as paper, leaves and lampshades do.
         "diffuse_transmission" => DiffuseTransmission(struct DiffuseTransmission [check::diffuse_transmission] {
             /// Share of light that is sent back.

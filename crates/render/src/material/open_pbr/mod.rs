@@ -29,6 +29,7 @@ use straal_math::simd::{Float, Mask};
 use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
+use super::film;
 use super::interior::Absorption;
 use super::many::{self, These};
 use super::microfacet::Facets;
@@ -38,7 +39,6 @@ use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
 
 pub mod energy;
-mod film;
 mod fuzz;
 pub(super) mod interface;
 mod interior;

@@ -26,23 +26,31 @@ pub(super) fn fades<F: Float>(thickness: F) -> F {
     t * t * (F::splat(3.0) - t * 2.0)
 }
 
+/// What the faces of a film reflect of a ray: amplitudes, across and along the plane of incidence.
+pub(super) struct Faces<F> {
+    /// Of the upper face; from below they are the opposite.
+    pub upper: [F; 2],
+    /// Cosine of the ray within the film, and the square of its sine, which is 1 or more where no ray gets in.
+    pub within: [F; 2],
+}
+
 /// A complex number.
 #[derive(Clone, Copy)]
-struct Complex<F>(F, F);
+pub(super) struct Complex<F>(pub F, pub F);
 
 impl<F: Float> Complex<F> {
     #[inline(always)]
-    fn times(self, o: Self) -> Self {
+    pub fn times(self, o: Self) -> Self {
         Self(self.0 * o.0 - self.1 * o.1, self.0 * o.1 + self.1 * o.0)
     }
 
     #[inline(always)]
-    fn scaled(self, s: F) -> Self {
+    pub fn scaled(self, s: F) -> Self {
         Self(self.0 * s, self.1 * s)
     }
 
     #[inline(always)]
-    fn square(self) -> F {
+    pub fn square(self) -> F {
         self.0 * self.0 + self.1 * self.1
     }
 
@@ -81,15 +89,7 @@ impl<F: Float> Film<F> {
 
     #[inline(always)]
     fn reflects_here(&self, cos: F, [n, k, nm]: [Light<F>; 3]) -> Light<F> {
-        let sin2 = ((F::ONE - cos) * (F::ONE + cos)).max(F::ZERO);
-        let ratio = self.above / self.ior;
-        let sin2_film = sin2 * ratio * ratio;
-        let cos_film = (F::ONE - sin2_film).max(F::ZERO).sqrt();
-        // Amplitudes at the upper face, across and along the plane of incidence; from below they are the opposite.
-        let (a, b) = (self.above * cos, self.ior * cos_film);
-        let s = (a - b) / (a + b).max(F::splat(1e-9));
-        let (a, b) = (self.ior * cos, self.above * cos_film);
-        let p = (a - b) / (a + b).max(F::splat(1e-9));
+        let Faces { upper: [s, p], within: [cos_film, sin2_film] } = self.faces(cos);
         let path = self.thickness * self.ior * cos_film * (2.0 * TAU);
         let mut out = Light::splat(F::ONE);
         for lane in 0..4 {
@@ -101,9 +101,23 @@ impl<F: Float> Film<F> {
         Light::select(sin2_film.lt(F::ONE), out, Light::splat(F::ONE))
     }
 
-    /// Amplitudes at the lower face, across and along the plane of incidence, against an index.
+    /// What its upper face reflects, and the ray within.
     #[inline(always)]
-    fn below(&self, [cos, sin2]: [F; 2], eta: Complex<F>) -> [Complex<F>; 2] {
+    pub fn faces(&self, cos: F) -> Faces<F> {
+        let sin2 = ((F::ONE - cos) * (F::ONE + cos)).max(F::ZERO);
+        let ratio = self.above / self.ior;
+        let sin2_film = sin2 * ratio * ratio;
+        let cos_film = (F::ONE - sin2_film).max(F::ZERO).sqrt();
+        let (a, b) = (self.above * cos, self.ior * cos_film);
+        let s = (a - b) / (a + b).max(F::splat(1e-9));
+        let (a, b) = (self.ior * cos, self.above * cos_film);
+        let p = (a - b) / (a + b).max(F::splat(1e-9));
+        Faces { upper: [s, p], within: [cos_film, sin2_film] }
+    }
+
+    /// Amplitudes at the lower face, across and along the plane of incidence, against an index, for a ray of cosine and squared sine within.
+    #[inline(always)]
+    pub fn below(&self, [cos, sin2]: [F; 2], eta: Complex<F>) -> [Complex<F>; 2] {
         // Snell's law with complex numbers; of the two roots that by which the wave dies out below.
         let ratio = Complex(self.ior, F::ZERO).over(eta);
         let square = ratio.times(ratio).scaled(sin2);
