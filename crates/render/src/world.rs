@@ -6,7 +6,7 @@ use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::table::Picks;
-use crate::light::{AmbientLight, Ball, Emitter, LightSample, LightTable, Pick, Receiver};
+use crate::light::{AmbientLight, Ball, Emitter, Groups, LightSample, LightTable, Pick, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::relief::Ways;
@@ -99,6 +99,8 @@ pub struct World {
     pub emitters: Vec<Emitter>,
     /// Which emitter to sample.
     pub lights: LightTable,
+    /// Which of them belong together.
+    pub light_groups: Groups,
     /// By geometry of the search structure.
     pub(crate) geometries: Vec<GeometryRecord>,
     /// Where things' own coordinates lie in those of their groups.
@@ -109,8 +111,8 @@ pub struct World {
     pub top_level: Vec<TopLevel>,
     /// Emitters that surround the scene.
     pub(crate) environments: Vec<u32>,
-    /// What surfaces send back their share of wherever they are.
-    pub(crate) ambient: Vec<AmbientLight>,
+    /// What surfaces send back their share of wherever they are, and its group of lights.
+    pub(crate) ambient: Vec<(AmbientLight, u16)>,
     /// What of the description's space lies at the world's origin: other than 0 for scenes that lie far from theirs.
     pub centre: DVec3,
     /// What its author should know of how the description was understood.
@@ -531,12 +533,12 @@ impl World {
         !self.ambient.is_empty()
     }
 
-    /// What a point sends out of ambient light, in all directions.
+    /// What a point sends out of each ambient light, in all directions, and that light's group.
     #[cold]
-    pub fn ambient_from<L: Lanes>(&self, bsdf: &Bsdf<'_>, lanes: L) -> Light {
+    pub fn ambient_from<L: Lanes>(&self, bsdf: &Bsdf<'_>, lanes: L) -> impl Iterator<Item = (Light, u16)> {
         let (share, reading) = (bsdf.ambient(), self.reading(lanes));
-        let radiance = |l: &AmbientLight| reading.eval(&l.radiance, &ShadingPoint::NOWHERE);
-        self.ambient.iter().map(radiance).fold(Light::ZERO, |sum, l| sum + share * l)
+        let radiance = move |l: &AmbientLight| reading.eval(&l.radiance, &ShadingPoint::NOWHERE);
+        self.ambient.iter().map(move |(light, group)| (share * radiance(light), *group))
     }
 
     /// A point on a light or a direction towards it.

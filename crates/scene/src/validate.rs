@@ -7,7 +7,8 @@ use crate::alias::{self, Here};
 use crate::css;
 use crate::decode::Describe;
 use crate::desc::{
-    Environment, Group, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Transform,
+    Environment, Group, Light, MOST_LIGHT_GROUPS, Material, MaterialRef, Measured, Node, Scene, Spectrum,
+    Transform,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::handle::Handle;
@@ -35,6 +36,7 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
     materials::validate(scene, walk.d);
     walk.nesting();
     walk.focus();
+    walk.light_groups();
     textures::validate(scene, d);
 }
 
@@ -260,6 +262,15 @@ impl Walk<'_> {
     fn near<'n>(&self, name: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
         const MOST: usize = 1000;
         if self.d.is_full() { None } else { suggest::did_you_mean(name, names.take(MOST)) }
+    }
+
+    /// There may be so many groups of lights that nobody could hold their pictures.
+    fn light_groups(&mut self) {
+        let count = self.scene.light_groups().len();
+        if count > MOST_LIGHT_GROUPS {
+            let message = format!("{count} groups of lights: there may be {MOST_LIGHT_GROUPS}");
+            self.d.push(Diagnostic::error(Span::NONE, message));
+        }
     }
 
     /// What the camera is focused on must be in the world, outside of objects: there it could be in many places.

@@ -3,7 +3,7 @@
 use super::materials::Materials;
 use super::{Custom, Detail};
 use crate::lanes::Colour;
-use crate::light::LightTable;
+use crate::light::{Groups, LightTable};
 use crate::material::{self, Material};
 use crate::paint::Paint;
 use crate::shape::{Geometry, Shape};
@@ -31,6 +31,8 @@ pub(super) struct Glowing {
     pub spread: f64,
     /// See [`crate::light::AreaLight::placement`].
     pub placement: Option<Transform>,
+    /// The group of lights that it belongs to.
+    pub group: u16,
 }
 
 /// What a surface sends out.
@@ -126,6 +128,7 @@ pub(super) struct Built<'a> {
     pub materials: material::Materials,
     pub placements: Vec<Transform>,
     pub paint: Paint<'a>,
+    pub groups: Groups,
 }
 
 impl<'a> Build<'a> {
@@ -176,7 +179,7 @@ impl<'a> Build<'a> {
     }
 
     pub fn finish(self) -> Built<'a> {
-        let (materials, paint) = self.materials.finish();
+        let (materials, paint, groups) = self.materials.finish();
         Built {
             input: self.input,
             geometry: self.geometry,
@@ -192,6 +195,7 @@ impl<'a> Build<'a> {
             materials,
             placements: self.placements,
             paint,
+            groups,
         }
     }
 
@@ -213,7 +217,9 @@ impl<'a> Build<'a> {
             let placement = glowing_place(&place.transform, &glow.radiance);
             let Glow { radiance, below, .. } = glow;
             let kind = record.kind;
-            let glowing = Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+            let group = self.materials.group_of(surface, material);
+            let glowing =
+                Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement, group };
             record.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(record);

@@ -2,7 +2,9 @@
 
 use super::build::Glowing;
 use crate::light::area::Spread;
-use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Portals, Sides, SunDisc};
+use crate::light::{
+    AmbientLight, AreaLight, Emitter, Groups, LightTable, LitSurface, Portals, Sides, SunDisc,
+};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::world::Kind;
@@ -15,7 +17,8 @@ pub(super) struct Lights {
     pub emitters: Vec<Emitter>,
     pub table: LightTable,
     pub environments: Vec<u32>,
-    pub ambient: Vec<AmbientLight>,
+    pub ambient: Vec<(AmbientLight, u16)>,
+    pub groups: Groups,
 }
 
 /// What lights shine on.
@@ -32,11 +35,13 @@ pub(super) fn gather(
     paint: &mut Paint<'_>,
     around: Around<'_>,
     glowing: Vec<Glowing>,
+    mut groups: Groups,
 ) -> Lights {
     let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
     for g in &glowing {
         emitters.push(area(g, geometry));
+        groups.belong(emitters.len(), g.group);
     }
     for light in &scene.lights {
         let emitter = Emitter::of(light, paint, centre);
@@ -44,6 +49,8 @@ pub(super) fn gather(
         if let desc::Light::Sky(sky) = light {
             emitters.extend(SunDisc::of_sky(sky, paint));
         }
+        let group = groups.number(light.lamp().light_group.as_ref());
+        groups.belong(emitters.len(), group);
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
@@ -51,12 +58,12 @@ pub(super) fn gather(
     let table = LightTable::new(&emitters, geometry, radius);
     let environments =
         (0..emitters.len() as u32).filter(|&i| emitters[i as usize].is_environment()).collect();
-    let ambient = emitters.iter().filter_map(|e| match e {
-        Emitter::Ambient(light) => Some(*light),
+    let ambient = (0..).zip(&emitters).filter_map(|(i, e)| match e {
+        Emitter::Ambient(light) => Some((*light, groups.of(i))),
         _ => None,
     });
     let ambient = ambient.collect();
-    Lights { emitters, table, environments, ambient }
+    Lights { emitters, table, environments, ambient, groups }
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {

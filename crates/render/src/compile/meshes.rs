@@ -136,9 +136,9 @@ impl<'a> Build<'a> {
                     let opacity = self.materials.opacity(material);
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
-                    let flip = false;
+                    let (flip, group) = (false, self.materials.group_of(surface, material));
                     let glowing =
-                        Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+                        Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement, group };
                     Some(self.glow(glowing))
                 }
                 None => None,

@@ -130,6 +130,7 @@ fn compile_about(
         materials,
         placements,
         mut paint,
+        groups,
     } = build.finish();
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
@@ -141,6 +142,7 @@ fn compile_about(
         &mut paint,
         lights::Around { geometry: &geometry, search: &accel, centre },
         glowing,
+        groups,
     );
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
@@ -156,6 +158,7 @@ fn compile_about(
         sensor,
         emitters: lights.emitters,
         lights: lights.table,
+        light_groups: lights.groups,
         geometries,
         placements,
         instance_materials,

@@ -71,6 +71,7 @@ pub struct State<L> {
 
 impl Integrator for DirectLight {
     type State<L: Lanes> = State<L>;
+    const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         vec![
@@ -117,7 +118,8 @@ impl DirectLight {
             for (index, emitter) in world.environments() {
                 let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
                 let weight = self.weight(state, || world.lights.pmf(index, &state.from) * pdf);
-                out.add(Contribution::own(path, beta * radiance * weight));
+                let light = beta * radiance * weight;
+                out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
             return;
         }
@@ -130,7 +132,8 @@ impl DirectLight {
         if let Some(emitter) = vertex.surface.emitter {
             let radiance = world.emitters[emitter as usize].radiance_at(point, -ray.d, &reading);
             let weight = self.weight(state, || world.light_pdf(emitter, &state.from, hit, point));
-            out.add(Contribution::own(path, beta * radiance * weight));
+            let light = beta * radiance * weight;
+            out.add(Contribution::own(path, light).of(world.light_groups.of(emitter)));
         }
         if !state.first || vertex.is_black() {
             return;
@@ -141,7 +144,9 @@ impl DirectLight {
             return;
         }
         if world.has_ambient_light() {
-            out.add(Contribution::own(path, beta * world.ambient_from(&vertex.shaded.bsdf, state.lanes)));
+            for (light, group) in world.ambient_from(&vertex.shaded.bsdf, state.lanes) {
+                out.add(Contribution::own(path, beta * light).of(group));
+            }
         }
 
         let receiver = vertex.receiver();
@@ -163,7 +168,8 @@ impl DirectLight {
                     let free = vertex.shadow_ray(&light, ray);
                     let inside = vertex.towards(world, free.d, inside);
                     let left = left_on_way(world, &free, inside, state.lanes);
-                    out.shadow(free, Contribution::own(path, brought * left));
+                    let group = world.light_groups.of(pick.index);
+                    out.shadow(free, Contribution::own(path, brought * left).of(group));
                 }
             }
         }

@@ -12,7 +12,7 @@ use crate::surface::{Column, Surfaces, Vectors};
 use crate::world::World;
 use straal_color::Light;
 use straal_math::Ray;
-use straal_math::simd::{Float, Kernel, Mask, Simd};
+use straal_math::simd::{Float, Kernel, Mask, Simd, Uint};
 
 /// A light sample for each vertex, in columns.
 #[derive(Default)]
@@ -28,9 +28,26 @@ pub(super) struct Lit {
     to: Vectors,
     to_err: Vectors,
     to_ng: Vectors,
+    /// Which emitter it is on, in a world with groups of lights.
+    emitter: Numbered,
+}
+
+/// A number for each vertex.
+#[derive(Clone, Copy)]
+struct Numbered([u32; ROOM]);
+
+impl Default for Numbered {
+    fn default() -> Self {
+        Self([0; ROOM])
+    }
 }
 
 impl Lit {
+    /// The emitter that vertex `i` has a sample of, in a world with groups of lights.
+    pub fn emitter(&self, i: usize) -> u32 {
+        self.emitter.0[i]
+    }
+
     #[inline(always)]
     fn store<F: Float>(&mut self, first: usize, light: &LightSample<F>, pdf: F) {
         self.there.store(first, pdf.gt(F::ZERO));
@@ -76,7 +93,7 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
     fn run<F: Float>(self) {
         let Self { world, surfaces, vertices, lanes, numbers, out } = self;
         (out.there, out.delta, out.far) = Default::default();
-        let readings = world.readings(lanes);
+        let (readings, groups) = (world.readings(lanes), world.light_groups.matter());
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let asks = vertices.asks_lights.load::<F>(first);
             if !asks.any() {
@@ -88,6 +105,10 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
             picked.pmf = F::select(asks, picked.pmf, F::ZERO);
             let light = world.sample_lights(&picked, &at, v, &readings.from(first));
             out.store(first, &light, picked.pmf * light.pdf);
+            if groups {
+                let to = &mut out.emitter.0[first..first + F::WIDTH];
+                to.copy_from_slice(picked.index.to_array().as_ref());
+            }
         }
     }
 }

@@ -86,6 +86,7 @@ pub struct State<L> {
 
 impl Integrator for PathTracer {
     type State<L: Lanes> = State<L>;
+    const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         let depth = if self.max_depth == u32::MAX { "unlimited".into() } else { self.max_depth.to_string() };
@@ -292,7 +293,9 @@ fn scatters_specially<'w, L: Lanes>(
         }
     }
     if world.has_ambient_light() {
-        out.add(Contribution::own(arrival.path, beta * world.ambient_from(&bsdf, lanes)));
+        for (light, group) in world.ambient_from(&bsdf, lanes) {
+            out.add(Contribution::own(arrival.path, beta * light).of(group));
+        }
     }
     Some(bsdf)
 }
@@ -337,8 +340,9 @@ impl PathTracer {
                     technique: self.technique,
                     out: &mut light,
                 });
+                let group = world.light_groups.of(emitter);
                 for (&path, &light) in paths.iter().zip(&light) {
-                    out.add(Contribution::own(&queue.paths[path as usize], light));
+                    out.add(Contribution::own(&queue.paths[path as usize], light).of(group));
                 }
             }
         }
@@ -363,7 +367,8 @@ impl PathTracer {
         } else {
             self.technique.of_bsdf(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, point))
         };
-        out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
+        let light = state.beta * radiance * weight;
+        out.add(Contribution::own(arrival.path, light).of(world.light_groups.of(emitter)));
     }
 }
 
@@ -432,13 +437,20 @@ impl PathTracer {
                 let i = usize::from(i);
                 Contribution::own(&queue.paths[block.paths[i] as usize], brought.light(i))
             }));
+            if world.light_groups.matter() {
+                let first = out.shadows.len() - asking.len();
+                for (shadow, &i) in out.shadows[first..].iter_mut().zip(asking) {
+                    shadow.group = world.light_groups.of(lit.emitter(i.into()));
+                }
+            }
             return;
         }
         for i in asking.iter().copied().map(usize::from) {
             let path = block.paths[i] as usize;
             let ray = brought.ray(i, &queue.rays[path]);
             let left = left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
-            out.shadow(ray, Contribution::own(&queue.paths[path], brought.light(i) * left));
+            let group = world.light_groups.of(lit.emitter(i));
+            out.shadow(ray, Contribution::own(&queue.paths[path], brought.light(i) * left).of(group));
         }
     }
 

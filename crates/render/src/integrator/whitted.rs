@@ -84,6 +84,7 @@ pub struct State<L> {
 
 impl Integrator for Whitted {
     type State<L: Lanes> = State<L>;
+    const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         let mut facts = vec![
@@ -130,8 +131,9 @@ impl Whitted {
         let reading = world.reading(state.lanes);
         if !hit.is_hit() {
             // Seen, but it lights nothing.
-            for (_, background) in world.environments() {
-                out.add(Contribution::own(path, beta * background.radiance_from(ray.d, &reading)));
+            for (index, background) in world.environments() {
+                let light = beta * background.radiance_from(ray.d, &reading);
+                out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
             return;
         }
@@ -140,7 +142,7 @@ impl Whitted {
         if let Some(emitter) = vertex.surface.emitter {
             let shines =
                 world.emitters[emitter as usize].radiance_at(&vertex.surface.point, -ray.d, &reading);
-            out.add(Contribution::own(path, beta * shines));
+            out.add(Contribution::own(path, beta * shines).of(world.light_groups.of(emitter)));
         }
         if vertex.is_black() {
             return;
@@ -167,7 +169,9 @@ impl Whitted {
     ) {
         let lanes = path.state.lanes;
         if world.has_ambient_light() {
-            out.add(Contribution::own(path, beta * world.ambient_from(&vertex.shaded.bsdf, lanes)));
+            for (light, group) in world.ambient_from(&vertex.shaded.bsdf, lanes) {
+                out.add(Contribution::own(path, beta * light).of(group));
+            }
         }
         if vertex.shaded.bsdf.is_delta() {
             return;
@@ -185,10 +189,11 @@ impl Whitted {
             }
             let way = self.leaving(vertex, vertex.shadow_ray(&light, ray));
             let brought = brought * left_on_way(world, &way, vertex.towards(world, way.d, inside), lanes);
+            let contribution = Contribution::own(path, brought).of(world.light_groups.of(index as u32));
             if self.shadows {
-                out.shadow(way, Contribution::own(path, brought));
+                out.shadow(way, contribution);
             } else {
-                out.add(Contribution::own(path, brought));
+                out.add(contribution);
             }
         }
     }
