@@ -146,7 +146,8 @@ fn groups_of_lights_are_relit() {
     assert_eq!(run.code, Some(0), "{}", run.err);
     let read = |name: &str| exr::read(&folder.read(name), &Limits::default()).unwrap();
     let (before, after) = (read("a.exr"), read("b.exr"));
-    let colours = |picture: &exr::Layered, layer: &str| picture.layer(layer).and_then(exr::Layer::rgb).unwrap();
+    let colours =
+        |picture: &exr::Layered, layer: &str| picture.layer(layer).and_then(exr::Layer::rgb).unwrap();
     let fill = colours(&before, "Combined_fill");
     assert!(fill.iter().any(|v| v[2] > 0.05));
     let three_times: Vec<_> = fill.iter().map(|v| v.map(|v| 3.0 * v)).collect();

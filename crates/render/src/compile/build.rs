@@ -3,6 +3,7 @@
 use super::materials::Materials;
 use super::{Custom, Detail};
 use crate::lanes::Colour;
+use crate::light::links::{Linked, Names, Receivers};
 use crate::light::{Groups, LightTable};
 use crate::material::{self, Material};
 use crate::paint::Paint;
@@ -31,8 +32,9 @@ pub(super) struct Glowing {
     pub spread: f64,
     /// See [`crate::light::AreaLight::placement`].
     pub placement: Option<Transform>,
-    /// The group of lights that it belongs to.
+    /// The group of lights that it belongs to, and whom it lights.
     pub group: u16,
+    pub receivers: Receivers,
 }
 
 /// What a surface sends out.
@@ -89,6 +91,10 @@ pub(super) struct Build<'a> {
     pub in_focus: bool,
     /// See [`crate::world::World::placements`].
     pub placements: Vec<Transform>,
+    /// The names that lamps say whom they light by, the bits of those that the walk is within, and of what is made.
+    pub names: Names<'a>,
+    pub within: u64,
+    pub linked: Linked,
 }
 
 /// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
@@ -129,6 +135,8 @@ pub(super) struct Built<'a> {
     pub placements: Vec<Transform>,
     pub paint: Paint<'a>,
     pub groups: Groups,
+    pub names: Names<'a>,
+    pub linked: Linked,
 }
 
 impl<'a> Build<'a> {
@@ -163,6 +171,9 @@ impl<'a> Build<'a> {
             named: Vec::new(),
             to_world: if centre == DVec3::ZERO { Affine::IDENTITY } else { Affine::translate(-centre) },
             placements: Vec::new(),
+            names: Names::of(scene),
+            within: 0,
+            linked: Linked { instances: vec![Vec::new()], ..Linked::default() },
         }
     }
 
@@ -196,6 +207,8 @@ impl<'a> Build<'a> {
             placements: self.placements,
             paint,
             groups,
+            names: self.names,
+            linked: self.linked,
         }
     }
 
@@ -218,8 +231,19 @@ impl<'a> Build<'a> {
             let Glow { radiance, below, .. } = glow;
             let kind = record.kind;
             let group = self.materials.group_of(surface, material);
-            let glowing =
-                Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement, group };
+            let receivers = self.names.receivers(&surface.lamp);
+            let glowing = Glowing {
+                kind,
+                radiance,
+                opacity,
+                below,
+                two_sided,
+                flip,
+                spread,
+                placement,
+                group,
+                receivers,
+            };
             record.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(record);
@@ -260,6 +284,7 @@ impl<'a> Build<'a> {
         let id = self.input.geometries.len() as u32;
         self.input.geometries.push(accel::Geometry { kind, mask: u32::MAX });
         self.nodes.push(self.node);
+        self.linked.geometries.push(self.within);
         self.input.groups[group as usize].geometries.push(id);
     }
 

@@ -137,8 +137,19 @@ impl<'a> Build<'a> {
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
                     let (flip, group) = (false, self.materials.group_of(surface, material));
-                    let glowing =
-                        Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement, group };
+                    let receivers = self.names.receivers(&surface.lamp);
+                    let glowing = Glowing {
+                        kind,
+                        radiance,
+                        opacity,
+                        below,
+                        two_sided,
+                        flip,
+                        spread,
+                        placement,
+                        group,
+                        receivers,
+                    };
                     Some(self.glow(glowing))
                 }
                 None => None,

@@ -131,7 +131,12 @@ fn compile_about(
         placements,
         mut paint,
         groups,
+        names,
+        mut linked,
     } = build.finish();
+    if names.matter() {
+        linked.find_classes(&input);
+    }
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
     let (camera, out_of_focus) = camera::camera(scene, size, &seen, centre);
@@ -143,6 +148,7 @@ fn compile_about(
         lights::Around { geometry: &geometry, search: &accel, centre },
         glowing,
         groups,
+        (&names, linked),
     );
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
@@ -159,6 +165,7 @@ fn compile_about(
         emitters: lights.emitters,
         lights: lights.table,
         light_groups: lights.groups,
+        links: lights.links,
         geometries,
         placements,
         instance_materials,

@@ -6,6 +6,7 @@ use super::{Arrival, Contribution, Integrator, Out, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
+use crate::light::links::{ALL, Class};
 use crate::material::interior::Inside;
 use crate::world::World;
 use straal_color::Light;
@@ -67,6 +68,8 @@ pub struct State<L> {
     /// Whether it comes from the camera.
     first: bool,
     inside: Inside,
+    /// By which lamps the point that it left is lit.
+    class: Class,
 }
 
 impl Integrator for DirectLight {
@@ -91,6 +94,7 @@ impl Integrator for DirectLight {
             delta: true,
             first: true,
             inside: Inside::default(),
+            class: ALL,
         };
         start.camera_ray.map(|ray| (ray, state))
     }
@@ -115,9 +119,12 @@ impl DirectLight {
         let (left, inside) = left_by_medium(world, (ray, hit), state.inside, state.lanes);
         let (beta, reading) = (state.beta * left, world.reading(state.lanes));
         if !hit.is_hit() {
-            for (index, emitter) in world.environments() {
+            for (index, emitter) in
+                world.environments().filter(|(index, _)| world.links.light(state.class, *index))
+            {
                 let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
-                let weight = self.weight(state, || world.lights.pmf(index, &state.from) * pdf);
+                let weight =
+                    self.weight(state, || world.lights_of(state.class).pmf(index, &state.from) * pdf);
                 let light = beta * radiance * weight;
                 out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
@@ -129,9 +136,11 @@ impl DirectLight {
         let draw = |purpose| queue.pattern.d1(&path.name, purpose);
         let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         let point = &vertex.surface.point;
-        if let Some(emitter) = vertex.surface.emitter {
+        let emitter = vertex.surface.emitter.filter(|emitter| world.links.light(state.class, *emitter));
+        if let Some(emitter) = emitter {
             let radiance = world.emitters[emitter as usize].radiance_at(point, -ray.d, &reading);
-            let weight = self.weight(state, || world.light_pdf(emitter, &state.from, hit, point));
+            let weight =
+                self.weight(state, || world.light_pdf(emitter, (state.class, &state.from), hit, point));
             let light = beta * radiance * weight;
             out.add(Contribution::own(path, light).of(world.light_groups.of(emitter)));
         }
@@ -144,19 +153,22 @@ impl DirectLight {
             return;
         }
         if world.has_ambient_light() {
-            for (light, group) in world.ambient_from(&vertex.shaded.bsdf, state.lanes) {
+            for (light, group) in world.ambient_from(hit, &vertex.shaded.bsdf, state.lanes) {
                 out.add(Contribution::own(path, beta * light).of(group));
             }
         }
 
-        let receiver = vertex.receiver();
+        let (receiver, class) = (vertex.receiver(), world.links.class_of(hit));
+        let lights = world.lights_of(class);
         let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
         if !vertex.shaded.bsdf.is_delta() {
             for k in 0..self.light_samples {
                 let name = nth(queue.pattern, &path.name, k, self.light_samples);
                 let [u, v] = queue.pattern.d2(&name, Purpose::LightPoint);
-                let Some(pick) = world.lights.pick(u, &receiver) else { continue };
-                let Some(light) = world.sample_picked(&pick, &receiver, v, state.lanes) else { continue };
+                let Some(pick) = lights.pick(u, &receiver) else { continue };
+                let Some(light) = world.sample_picked((lights, &pick), &receiver, v, state.lanes) else {
+                    continue;
+                };
                 let (value, pdf) = vertex.scattered(&light);
                 let weight = if light.delta {
                     1.0
@@ -187,6 +199,7 @@ impl DirectLight {
                 pdf: drawn.pdf,
                 delta: drawn.delta,
                 first: false,
+                class,
                 inside: vertex.towards(world, leaves.d, inside),
                 ..*state
             };

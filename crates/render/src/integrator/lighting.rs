@@ -5,6 +5,8 @@ use super::technique::Technique;
 use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Standing, Vertices, frames, ray};
 use crate::lanes::Lanes;
 use crate::light::LightSample;
+use crate::light::links::{ALL, Class};
+use crate::light::table::Picks;
 use crate::material::many::{OfKind, WithKind};
 use crate::material::{Transport, shaded};
 use crate::shape::offset::End;
@@ -82,6 +84,8 @@ pub(super) struct Illuminate<'a, 'w, L> {
     pub vertices: &'a Vertices<'w>,
     /// By what each path reads colours.
     pub lanes: &'a [L; ROOM],
+    /// By which lamps each vertex is lit, where not by all.
+    pub classes: Option<&'a [Class; BLOCK]>,
     pub numbers: &'a Numbers,
     pub out: &'a mut Lit,
 }
@@ -91,7 +95,7 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Self { world, surfaces, vertices, lanes, numbers, out } = self;
+        let Self { world, surfaces, vertices, lanes, classes, numbers, out } = self;
         (out.there, out.delta, out.far) = Default::default();
         let (readings, groups) = (world.readings(lanes), world.light_groups.matter());
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
@@ -101,9 +105,30 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
             }
             let at = vertices.receivers(surfaces, first);
             let [u, v] = numbers.light(first);
-            let mut picked = world.lights.picks(u, &at);
-            picked.pmf = F::select(asks, picked.pmf, F::ZERO);
-            let light = world.sample_lights(&picked, &at, v, &readings.from(first));
+            let readings = readings.from(first);
+            // Once, but where vertices are lit by other lamps than their neighbours.
+            let (mut all, mut light, mut left) = (Picks::none(), LightSample::none(), asks);
+            let picked = loop {
+                let (class, these) = classes.map_or(
+                    (ALL, left),
+                    #[inline(always)]
+                    |classes| of_a_class(classes, first, left),
+                );
+                let lights = world.lights_of(class);
+                let mut picked = lights.picks(u, &at);
+                picked.pmf = F::select(these, picked.pmf, F::ZERO);
+                let one = world.sample_lights((lights, &picked), &at, v, &readings);
+                if classes.is_none() {
+                    light = one;
+                    break picked;
+                }
+                all = Picks::select(these, &picked, &all);
+                light = LightSample::select(these, one, light);
+                left = left & !these;
+                if !left.any() {
+                    break all;
+                }
+            };
             out.store(first, &light, picked.pmf * light.pdf);
             if groups {
                 let to = &mut out.emitter.0[first..first + F::WIDTH];
@@ -111,6 +136,15 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
             }
         }
     }
+}
+
+/// The class of the first vertex that is left, from vertex `first` on, and which of those that are left are of it.
+#[inline(always)]
+fn of_a_class<M: Mask>(classes: &[Class; BLOCK], first: usize, left: M) -> (Class, M) {
+    let (left, class_of) = (left.to_bits(), |i: usize| classes.get(first + i).copied().unwrap_or(ALL));
+    let class = class_of(left.trailing_zeros() as usize);
+    let these = (0..32).filter(|&i| left >> i & 1 == 1 && class_of(i) == class);
+    (class, M::from_bits(these.fold(0, |bits, i| bits | 1 << i)))
 }
 
 /// What lights bring if nothing is in the way.

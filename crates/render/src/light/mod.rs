@@ -41,6 +41,7 @@ mod equal_area;
 mod facing;
 pub mod goniometric;
 mod groups;
+pub(crate) mod links;
 mod list;
 pub mod point;
 pub mod portals;

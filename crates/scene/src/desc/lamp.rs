@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::decode::Describe;
-use crate::desc::Scene;
+use crate::desc::{Light, Scene};
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::Name;
@@ -14,6 +14,10 @@ describe! {
     pub struct Lamp {
         /// The group of lights that its light is told by: `straal develop --light-group NAME=2` makes it brighter afterwards. What has no group is in `rest`.
         light_group: Option<LightGroup> = None,
+        /// Names of what it lights, and nothing else: of nodes (`name`), with all that is in them, and of objects, wherever they stand. All else neither gets its light nor shows it.
+        lights_only: Vec<Name> = Vec::new(),
+        /// Names of what it doesn't light.
+        lights_all_but: Vec<Name> = Vec::new(),
     }
 }
 
@@ -22,6 +26,9 @@ pub const REST: &str = "rest";
 
 /// Most groups of lights, besides [`REST`].
 pub const MOST_LIGHT_GROUPS: usize = 255;
+
+/// Most names that lamps may say in `lights_only` and `lights_all_but`.
+pub const MOST_LINKED: usize = 64;
 
 /// Most bytes of a group's name: it becomes part of the name of a layer.
 const LONGEST: usize = 100;
@@ -50,6 +57,29 @@ impl LightGroup {
 }
 
 impl Scene {
+    /// Whom each lamp lights: what lights and surfaces say, of the world and of objects.
+    fn lamps(&self) -> Vec<&Lamp> {
+        let mut lamps: Vec<&Lamp> = self.lights.iter().map(Light::lamp).collect();
+        for node in self.objects.iter().map(|(_, object)| object).chain(&self.world) {
+            node.visit(&mut |node| lamps.extend(node.surface().map(|surface| &surface.lamp)));
+        }
+        lamps
+    }
+
+    /// The names of what lamps light, or don't, with their places.
+    pub(crate) fn links(&self) -> Vec<&Name> {
+        self.lamps()
+            .into_iter()
+            .flat_map(|lamp| lamp.lights_only.iter().chain(&lamp.lights_all_but))
+            .collect()
+    }
+
+    /// The same in order, each once.
+    pub fn linked_names(&self) -> Vec<&str> {
+        let names: BTreeSet<&str> = self.links().into_iter().map(|name| name.value.as_str()).collect();
+        names.into_iter().collect()
+    }
+
     /// The groups of its lights by name, in order; [`REST`] isn't among them.
     pub fn light_groups(&self) -> Vec<&str> {
         struct Groups<'a>(BTreeSet<&'a str>);

@@ -35,7 +35,7 @@ pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use curves::{CurveBasis, CurveForm, Curves};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
-pub use lamp::{Lamp, LightGroup, MOST_LIGHT_GROUPS, REST};
+pub use lamp::{Lamp, LightGroup, MOST_LIGHT_GROUPS, MOST_LINKED, REST};
 pub use light::{
     AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
     PointLight, Portal, Projector, SpotLight,
