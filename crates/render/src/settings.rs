@@ -1,6 +1,7 @@
 //! What a render is asked for, apart from the world.
 
 use crate::film::{BLOCK, ErrorEstimate, Extent, Keep, Recording, Region, reach};
+use crate::integrator::Integrator;
 use straal_math::lowdisc::Pattern;
 
 /// What the layers of albedo and normals are of.
@@ -58,6 +59,8 @@ pub struct Settings {
     pub batch: usize,
     /// Renders the tiles in an order shuffled by this seed: for tests, since it must change nothing.
     pub shuffle_tiles: Option<u64>,
+    /// How many groups of lights are told apart ([`crate::light::Groups`]), where the integrator knows what light comes from which; 0 for none.
+    pub light_groups: usize,
     /// Counts what the searches of each pixel cost ([`crate::film::channel::NODES`] and the like); slower, and the same picture.
     pub cost: bool,
 }
@@ -75,6 +78,11 @@ impl Settings {
         let by_batches = self.error_estimate() == ErrorEstimate::Batches;
         (self.error || self.noise.is_some()) && by_batches
             || self.halves && !self.splat && self.noise.is_none()
+    }
+
+    /// How many groups of lights an integrator's film tells apart.
+    pub(crate) const fn light_groups_of<I: Integrator>(&self) -> usize {
+        if I::LIGHT_GROUPS { self.light_groups } else { 0 }
     }
 
     /// The part of the picture that is rendered, which the crop lies in; `filter_radius` in pixels.
@@ -103,6 +111,7 @@ impl Settings {
             signed: self.signed,
             adapts: self.noise.is_some(),
             light_splats: false,
+            light_groups: self.light_groups,
         }
     }
 
@@ -129,6 +138,7 @@ impl Settings {
             threads: 0,
             batch: 1024,
             shuffle_tiles: None,
+            light_groups: 0,
             cost: false,
         }
     }

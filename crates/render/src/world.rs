@@ -5,8 +5,9 @@ use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
+use crate::light::links::{Class, Links};
 use crate::light::table::Picks;
-use crate::light::{AmbientLight, Ball, Emitter, LightSample, LightTable, Pick, Receiver};
+use crate::light::{AmbientLight, Ball, Emitter, Groups, LightSample, LightTable, Pick, Receiver};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::relief::Ways;
@@ -99,6 +100,10 @@ pub struct World {
     pub emitters: Vec<Emitter>,
     /// Which emitter to sample.
     pub lights: LightTable,
+    /// Which of them belong together.
+    pub light_groups: Groups,
+    /// What lights what, where that isn't all.
+    pub(crate) links: Links,
     /// By geometry of the search structure.
     pub(crate) geometries: Vec<GeometryRecord>,
     /// Where things' own coordinates lie in those of their groups.
@@ -109,8 +114,8 @@ pub struct World {
     pub top_level: Vec<TopLevel>,
     /// Emitters that surround the scene.
     pub(crate) environments: Vec<u32>,
-    /// What surfaces send back their share of wherever they are.
-    pub(crate) ambient: Vec<AmbientLight>,
+    /// What surfaces send back their share of wherever they are, and which emitter it is.
+    pub(crate) ambient: Vec<(AmbientLight, u32)>,
     /// What of the description's space lies at the world's origin: other than 0 for scenes that lie far from theirs.
     pub centre: DVec3,
     /// What its author should know of how the description was understood.
@@ -531,12 +536,24 @@ impl World {
         !self.ambient.is_empty()
     }
 
-    /// What a point sends out of ambient light, in all directions.
+    /// What a point of what a ray hit sends out of each ambient light, in all directions, and that light's group.
     #[cold]
-    pub fn ambient_from<L: Lanes>(&self, bsdf: &Bsdf<'_>, lanes: L) -> Light {
-        let (share, reading) = (bsdf.ambient(), self.reading(lanes));
-        let radiance = |l: &AmbientLight| reading.eval(&l.radiance, &ShadingPoint::NOWHERE);
-        self.ambient.iter().map(radiance).fold(Light::ZERO, |sum, l| sum + share * l)
+    pub(crate) fn ambient_from<L: Lanes>(
+        &self,
+        hit: &Hit,
+        bsdf: &Bsdf<'_>,
+        lanes: L,
+    ) -> impl Iterator<Item = (Light, u16)> {
+        let (share, reading, class) = (bsdf.ambient(), self.reading(lanes), self.links.class_of(hit));
+        let radiance = move |l: &AmbientLight| reading.eval(&l.radiance, &ShadingPoint::NOWHERE);
+        let lit = self.ambient.iter().filter(move |(_, emitter)| self.links.light(class, *emitter));
+        lit.map(move |(light, emitter)| (share * radiance(light), self.light_groups.of(*emitter)))
+    }
+
+    /// The choice of light for surfaces of a class.
+    #[inline(always)]
+    pub(crate) fn lights_of(&self, class: Class) -> &LightTable {
+        self.links.table(class).unwrap_or(&self.lights)
     }
 
     /// A point on a light or a direction towards it.
@@ -555,13 +572,13 @@ impl World {
     #[inline]
     pub fn sample_picked<L: Lanes>(
         &self,
-        pick: &Pick,
+        (lights, pick): (&LightTable, &Pick),
         at: &Receiver,
         v: f32,
         lanes: L,
     ) -> Option<LightSample> {
         let reading = self.reading(lanes);
-        let part = self.lights.splits(pick.index).then_some(pick.part);
+        let part = lights.splits(pick.index).then_some(pick.part);
         let light = &self.emitters[pick.index as usize];
         let sample = light.sample_parts::<f32, L>(
             &self.geometry,
@@ -577,7 +594,7 @@ impl World {
     #[inline(always)]
     pub(crate) fn sample_lights<F: Float, L: Lanes>(
         &self,
-        picked: &Picks<F>,
+        (lights, picked): (&LightTable, &Picks<F>),
         at: &Receiver<F>,
         v: F,
         readings: &Readings<'_, L>,
@@ -590,7 +607,7 @@ impl World {
             let emitter = picked.index.lane(first);
             let these = left & picked.index.eq(F::Uint::splat(emitter));
             let light = &self.emitters[emitter as usize];
-            let splits = self.lights.splits(emitter);
+            let splits = lights.splits(emitter);
             let sample = if F::WIDTH > 1 && these.to_bits().is_power_of_two() {
                 // By itself: of many lights each is picked by few.
                 let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
@@ -610,15 +627,21 @@ impl World {
     /// The density with which light sampling at a point, its choice of light included, would have found the emitting
     /// surface that a ray hit.
     #[inline]
-    pub fn light_pdf(&self, emitter: u32, from: &Receiver, hit: &Hit, point: &SurfacePoint) -> f32 {
-        let light = &self.emitters[emitter as usize];
-        if self.lights.splits(emitter) {
+    pub(crate) fn light_pdf(
+        &self,
+        emitter: u32,
+        (class, from): (Class, &Receiver),
+        hit: &Hit,
+        point: &SurfacePoint,
+    ) -> f32 {
+        let (light, lights) = (&self.emitters[emitter as usize], self.lights_of(class));
+        if lights.splits(emitter) {
             let pdf = light.pdf_of_part(&self.geometry, from.p, hit.primitive, point);
-            let pmf = || self.lights.pmf_of_part(emitter, hit.primitive, from);
+            let pmf = || lights.pmf_of_part(emitter, hit.primitive, from);
             return if pdf > 0.0 { pmf() * pdf } else { 0.0 };
         }
         let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
-        if pdf > 0.0 { self.lights.pmf(emitter, from) * pdf } else { 0.0 }
+        if pdf > 0.0 { lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 
     /// Bytes held by what grows with the scene: surfaces and their search structure.

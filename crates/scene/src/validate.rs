@@ -7,7 +7,8 @@ use crate::alias::{self, Here};
 use crate::css;
 use crate::decode::Describe;
 use crate::desc::{
-    Environment, Group, Light, Material, MaterialRef, Measured, Node, Scene, Spectrum, Transform,
+    Environment, Group, Light, MOST_LIGHT_GROUPS, MOST_LINKED, Material, MaterialRef, Measured, Node, Scene,
+    Spectrum, Transform,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::handle::Handle;
@@ -35,6 +36,8 @@ pub fn validate(scene: &Scene, d: &mut Diagnostics) {
     materials::validate(scene, walk.d);
     walk.nesting();
     walk.focus();
+    walk.light_groups();
+    walk.linked();
     textures::validate(scene, d);
 }
 
@@ -195,7 +198,7 @@ enum State {
     Known(usize),
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
     /// Every material and object that is named must exist.
     fn names(&mut self, node: &Node) {
         node.visit(&mut |n| {
@@ -262,16 +265,66 @@ impl Walk<'_> {
         if self.d.is_full() { None } else { suggest::did_you_mean(name, names.take(MOST)) }
     }
 
-    /// What the camera is focused on must be in the world, outside of objects: there it could be in many places.
-    fn focus(&mut self) {
-        let Some(name) = self.scene.camera.focus_on().filter(|n| !n.is_empty()) else { return };
+    /// There may be so many groups of lights that nobody could hold their pictures.
+    fn light_groups(&mut self) {
+        let count = self.scene.light_groups().len();
+        if count > MOST_LIGHT_GROUPS {
+            let message = format!("{count} groups of lights: there may be {MOST_LIGHT_GROUPS}");
+            self.d.push(Diagnostic::error(Span::NONE, message));
+        }
+    }
+
+    /// What lamps light, or don't, must be there.
+    fn linked(&mut self) {
+        let links = self.scene.links();
+        if links.is_empty() {
+            return;
+        }
+        let count = self.scene.linked_names().len();
+        if count > MOST_LINKED {
+            let message =
+                format!("lamps name {count} things that they light or don't: there may be {MOST_LINKED}");
+            self.d
+                .push(Diagnostic::error(links[0].span, message).help("put things into a group with a name"));
+        }
+        let names =
+            self.names_of(self.scene.objects.iter().map(|(_, object)| object).chain(&self.scene.world));
+        for name in links {
+            if !names.contains(&name.value.as_str()) {
+                let message = format!("nothing is named `{}`", suggest::brief(name));
+                let help = self.near_or_all(name, &names);
+                self.d.push(Diagnostic::error(name.span, message).help(help));
+            }
+        }
+    }
+
+    /// What nodes go by, and all that is in them.
+    fn names_of(&self, nodes: impl Iterator<Item = &'a Node>) -> Vec<&'a str> {
         let mut names: Vec<&str> = Vec::new();
-        for node in &self.scene.world {
+        for node in nodes {
             node.visit(&mut |n| {
                 names.extend(n.name().map(|n| n.value.as_str()));
                 names.extend(n.object().map(|of| of.name.value.as_str()));
             });
         }
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    /// The name that was meant, or those that there are.
+    fn near_or_all(&self, name: &str, names: &[&str]) -> String {
+        let all = names.iter().copied();
+        self.near(name, all.clone()).unwrap_or_else(|| match names.len() {
+            0 => "give it a name: `- sphere: { name: ball }`".to_owned(),
+            _ => format!("the names in the world are {}", suggest::list(all.take(12))),
+        })
+    }
+
+    /// What the camera is focused on must be in the world, outside of objects: there it could be in many places.
+    fn focus(&mut self) {
+        let Some(name) = self.scene.camera.focus_on().filter(|n| !n.is_empty()) else { return };
+        let names = self.names_of(self.scene.world.iter());
         if names.contains(&name.value.as_str()) {
             return;
         }
@@ -279,13 +332,7 @@ impl Walk<'_> {
         let help = if self.scene.objects.get(name).is_some() {
             "there is such an object, but no instance of it in the world".to_owned()
         } else {
-            names.sort_unstable();
-            names.dedup();
-            let all = names.iter().copied();
-            self.near(name, all.clone()).unwrap_or_else(|| match names.len() {
-                0 => "give it a name: `- sphere: { name: ball }`".to_owned(),
-                _ => format!("the names in the world are {}", suggest::list(all.take(12))),
-            })
+            self.near_or_all(name, &names)
         };
         self.d.push(Diagnostic::error(name.span, message).help(help));
     }

@@ -36,6 +36,9 @@ pub trait Visitor<'a> {
     /// The name of texture coordinates that a mapping takes of meshes; it was shown as an attribute before.
     fn coordinates(&mut self, _name: &'a Name) {}
 
+    /// The name of a group of lights.
+    fn light_group(&mut self, _name: &'a Name) {}
+
     /// A picture that a texture is read off.
     fn bitmap(&mut self, _bitmap: &'a Asset<Bitmap>) {}
 }

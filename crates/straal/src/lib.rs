@@ -22,6 +22,7 @@ pub mod focus;
 pub mod forecast;
 pub mod job;
 pub mod picture;
+pub mod relight;
 pub mod replicates;
 pub mod resolve;
 pub mod search;

@@ -2,6 +2,7 @@
 
 use crate::denoise;
 use crate::development::{self, Development, Undeveloped};
+use crate::relight;
 use std::io;
 use std::path::Path;
 use straal_color::RgbSpace;
@@ -168,6 +169,8 @@ impl Picture {
             let by = if self.noisy.is_some() { "denoised halves" } else { error.estimate.name() };
             metadata.push((ERROR.to_owned(), by.to_owned()));
         }
+        let groups = l.groups.iter().map(|group| (relight::layer_of(&group.name), &group.rgb));
+        layers.extend(groups.map(|(name, rgb)| Layer::from_rgb(&name, rgb)));
         let costs = l.channels.iter().filter(|l| matches!(l.channel.source, Source::Search(_)));
         costs.for_each(|channel| add_channel(&mut layers, channel));
         if let Some(BandLayers { bands, planes }) = &l.bands {

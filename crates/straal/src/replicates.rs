@@ -5,7 +5,9 @@ use crate::picture::Picture;
 use crate::resolve::Error;
 use straal_color::spectrum::Bands;
 use straal_render::film::channel;
-use straal_render::film::{BandLayers, Channel, ChannelLayer, Dropped, ErrorEstimate, ErrorLayer, Layers};
+use straal_render::film::{
+    BandLayers, Channel, ChannelLayer, Dropped, ErrorEstimate, ErrorLayer, GroupLayer, Layers,
+};
 use straal_render::settings::Settings;
 use straal_render::stopwatch::Times;
 
@@ -96,6 +98,8 @@ struct Sums {
     tells_error: bool,
     /// Light by wavelengths.
     bands: Option<(Bands, Vec<Vec<f64>>)>,
+    /// Light by groups of lights.
+    groups: Vec<(String, Vec<[f64; 3]>)>,
     count: f64,
 }
 
@@ -106,7 +110,7 @@ impl Sums {
         let spread = if of.layers || of.error { colours } else { 0 };
         let samples = if of.layers { size_of::<u32>() } else { 0 };
         let numbers: usize = channel::held(of.layers, of.cost).map(|(_, c)| c.components.len()).sum();
-        (colours + spread + samples + numbers * size_of::<f64>()) as u64
+        (colours * (1 + of.light_groups) + spread + samples + numbers * size_of::<f64>()) as u64
     }
 
     fn new(frame: Picture) -> Self {
@@ -119,6 +123,7 @@ impl Sums {
             channels: Vec::new(),
             tells_error: false,
             bands: None,
+            groups: Vec::new(),
             count: 0.0,
         }
     }
@@ -139,6 +144,14 @@ impl Sums {
             for (sum, v) in sums.iter_mut().flatten().zip(planes.iter().flatten()) {
                 *sum += f64::from(*v);
             }
+        }
+        if self.groups.is_empty() {
+            let nothing = |group: &GroupLayer| (group.name.clone(), vec![[0.0; 3]; group.rgb.len()]);
+            self.groups = l.groups.iter().map(nothing).collect();
+        }
+        for ((_, sums), group) in self.groups.iter_mut().zip(&l.groups) {
+            let all = sums.as_flattened_mut().iter_mut().zip(group.rgb.as_flattened());
+            all.for_each(|(sum, v)| *sum += f64::from(*v));
         }
         // A picture that keeps to colours has none of the other layers.
         let held = l.samples.len();
@@ -187,6 +200,12 @@ impl Sums {
             bands: self
                 .bands
                 .map(|(bands, sums)| BandLayers { bands, planes: sums.into_iter().map(mean).collect() }),
+            groups: { self.groups.into_iter() }
+                .map(|(name, sums)| {
+                    let mean = |v: [f64; 3]| v.map(|x| (x / n) as f32);
+                    GroupLayer { name, rgb: sums.into_iter().map(mean).collect() }
+                })
+                .collect(),
         };
         Picture { layers, ..self.frame }
     }

@@ -189,6 +189,10 @@ impl Plan {
         if by_light {
             check_light_splats(noise.is_some(), splat, denoise.is_some(), recording)?;
         }
+        // They are layers of the picture.
+        let tells_groups =
+            (wish.layers.unwrap_or(true) || denoise.is_some()) && integrator.tells_light_groups();
+        let named = if tells_groups { scene.light_groups().len() } else { 0 };
         let settings = Settings {
             size,
             crop,
@@ -205,6 +209,7 @@ impl Plan {
             threads: wish.threads.unwrap_or(0),
             batch: wish.batch.unwrap_or(1024),
             shuffle_tiles: wish.shuffle_tiles,
+            light_groups: if named > 0 { named + 1 } else { 0 },
             cost: wish.cost.unwrap_or(scene.accel.cost),
         };
         if let Some(reason) = scene.camera.misfit(scene.film.size, size) {

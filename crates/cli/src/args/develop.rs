@@ -9,13 +9,14 @@ use clap::Args;
 use std::path::PathBuf;
 use straal::focus::Lens;
 use straal::picture::Format;
+use straal::relight::Relight;
 
 pub(super) const DEVELOP_ABOUT: &str = "\
 Develops a picture again, without rendering: exposure, tone curve, gamut, gamma and dithering of a PNG. PICTURE is an EXR, \
 HDR, PFM or PNG; an EXR of straal remembers how its scene or command wanted it developed, and what isn't said here stays \
 as it was, so that the same settings give the very file that `straal render` writes.
 
-EXR, HDR and PFM outputs hold light as it is: of all options only --depth-of-field changes them.";
+EXR, HDR and PFM outputs hold light as it is: of all options only --light-group and --depth-of-field change them.";
 
 const DEVELOP_EXAMPLES: &str = "\
 Examples:
@@ -23,6 +24,7 @@ Examples:
   straal develop scene.exr -o scene.png --exposure auto --gamut flag
   straal develop scene.exr -o scene.hdr         light in another format
   straal develop scene.exr -o albedo.png --layer albedo
+  straal develop scene.exr -o dusk.png --light-group sun=off --light-group lamps=2,warm
   straal develop scene.exr -o near.png --depth-of-field focus=3.5,radius=0.05";
 
 /// `straal develop`
@@ -43,6 +45,14 @@ pub struct DevelopArgs {
     /// Develop this layer of an EXR as if it were the picture, and leave out the others: its name, or the last part of it
     #[arg(long, value_name = "NAME", conflicts_with = "depth_of_field")]
     pub layer: Option<String>,
+
+    /// Change the light of a group of lights, as if its lamps had been others: a factor or off, and a tint such as warm, cool, 3000K or
+    /// #ff8000; may be given several times
+    ///
+    /// The picture is an EXR whose scene gave lamps a `light_group`; what has none is in the group rest. EXRs of Blender and Arnold with
+    /// light groups are known as well. An EXR that is written has the changed layers.
+    #[arg(long = "light-group", value_name = "NAME=CHANGE", value_parser = str::parse::<Relight>, conflicts_with = "layer")]
+    pub light_group: Vec<Relight>,
 
     /// How a PNG is developed
     #[command(flatten)]

@@ -42,6 +42,11 @@ pub fn run(args: &DevelopArgs) -> Result<Exit, Failure> {
         None => PictureFile::read(&bytes, &limits),
     };
     let mut picture_file = picture_file.map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
+    if !args.light_group.is_empty() {
+        picture_file
+            .relight(&args.light_group)
+            .map_err(|e| Failure::input(format!("can't relight {name}: {e}")))?;
+    }
     if !args.quiet {
         warn(args, &picture_file);
     }

@@ -114,6 +114,9 @@ fn wrong_words_are_answered() {
         ("develop a.exr -o b.png --gamma 0", "expected srgb or a number from 0.1 to 10"),
         ("develop a.exr -o b.png --depth-of-field focus=1", "radius=METRES"),
         ("develop a.exr -o b.png --fov 40", "--depth-of-field"),
+        ("develop a.exr -o b.png --light-group key=2", "no layers of groups of lights"),
+        ("develop a.exr -o b.png --light-group key", "write the group and what becomes of it"),
+        ("develop a.exr -o b.png --light-group key=hot", "neither a factor such as 2"),
         ("gamma-chart -o chart.exr", "the name must end in .png"),
     ] {
         let run = folder.straal(words);
@@ -128,6 +131,32 @@ fn wrong_words_are_answered() {
     exr::write(&mut bytes, &picture).unwrap();
     std::fs::write(folder.path("odd.exr"), bytes).unwrap();
     assert_eq!(folder.straal("develop odd.exr -o odd.png").code, Some(0));
+}
+
+/// What is relit is developed, an unknown group is answered with those that are there, and an EXR has the changed layers.
+#[test]
+fn groups_of_lights_are_relit() {
+    let folder = Folder::with_scene(
+        "camera: { perspective: { eye: [0, 1, 4], look_at: [0, 0.5, 0] } }\nfilm: { size: [16, 12] }\nsampler: { spp: 4 }\n\
+         world:\n  - sphere: { center: [0, 0.5, 0], radius: 0.5 }\nlights:\n  - point: { position: [2, 2, 2], intensity: 5, light_group: key }\n  \
+         - point: { position: [-2, 2, 2], intensity: [1, 2, 3], light_group: fill }\n",
+    );
+    assert_eq!(folder.straal("render scene.yaml -o a.exr -q").code, Some(0));
+    let run = folder.straal("develop a.exr -o b.exr --light-group key=off --light-group fill=3");
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    let read = |name: &str| exr::read(&folder.read(name), &Limits::default()).unwrap();
+    let (before, after) = (read("a.exr"), read("b.exr"));
+    let colours =
+        |picture: &exr::Layered, layer: &str| picture.layer(layer).and_then(exr::Layer::rgb).unwrap();
+    let fill = colours(&before, "Combined_fill");
+    assert!(fill.iter().any(|v| v[2] > 0.05));
+    let three_times: Vec<_> = fill.iter().map(|v| v.map(|v| 3.0 * v)).collect();
+    assert_eq!(colours(&after, ""), three_times);
+    assert_eq!(colours(&after, "Combined_fill"), three_times);
+    assert!(colours(&after, "Combined_key").iter().all(|v| *v == [0.0; 3]));
+    let run = folder.straal("develop a.exr -o c.png --light-group fil=2");
+    assert_eq!(run.code, Some(2));
+    assert!(run.err.contains("no group of lights `fil`") && run.err.contains("fill"), "{}", run.err);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::materials::Materials;
 use super::{Custom, Detail};
 use crate::lanes::Colour;
-use crate::light::LightTable;
+use crate::light::links::{Linked, Names, Receivers};
+use crate::light::{Groups, LightTable};
 use crate::material::{self, Material};
 use crate::paint::Paint;
 use crate::shape::{Geometry, Shape};
@@ -31,6 +32,9 @@ pub(super) struct Glowing {
     pub spread: f64,
     /// See [`crate::light::AreaLight::placement`].
     pub placement: Option<Transform>,
+    /// The group of lights that it belongs to, and whom it lights.
+    pub group: u16,
+    pub receivers: Receivers,
 }
 
 /// What a surface sends out.
@@ -87,6 +91,10 @@ pub(super) struct Build<'a> {
     pub in_focus: bool,
     /// See [`crate::world::World::placements`].
     pub placements: Vec<Transform>,
+    /// The names that lamps say whom they light by, the bits of those that the walk is within, and of what is made.
+    pub names: Names<'a>,
+    pub within: u64,
+    pub linked: Linked,
 }
 
 /// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
@@ -126,6 +134,9 @@ pub(super) struct Built<'a> {
     pub materials: material::Materials,
     pub placements: Vec<Transform>,
     pub paint: Paint<'a>,
+    pub groups: Groups,
+    pub names: Names<'a>,
+    pub linked: Linked,
 }
 
 impl<'a> Build<'a> {
@@ -160,6 +171,9 @@ impl<'a> Build<'a> {
             named: Vec::new(),
             to_world: if centre == DVec3::ZERO { Affine::IDENTITY } else { Affine::translate(-centre) },
             placements: Vec::new(),
+            names: Names::of(scene),
+            within: 0,
+            linked: Linked { instances: vec![Vec::new()], ..Linked::default() },
         }
     }
 
@@ -176,7 +190,7 @@ impl<'a> Build<'a> {
     }
 
     pub fn finish(self) -> Built<'a> {
-        let (materials, paint) = self.materials.finish();
+        let (materials, paint, groups) = self.materials.finish();
         Built {
             input: self.input,
             geometry: self.geometry,
@@ -192,6 +206,9 @@ impl<'a> Build<'a> {
             materials,
             placements: self.placements,
             paint,
+            groups,
+            names: self.names,
+            linked: self.linked,
         }
     }
 
@@ -213,7 +230,20 @@ impl<'a> Build<'a> {
             let placement = glowing_place(&place.transform, &glow.radiance);
             let Glow { radiance, below, .. } = glow;
             let kind = record.kind;
-            let glowing = Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+            let group = self.materials.group_of(surface, material);
+            let receivers = self.names.receivers(&surface.lamp);
+            let glowing = Glowing {
+                kind,
+                radiance,
+                opacity,
+                below,
+                two_sided,
+                flip,
+                spread,
+                placement,
+                group,
+                receivers,
+            };
             record.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(record);
@@ -254,6 +284,7 @@ impl<'a> Build<'a> {
         let id = self.input.geometries.len() as u32;
         self.input.geometries.push(accel::Geometry { kind, mask: u32::MAX });
         self.nodes.push(self.node);
+        self.linked.geometries.push(self.within);
         self.input.groups[group as usize].geometries.push(id);
     }
 

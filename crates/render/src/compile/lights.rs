@@ -2,7 +2,10 @@
 
 use super::build::Glowing;
 use crate::light::area::Spread;
-use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Portals, Sides, SunDisc};
+use crate::light::links::{Linked, Links, Names};
+use crate::light::{
+    AmbientLight, AreaLight, Emitter, Groups, LightTable, LitSurface, Portals, Sides, SunDisc,
+};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::world::Kind;
@@ -15,7 +18,9 @@ pub(super) struct Lights {
     pub emitters: Vec<Emitter>,
     pub table: LightTable,
     pub environments: Vec<u32>,
-    pub ambient: Vec<AmbientLight>,
+    pub ambient: Vec<(AmbientLight, u32)>,
+    pub groups: Groups,
+    pub links: Links,
 }
 
 /// What lights shine on.
@@ -32,11 +37,16 @@ pub(super) fn gather(
     paint: &mut Paint<'_>,
     around: Around<'_>,
     glowing: Vec<Glowing>,
+    mut groups: Groups,
+    (names, linked): (&Names<'_>, Linked),
 ) -> Lights {
     let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
+    let mut receivers = Vec::new();
     for g in &glowing {
         emitters.push(area(g, geometry));
+        groups.belong(emitters.len(), g.group);
+        receivers.push(g.receivers);
     }
     for light in &scene.lights {
         let emitter = Emitter::of(light, paint, centre);
@@ -44,19 +54,23 @@ pub(super) fn gather(
         if let desc::Light::Sky(sky) = light {
             emitters.extend(SunDisc::of_sky(sky, paint));
         }
+        let group = groups.number(light.lamp().light_group.as_ref());
+        groups.belong(emitters.len(), group);
+        receivers.resize(emitters.len(), names.receivers(light.lamp()));
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * f64::from(bounds.extent().length()) };
     let table = LightTable::new(&emitters, geometry, radius);
+    let links = Links::new(receivers, linked, (&emitters, geometry, radius));
     let environments =
         (0..emitters.len() as u32).filter(|&i| emitters[i as usize].is_environment()).collect();
-    let ambient = emitters.iter().filter_map(|e| match e {
-        Emitter::Ambient(light) => Some(*light),
+    let ambient = (0..).zip(&emitters).filter_map(|(i, e)| match e {
+        Emitter::Ambient(light) => Some((*light, i)),
         _ => None,
     });
     let ambient = ambient.collect();
-    Lights { emitters, table, environments, ambient }
+    Lights { emitters, table, environments, ambient, groups, links }
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {

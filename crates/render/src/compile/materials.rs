@@ -2,6 +2,7 @@
 
 use super::Custom;
 use crate::lanes::Colour;
+use crate::light::Groups;
 use crate::material::{self, Emission, Material};
 use crate::paint::Paint;
 use crate::relief::Relief;
@@ -20,6 +21,9 @@ pub(super) struct Materials<'a> {
     /// Where a material is, by what a scene would write of it.
     known: HashMap<String, u32>,
     custom: HashMap<String, u32>,
+    /// What of the scene's lights is told apart, and the group that each material says.
+    groups: Groups,
+    of_group: HashMap<u32, u16>,
     /// Where the scene's are; a program's own of the same name stands in for one.
     scenes: Vec<u32>,
 }
@@ -34,8 +38,16 @@ impl<'a> Materials<'a> {
 
     pub fn new(scene: &'a Scene, custom: &Custom, paint: Paint<'a>) -> Self {
         let list = material::Materials::default();
-        let mut all =
-            Self { scene, paint, list, known: HashMap::new(), custom: HashMap::new(), scenes: Vec::new() };
+        let mut all = Self {
+            scene,
+            paint,
+            list,
+            known: HashMap::new(),
+            custom: HashMap::new(),
+            groups: Groups::of_scene(scene),
+            of_group: HashMap::new(),
+            scenes: Vec::new(),
+        };
         all.push(&desc::Material::Diffuse(desc::Diffuse::default()));
         for (_, m) in scene.materials.iter() {
             // They may be made of each other: first each gets its place.
@@ -58,9 +70,17 @@ impl<'a> Materials<'a> {
         all
     }
 
-    pub fn finish(mut self) -> (material::Materials, Paint<'a>) {
+    pub fn finish(mut self) -> (material::Materials, Paint<'a>, Groups) {
         self.list.settle();
-        (self.list, self.paint)
+        (self.list, self.paint, self.groups)
+    }
+
+    /// The group of lights of a surface that glows: its own, else that of its material.
+    pub fn group_of(&self, surface: &desc::Surface, material: u32) -> u16 {
+        match &surface.lamp.light_group {
+            Some(own) => self.groups.number(Some(own)),
+            None => self.of_group.get(&material).copied().unwrap_or(0),
+        }
     }
 
     /// The share of light that meets a surface that glows, if that isn't all.
@@ -141,8 +161,11 @@ impl<'a> Materials<'a> {
         index
     }
 
-    /// Gives a material the relief that is said of it.
+    /// Gives a material the relief that is said of it, and takes note of its group of lights.
     fn pretend(&mut self, index: u32, m: &desc::Material) {
+        if let Some(group) = m.light_group() {
+            self.of_group.insert(index, self.groups.number(Some(group)));
+        }
         if let Some(relief) = Relief::of(m.relief(), &mut self.paint) {
             self.list.pretend(index, relief);
         }

@@ -136,9 +136,20 @@ impl<'a> Build<'a> {
                     let opacity = self.materials.opacity(material);
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
-                    let flip = false;
-                    let glowing =
-                        Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+                    let (flip, group) = (false, self.materials.group_of(surface, material));
+                    let receivers = self.names.receivers(&surface.lamp);
+                    let glowing = Glowing {
+                        kind,
+                        radiance,
+                        opacity,
+                        below,
+                        two_sided,
+                        flip,
+                        spread,
+                        placement,
+                        group,
+                        receivers,
+                    };
                     Some(self.glow(glowing))
                 }
                 None => None,

@@ -130,7 +130,13 @@ fn compile_about(
         materials,
         placements,
         mut paint,
+        groups,
+        names,
+        mut linked,
     } = build.finish();
+    if names.matter() {
+        linked.find_classes(&input);
+    }
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
     let (camera, out_of_focus) = camera::camera(scene, size, &seen, centre);
@@ -141,6 +147,8 @@ fn compile_about(
         &mut paint,
         lights::Around { geometry: &geometry, search: &accel, centre },
         glowing,
+        groups,
+        (&names, linked),
     );
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
@@ -156,6 +164,8 @@ fn compile_about(
         sensor,
         emitters: lights.emitters,
         lights: lights.table,
+        light_groups: lights.groups,
+        links: lights.links,
         geometries,
         placements,
         instance_materials,

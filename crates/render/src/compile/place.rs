@@ -26,6 +26,7 @@ impl<'a> Build<'a> {
             && g.transform.later.is_empty()
         {
             is_all_named |= self.focus.is_some_and(|name| node.goes_by(name));
+            self.within |= self.names.bits(|name| node.goes_by(name));
             place = Place { transform: placed(node, place), ..place };
             place = self.with_material(g.material.as_ref(), place);
             nodes = &g.children;
@@ -41,7 +42,7 @@ impl<'a> Build<'a> {
     }
 
     pub fn custom_shapes(&mut self, custom: &Custom) {
-        self.node = None;
+        (self.node, self.within) = (None, 0);
         for (i, (shape, material)) in custom.shapes.iter().enumerate() {
             let material = self.materials.named(material);
             self.geometry.custom.push(shape.clone());
@@ -52,6 +53,16 @@ impl<'a> Build<'a> {
     }
 
     fn node(&mut self, node: &'a Node, place: Place) {
+        if !self.names.matter() {
+            return self.node_in_focus(node, place);
+        }
+        let outside = self.within;
+        self.within |= self.names.bits(|name| node.goes_by(name));
+        self.node_in_focus(node, place);
+        self.within = outside;
+    }
+
+    fn node_in_focus(&mut self, node: &'a Node, place: Place) {
         let is_for_camera = place.group == 0 && !place.dissolved;
         if !(is_for_camera && self.focus.is_some_and(|name| node.goes_by(name))) {
             return self.kind_of_node(node, place);
@@ -128,6 +139,7 @@ impl<'a> Build<'a> {
         let group = self.input.groups.len() as u32;
         self.input.groups.push(accel::Group::default());
         self.group_materials.push(Vec::new());
+        self.linked.instances.push(Vec::new());
         group
     }
 
@@ -137,6 +149,9 @@ impl<'a> Build<'a> {
         let instance = accel::Instance { group, transform, motion, mask: u32::MAX };
         self.input.groups[outer as usize].instances.push(instance);
         self.group_materials[outer as usize].push(inner.material);
+        if let Some(instances) = self.linked.instances.get_mut(outer as usize) {
+            instances.push(self.within);
+        }
     }
 
     /// A node that is a shape; `place` is that of its own coordinates.
@@ -245,7 +260,10 @@ impl<'a> Build<'a> {
                 let group = self.new_group();
                 self.objects.insert(id, (group, name));
                 let place = Place { transform: Affine::IDENTITY, material: INHERIT, group, dissolved: false };
+                // What it is within besides, each of its instances says.
+                let outside = std::mem::take(&mut self.within);
                 self.node(object, place);
+                self.within = outside;
                 group
             }
         };

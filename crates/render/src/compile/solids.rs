@@ -75,12 +75,14 @@ impl<'a> Build<'a> {
         let input = std::mem::take(&mut self.input);
         let (records, nodes) = (std::mem::take(&mut self.geometries), std::mem::take(&mut self.nodes));
         let (left_out, glowing) = (self.left_out.len(), self.glowing.len());
+        let linked = self.linked.geometries.len();
         self.input.groups.push(accel::Group::default());
         self.one_shape(node, Place { group: 0, ..place });
         let geometry = std::mem::replace(&mut self.geometry, geometry);
         let input = std::mem::replace(&mut self.input, input);
         let records = std::mem::replace(&mut self.geometries, records);
         self.nodes = nodes;
+        self.linked.geometries.truncate(linked);
         // Nothing in a combination shines.
         self.glowing.truncate(glowing);
         if self.left_out.len() > left_out || records.is_empty() {

@@ -78,9 +78,8 @@ impl<'w, I: Integrator> Render<'w, I> {
             false => settings.rendered(f64::from(world.filter.radius())),
         };
         let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
-        if let Some(bands) = world.sensor.recording().bands() {
-            film.hold_bands(*bands);
-        }
+        let groups = if settings.light_groups_of::<I>() > 0 { world.light_groups.names() } else { &[] };
+        film.hold_bands(world.sensor.recording().bands().copied(), groups);
         if settings.splat {
             film.splat(&world.filter, world.simd());
         } else if let Some(weight) = world.filter.signed_weight() {

@@ -1,7 +1,7 @@
 //! Samples under way: a ring, in the order in which they were started.
 
 use super::stream::Name;
-use crate::film::LightSum;
+use crate::film::SampleSums;
 use crate::film::channel::Seen;
 
 /// A sample whose light is being gathered.
@@ -27,7 +27,7 @@ pub(super) struct Samples<L> {
     /// By place in the ring.
     pub pending: Vec<Option<Pending<L>>>,
     /// The light of each so far.
-    pub sums: Vec<LightSum>,
+    pub sums: SampleSums,
     /// What the camera's ray of each met first; empty where nobody asks.
     pub seen: Vec<Seen>,
     /// Paths of each that are in flight.
@@ -39,12 +39,13 @@ pub(super) struct Samples<L> {
 }
 
 impl<L: Copy> Samples<L> {
-    /// Room for so many, or a few more; `sees` says whether anybody asks for what camera rays meet.
-    pub fn new(room: usize, sees: bool) -> Self {
+    /// Room for so many, or a few more; `sees` says whether anybody asks for what camera rays meet, `groups` by how many
+    /// groups of lights their light is told apart.
+    pub fn new(room: usize, sees: bool, groups: usize) -> Self {
         let room = room.max(1).next_power_of_two();
         Self {
             pending: vec![None; room],
-            sums: vec![LightSum::default(); room],
+            sums: SampleSums::new(room, groups),
             seen: vec![Seen::default(); if sees { room } else { 0 }],
             in_flight: vec![0; room],
             first: 0,
@@ -75,7 +76,7 @@ impl<L: Copy> Samples<L> {
         let place = self.end & (self.room() - 1);
         self.end += 1;
         self.pending[place] = Some(sample);
-        self.sums[place] = LightSum::default();
+        self.sums.clear(place);
         if let Some(seen) = self.seen.get_mut(place) {
             *seen = Seen::default();
         }

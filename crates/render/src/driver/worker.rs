@@ -11,7 +11,7 @@ use super::starting::{self, Starting, Wanted};
 use super::stream::{self, Name, Stream};
 use crate::camera::Needs;
 use crate::film::channel::{FirstHit, Seen, see};
-use crate::film::{BandSample, FilmTile, Flying, LightSum, Sample, TILE};
+use crate::film::{BandSample, FilmTile, Flying, Sample, SampleSums, TILE};
 use crate::filter::Filter;
 use crate::footprint::PackedFootprint;
 use crate::integrator::{
@@ -48,7 +48,8 @@ pub fn thread_bytes(settings: &Settings) -> u64 {
         + size_of::<Light>()
         + 1;
     let seen = if settings.layers { size_of::<Seen>() } else { 0 };
-    let sample = size_of::<Option<Pending<Wavelengths>>>() + size_of::<LightSum>() + 4 + seen;
+    let sample =
+        size_of::<Option<Pending<Wavelengths>>>() + SampleSums::bytes(settings.light_groups) + 4 + seen;
     batch.saturating_mul(path as u64 + (SAMPLES_A_PATH * sample) as u64)
 }
 
@@ -121,8 +122,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         settings: &'a Settings,
         (clock, mut probe): (Option<Clock>, P),
     ) -> Self {
-        let samples =
-            Samples::new(settings.batch.saturating_mul(SAMPLES_A_PATH).min(1 << 24), settings.layers);
+        let room = settings.batch.saturating_mul(SAMPLES_A_PATH).min(1 << 24);
+        let samples = Samples::new(room, settings.layers, settings.light_groups_of::<I>());
         probe.make_room(samples.room());
         Self {
             world,
@@ -342,7 +343,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         }
         for (shadow, _) in self.shadows.iter().zip(&self.blocked).filter(|(_, blocked)| !**blocked) {
             match shadow.target {
-                Target::Sample => self.samples.sums[shadow.sample as usize].add(shadow.light),
+                Target::Sample => self.samples.sums.add(shadow.sample, shadow.group, shadow.light),
                 Target::Film(_) => self.splats.push(*shadow),
             }
         }
@@ -366,12 +367,14 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
     fn splat(&mut self, pass: &Pass<'_, '_>) {
         let (filter, size) = (&self.world.filter, self.settings.size);
         let across = size[0].div_ceil(TILE);
+        let tells_groups = self.settings.light_groups_of::<I>() > 0;
         for splat in self.splats.drain(..) {
             let sample = splat.sample as usize;
             let (Target::Film(at), Some(pending)) = (splat.target, &self.samples.pending[sample]) else {
                 continue;
             };
             let rgb = self.world.sensor.take(pending.lanes, splat.light);
+            let band = tells_groups.then(|| self.world.sensor.first_band_of_group(splat.group));
             let reach = |axis: usize| {
                 let first = (at[axis] - 0.5 - filter.radius()).ceil();
                 let end = (at[axis] - 0.5 + filter.radius()).floor() + 1.0;
@@ -383,8 +386,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                     let height =
                         filter.height(at[0] - (x as f32 + 0.5)) * filter.height(at[1] - (y as f32 + 0.5));
                     let mut tile = pass.tile(y / TILE * across + x / TILE);
-                    if height != 0.0 && !tile.add_light_splat([x, y], rgb.map(|v| v * height)) {
-                        self.samples.sums[sample].spoil();
+                    if height != 0.0 && !tile.add_light_splat([x, y], rgb.map(|v| v * height), band) {
+                        self.samples.sums.spoil(sample);
                     }
                 }
             }
@@ -400,15 +403,25 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 _ => &mut held.insert((pending.tile, pass.tile(pending.tile))).1,
             };
             let Pending { name: (pixel, index), lanes, weight, offset, glasses, .. } = pending;
-            let light = self.samples.sums[place].light();
-            let rgb = self.world.sensor.take(lanes, light);
+            let light = self.samples.sums.light(place);
+            let seen_by_film = |light: Light| -> [f32; 3] {
+                let rgb = self.world.sensor.take(lanes, light);
+                std::array::from_fn(|i| rgb[i] * weight * glasses[i])
+            };
             let sample = Sample {
-                rgb: std::array::from_fn(|i| rgb[i] * weight * glasses[i]),
+                rgb: seen_by_film(light),
                 seen: self.samples.seen.get(place).copied().unwrap_or_default(),
                 negative: weight < 0.0,
             };
             self.bands.clear();
             self.world.sensor.bands(lanes, light * weight, &mut self.bands);
+            for (group, light) in (0..).zip(self.samples.sums.by_group(place)) {
+                if !light.is_black() {
+                    let first = self.world.sensor.first_band_of_group(group) as u16;
+                    let colours = (first..).zip(seen_by_film(light));
+                    self.bands.extend(colours.map(|(band, value)| BandSample { band, value }));
+                }
+            }
             let is_taken = tile.add(pixel, index, &sample, &self.bands);
             if let Some(splats) = tile.splats() {
                 let sample = is_taken.then_some(&sample);

@@ -16,7 +16,7 @@
 use super::control::Control;
 use super::error_estimate::BatchSums;
 use super::fixed::{Fixed, Square};
-use super::{Film, FilmTile, Pixel, TILE};
+use super::{BandSample, Film, FilmTile, Pixel, TILE};
 use crate::film::Region;
 
 /// Side of a block in pixels.
@@ -86,6 +86,8 @@ impl FilmTile {
     /// Makes ready to be ended block by block.
     fn adapt(&mut self, by_batches: bool) {
         self.halves = vec![Halves::default(); self.pixels.len()];
+        self.second_bands =
+            [self.bands.len(), self.negative_bands.len()].map(|room| vec![Fixed::default(); room]);
         self.by_batches = by_batches;
     }
 
@@ -101,9 +103,24 @@ impl FilmTile {
     }
 
     /// Adds a sample to its half of pixel `k`.
-    pub(super) fn add_to_half(&mut self, k: usize, index: u32, (rgb, negative): ([f32; 3], bool)) {
+    pub(super) fn add_to_half(
+        &mut self,
+        k: usize,
+        index: u32,
+        (rgb, negative): ([f32; 3], bool),
+        bands: &[BandSample],
+    ) {
         if half_of(index) == 0 {
             return;
+        }
+        let [all, negative_bands] = &mut self.second_bands;
+        let first = k * (all.len() / self.pixels.len());
+        for b in bands {
+            let i = first + usize::from(b.band);
+            all[i].add(b.value);
+            if let Some(sum) = negative_bands.get_mut(i).filter(|_| negative) {
+                sum.add(b.value);
+            }
         }
         let second = &mut self.halves[k];
         for (c, v) in rgb.into_iter().enumerate() {
@@ -157,6 +174,28 @@ impl FilmTile {
         Some((0.5 * (a.0 + b.0), 0.25 * (a.1 + b.1)))
     }
 
+    /// The same of a band, which stands at place `i` of all.
+    pub(super) fn band_mean_of_halves(&self, k: usize, i: usize) -> Option<f64> {
+        let second = self.halves.get(k)?.count;
+        if second == 0 || second == self.pixels[k].count {
+            return None;
+        }
+        let [all, negative] = [
+            [self.bands.get(i)?, self.second_bands[0].get(i)?],
+            self.negative_bands.get(i).zip(self.second_bands[1].get(i)).map_or([&Fixed(0); 2], Into::into),
+        ];
+        let means = [0, 1].map(|half| {
+            let Part { sums: p, control, .. } = self.half(k, half);
+            let of = |[all, second]: [&Fixed; 2]| if half == 1 { *second } else { *all - *second };
+            let sum = match &control {
+                Some(control) => control.sum_of(&p, [of(all), of(negative)], self.weight),
+                None => of(all).to_f64(),
+            };
+            sum / f64::from(p.count.max(1))
+        });
+        Some(0.5 * (means[0] + means[1]))
+    }
+
     /// Whether the halves of pixel `k` have as many samples as one another, so that the pixel's own sums tell all.
     pub(super) fn is_even(&self, k: usize) -> bool {
         self.halves.get(k).is_none_or(|h| 2 * h.count == self.pixels[k].count)
@@ -164,7 +203,7 @@ impl FilmTile {
 }
 
 impl Film {
-    /// Makes ready to be ended block by block, noise being told by batches or by spread.
+    /// Makes ready to be ended block by block, noise being told by batches or by spread; bands and controls, if any, are held before.
     pub(crate) fn adapt(&mut self, by_batches: bool) {
         self.tiles.iter_mut().for_each(|tile| tile.adapt(by_batches));
     }

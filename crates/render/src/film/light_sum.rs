@@ -118,6 +118,65 @@ impl LightSum {
     }
 }
 
+/// The light of samples under way, each at a place: all of it, and that of each group of lights where these are told apart.
+#[derive(Clone, Debug)]
+pub struct SampleSums {
+    all: Vec<LightSum>,
+    /// By place, then by group.
+    by_group: Vec<LightSum>,
+    groups: usize,
+}
+
+impl SampleSums {
+    /// Room for so many samples, whose light is told apart by so many groups: by none, if that is 0.
+    pub fn new(room: usize, groups: usize) -> Self {
+        let sums = |count: usize| vec![LightSum::default(); count];
+        Self { all: sums(room), by_group: sums(room * groups), groups }
+    }
+
+    /// Bytes that it takes for each sample.
+    pub const fn bytes(groups: usize) -> usize {
+        size_of::<LightSum>() * (1 + groups)
+    }
+
+    /// Begins the sample of a place.
+    pub fn clear(&mut self, place: usize) {
+        self.all[place] = LightSum::default();
+        self.by_group[place * self.groups..][..self.groups].fill(LightSum::default());
+    }
+
+    /// Adds a contribution of a group of lights.
+    #[inline(always)]
+    pub fn add(&mut self, place: u32, group: u16, light: Light) {
+        self.all[place as usize].add(light);
+        if self.groups > 0 {
+            self.add_to_group(place, group, light);
+        }
+    }
+
+    #[inline(never)]
+    fn add_to_group(&mut self, place: u32, group: u16, light: Light) {
+        self.by_group[place as usize * self.groups + usize::from(group)].add(light);
+    }
+
+    /// Makes the sample one that is dropped.
+    #[cold]
+    pub fn spoil(&mut self, place: usize) {
+        self.all[place].spoil();
+    }
+
+    /// All light of a sample.
+    #[inline(always)]
+    pub fn light(&self, place: usize) -> Light {
+        self.all[place].light()
+    }
+
+    /// The same by group.
+    pub fn by_group(&self, place: usize) -> impl Iterator<Item = Light> {
+        self.by_group[place * self.groups..][..self.groups].iter().map(LightSum::light)
+    }
+}
+
 /// The sum of both numbers, which are exact in double precision as far as the film takes light, so that it is rounded once there.
 #[inline(always)]
 fn rounded(high: f64, low: f64) -> f32 {

@@ -24,7 +24,7 @@ pub use error_estimate::ErrorEstimate;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use halves::Halves as HalfPictures;
 pub use hash::hash_of;
-pub use light_sum::LightSum;
+pub use light_sum::{LightSum, SampleSums};
 pub use recording::Recording;
 pub use region::Region;
 pub use sensor::Sensor;
@@ -95,10 +95,10 @@ impl Keep {
     pub const ALL: Self = Self { squares: true, layers: true };
 }
 
-/// What one sample adds to a band of wavelengths.
+/// What one sample adds to a part of the light that the film tells apart: a band of wavelengths, or a colour of a group of lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BandSample {
-    /// Which band.
+    /// Which: the bands come first, then three for each group.
     pub band: u16,
     /// Radiance.
     pub value: f32,
@@ -127,8 +127,10 @@ pub struct FilmTile {
     channels: Vec<Plane>,
     /// Light that paths brought which are not the pixel's own, by pixel; empty where there are no such paths.
     light_splats: Vec<[Fixed; 3]>,
-    /// By pixel, as many as there are bands; empty when there are none.
+    /// By pixel, as many as there are bands, of wavelengths and of groups of lights; empty when there are none.
     bands: Vec<Fixed>,
+    /// What of these is no sample's of the pixel; empty unless there are bands and such light.
+    band_splats: Vec<Fixed>,
     /// Where samples count in several pixels.
     splats: Option<Splats>,
     /// The first sample (in order of pixel and index) that was dropped: pixel and sample index.
@@ -144,6 +146,9 @@ pub struct FilmTile {
     controls: Vec<Control>,
     /// By pixel and band, what samples of negative weight brought; empty unless there are bands and controls.
     negative_bands: Vec<Fixed>,
+    /// By pixel and band, what samples of the second half brought, and those of negative weight among them; empty unless there are bands
+    /// and halves.
+    second_bands: [Vec<Fixed>; 2],
     /// Size of the samples' weights, see [`Control`].
     weight: f64,
     /// By pixel; empty unless blocks end by themselves.
@@ -164,6 +169,7 @@ impl FilmTile {
                 .collect(),
             light_splats: Vec::new(),
             bands: Vec::new(),
+            band_splats: Vec::new(),
             splats: None,
             first_dropped: None,
             sampled: Sampled::default(),
@@ -172,6 +178,7 @@ impl FilmTile {
             ends: Vec::new(),
             controls: Vec::new(),
             negative_bands: Vec::new(),
+            second_bands: Default::default(),
             weight: 1.0,
             halves: Vec::new(),
             by_batches: false,
@@ -188,12 +195,18 @@ impl FilmTile {
         self.channels.iter_mut().for_each(|plane| plane.add_cost(k, cost));
     }
 
-    /// Adds light to a pixel that no sample of it has brought; false where it doesn't fit.
-    pub(crate) fn add_light_splat(&mut self, pixel: [u32; 2], rgb: [f32; 3]) -> bool {
+    /// Adds light to a pixel that no sample of it has brought, and to three bands from `band` on if it is of a group; false where it
+    /// doesn't fit.
+    pub(crate) fn add_light_splat(&mut self, pixel: [u32; 2], rgb: [f32; 3], band: Option<usize>) -> bool {
         let k = self.index(pixel);
         let fits = rgb.iter().all(|v| v.abs() < MAX_VALUE);
         if let Some(sums) = self.light_splats.get_mut(k).filter(|_| fits) {
             sums.iter_mut().zip(rgb).for_each(|(sum, v)| sum.add(v));
+            if let Some(band) = band {
+                let of_each = self.band_splats.len() / self.pixels.len();
+                let sums = self.band_splats.iter_mut().skip(k * of_each + band);
+                sums.zip(rgb).for_each(|(sum, v)| sum.add(v));
+            }
         }
         fits
     }
@@ -262,15 +275,18 @@ impl FilmTile {
         }
     }
 
-    /// The sum of a band of pixel `k`, of `of_each` bands.
-    fn band_sum(&self, k: usize, band: usize, of_each: usize) -> f64 {
+    /// The mean of a band of pixel `k`, of `of_each` bands, made as [`Self::mean`] is.
+    fn band_mean(&self, k: usize, band: usize, of_each: usize) -> f64 {
         let i = k * of_each + band;
-        match (self.controls.get(k), self.negative_bands.get(i)) {
-            (Some(control), Some(negative)) => {
-                control.sum_of(&self.pixels[k], [self.bands[i], *negative], self.weight)
-            }
-            _ => self.bands[i].to_f64(),
+        let p = &self.pixels[k];
+        if let Some(mean) = self.band_mean_of_halves(k, i).filter(|_| !self.is_even(k)) {
+            return mean;
         }
+        let sum = match (self.controls.get(k), self.negative_bands.get(i)) {
+            (Some(control), Some(negative)) => control.sum_of(p, [self.bands[i], *negative], self.weight),
+            _ => self.bands[i].to_f64(),
+        };
+        (sum + self.band_splats.get(i).map_or(0.0, |v| v.to_f64())) / f64::from(p.count.max(1))
     }
 
     /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some. False
@@ -318,7 +334,7 @@ impl FilmTile {
             }
         }
         if !self.halves.is_empty() {
-            self.add_to_half(i, index, (sample.rgb, sample.negative));
+            self.add_to_half(i, index, (sample.rgb, sample.negative), bands);
         }
         true
     }
@@ -339,6 +355,8 @@ pub struct Film {
     costs: Costs,
     /// Bands of wavelengths that are held besides RGB.
     bands: Option<Bands>,
+    /// Names of the groups of lights whose light is held apart; empty if it isn't.
+    groups: Vec<String>,
     /// By what pixels tell their standard error, if they do.
     error: Option<ErrorEstimate>,
 }
@@ -371,6 +389,15 @@ pub struct Extent {
     pub adapts: bool,
     /// Whether light is brought by paths that are no pixel's own.
     pub light_splats: bool,
+    /// How many groups of lights are told apart.
+    pub light_groups: usize,
+}
+
+impl Extent {
+    /// How many bands there are, of wavelengths and of groups of lights.
+    fn bands(&self) -> usize {
+        self.recording.bands().map_or(0, Bands::count) + 3 * self.light_groups
+    }
 }
 
 /// Samples that a film refused.
@@ -402,6 +429,8 @@ pub struct Layers {
     pub channels: Vec<ChannelLayer>,
     /// Light by wavelengths, if the film holds it. No part of the film's hash.
     pub bands: Option<BandLayers>,
+    /// Light by groups of lights, if the film holds it: they add up to `rgb`. No part of the film's hash.
+    pub groups: Vec<GroupLayer>,
 }
 
 impl Layers {
@@ -429,6 +458,15 @@ pub struct BandLayers {
     pub planes: Vec<Vec<f32>>,
 }
 
+/// The light of a group of lights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GroupLayer {
+    /// The group's name.
+    pub name: String,
+    /// Mean radiance: linear RGB, or X, Y and Z.
+    pub rgb: Vec<[f32; 3]>,
+}
+
 impl Film {
     /// An empty film for the part `crop` of a picture.
     pub fn new(size: [u32; 2], crop: Region) -> Self {
@@ -450,7 +488,17 @@ impl Film {
                 }
             }
         }
-        Self { size, crop, tiles, keep, mean_squares: Vec::new(), costs: Costs::No, bands: None, error: None }
+        Self {
+            size,
+            crop,
+            tiles,
+            keep,
+            mean_squares: Vec::new(),
+            costs: Costs::No,
+            bands: None,
+            groups: Vec::new(),
+            error: None,
+        }
     }
 
     /// Makes room for batches, by which noise is told then.
@@ -471,19 +519,25 @@ impl Film {
     /// Makes room for samples that count in all pixels that a filter reaches from, added by some instruction set; bands, if any, are
     /// held before.
     pub(crate) fn splat(&mut self, filter: &Filter, simd: Simd) {
-        let bands = self.bands.as_ref().map_or(0, Bands::count);
+        let bands = self.bands_of_each();
         self.hold_mean_squares(filter);
         for tile in &mut self.tiles {
             tile.splats = Some(Splats::new(tile.region, self.size, filter, bands, simd));
         }
     }
 
-    /// Makes room for bands of wavelengths.
-    pub(crate) fn hold_bands(&mut self, bands: Bands) {
-        self.bands = Some(bands);
+    /// Makes room for bands of wavelengths, and for the light of groups of lights.
+    pub(crate) fn hold_bands(&mut self, bands: Option<Bands>, groups: &[String]) {
+        (self.bands, self.groups) = (bands, groups.to_vec());
+        let of_each = self.bands_of_each();
         for tile in &mut self.tiles {
-            tile.bands = vec![Fixed::default(); tile.region.area() * bands.count()];
+            tile.bands = vec![Fixed::default(); tile.region.area() * of_each];
         }
+    }
+
+    /// How many bands there are, of wavelengths and of groups of lights.
+    fn bands_of_each(&self) -> usize {
+        self.bands.as_ref().map_or(0, Bands::count) + 3 * self.groups.len()
     }
 
     /// Makes ready for a filter's samples of plus or minus some weight; bands, if any, are held before.
@@ -501,10 +555,11 @@ impl Film {
         }
     }
 
-    /// Makes room for light from paths that are no pixel's own.
+    /// Makes room for light from paths that are no pixel's own; bands, if any, are held before.
     pub(crate) fn hold_light_splats(&mut self) {
         for tile in &mut self.tiles {
             tile.light_splats = vec![Default::default(); tile.region.area()];
+            tile.band_splats = vec![Fixed::default(); tile.bands.len()];
         }
     }
 
@@ -524,7 +579,7 @@ impl Film {
             sums
         });
         let [pixels, aprons, tiles] = [0, 1, 2].map(|k| sides[0][k].saturating_mul(sides[1][k]));
-        let bands = of.recording.bands().map_or(0, Bands::count);
+        let bands = of.bands();
         let splats = of.splat_radius.map_or(0, |_| aprons.saturating_mul(splat::bytes_a_pixel(bands) as u64));
         // A tile, its place in the order of tiles, and its lock while a pass is made.
         let each = (size_of::<FilmTile>() + 4 + 24) as u64;
@@ -537,16 +592,17 @@ impl Film {
 
     /// Bytes that a film takes for each pixel, but for what splatting takes beyond that.
     pub fn bytes_a_pixel(of: &Extent) -> usize {
-        let bands = of.recording.bands().map_or(0, Bands::count);
+        let bands = of.bands() * size_of::<Fixed>();
         let held = |is: bool, bytes: usize| if is { bytes } else { 0 };
         size_of::<Pixel>()
             + held(of.squares || of.layers, size_of::<[Square; 3]>())
             + channel::held(of.layers, of.cost).map(|(_, channel)| channel.bytes()).sum::<usize>()
             + held(of.batches && !of.adapts, Self::BATCH_BYTES)
-            + held(of.adapts, size_of::<Halves>())
-            + held(of.light_splats, size_of::<[Fixed; 3]>())
-            + held(of.signed, size_of::<Control>() + bands * size_of::<Fixed>())
-            + bands * size_of::<Fixed>()
+            + held(of.adapts, size_of::<Halves>() + bands)
+            + held(of.light_splats, size_of::<[Fixed; 3]>() + bands)
+            + held(of.signed, size_of::<Control>() + bands)
+            + held(of.signed && of.adapts, bands)
+            + bands
     }
 
     /// Samples that were dropped, and where the first was.
@@ -560,7 +616,7 @@ impl Film {
     /// told.
     pub fn layer_bytes_a_pixel(of: &Extent, [error, timed]: [bool; 2]) -> usize {
         let held = |is: bool, numbers: usize| if is { 4 * numbers } else { 0 };
-        let bands = of.recording.bands().map_or(0, Bands::count);
+        let bands = of.bands();
         let channels = channel::held(of.layers, of.cost).filter(|(_, c)| timed || *c != &channel::TIME);
         let numbers: usize = channels.map(|(_, channel)| channel.components.len()).sum();
         // Light, its variance and the number of samples.
@@ -584,7 +640,11 @@ impl Film {
                 .map(|(_, channel)| ChannelLayer { channel, values: vec![0.0; n * channel.components.len()] })
                 .collect(),
             bands: self.bands.map(|bands| BandLayers { bands, planes: vec![vec![0.0; n]; bands.count()] }),
+            groups: { self.groups.iter() }
+                .map(|name| GroupLayer { name: name.clone(), rgb: vec![[0.0; 3]; n] })
+                .collect(),
         };
+        let (count_of_bands, of_each) = (self.bands.as_ref().map_or(0, Bands::count), self.bands_of_each());
         for tile in &self.tiles {
             for (k, p) in tile.pixels.iter().enumerate() {
                 let tw = tile.region.width() as usize;
@@ -612,10 +672,13 @@ impl Film {
                     }
                 }
                 if let Some(out) = &mut out.bands {
-                    let of_each = out.bands.count();
                     for (band, plane) in out.planes.iter_mut().enumerate() {
-                        plane[i] = (tile.band_sum(k, band, of_each) / count) as f32;
+                        plane[i] = tile.band_mean(k, band, of_each) as f32;
                     }
+                }
+                for (group, layer) in out.groups.iter_mut().enumerate() {
+                    let first = count_of_bands + 3 * group;
+                    layer.rgb[i] = std::array::from_fn(|c| tile.band_mean(k, first + c, of_each) as f32);
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! What a film sees of light: from a path's four lanes to the numbers that are summed.
 
-use straal_color::spectrum::{COUNT, Observer, uplift};
+use straal_color::spectrum::{Bands, COUNT, Observer, uplift};
 use straal_color::{Adaptation, Light, Matrix3, RgbSpace, Space};
 
 use super::{BandSample, Recording};
@@ -47,6 +47,11 @@ impl Sensor {
     /// In which numbers the film takes light.
     pub fn recording(&self) -> Recording {
         self.recording
+    }
+
+    /// The first of the three bands of a group of lights, which come after those of wavelengths.
+    pub fn first_band_of_group(&self, group: u16) -> usize {
+        self.recording.bands().map_or(0, Bands::count) + 3 * usize::from(group)
     }
 
     /// Light as the film takes it: in the work space, or as X, Y and Z.

@@ -337,7 +337,7 @@ impl Film {
 
     /// The same for the part of the crop under one tile.
     fn show_part(&self, part: Region, out: &mut Layers) {
-        let count = self.bands.as_ref().map_or(0, Bands::count);
+        let (count, wavelengths) = (self.bands_of_each(), self.bands.as_ref().map_or(0, Bands::count));
         let mut sums = vec![Splat::default(); part.area()];
         let mut bands = vec![Fixed::default(); part.area() * count];
         for tile in self.tiles_around(part, MAX_REACH) {
@@ -369,11 +369,14 @@ impl Film {
                     error.rgb[i][c] = variance.sqrt();
                 }
             }
+            let weight = sum.weight();
+            let mean = |v: &Fixed| if weight > 0.0 { (v.to_f64() / weight) as f32 } else { 0.0 };
+            let bands = &bands[k * count..][..count];
             if let Some(BandLayers { planes, .. }) = &mut out.bands {
-                let weight = sum.weight();
-                for (plane, v) in planes.iter_mut().zip(&bands[k * count..]) {
-                    plane[i] = if weight > 0.0 { (v.to_f64() / weight) as f32 } else { 0.0 };
-                }
+                planes.iter_mut().zip(bands).for_each(|(plane, v)| plane[i] = mean(v));
+            }
+            for (layer, rgb) in out.groups.iter_mut().zip(bands[wavelengths..].chunks_exact(3)) {
+                layer.rgb[i] = std::array::from_fn(|c| mean(&rgb[c]));
             }
         }
     }

@@ -6,6 +6,7 @@ use super::{Arrival, Contribution, Integrator, Out, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
+use crate::light::links::{ALL, Class};
 use crate::material::interior::Inside;
 use crate::world::World;
 use straal_color::Light;
@@ -67,10 +68,13 @@ pub struct State<L> {
     /// Whether it comes from the camera.
     first: bool,
     inside: Inside,
+    /// By which lamps the point that it left is lit.
+    class: Class,
 }
 
 impl Integrator for DirectLight {
     type State<L: Lanes> = State<L>;
+    const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         vec![
@@ -90,6 +94,7 @@ impl Integrator for DirectLight {
             delta: true,
             first: true,
             inside: Inside::default(),
+            class: ALL,
         };
         start.camera_ray.map(|ray| (ray, state))
     }
@@ -114,10 +119,14 @@ impl DirectLight {
         let (left, inside) = left_by_medium(world, (ray, hit), state.inside, state.lanes);
         let (beta, reading) = (state.beta * left, world.reading(state.lanes));
         if !hit.is_hit() {
-            for (index, emitter) in world.environments() {
+            for (index, emitter) in
+                world.environments().filter(|(index, _)| world.links.light(state.class, *index))
+            {
                 let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
-                let weight = self.weight(state, || world.lights.pmf(index, &state.from) * pdf);
-                out.add(Contribution::own(path, beta * radiance * weight));
+                let weight =
+                    self.weight(state, || world.lights_of(state.class).pmf(index, &state.from) * pdf);
+                let light = beta * radiance * weight;
+                out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
             return;
         }
@@ -127,10 +136,13 @@ impl DirectLight {
         let draw = |purpose| queue.pattern.d1(&path.name, purpose);
         let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         let point = &vertex.surface.point;
-        if let Some(emitter) = vertex.surface.emitter {
+        let emitter = vertex.surface.emitter.filter(|emitter| world.links.light(state.class, *emitter));
+        if let Some(emitter) = emitter {
             let radiance = world.emitters[emitter as usize].radiance_at(point, -ray.d, &reading);
-            let weight = self.weight(state, || world.light_pdf(emitter, &state.from, hit, point));
-            out.add(Contribution::own(path, beta * radiance * weight));
+            let weight =
+                self.weight(state, || world.light_pdf(emitter, (state.class, &state.from), hit, point));
+            let light = beta * radiance * weight;
+            out.add(Contribution::own(path, light).of(world.light_groups.of(emitter)));
         }
         if !state.first || vertex.is_black() {
             return;
@@ -141,17 +153,22 @@ impl DirectLight {
             return;
         }
         if world.has_ambient_light() {
-            out.add(Contribution::own(path, beta * world.ambient_from(&vertex.shaded.bsdf, state.lanes)));
+            for (light, group) in world.ambient_from(hit, &vertex.shaded.bsdf, state.lanes) {
+                out.add(Contribution::own(path, beta * light).of(group));
+            }
         }
 
-        let receiver = vertex.receiver();
+        let (receiver, class) = (vertex.receiver(), world.links.class_of(hit));
+        let lights = world.lights_of(class);
         let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
         if !vertex.shaded.bsdf.is_delta() {
             for k in 0..self.light_samples {
                 let name = nth(queue.pattern, &path.name, k, self.light_samples);
                 let [u, v] = queue.pattern.d2(&name, Purpose::LightPoint);
-                let Some(pick) = world.lights.pick(u, &receiver) else { continue };
-                let Some(light) = world.sample_picked(&pick, &receiver, v, state.lanes) else { continue };
+                let Some(pick) = lights.pick(u, &receiver) else { continue };
+                let Some(light) = world.sample_picked((lights, &pick), &receiver, v, state.lanes) else {
+                    continue;
+                };
                 let (value, pdf) = vertex.scattered(&light);
                 let weight = if light.delta {
                     1.0
@@ -163,7 +180,8 @@ impl DirectLight {
                     let free = vertex.shadow_ray(&light, ray);
                     let inside = vertex.towards(world, free.d, inside);
                     let left = left_on_way(world, &free, inside, state.lanes);
-                    out.shadow(free, Contribution::own(path, brought * left));
+                    let group = world.light_groups.of(pick.index);
+                    out.shadow(free, Contribution::own(path, brought * left).of(group));
                 }
             }
         }
@@ -181,6 +199,7 @@ impl DirectLight {
                 pdf: drawn.pdf,
                 delta: drawn.delta,
                 first: false,
+                class,
                 inside: vertex.towards(world, leaves.d, inside),
                 ..*state
             };

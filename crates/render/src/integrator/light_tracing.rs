@@ -79,6 +79,8 @@ pub struct State<L> {
     start: f32,
     /// Edges of the path so far, the ray's included; the camera's comes to them.
     depth: u32,
+    /// The lamp.
+    emitter: u32,
     /// Whether it comes straight from the lamp, which hasn't been shown yet.
     first: bool,
     inside: Inside,
@@ -88,6 +90,7 @@ impl Integrator for LightTracer {
     type State<L: Lanes> = State<L>;
     const ORIGIN: Origin = Origin::Light;
     const SPLATS: bool = true;
+    const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         let depth = if self.max_depth == u32::MAX { "unlimited".into() } else { self.max_depth.to_string() };
@@ -146,11 +149,11 @@ impl Integrator for LightTracer {
 
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
         let (world, lanes) = (start.world, start.lanes);
-        let (_, pmf, emitted) = leave(world, start.pattern, &start.name, lanes)?;
+        let (index, pmf, emitted) = leave(world, start.pattern, &start.name, lanes)?;
         let paths = start.size[0] as f32 * start.size[1] as f32;
         let beta = lanes.full() * emitted.power() * (1.0 / (pmf * paths));
-        let state =
-            State { lanes, beta, start: beta.max_lane(), depth: 1, first: true, inside: Inside::default() };
+        let (start_light, inside) = (beta.max_lane(), Inside::default());
+        let state = State { lanes, beta, start: start_light, depth: 1, emitter: index, first: true, inside };
         let ray = Ray::new(emitted.from.leave(emitted.d), emitted.d);
         Some((Ray { time: moment(world, start.pattern, &start.name), ..ray }, state))
     }
@@ -161,7 +164,10 @@ impl Integrator for LightTracer {
             if state.first {
                 show_lamp(world, queue, arrival.path, out);
             }
-            if arrival.hit.is_hit() && state.depth < self.max_depth && !state.beta.is_black() {
+            // What a lamp doesn't light, it doesn't light by way of.
+            let is_lit =
+                state.depth > 1 || world.links.light(world.links.class_of(arrival.hit), state.emitter);
+            if arrival.hit.is_hit() && state.depth < self.max_depth && !state.beta.is_black() && is_lit {
                 self.arrive(world, queue, &arrival, out);
             }
         }
@@ -221,7 +227,10 @@ fn show_lamp<L: Lanes>(
     let way = Ray { time: moment(world, queue.pattern, &path.name), ..way };
     let light = lanes.full() * light * left_on_way(world, &way, Inside::default(), lanes);
     if !light.is_black() {
-        out.shadow(way, Contribution::splat(path, light, shown.position));
+        out.shadow(
+            way,
+            Contribution::splat(path, light, shown.position).of(world.light_groups.of(path.state.emitter)),
+        );
     }
 }
 
@@ -339,7 +348,10 @@ impl<L: Lanes> Here<'_, '_, L> {
         }
         let light = light * left_on_way(world, &way, inside, path.state.lanes);
         let way = Ray { time: ray.time, mask: ray.mask, ..way };
-        out.shadow(way, Contribution::splat(path, light, shown.position));
+        out.shadow(
+            way,
+            Contribution::splat(path, light, shown.position).of(world.light_groups.of(path.state.emitter)),
+        );
     }
 
     /// Light per area across the way to a viewer, of light per area across the way from the lamp: the quotient of the geometric cosines.

@@ -5,6 +5,8 @@ use super::technique::Technique;
 use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Standing, Vertices, frames, ray};
 use crate::lanes::Lanes;
 use crate::light::LightSample;
+use crate::light::links::{ALL, Class};
+use crate::light::table::Picks;
 use crate::material::many::{OfKind, WithKind};
 use crate::material::{Transport, shaded};
 use crate::shape::offset::End;
@@ -12,7 +14,7 @@ use crate::surface::{Column, Surfaces, Vectors};
 use crate::world::World;
 use straal_color::Light;
 use straal_math::Ray;
-use straal_math::simd::{Float, Kernel, Mask, Simd};
+use straal_math::simd::{Float, Kernel, Mask, Simd, Uint};
 
 /// A light sample for each vertex, in columns.
 #[derive(Default)]
@@ -28,9 +30,26 @@ pub(super) struct Lit {
     to: Vectors,
     to_err: Vectors,
     to_ng: Vectors,
+    /// Which emitter it is on, in a world with groups of lights.
+    emitter: Numbered,
+}
+
+/// A number for each vertex.
+#[derive(Clone, Copy)]
+struct Numbered([u32; ROOM]);
+
+impl Default for Numbered {
+    fn default() -> Self {
+        Self([0; ROOM])
+    }
 }
 
 impl Lit {
+    /// The emitter that vertex `i` has a sample of, in a world with groups of lights.
+    pub fn emitter(&self, i: usize) -> u32 {
+        self.emitter.0[i]
+    }
+
     #[inline(always)]
     fn store<F: Float>(&mut self, first: usize, light: &LightSample<F>, pdf: F) {
         self.there.store(first, pdf.gt(F::ZERO));
@@ -65,6 +84,8 @@ pub(super) struct Illuminate<'a, 'w, L> {
     pub vertices: &'a Vertices<'w>,
     /// By what each path reads colours.
     pub lanes: &'a [L; ROOM],
+    /// By which lamps each vertex is lit, where not by all.
+    pub classes: Option<&'a [Class; BLOCK]>,
     pub numbers: &'a Numbers,
     pub out: &'a mut Lit,
 }
@@ -74,9 +95,9 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Self { world, surfaces, vertices, lanes, numbers, out } = self;
+        let Self { world, surfaces, vertices, lanes, classes, numbers, out } = self;
         (out.there, out.delta, out.far) = Default::default();
-        let readings = world.readings(lanes);
+        let (readings, groups) = (world.readings(lanes), world.light_groups.matter());
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let asks = vertices.asks_lights.load::<F>(first);
             if !asks.any() {
@@ -84,12 +105,46 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
             }
             let at = vertices.receivers(surfaces, first);
             let [u, v] = numbers.light(first);
-            let mut picked = world.lights.picks(u, &at);
-            picked.pmf = F::select(asks, picked.pmf, F::ZERO);
-            let light = world.sample_lights(&picked, &at, v, &readings.from(first));
+            let readings = readings.from(first);
+            // Once, but where vertices are lit by other lamps than their neighbours.
+            let (mut all, mut light, mut left) = (Picks::none(), LightSample::none(), asks);
+            let picked = loop {
+                let (class, these) = classes.map_or(
+                    (ALL, left),
+                    #[inline(always)]
+                    |classes| of_a_class(classes, first, left),
+                );
+                let lights = world.lights_of(class);
+                let mut picked = lights.picks(u, &at);
+                picked.pmf = F::select(these, picked.pmf, F::ZERO);
+                let one = world.sample_lights((lights, &picked), &at, v, &readings);
+                if classes.is_none() {
+                    light = one;
+                    break picked;
+                }
+                all = Picks::select(these, &picked, &all);
+                light = LightSample::select(these, one, light);
+                left = left & !these;
+                if !left.any() {
+                    break all;
+                }
+            };
             out.store(first, &light, picked.pmf * light.pdf);
+            if groups {
+                let to = &mut out.emitter.0[first..first + F::WIDTH];
+                to.copy_from_slice(picked.index.to_array().as_ref());
+            }
         }
     }
+}
+
+/// The class of the first vertex that is left, from vertex `first` on, and which of those that are left are of it.
+#[inline(always)]
+fn of_a_class<M: Mask>(classes: &[Class; BLOCK], first: usize, left: M) -> (Class, M) {
+    let (left, class_of) = (left.to_bits(), |i: usize| classes.get(first + i).copied().unwrap_or(ALL));
+    let class = class_of(left.trailing_zeros() as usize);
+    let these = (0..32).filter(|&i| left >> i & 1 == 1 && class_of(i) == class);
+    (class, M::from_bits(these.fold(0, |bits, i| bits | 1 << i)))
 }
 
 /// What lights bring if nothing is in the way.

@@ -26,6 +26,11 @@ macro_rules! integrators {
                 match self { $( Self::$Kind(_) => <$Type as Integrator>::SPLATS, )+ }
             }
 
+            /// See [`Integrator::LIGHT_GROUPS`].
+            pub const fn tells_light_groups(&self) -> bool {
+                match self { $( Self::$Kind(_) => <$Type as Integrator>::LIGHT_GROUPS, )+ }
+            }
+
             /// See [`Integrator::misfit`].
             pub fn misfit(&self, world: &World) -> Option<String> {
                 match self { $( Self::$Kind(i) => i.misfit(world), )+ }

@@ -80,6 +80,9 @@ pub trait Integrator: Sync {
     /// that then, and tells no noise of it.
     const SPLATS: bool = false;
 
+    /// Whether it says of all light from which group of lights it comes ([`Contribution::of`]).
+    const LIGHT_GROUPS: bool = false;
+
     /// The first ray of a sample's path, and what it carries; `None` for a sample that brings nothing.
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, Self::State<L>)>;
 

@@ -1,7 +1,7 @@
 //! What a step emits.
 
 use super::{Path, Scratch};
-use crate::film::LightSum;
+use crate::film::SampleSums;
 use crate::stopwatch::Stopwatch;
 use straal_color::Light;
 use straal_math::Ray;
@@ -13,7 +13,7 @@ pub struct Contribution {
     pub light: Light,
     /// The sample whose path found it.
     pub sample: u32,
-    /// Which group of lights it comes from; 0 is that of lights without a group.
+    /// Which group of lights it comes from, see [`crate::light::Groups`].
     pub group: u16,
     /// Where it goes.
     pub target: Target,
@@ -51,7 +51,7 @@ impl Contribution {
 /// Where a step leaves its results. The order in which they come changes no bit of the picture.
 pub struct Out<'a, S> {
     /// By sample of the worker.
-    pub(crate) sums: &'a mut [LightSum],
+    pub(crate) sums: &'a mut SampleSums,
     /// Paths that go on: as many as there are `rays`.
     pub next: &'a mut Vec<Path<S>>,
     /// Their rays.
@@ -73,7 +73,7 @@ impl<S> Out<'_, S> {
     #[inline(always)]
     pub fn add(&mut self, contribution: Contribution) {
         match contribution.target {
-            Target::Sample => self.sums[contribution.sample as usize].add(contribution.light),
+            Target::Sample => self.sums.add(contribution.sample, contribution.group, contribution.light),
             Target::Film(_) => self.splats.push(contribution),
         }
     }

@@ -11,6 +11,7 @@ use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
+use crate::light::links::{ALL, Class};
 use crate::material::Bsdf;
 use crate::material::interior::{Boundary, Inside};
 use crate::shape::SurfacePoint;
@@ -82,10 +83,13 @@ pub struct State<L> {
     eta_squared: f32,
     /// What clear materials it is inside of, in a world where that matters.
     inside: Inside,
+    /// By which lamps the previous vertex is lit.
+    class: Class,
 }
 
 impl Integrator for PathTracer {
     type State<L: Lanes> = State<L>;
+    const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         let depth = if self.max_depth == u32::MAX { "unlimited".into() } else { self.max_depth.to_string() };
@@ -114,6 +118,7 @@ impl Integrator for PathTracer {
             depth: 1,
             eta_squared: 1.0,
             inside: Inside::default(),
+            class: ALL,
         };
         start.camera_ray.map(|ray| (ray, state))
     }
@@ -192,11 +197,16 @@ impl PathTracer {
         &self,
         world: &'w World,
         queue: &Queue<'_, State<L>>,
-        (paths, Scratch { surfaces, interior, .. }): (&[u32], &mut Scratch),
+        (paths, Scratch { surfaces, interior, classes, .. }): (&[u32], &mut Scratch),
         vertices: &mut Vertices<'w>,
         out: &mut Out<'_, State<L>>,
     ) {
         vertices.begin(paths.len());
+        if world.links.matter() {
+            for (class, &path) in classes.iter_mut().zip(paths) {
+                *class = world.links.class_of(&queue.hits[path as usize]);
+            }
+        }
         let special = world.materials.interiors().matter() || world.has_ambient_light();
         let end = self.ends(world);
         let mut last = None;
@@ -292,7 +302,9 @@ fn scatters_specially<'w, L: Lanes>(
         }
     }
     if world.has_ambient_light() {
-        out.add(Contribution::own(arrival.path, beta * world.ambient_from(&bsdf, lanes)));
+        for (light, group) in world.ambient_from(arrival.hit, &bsdf, lanes) {
+            out.add(Contribution::own(arrival.path, beta * light).of(group));
+        }
     }
     Some(bsdf)
 }
@@ -320,6 +332,9 @@ impl PathTracer {
     /// Light from the surroundings, for rays that leave the scene.
     fn miss<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let Some(&first) = queue.order.first().filter(|_| world.has_environment()) else { return };
+        if world.links.matter() {
+            return self.miss_one_by_one(world, queue, out);
+        }
         let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
         let mut light = [Light::ZERO; BLOCK];
         for paths in queue.order.chunks(BLOCK) {
@@ -337,9 +352,31 @@ impl PathTracer {
                     technique: self.technique,
                     out: &mut light,
                 });
+                let group = world.light_groups.of(emitter);
                 for (&path, &light) in paths.iter().zip(&light) {
-                    out.add(Contribution::own(&queue.paths[path as usize], light));
+                    out.add(Contribution::own(&queue.paths[path as usize], light).of(group));
                 }
+            }
+        }
+    }
+
+    /// The same where not all that surrounds the scene lights each surface.
+    #[cold]
+    fn miss_one_by_one<L: Lanes>(
+        &self,
+        world: &World,
+        queue: &Queue<'_, State<L>>,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        for Arrival { path, ray, .. } in queue.arrivals() {
+            let &State { lanes, beta, ref from, pdf, delta, class, .. } = &path.state;
+            for (index, emitter) in world.environments().filter(|(index, _)| world.links.light(class, *index))
+            {
+                let (radiance, by_light) = emitter.radiance_pdf_from(from, ray.d, &world.reading(lanes));
+                let by_light = || world.lights_of(class).pmf(index, from) * by_light;
+                let weight = if delta { 1.0 } else { self.technique.of_bsdf(pdf, by_light()) };
+                let light = beta * radiance * weight;
+                out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
         }
     }
@@ -354,6 +391,9 @@ impl PathTracer {
         out: &mut Out<'_, State<L>>,
     ) {
         let (state, d) = (&arrival.path.state, arrival.ray.d);
+        if !world.links.light(state.class, emitter) {
+            return;
+        }
         let radiance = world.emitters[emitter as usize].radiance_at(point, -d, &world.reading(state.lanes));
         if radiance.is_black() {
             return;
@@ -361,9 +401,11 @@ impl PathTracer {
         let weight = if state.delta {
             1.0
         } else {
-            self.technique.of_bsdf(state.pdf, world.light_pdf(emitter, &state.from, arrival.hit, point))
+            self.technique
+                .of_bsdf(state.pdf, world.light_pdf(emitter, (state.class, &state.from), arrival.hit, point))
         };
-        out.add(Contribution::own(arrival.path, state.beta * radiance * weight));
+        let light = state.beta * radiance * weight;
+        out.add(Contribution::own(arrival.path, light).of(world.light_groups.of(emitter)));
     }
 }
 
@@ -385,6 +427,8 @@ pub(crate) struct Scratch {
     surfaces: Surfaces,
     /// What each surface is filled with, by its number, in a world where that matters.
     interior: [u16; BLOCK],
+    /// By which lamps each is lit, in a world where not by all.
+    classes: [Class; BLOCK],
     numbers: Numbers,
     lit: Lit,
     brought: Brought,
@@ -409,7 +453,7 @@ impl PathTracer {
         world: &World,
         queue: &Queue<'_, State<L>>,
         block: Block<'_, '_, L>,
-        Scratch { surfaces, interior, numbers, lit, brought, .. }: &mut Scratch,
+        Scratch { surfaces, interior, classes, numbers, lit, brought, .. }: &mut Scratch,
         out: &mut Out<'_, State<L>>,
     ) {
         let Block { vertices, lanes, .. } = block;
@@ -417,7 +461,8 @@ impl PathTracer {
         if !vertices.asks_lights.any() {
             return;
         }
-        simd.run(Illuminate { world, surfaces, vertices, lanes, numbers, out: lit });
+        let classes = world.links.matter().then_some(&*classes);
+        simd.run(Illuminate { world, surfaces, vertices, lanes, classes, numbers, out: lit });
         vertices
             .by_kind(simd, Weigh { simd, surfaces, vertices, lit, technique: self.technique, out: brought });
         // List by list, without a look at what room each has: nearly every vertex asks for a ray.
@@ -432,13 +477,20 @@ impl PathTracer {
                 let i = usize::from(i);
                 Contribution::own(&queue.paths[block.paths[i] as usize], brought.light(i))
             }));
+            if world.light_groups.matter() {
+                let first = out.shadows.len() - asking.len();
+                for (shadow, &i) in out.shadows[first..].iter_mut().zip(asking) {
+                    shadow.group = world.light_groups.of(lit.emitter(i.into()));
+                }
+            }
             return;
         }
         for i in asking.iter().copied().map(usize::from) {
             let path = block.paths[i] as usize;
             let ray = brought.ray(i, &queue.rays[path]);
             let left = left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
-            out.shadow(ray, Contribution::own(&queue.paths[path], brought.light(i) * left));
+            let group = world.light_groups.of(lit.emitter(i));
+            out.shadow(ray, Contribution::own(&queue.paths[path], brought.light(i) * left).of(group));
         }
     }
 
@@ -448,7 +500,7 @@ impl PathTracer {
         world: &World,
         queue: &Queue<'_, State<L>>,
         block: Block<'_, '_, L>,
-        Scratch { surfaces, interior, numbers, onward, .. }: &mut Scratch,
+        Scratch { surfaces, interior, classes, numbers, onward, .. }: &mut Scratch,
         out: &mut Out<'_, State<L>>,
     ) {
         let (vertices, simd) = (block.vertices, queue.simd);
@@ -484,7 +536,8 @@ impl PathTracer {
                 inside = inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
             }
             let (delta, depth) = (onward.delta(i), depth + 1);
-            let state = State { lanes, footprint, beta, from, pdf, delta, depth, eta_squared, inside };
+            let class = if world.links.matter() { classes[i] } else { ALL };
+            let state = State { lanes, footprint, beta, from, pdf, delta, depth, eta_squared, inside, class };
             Path { name: path.name.child(0), sample: path.sample, state }
         }));
     }

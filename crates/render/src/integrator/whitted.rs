@@ -8,9 +8,11 @@ use super::vertex::{Vertex, left_by_medium, left_on_way};
 use super::{Arrival, Contribution, Integrator, Out, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::{Carried, Lanes};
+use crate::light::links::{ALL, Class};
 use crate::material::BsdfSample;
 use crate::material::interior::Inside;
 use crate::world::World;
+use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::{Ray, ops};
 use straal_scene::desc;
@@ -80,10 +82,13 @@ pub struct State<L> {
     /// Edges so far, the ray's included.
     depth: u32,
     inside: Inside,
+    /// By which lamps the surface is lit that it left.
+    class: Class,
 }
 
 impl Integrator for Whitted {
     type State<L: Lanes> = State<L>;
+    const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
         let mut facts = vec![
@@ -104,7 +109,8 @@ impl Integrator for Whitted {
 
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
         let (lanes, footprint) = (start.lanes, start.footprint);
-        let state = State { lanes, footprint, beta: lanes.full(), depth: 1, inside: Inside::default() };
+        let state =
+            State { lanes, footprint, beta: lanes.full(), depth: 1, inside: Inside::default(), class: ALL };
         start.camera_ray.map(|ray| (ray, state))
     }
 
@@ -130,17 +136,21 @@ impl Whitted {
         let reading = world.reading(state.lanes);
         if !hit.is_hit() {
             // Seen, but it lights nothing.
-            for (_, background) in world.environments() {
-                out.add(Contribution::own(path, beta * background.radiance_from(ray.d, &reading)));
+            for (index, background) in
+                world.environments().filter(|(index, _)| world.links.light(state.class, *index))
+            {
+                let light = beta * background.radiance_from(ray.d, &reading);
+                out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
             return;
         }
         let draw = |purpose| queue.pattern.d1(&path.name, purpose);
         let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
-        if let Some(emitter) = vertex.surface.emitter {
+        let emitter = vertex.surface.emitter.filter(|emitter| world.links.light(state.class, *emitter));
+        if let Some(emitter) = emitter {
             let shines =
                 world.emitters[emitter as usize].radiance_at(&vertex.surface.point, -ray.d, &reading);
-            out.add(Contribution::own(path, beta * shines));
+            out.add(Contribution::own(path, beta * shines).of(world.light_groups.of(emitter)));
         }
         if vertex.is_black() {
             return;
@@ -150,7 +160,7 @@ impl Whitted {
             out.go_on(path, 0, beyond, State { beta, inside, ..*state });
             return;
         }
-        let here = Here { ray, vertex: &vertex, beta, inside };
+        let here = Here { ray, hit, vertex: &vertex, beta, inside, class: world.links.class_of(hit) };
         self.light(world, path, &here, out);
         if state.depth < self.max_depth {
             self.send_on(world, path, &here, out);
@@ -162,12 +172,14 @@ impl Whitted {
         &self,
         world: &World,
         path: &super::Path<State<L>>,
-        &Here { ray, vertex, beta, inside }: &Here<'_, '_>,
+        &Here { ray, hit, vertex, beta, inside, class }: &Here<'_, '_>,
         out: &mut Out<'_, State<L>>,
     ) {
         let lanes = path.state.lanes;
         if world.has_ambient_light() {
-            out.add(Contribution::own(path, beta * world.ambient_from(&vertex.shaded.bsdf, lanes)));
+            for (light, group) in world.ambient_from(hit, &vertex.shaded.bsdf, lanes) {
+                out.add(Contribution::own(path, beta * light).of(group));
+            }
         }
         if vertex.shaded.bsdf.is_delta() {
             return;
@@ -175,7 +187,8 @@ impl Whitted {
         let receiver = vertex.receiver();
         for index in 0..world.emitters.len() {
             let emitter = &world.emitters[index];
-            if emitter.is_environment() && !emitter.is_disc() || emitter.is_ambient() {
+            let is_dark = !world.links.light(class, index as u32);
+            if is_dark || emitter.is_environment() && !emitter.is_disc() || emitter.is_ambient() {
                 continue;
             }
             let Some(light) = world.sample_light(index as u32, &receiver, [0.5; 2], lanes) else { continue };
@@ -185,10 +198,11 @@ impl Whitted {
             }
             let way = self.leaving(vertex, vertex.shadow_ray(&light, ray));
             let brought = brought * left_on_way(world, &way, vertex.towards(world, way.d, inside), lanes);
+            let contribution = Contribution::own(path, brought).of(world.light_groups.of(index as u32));
             if self.shadows {
-                out.shadow(way, Contribution::own(path, brought));
+                out.shadow(way, contribution);
             } else {
-                out.add(Contribution::own(path, brought));
+                out.add(contribution);
             }
         }
     }
@@ -201,7 +215,7 @@ impl Whitted {
         here: &Here<'_, '_>,
         out: &mut Out<'_, State<L>>,
     ) {
-        let &Here { ray, vertex, beta, inside } = here;
+        let &Here { ray, vertex, beta, inside, class, .. } = here;
         let mut branch = 0;
         for way in delta_lobes(vertex, 0.5).into_iter().flatten() {
             if !(if way.transmitted { self.refractions } else { self.reflections }) {
@@ -229,6 +243,7 @@ impl Whitted {
                     beta,
                     depth: path.state.depth + 1,
                     inside: vertex.towards(world, leaves.d, inside),
+                    class,
                     ..path.state
                 };
                 if way.wavelength > 0.0 {
@@ -244,9 +259,12 @@ impl Whitted {
 /// Where a ray arrived, with what it carries.
 struct Here<'a, 'w> {
     ray: &'a Ray,
+    hit: &'a Hit,
     vertex: &'a Vertex<'w>,
     beta: Light,
     inside: Inside,
+    /// By which lamps the surface is lit.
+    class: Class,
 }
 
 /// The directions that light comes from as from a mirror or through glass: at most two, by the smallest and the largest number that chooses a

@@ -89,9 +89,19 @@ impl LightTable {
 
     /// A table of all emitters of a scene of the given radius in m.
     pub fn new(emitters: &[Emitter], geometry: &Geometry, scene_radius: f64) -> Self {
-        let powers: Vec<f64> = emitters
-            .iter()
-            .map(|e| e.power(geometry, scene_radius))
+        Self::of(emitters, geometry, scene_radius, &|_| true)
+    }
+
+    /// The same of some of them.
+    pub(super) fn of(
+        emitters: &[Emitter],
+        geometry: &Geometry,
+        scene_radius: f64,
+        is_one: &dyn Fn(u32) -> bool,
+    ) -> Self {
+        let powers: Vec<f64> = (0..)
+            .zip(emitters)
+            .map(|(i, e)| if is_one(i) { e.power(geometry, scene_radius) } else { 0.0 })
             .map(|w| if w > 0.0 && w.is_finite() { w } else { 0.0 })
             .collect();
         let shining: Vec<u32> = (0..).zip(&powers).filter(|(_, w)| **w > 0.0).map(|(i, _)| i).collect();
@@ -104,7 +114,7 @@ impl LightTable {
         let way = match shining[..] {
             [] => Way::Nothing,
             _ if shining.len() > FEW || shining.iter().any(|i| triangles(i) > WHOLE_MESH) => {
-                Way::Many(Box::new(Many::new(emitters, geometry, &shining)))
+                Way::Many(Box::new(Many::new((emitters, is_one), geometry, &shining)))
             }
             [only] => Way::Only(only),
             _ => {
@@ -189,6 +199,23 @@ impl LightTable {
 }
 
 impl<F: Float> Picks<F> {
+    /// `yes` where the mask says so, `no` elsewhere.
+    #[inline(always)]
+    pub(crate) fn select(mask: F::Mask, yes: &Self, no: &Self) -> Self {
+        Self {
+            index: F::Uint::select(mask, yes.index, no.index),
+            pmf: F::select(mask, yes.pmf, no.pmf),
+            rest: F::select(mask, yes.rest, no.rest),
+            part: F::Uint::select(mask, yes.part, no.part),
+        }
+    }
+
+    /// Nothing.
+    #[inline(always)]
+    pub(crate) fn none() -> Self {
+        Self::whole(F::Uint::splat(0), F::ZERO, F::ZERO)
+    }
+
     #[inline(always)]
     fn whole(index: F::Uint, pmf: F, rest: F) -> Self {
         Self { index, pmf, rest, part: F::Uint::splat(WHOLE) }
@@ -196,12 +223,16 @@ impl<F: Float> Picks<F> {
 }
 
 impl Many {
-    fn new(emitters: &[Emitter], geometry: &Geometry, shining: &[u32]) -> Self {
+    fn new(
+        (emitters, is_one): (&[Emitter], &dyn Fn(u32) -> bool),
+        geometry: &Geometry,
+        shining: &[u32],
+    ) -> Self {
         let is_far = |i: &&u32| emitters[**i as usize].is_from_afar();
         let far = { shining.iter().filter(is_far) }
             .filter_map(|&i| Some((i, emitters[i as usize].reach(geometry)?)))
             .collect();
-        Self { far, near: Tree::new(emitters, geometry) }
+        Self { far, near: Tree::new(emitters, geometry, is_one) }
     }
 
     /// What each of those from afar brings.

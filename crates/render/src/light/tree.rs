@@ -193,7 +193,7 @@ impl Tree {
     pub const MAKING_BYTES: usize = size_of::<Known>();
 
     /// Of all lights that have a place; those from afar have no part of it. `None` where there are none.
-    pub fn new(emitters: &[Emitter], geometry: &Geometry) -> Option<Self> {
+    pub fn new(emitters: &[Emitter], geometry: &Geometry, is_one: &dyn Fn(u32) -> bool) -> Option<Self> {
         // Lists that grow leave holes in memory behind.
         let parts_of = |emitter: &Emitter| {
             mesh_of(emitter).map_or(1, |(_, mesh)| geometry.meshes[mesh as usize].indices.len())
@@ -207,7 +207,7 @@ impl Tree {
                 let number = parts.len() as u32;
                 parts.push([index, part]);
                 let shines = |c: &Cluster| c.strength > 0.0 && c.strength.is_finite() && c.bounds.is_finite();
-                if let Some(cluster) = cluster.filter(shines) {
+                if let Some(cluster) = cluster.filter(shines).filter(|_| is_one(index)) {
                     known.push(Known { part: number, cluster });
                 }
             };

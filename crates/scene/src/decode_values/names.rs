@@ -4,7 +4,7 @@ use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 
 use crate::decode::{Decoder, Describe, Written};
-use crate::desc::{AttributeName, CoordinatesName, Material, MaterialRef, Texture, TextureOf};
+use crate::desc::{AttributeName, CoordinatesName, LightGroup, Material, MaterialRef, Texture, TextureOf};
 use crate::diagnostic::Diagnostic;
 use crate::handle::{Handle, Kind};
 use crate::limit::Limit;
@@ -117,6 +117,28 @@ impl Describe for CoordinatesName {
     fn show<'a>(&'a self, _: Limit, visitor: &mut dyn Visitor<'a>) {
         visitor.attribute(&self.0);
         visitor.coordinates(&self.0);
+    }
+}
+
+impl Describe for LightGroup {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        let name = Name::read(tree, limit, d);
+        if let Some(complaint) = Self::complaint(&name).filter(|_| matches!(tree.value, Datum::String(_))) {
+            d.push(Diagnostic::error(tree.span, complaint));
+        }
+        Self(name)
+    }
+    fn blank() -> Self {
+        Self(Name::blank())
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        self.0.write_to(out)
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        Name::schema(limit, defs)
+    }
+    fn show<'a>(&'a self, _: Limit, visitor: &mut dyn Visitor<'a>) {
+        visitor.light_group(&self.0);
     }
 }
 

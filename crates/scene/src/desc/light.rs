@@ -3,6 +3,7 @@
 use straal_math::{DVec3, ops};
 
 use crate::desc::check;
+use crate::desc::lamp::Lamp;
 use crate::desc::sky::Sky;
 use crate::desc::spectrum::Spectrum;
 use crate::desc::texture::TextureOf;
@@ -14,7 +15,7 @@ use crate::{Image, Photometry};
 
 describe! {
     /// A light that is not a surface.
-    pub enum Light {
+    pub enum Light each has lamp: Lamp {
         /// Shines from a point, evenly in all directions.
         "point" => Point(PointLight),
         /// Parallel light from infinitely far away.
@@ -40,7 +41,7 @@ describe! {
     pub struct AmbientLight {
         /// Radiance of a surface that sends back all of it, in W/(m^2 sr).
         radiance: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
-    }
+    } with lamp: Lamp
 }
 
 describe! {
@@ -52,7 +53,7 @@ describe! {
         intensity: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
         /// How its light falls with distance.
         decay: Decay = Decay::InverseSquare,
-    }
+    } with lamp: Lamp
 }
 
 describe! {
@@ -78,7 +79,7 @@ describe! {
         irradiance: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
         /// What it takes of the sky from rim to rim, in degrees: 0.53 for the sun. Above 0 it is seen as a disc, and its shadows have soft edges.
         angle: f64 [Limit::within(0.0, 179.0)] = 0.0,
-    }
+    } with lamp: Lamp
 }
 
 describe! {
@@ -102,7 +103,7 @@ describe! {
         texture: Option<TextureOf> [Limit::UNIT] = None,
         /// What is up for the texture.
         up: DVec3 = DVec3::Y,
-    }
+    } with lamp: Lamp
 }
 
 describe! {
@@ -124,7 +125,7 @@ describe! {
         fov: f64 [Limit::within(0.1, 179.0)] = 40.0,
         /// Width of the picture over its height; its own, if it is a picture file, when absent.
         aspect: Option<f64> [Limit::within(0.01, 100.0)] = None,
-    }
+    } with lamp: Lamp
 }
 
 impl Projector {
@@ -154,7 +155,7 @@ describe! {
         efficacy: f64 [Limit::within(1.0, 683.0)] = 683.0,
         /// What its light is multiplied by.
         scale: f64 [Limit::NON_NEGATIVE] = 1.0,
-    }
+    } with lamp: Lamp
 }
 
 impl Goniometric {
@@ -237,7 +238,7 @@ describe! {
         rotate: f64 = 0.0,
         /// Where the surroundings' axes lie; only its rotation counts.
         transform: Transform = Transform::default(),
-    }
+    } with lamp: Lamp
 }
 
 describe! {

@@ -4,6 +4,7 @@ use straal_color::spectrum::refraction::Metal;
 
 use crate::decode::Describe;
 use crate::desc::check;
+use crate::desc::lamp::LightGroup;
 use crate::desc::spectrum::{Index, Spectrum};
 use crate::desc::texture::{Relief, Varying};
 use crate::describe::describe;
@@ -158,6 +159,8 @@ describe! {
             reciprocal: bool = false,
             /// Whether the back of what is opaque looks like the front; else it is black.
             two_sided: bool = true,
+            /// The group of lights that its light is told by, of surfaces that don't say it.
+            light_group: Option<LightGroup> = None,
         }),
         /// The material of glTF, metallic and rough, with its ratified extensions, as layers of `open_pbr`. Its names are glTF's, without the word
         /// `factor`.
@@ -212,6 +215,8 @@ describe! {
             diffuse_transmission_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Whether the back looks like the front; else it is black.
             double_sided: bool = true,
+            /// The group of lights that its light is told by, of surfaces that don't say it.
+            light_group: Option<LightGroup> = None,
         }),
         /// Disney's BSDF as Mitsuba 3 has it, exactly.
         "principled" => Principled(struct Principled [check::principled] {
@@ -498,6 +503,15 @@ impl Material {
             _ => return None,
         };
         (*found != Varying::Constant(Spectrum::grey(0.0))).then_some(found)
+    }
+
+    /// The group of lights that its own light belongs to, if it says one.
+    pub const fn light_group(&self) -> Option<&LightGroup> {
+        match self {
+            Self::OpenPbr(m) => m.light_group.as_ref(),
+            Self::Gltf(m) => m.light_group.as_ref(),
+            _ => None,
+        }
     }
 
     /// Whether it shines by itself.

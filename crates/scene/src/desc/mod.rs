@@ -8,6 +8,7 @@ pub mod color;
 pub mod curves;
 pub mod development;
 mod keyframes;
+mod lamp;
 pub mod light;
 pub mod material;
 pub mod node;
@@ -34,6 +35,7 @@ pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};
 pub use curves::{CurveBasis, CurveForm, Curves};
 pub use development::{Flag, Gamma, Gamut, HableCurve, ReinhardCurve, Tone};
 pub use keyframes::{CameraAt, Keyframe, Keyframes};
+pub use lamp::{Lamp, LightGroup, MOST_LIGHT_GROUPS, MOST_LINKED, REST};
 pub use light::{
     AmbientLight, Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, Light,
     PointLight, Portal, Projector, SpotLight,

@@ -3,6 +3,7 @@
 use straal_math::DVec3;
 
 use crate::desc::check;
+use crate::desc::lamp::Lamp;
 use crate::desc::material::MaterialRef;
 use crate::desc::round::WHOLE_TURN;
 use crate::desc::spectrum::Spectrum;
@@ -35,7 +36,7 @@ describe! {
         flip: bool = false,
         /// What the camera's `focus_on` calls it.
         name: Option<Name> = None,
-    }
+    } with lamp: Lamp
 }
 
 describe! {

@@ -3,6 +3,7 @@
 use straal_math::{DVec3, ops};
 
 use crate::desc::check;
+use crate::desc::lamp::Lamp;
 use crate::desc::light::Portal;
 use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
@@ -38,7 +39,7 @@ describe! {
         rotate: f64 = 0.0,
         /// Where its axes lie; only its rotation counts.
         transform: Transform = Transform::default(),
-    }
+    } with lamp: Lamp
 }
 
 describe! {

@@ -106,7 +106,13 @@ impl Job {
             recording,
             detail,
         };
-        let world = compile::compile_after(before, &request)?;
+        let mut world = compile::compile_after(before, &request)?;
+        if !plan.integrator.tells_light_groups() && world.light_groups.matter() {
+            let name = plan.integrator.name();
+            world.notes.push(format!(
+                "`{name}` can't tell what light comes from which lamp: groups of lights have no layers"
+            ));
+        }
         if let Some(why) = &world.out_of_focus {
             return Err(Error::scene(why.span, why.to_string()));
         }

@@ -108,13 +108,14 @@ pub fn merge(mut parts: Vec<Kept>, allowed: Allowed) -> Result<Merged, SumsError
 
 /// Whether the film and its layers can be held.
 fn check_memory(stamp: &Stamp, [crop, region]: [Region; 2], limit: Option<u64>) -> Result<(), SumsError> {
-    let Held { costs, bands, guides, .. } = &stamp.held;
+    let Held { costs, bands, guides, light_groups, .. } = &stamp.held;
     // Numbers of a pixel in all layers: of light, its variance and the guides, the error, costs and bands.
     let layers = 3
         + if *guides { 3 + 3 + 3 + 1 + 1 } else { 0 }
         + if stamp.error.is_some() { 3 } else { 0 }
         + if costs.is_some() { 3 } else { 0 }
-        + bands.as_ref().map_or(0, Bands::count);
+        + bands.as_ref().map_or(0, Bands::count)
+        + 3 * light_groups.len();
     // Records lie aligned in memory, and it is known where each came from.
     let film = (stamp.held.bytes_a_pixel(0) + 16) as u64 * region.area() as u64;
     let needs = PROGRAM + film + 4 * layers as u64 * crop.area() as u64;

@@ -5,6 +5,7 @@ use crate::resolve::MAX_PIXELS;
 use straal_color::spectrum::Bands;
 use straal_render::film::Region;
 use straal_render::film::{ErrorEstimate, Held, MAX_SAMPLES, Span};
+use straal_scene::desc::{LightGroup, MOST_LIGHT_GROUPS};
 
 /// What a file of sums tells of the render that it comes from.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +57,9 @@ impl std::fmt::Display for Stamp {
         if let Some(bands) = self.held.bands {
             let [from, to] = bands.ends();
             writeln!(f, "bands {from} {to} {}", bands.count())?;
+        }
+        if !self.held.light_groups.is_empty() {
+            writeln!(f, "light_groups {}", self.held.light_groups.join(" "))?;
         }
         if !self.held.mean_squares.is_empty() {
             let numbers: Vec<String> = self.held.mean_squares.iter().map(f64::to_string).collect();
@@ -132,6 +136,13 @@ impl Stamp {
                 _ => return None,
             },
         };
+        let light_groups: Vec<String> =
+            fact("light_groups").map_or_else(Vec::new, |names| names.split(' ').map(str::to_owned).collect());
+        if light_groups.len() > MOST_LIGHT_GROUPS + 1
+            || light_groups.iter().any(|name| LightGroup::complaint(name).is_some())
+        {
+            return None;
+        }
         let mean_squares: Vec<f64> = match fact("mean_squares") {
             None => Vec::new(),
             Some(value) => value.split(' ').map(|n| n.parse().ok()).collect::<Option<_>>()?,
@@ -143,6 +154,7 @@ impl Stamp {
         let held = Held {
             costs: fact("costs").map(|c| c == "tests_and_time"),
             bands,
+            light_groups,
             splats: fact("splats").is_some(),
             batches: fact("batches").is_some(),
             squares: fact("squares").is_some(),

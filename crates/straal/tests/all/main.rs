@@ -14,6 +14,7 @@ mod filters;
 mod forecast;
 mod hashes;
 mod leaning_normals;
+mod light_groups;
 mod light_tracing;
 mod open_pbr;
 mod power;

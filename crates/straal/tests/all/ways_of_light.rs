@@ -55,6 +55,39 @@ fn each_technique_gives_the_same_picture() {
     }
 }
 
+/// Lamps that light some things only: each way to find light finds the same, and leaving a lamp out of the choice is no other than
+/// having its light come to nothing.
+#[test]
+fn lamps_light_what_they_are_said_to() {
+    let scene = "\
+camera: { perspective: { eye: [0, 1.5, 5], look_at: [0, 0.6, 0], fov: 45 } }
+film: { size: [16, 16] }
+objects:
+  ball: { sphere: { radius: 0.6 } }
+world:
+  - rectangle: { corner: [-6, 0, 6], edges: [[12, 0, 0], [0, 0, -12]], name: floor }
+  - instance: { of: ball, name: left, transform: [{ translate: [-0.8, 0.6, 0] }] }
+  - instance: { of: ball, name: right, transform: [{ translate: [0.8, 0.6, 0] }], material: { conductor: { metal: gold, roughness: 0.3 } } }
+  - sphere: { center: [0, 2.5, 1], radius: 0.5, emission: [6, 7, 8], lights_only: [left, floor] }
+  - sphere: { center: [1, 2.5, 0], radius: 0.4, emission: [9, 2, 1], lights_all_but: [left] }
+lights:
+  - environment: { radiance: [0.3, 0.4, 0.5], lights_only: [ball] }
+  - point: { position: [2, 3, 3], intensity: 5, lights_all_but: [floor] }
+";
+    let mis = mean(scene, "{ path: { max_depth: 4 } }", 64, 1);
+    for technique in ["lights", "bsdf"] {
+        let other = mean(scene, &format!("{{ path: {{ max_depth: 4, technique: {technique} }} }}"), 256, 2);
+        assert!(agree(mis, other), "{technique}: {mis:?} {other:?}");
+    }
+    let [direct, path] = [mean(scene, "direct", 64, 3), mean(scene, "{ path: { max_depth: 2 } }", 64, 4)];
+    assert!(agree(direct, path), "{direct:?} {path:?}");
+    // All light is less than that of lamps without links, and more than nothing.
+    let without = scene.replace("lights_only: [left, floor]", "flip: false").replace("lights_all_but: [left]", "flip: false");
+    let without = without.replace(", lights_only: [ball]", "").replace(", lights_all_but: [floor]", "");
+    let all = mean(&without, "{ path: { max_depth: 4 } }", 64, 5);
+    assert!(mis.iter().zip(&all).all(|(some, all)| some.0 < 0.95 * all.0 && some.0 > 0.2 * all.0), "{mis:?} {all:?}");
+}
+
 #[test]
 fn roulette_leaves_the_mean() {
     let root = mean(SCENE, "{ path: { roulette_depth: 2 } }", 64, 1);

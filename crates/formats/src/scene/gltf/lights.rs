@@ -8,7 +8,7 @@ use straal_scene::desc::{
     Decay, DirectionalLight, Environment, Falloff, Light, Observer, PointLight, Spectrum, SpotLight,
 };
 use straal_scene::value::LinearRgb;
-use straal_scene::{Diagnostic, Image, Span};
+use straal_scene::{Diagnostic, Image, Span, desc};
 
 use super::document::{Fault, Result, in_list, number_or, required, text, vector_or};
 use super::tree::Tree;
@@ -34,9 +34,12 @@ impl<'a> Translation<'a, '_> {
             let power = Spectrum::Rgb(LinearRgb(power));
             let kind = required(light, "type")?;
             let light = match (text(kind)?, direction) {
-                ("point", _) => {
-                    Light::Point(PointLight { position, intensity: power, decay: Decay::InverseSquare })
-                }
+                ("point", _) => Light::Point(PointLight {
+                    position,
+                    intensity: power,
+                    decay: Decay::InverseSquare,
+                    lamp: desc::Lamp::default(),
+                }),
                 (_, None) => {
                     self.warn(
                         &tree.nodes[node],
@@ -50,6 +53,7 @@ impl<'a> Translation<'a, '_> {
                     look_at: None,
                     irradiance: power,
                     angle: 0.0,
+                    lamp: desc::Lamp::default(),
                 }),
                 ("spot", Some(_)) => {
                     let cone = light.get("spot").unwrap_or(light);
@@ -68,6 +72,7 @@ impl<'a> Translation<'a, '_> {
                         falloff,
                         texture: None,
                         up: DVec3::Y,
+                        lamp: desc::Lamp::default(),
                     })
                 }
                 _ => return Err(Fault::of(kind, "a light is `point`, `spot` or `directional`")),

@@ -5,8 +5,8 @@
 
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
-    Decay, DirectionalLight, Environment, Falloff, Light, PointLight, Projector, ScaleTexture, Sky, Spectrum,
-    SpotLight, Texture, TextureOf, Varying, When,
+    Decay, DirectionalLight, Environment, Falloff, Lamp, Light, PointLight, Projector, ScaleTexture, Sky,
+    Spectrum, SpotLight, Texture, TextureOf, Varying, When,
 };
 use straal_scene::limit::Limit;
 use straal_scene::{Diagnostic, Spanned, suggest};
@@ -46,7 +46,12 @@ impl<'o> Translator<'o, '_, '_> {
                     .vector(o, "position")
                     .unwrap_or_else(|| self.transform(o, "to_world").point(DVec3::ZERO));
                 let intensity = self.constant(o, "intensity", 1.0, For::Light);
-                Light::Point(PointLight { position, intensity, decay: Decay::InverseSquare })
+                Light::Point(PointLight {
+                    position,
+                    intensity,
+                    decay: Decay::InverseSquare,
+                    lamp: Lamp::default(),
+                })
             }
             "directional" => {
                 self.known_light(o, &["direction", "irradiance"]);
@@ -63,6 +68,7 @@ impl<'o> Translator<'o, '_, '_> {
                     from: None,
                     look_at: None,
                     irradiance,
+                    lamp: Lamp::default(),
                 })
             }
             "spot" => self.spot(o),
@@ -122,6 +128,7 @@ impl<'o> Translator<'o, '_, '_> {
             cutoff,
             beam: Some(beam),
             falloff: Falloff::Linear,
+            lamp: Lamp::default(),
         })
     }
 
@@ -155,6 +162,7 @@ impl<'o> Translator<'o, '_, '_> {
             intensity: std::f64::consts::PI * scale,
             fov,
             aspect,
+            lamp: Lamp::default(),
         }))
     }
 

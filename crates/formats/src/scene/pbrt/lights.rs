@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
-    Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, ImageTexture, Light, Mapping,
+    Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, ImageTexture, Lamp, Light, Mapping,
     PointLight, Projector, Spectrum, SpotLight, Texture, TextureChannel, TextureFilter, TextureOf,
     TextureSpace, UvMapping, Varying, Wrap, Wraps,
 };
@@ -86,6 +86,7 @@ impl Reader<'_, '_> {
             position: map.point(from),
             intensity,
             decay: Decay::InverseSquare,
+            lamp: Lamp::default(),
         }));
     }
 
@@ -121,6 +122,7 @@ impl Reader<'_, '_> {
             cutoff,
             beam: Some(beam),
             falloff: Falloff::Smooth,
+            lamp: Lamp::default(),
         }));
     }
 
@@ -141,6 +143,7 @@ impl Reader<'_, '_> {
             from: None,
             look_at: None,
             irradiance,
+            lamp: Lamp::default(),
         }));
     }
 
@@ -274,7 +277,12 @@ impl Reader<'_, '_> {
             None => times(&intensity, positive(mean)),
         };
         let position = map.point(DVec3::ZERO);
-        self.scene.lights.push(Light::Point(PointLight { position, intensity, decay: Decay::InverseSquare }));
+        self.scene.lights.push(Light::Point(PointLight {
+            position,
+            intensity,
+            decay: Decay::InverseSquare,
+            lamp: Lamp::default(),
+        }));
     }
 
     /// A projector. pbrt's sends as much light in all directions where its picture is the same, so that a screen gets less towards the edges.
@@ -334,6 +342,7 @@ impl Reader<'_, '_> {
             intensity,
             fov: across,
             aspect: Some(aspect),
+            lamp: Lamp::default(),
         }));
     }
 

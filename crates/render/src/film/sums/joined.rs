@@ -5,7 +5,6 @@ use super::super::{ErrorEstimate, Film, Keep, Region};
 use super::record::{Part, Record, for_each_record, parts, take};
 use super::{Held, Span};
 use std::io::{self, Read};
-use straal_color::spectrum::Bands;
 
 /// A film made of parts: of samples, or of the picture.
 pub struct Joined {
@@ -33,12 +32,10 @@ impl Joined {
         let keep = Keep { squares: held.squares, layers: held.guides };
         let mut film = Film::over(size, [crop, region], keep);
         film.mean_squares.clone_from(&held.mean_squares);
-        if let Some(bands) = held.bands {
-            film.hold_bands(bands);
-        }
+        film.hold_bands(held.bands, &held.light_groups);
         if held.splats {
             for tile in &mut film.tiles {
-                tile.splats = Some(Splats::alone(tile.region, held.bands.as_ref().map_or(0, Bands::count)));
+                tile.splats = Some(Splats::alone(tile.region, held.bands_of_each()));
             }
         }
         if let Some(weight) = held.weight {

@@ -21,6 +21,8 @@ pub struct Held {
     pub costs: Option<bool>,
     /// Bands of wavelengths.
     pub bands: Option<Bands>,
+    /// Names of groups of lights whose light is told apart.
+    pub light_groups: Vec<String>,
     /// Sums over the samples that a filter reaches.
     pub splats: bool,
     /// Where batches end.
@@ -62,6 +64,7 @@ impl Film {
                 Costs::TestsAndTime => Some(true),
             },
             bands: self.bands,
+            light_groups: self.groups.clone(),
             splats: self.tiles.first().is_some_and(|t| t.splats.is_some()),
             batches: self.tiles.first().is_some_and(|t| !t.batch_sums.is_empty() || !t.ends.is_empty()),
             squares: self.keep.squares || self.keep.layers,
@@ -182,6 +185,15 @@ impl Film {
         }
         record.halves = tile.halves.get(k).copied().unwrap_or_default();
         record.bands.copy_from_slice(&tile.bands[k * count..][..count]);
+        let [second, second_negative] = &mut record.second_bands;
+        for (own, all) in [
+            (&mut record.band_splats, &tile.band_splats),
+            (second, &tile.second_bands[0]),
+            (second_negative, &tile.second_bands[1]),
+        ] {
+            let from = all.iter().skip(k * count);
+            own.iter_mut().zip(from).for_each(|(own, v)| *own = *v);
+        }
         record.batch_sums = tile.batch_sums.get(k).copied().unwrap_or_default();
         record.ends = tile.ends.get(k).copied().unwrap_or_default();
         if let Some(splats) = &tile.splats {
@@ -227,6 +239,15 @@ impl Film {
             *halves = record.halves;
         }
         tile.bands[k * count..][..count].copy_from_slice(&record.bands);
+        let [second, second_negative] = &mut tile.second_bands;
+        for (all, own) in [
+            (&mut tile.band_splats, &record.band_splats),
+            (second, &record.second_bands[0]),
+            (second_negative, &record.second_bands[1]),
+        ] {
+            let to = all.iter_mut().skip(k * count);
+            to.zip(own).for_each(|(sum, v)| *sum = *v);
+        }
         if let Some(sums) = tile.batch_sums.get_mut(k) {
             *sums = record.batch_sums;
         }

@@ -22,6 +22,8 @@ pub(super) struct Record {
     /// A bit for each half of the pixel that needs no further samples.
     pub(super) ended: u8,
     pub(super) bands: Vec<Fixed>,
+    pub(super) band_splats: Vec<Fixed>,
+    pub(super) second_bands: [Vec<Fixed>; 2],
     pub(super) splat: Splat,
     pub(super) splat_bands: Vec<Fixed>,
     pub(super) control: Control,
@@ -56,11 +58,13 @@ pub(super) enum Part {
 
 impl Record {
     pub(super) fn empty(held: &Held) -> Self {
-        let bands = vec![Fixed::default(); held.bands.as_ref().map_or(0, Bands::count)];
+        let bands = vec![Fixed::default(); held.bands_of_each()];
         let some = |is: bool| if is { bands.clone() } else { Vec::new() };
         let (splat_bands, negative_bands) = (some(held.splats), some(held.weight.is_some()));
+        let second_bands = [some(held.halves), some(held.halves && held.weight.is_some())];
+        let band_splats = some(held.light_splats);
         let channels = channel::empty_record(held.guides, held.costs.is_some());
-        Self { channels, splat_bands, negative_bands, bands, ..Self::default() }
+        Self { channels, splat_bands, negative_bands, second_bands, band_splats, bands, ..Self::default() }
     }
 
     /// Every number of a part, in the order of the file.
@@ -86,6 +90,7 @@ impl Record {
                     self.light_splats.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                 }
                 self.bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
+                self.band_splats.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                 if held.weight.is_some() {
                     see_control(&mut self.control, see);
                     self.negative_bands.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
@@ -100,6 +105,7 @@ impl Record {
                         .iter_mut()
                         .flat_map(|m| m.0.as_flattened_mut())
                         .for_each(|v| see(Number::Double(v)));
+                    self.second_bands.iter_mut().flatten().for_each(|v| see(Number::Sum(&mut v.0)));
                 }
             }
             Part::Splat if held.splats => {
@@ -130,6 +136,21 @@ pub(super) fn parts(held: &Held, first: u32) -> impl Iterator<Item = Part> {
 }
 
 impl Held {
+    /// How many bands there are, of wavelengths and of groups of lights.
+    pub(super) fn bands_of_each(&self) -> usize {
+        self.bands.as_ref().map_or(0, Bands::count) + 3 * self.light_groups.len()
+    }
+
+    /// The names of all bands' numbers.
+    fn names_of_bands(&self, before: &str) -> String {
+        let [bands, groups] = [self.bands.as_ref().map_or(0, Bands::count), 3 * self.light_groups.len()];
+        let name = |(what, count): (&str, usize)| match count {
+            0 => String::new(),
+            _ => format!(" {before}{what}:{count}xi128"),
+        };
+        [("bands", bands), ("light_groups", groups)].map(name).concat()
+    }
+
     /// Bytes of a pixel's record.
     pub fn bytes_a_pixel(&self, first: u32) -> usize {
         let (mut record, mut bytes) = (Record::empty(self), 0);
@@ -166,26 +187,26 @@ impl Held {
         if self.light_splats {
             names += " light_splats:3xi128";
         }
-        let bands = self.bands.as_ref().map_or(0, Bands::count);
-        if bands > 0 {
-            names += &format!(" bands:{bands}xi128");
+        names += &self.names_of_bands("");
+        if self.light_splats {
+            names += &self.names_of_bands("light_splats_");
         }
         if self.weight.is_some() {
             names += " negative_count:u32 negative:3xi128";
-            if bands > 0 {
-                names += &format!(" negative_bands:{bands}xi128");
-            }
+            names += &self.names_of_bands("negative_");
         }
         if self.halves {
             names += " second_count:u32 second_value:3xi128 second_square:3xi128 second_negative_count:u32 \
                       second_negative:3xi128 halves_batch_ends:12xf64";
+            names += &self.names_of_bands("second_");
+            if self.weight.is_some() {
+                names += &self.names_of_bands("second_negative_");
+            }
         }
         if self.splats {
             let [values, weights] = Splat::NUMBERS;
             names += &format!(" splat:{values}xi128 weight:{weights}xi64");
-            if bands > 0 {
-                names += &format!(" splat_bands:{bands}xi128");
-            }
+            names += &self.names_of_bands("splat_");
         }
         match (self.batches, first) {
             (false, _) => {}

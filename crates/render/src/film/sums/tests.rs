@@ -23,7 +23,8 @@ fn filter() -> Filter {
 fn film(crop: Region, samples: [u32; 2], splat: bool) -> Film {
     let region = if splat { crop.grown(2).intersection(Region::whole(SIZE)) } else { crop };
     let mut film = Film::over(SIZE, [crop, region], Keep::ALL);
-    film.hold_bands(Bands::new(400.0, 700.0, 3).expect("bands"));
+    let groups = ["rest", "key"].map(str::to_owned);
+    film.hold_bands(Some(Bands::new(400.0, 700.0, 3).expect("bands")), &groups);
     film.count_costs(true);
     if splat {
         film.splat(&filter(), Simd::best());
@@ -40,7 +41,8 @@ fn film(crop: Region, samples: [u32; 2], splat: bool) -> Film {
                 let rgb = if i == 13 && pixel[0] % 7 == 3 { [f32::NAN; 3] } else { [v, v * v, 7.0 * v] };
                 let seen = std::array::from_fn(|k| [v, 0.5 - v, k as f32 * v]);
                 let sample = Sample { rgb, negative: v < 0.1, seen };
-                let bands = [BandSample { band: (i % 3) as u16, value: v }];
+                // A band of wavelengths, and the second group's green.
+                let bands = [(i % 3) as u16, 7].map(|band| BandSample { band, value: v });
                 let taken = tile.add(pixel, i, &sample, &bands);
                 tile.add_cost(pixel, &CostSample { nodes: i.into(), primitives: 2, nanoseconds: 3 });
                 if let Some(splats) = tile.splats() {

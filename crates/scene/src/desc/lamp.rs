@@ -1,0 +1,111 @@
+//! What all that shines has in common: lights, and surfaces that glow.
+
+use std::collections::BTreeSet;
+
+use crate::decode::Describe;
+use crate::desc::{Light, Scene};
+use crate::describe::describe;
+use crate::limit::Limit;
+use crate::value::Name;
+use crate::visit::Visitor;
+
+describe! {
+    /// What all that shines has in common.
+    pub struct Lamp {
+        /// The group of lights that its light is told by: `straal develop --light-group NAME=2` makes it brighter afterwards. What has no group is in `rest`.
+        light_group: Option<LightGroup> = None,
+        /// Names of what it lights, and nothing else: of nodes (`name`), with all that is in them, and of objects, wherever they stand. All else neither gets its light nor shows it.
+        lights_only: Vec<Name> = Vec::new(),
+        /// Names of what it doesn't light.
+        lights_all_but: Vec<Name> = Vec::new(),
+    }
+}
+
+/// The group that light counts in whose lamp has none.
+pub const REST: &str = "rest";
+
+/// Most groups of lights, besides [`REST`].
+pub const MOST_LIGHT_GROUPS: usize = 255;
+
+/// Most names that lamps may say in `lights_only` and `lights_all_but`.
+pub const MOST_LINKED: usize = 64;
+
+/// Most bytes of a group's name: it becomes part of the name of a layer.
+const LONGEST: usize = 100;
+
+/// The name of a group of lights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightGroup(pub Name);
+
+impl LightGroup {
+    /// Why a group can't be called so, if it can't: a dot ends a layer's name, and the others end one on the command line.
+    pub fn complaint(name: &str) -> Option<String> {
+        if name.is_empty() {
+            return Some("a light group needs a name".into());
+        }
+        if name.len() > LONGEST {
+            return Some(format!(
+                "the name of a light group may have {LONGEST} bytes, and this has {}",
+                name.len()
+            ));
+        }
+        let bad =
+            name.chars().find(|c| c.is_whitespace() || c.is_control() || ['.', ',', '='].contains(c))?;
+        let bad = if bad.is_control() || bad == ' ' { "spaces".to_owned() } else { format!("`{bad}`") };
+        Some(format!("the name of a light group may not hold {bad}: layers of a picture are named by it"))
+    }
+}
+
+impl Scene {
+    /// Whom each lamp lights: what lights and surfaces say, of the world and of objects.
+    fn lamps(&self) -> Vec<&Lamp> {
+        let mut lamps: Vec<&Lamp> = self.lights.iter().map(Light::lamp).collect();
+        for node in self.objects.iter().map(|(_, object)| object).chain(&self.world) {
+            node.visit(&mut |node| lamps.extend(node.surface().map(|surface| &surface.lamp)));
+        }
+        lamps
+    }
+
+    /// The names of what lamps light, or don't, with their places.
+    pub(crate) fn links(&self) -> Vec<&Name> {
+        self.lamps()
+            .into_iter()
+            .flat_map(|lamp| lamp.lights_only.iter().chain(&lamp.lights_all_but))
+            .collect()
+    }
+
+    /// The same in order, each once.
+    pub fn linked_names(&self) -> Vec<&str> {
+        let names: BTreeSet<&str> = self.links().into_iter().map(|name| name.value.as_str()).collect();
+        names.into_iter().collect()
+    }
+
+    /// The groups of its lights by name, in order; [`REST`] isn't among them.
+    pub fn light_groups(&self) -> Vec<&str> {
+        struct Groups<'a>(BTreeSet<&'a str>);
+        impl<'a> Visitor<'a> for Groups<'a> {
+            fn light_group(&mut self, name: &'a Name) {
+                self.0.insert(name);
+            }
+        }
+        let mut groups = Groups(BTreeSet::new());
+        self.show(Limit::FINITE, &mut groups);
+        groups.0.remove(REST);
+        groups.0.into_iter().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::LightGroup;
+
+    #[test]
+    fn names_are_fit_for_layers() {
+        for good in ["key", "Key_2", "fülle", "a-b"] {
+            assert_eq!(LightGroup::complaint(good), None, "{good}");
+        }
+        for bad in ["", "a.b", "a=b", "a,b", "a b", "a\tb", &"x".repeat(101)] {
+            assert!(LightGroup::complaint(bad).is_some(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Light told apart by the lamps that it comes from.
+
+use std::path::Path;
+use straal::develop::PictureFile;
+use straal::relight::Relight;
+use straal::sums::{self, Allowed, Kept};
+use straal::{Control, Development, Job, LoadOptions, Overrides, Picture, Recording, Snapshot};
+use straal_color::spectrum::Bands;
+use straal_formats::Limits;
+use straal_scene::desc::Integrator;
+
+/// Lamps of every kind, each of which can be left out.
+const LAMPS: [(&str, &str, &str); 6] = [
+    (
+        "ball",
+        "world",
+        "  - sphere: { center: [0, 2.5, 1], radius: 0.5, emission: [6, 7, 8], light_group: ball }\n",
+    ),
+    (
+        "paint",
+        "world",
+        "  - rectangle: { corner: [-3, 0, -1], edges: [[1, 0, 0], [0, 2, 0]], \
+        material: { open_pbr: { emission_luminance: 2, emission_color: [1, 0.2, 0.1], light_group: paint } } }\n",
+    ),
+    ("sky", "lights", "  - environment: { radiance: [0.3, 0.4, 0.5], light_group: sky }\n"),
+    (
+        "sun",
+        "lights",
+        "  - directional: { direction: [1, -2, -1], irradiance: 2, angle: 4, light_group: sun }\n",
+    ),
+    (
+        "sun",
+        "lights",
+        "  - spot: { position: [2, 3, 2], look_at: [0, 0, 0], intensity: 5, light_group: sun }\n",
+    ),
+    ("rest", "lights", "  - point: { position: [2, 3, 3], intensity: 5 }\n"),
+];
+
+const AMBIENT: (&str, &str, &str) =
+    ("nowhere", "lights", "  - ambient: { radiance: 0.1, light_group: nowhere }\n");
+
+fn text(lamps: &[(&str, &str, &str)], more: &str) -> String {
+    let of = |list: &str| -> String { lamps.iter().filter(|l| l.1 == list).map(|l| l.2).collect() };
+    format!(
+        "camera: {{ perspective: {{ eye: [0, 1.5, 5], look_at: [0, 0.6, 0], fov: 45 }} }}\n{more}\
+         world:\n  - rectangle: {{ corner: [-9, 0, 9], edges: [[18, 0, 0], [0, 0, -18]] }}\n  \
+         - sphere: {{ center: [-0.8, 0.6, 0], radius: 0.6, material: {{ conductor: {{ metal: gold }} }} }}\n  \
+         - sphere: {{ center: [0.8, 0.6, 0], radius: 0.6, material: {{ dielectric: {{ eta: 1.5 }} }} }}\n{}\
+         lights:\n{}",
+        of("world"),
+        of("lights")
+    )
+}
+
+fn job(text: &str, wish: Overrides) -> Job {
+    let loaded = straal::load_str("test.yaml", text, Path::new(""), &LoadOptions::default());
+    Job::new(loaded.unwrap_or_else(|d| panic!("{d}\n{text}")), wish).expect("a job")
+}
+
+fn render(text: &str, wish: Overrides) -> Picture {
+    let outcome = job(text, wish).render(&mut Control::to_the_end()).expect("a picture");
+    assert_eq!(outcome.dropped.count, 0);
+    outcome.picture
+}
+
+fn small() -> Overrides {
+    Overrides { size: Some([20, 16]), spp: Some(4), ..Overrides::default() }
+}
+
+fn with(integrator: &str) -> Overrides {
+    let integrator = Integrator::bare(integrator).expect("an integrator");
+    Overrides { integrator: Some(integrator), ..small() }
+}
+
+/// What all groups add up to, and what they don't have of the picture, relative to its brightest pixel.
+#[track_caller]
+fn adds_up(picture: &Picture, what: &str) {
+    let layers = &picture.layers;
+    let most = layers.rgb.as_flattened().iter().fold(0.0_f32, |m, v| if v.abs() > m { v.abs() } else { m });
+    assert!(most > 0.1, "{what}: there is light");
+    for (i, pixel) in layers.rgb.iter().enumerate() {
+        for c in 0..3 {
+            let sum: f64 = layers.groups.iter().map(|g| f64::from(g.rgb[i][c])).sum();
+            let off = (sum - f64::from(pixel[c])).abs();
+            // Each number is rounded to single precision, a sample's and the mean's.
+            assert!(
+                off < 1e-6 * f64::from(pixel[c].abs() + 0.01 * most),
+                "{what}: pixel {i}: {sum}, not {}",
+                pixel[c]
+            );
+        }
+    }
+}
+
+fn mean(rgb: &[[f32; 3]]) -> f64 {
+    rgb.as_flattened().iter().map(|v| f64::from(*v)).sum::<f64>() / (3 * rgb.len()) as f64
+}
+
+/// Every integrator that can say it, and every way in which the film sums: the groups make the whole, and the picture is the very one
+/// that there is without them.
+#[test]
+fn groups_make_the_whole() {
+    let bands = Bands::new(400.0, 700.0, 3).expect("bands");
+    let wishes = [
+        ("path", with("path")),
+        ("direct", with("direct")),
+        ("whitted", with("whitted")),
+        ("light", with("light")),
+        ("splat", Overrides { splat: Some(true), crop: Some([3, 2, 18, 15]), ..small() }),
+        ("noise", Overrides { noise: Some(0.2), spp: Some(96), ..small() }),
+        ("xyz", Overrides { recording: Some(Recording::Xyz), ..small() }),
+        ("bands", Overrides { recording: Some(Recording::Spectral(bands)), spectral: Some(true), ..small() }),
+    ];
+    for filter in ["box", "mitchell"] {
+        let film = format!("film: {{ filter: {filter} }}\n");
+        for (name, wish) in &wishes {
+            let mut lamps = LAMPS.to_vec();
+            if *name != "light" {
+                lamps.push(AMBIENT);
+            }
+            let named = render(&text(&lamps, &film), wish.clone());
+            let what = format!("{name}, {filter}");
+            let names: Vec<&str> = named.layers.groups.iter().map(|g| g.name.as_str()).collect();
+            let nowhere = if *name == "light" { None } else { Some("nowhere") };
+            let want: Vec<&str> =
+                ["rest", "ball"].into_iter().chain(nowhere).chain(["paint", "sky", "sun"]).collect();
+            assert_eq!(names, want, "{what}");
+            adds_up(&named, &what);
+            let shining = named.layers.groups.iter().filter(|g| mean(&g.rgb) > 1e-3).count();
+            assert_eq!(shining, want.len(), "{what}: every group brings light");
+            let without =
+                |text: String, l: &(&str, &str, &str)| text.replace(&format!(", light_group: {}", l.0), "");
+            let plain = render(&lamps.iter().fold(text(&lamps, &film), without), wish.clone());
+            assert!(plain.layers.groups.is_empty());
+            assert_eq!(plain.layers.rgb, named.layers.rgb, "{what}: the picture is the same");
+            assert_eq!(plain.layers.error, named.layers.error, "{what}");
+        }
+    }
+}
+
+/// A group's layer is the picture by its lamps alone.
+#[test]
+fn a_group_is_what_its_lamps_bring() {
+    let wish = |seed| Overrides { spp: Some(64), seed: Some(seed), ..small() };
+    let all = render(&text(&LAMPS, ""), wish(1));
+    for group in ["ball", "paint", "sky", "sun", "rest"] {
+        let lamps: Vec<_> = LAMPS.into_iter().filter(|l| l.0 == group).collect();
+        let alone = render(&text(&lamps, ""), wish(2));
+        let layer = all.layers.groups.iter().find(|g| g.name == group).expect("a layer");
+        let (a, b) = (mean(&layer.rgb), mean(&alone.layers.rgb));
+        let n = 3.0 * alone.layers.rgb.len() as f64;
+        let variance: f64 = alone.layers.variance.as_flattened().iter().map(|v| f64::from(*v)).sum();
+        // Among others a lamp is asked less often: three times the error of its own picture is more than enough.
+        let error = 3.0 * (variance / (n * n) * 3.0).sqrt() + 0.01 * b;
+        assert!((a - b).abs() < 4.5 * error, "{group}: {a}, not {b} ± {error}");
+    }
+}
+
+/// Threads and batches change no bit of a group's layer, and neither does a file of sums, whose parts make the whole.
+#[test]
+fn layers_have_the_same_bits() {
+    let scene = text(&LAMPS, "");
+    let folder = tempfile::tempdir().expect("a folder");
+    for wish in [
+        small(),
+        with("light"),
+        Overrides { splat: Some(true), ..small() },
+        Overrides { noise: Some(0.2), spp: Some(40), ..small() },
+    ] {
+        let whole = render(&scene, wish.clone());
+        for other in [
+            Overrides { threads: Some(1), batch: Some(7), ..wish.clone() },
+            Overrides { threads: Some(3), shuffle_tiles: Some(5), ..wish.clone() },
+        ] {
+            assert_eq!(render(&scene, other).layers, whole.layers, "{wish:?}");
+        }
+        let mut parts = Vec::new();
+        let spp = wish.spp.expect("a number");
+        let halves = [[0, 3], [3, spp]].map(|samples| Overrides { samples: Some(samples), ..wish.clone() });
+        let all = if wish.noise.is_some() { vec![wish.clone()] } else { halves.to_vec() };
+        for (i, part) in all.into_iter().enumerate() {
+            let path = folder.path().join(format!("{i}.sums"));
+            let mut keep = |snapshot: &Snapshot<'_>| {
+                if snapshot.is_last {
+                    let mut file = std::fs::File::create(&path).expect("a file");
+                    snapshot.write(&mut file).expect("a disk");
+                }
+            };
+            let mut control = Control::to_the_end();
+            control.keep = Some(&mut keep);
+            job(&scene, part).render(&mut control).expect("a picture");
+            parts.push(Kept::open(&path).expect("sums"));
+        }
+        let merged = sums::merge(parts, Allowed::default()).expect("parts of one picture");
+        assert_eq!(merged.picture.layers.groups, whole.layers.groups, "{wish:?}");
+    }
+}
+
+/// Several seeds' layers are averaged.
+#[test]
+fn replicates_have_groups() {
+    let outcome =
+        job(&text(&LAMPS, ""), small()).render_replicates(3, &mut Control::to_the_end()).expect("a picture");
+    assert_eq!(outcome.picture.layers.groups.len(), 5);
+    adds_up(&outcome.picture, "replicates");
+}
+
+/// A picture of colours alone holds no groups, and integrators that know no lamps say so.
+#[test]
+fn where_there_are_none() {
+    let scene = text(&LAMPS, "");
+    assert!(render(&scene, Overrides { layers: Some(false), ..small() }).layers.groups.is_empty());
+    let job = job(&scene, with("ao"));
+    assert!(job.world.notes.iter().any(|note| note.contains("groups of lights")), "{:?}", job.world.notes);
+    let picture = job.render(&mut Control::to_the_end()).expect("a picture").picture;
+    assert!(picture.layers.groups.is_empty());
+}
+
+/// The only lamp twice as bright gives twice the light, as a render of the brighter lamp does, to the bit: twice is exact.
+#[test]
+fn relit_is_rendered() {
+    let lamp = |intensity: u32| {
+        let lamp =
+            format!("  - point: {{ position: [2, 3, 3], intensity: {intensity}, light_group: key }}\n");
+        render(&text(&[("key", "lights", lamp.as_str())], ""), small())
+    };
+    let (one, two) = (lamp(5), lamp(10));
+    let mut file = PictureFile::from(&one);
+    let relight: Relight = "key=2".parse().expect("a change");
+    file.relight(std::slice::from_ref(&relight)).expect("a group");
+    let mut bytes = [Vec::new(), Vec::new()];
+    file.write(&mut bytes[0], straal::picture::Format::Pfm, &Development::default()).expect("memory");
+    two.write(&mut bytes[1], straal::picture::Format::Pfm, &Development::default()).expect("memory");
+    assert_eq!(bytes[0], bytes[1]);
+    // The EXR holds the groups by the names that they are asked for.
+    let mut exr = Vec::new();
+    one.write(&mut exr, straal::picture::Format::Exr, &Development::default()).expect("memory");
+    let read = PictureFile::read(&exr, &Limits::default()).expect("whole");
+    assert_eq!(read.light_groups(), ["key", "rest"]);
+}
