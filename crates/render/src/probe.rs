@@ -1,10 +1,10 @@
 //! What a render's searches are asked through: plainly, with every test counted, or with the rays kept.
 //!
-//! Which of them is decided once for a pass, so that the loops of the driver are compiled for each, and a plain render
-//! pays nothing for the others.
+//! Which of them is decided once for a pass. A probe is asked once for a whole slice of rays, so that the driver needn't be compiled for
+//! each, and a plain render pays nothing for the others.
 
 use crate::film::CostSample;
-use crate::integrator::{Contribution, Path};
+use crate::integrator::Contribution;
 use crate::stopwatch::Clock;
 use crate::world::World;
 use straal_accel::Hit;
@@ -19,8 +19,8 @@ pub trait Probe: Send {
     /// A sample begins under a number that an earlier one may have had.
     fn begin(&mut self, sample: u32);
 
-    /// What each path's ray hits first.
-    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]);
+    /// What each ray hits first.
+    fn closest(&mut self, world: &World, asked: &Asked<'_>, hits: &mut [Hit]);
 
     /// [`World::transmittance`] of the shadow rays.
     fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>);
@@ -30,12 +30,11 @@ pub trait Probe: Send {
 }
 
 /// Rays that are searched together.
-#[derive(Debug)]
-pub struct Asked<'a, S> {
+pub struct Asked<'a> {
     /// Whether they come from the camera.
     pub primary: bool,
-    /// Who asks, as many as there are rays.
-    pub paths: &'a [Path<S>],
+    /// The sample that each ray belongs to.
+    pub sample: &'a dyn Fn(usize) -> u32,
     /// The rays.
     pub rays: &'a [Ray],
 }
@@ -63,23 +62,18 @@ pub struct Answer<'a> {
 pub struct Plain;
 
 impl Probe for Plain {
-    #[inline(always)]
     fn make_room(&mut self, _room: usize) {}
 
-    #[inline(always)]
     fn begin(&mut self, _sample: u32) {}
 
-    #[inline(always)]
-    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
+    fn closest(&mut self, world: &World, asked: &Asked<'_>, hits: &mut [Hit]) {
         world.closest(asked.rays, hits);
     }
 
-    #[inline(always)]
     fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
         world.transmittance(asked.rays, answer.blocked, answer.light);
     }
 
-    #[inline(always)]
     fn cost(&self, _sample: usize) -> Option<CostSample> {
         None
     }
@@ -119,13 +113,13 @@ impl Probe for CostMeter {
         self.samples[sample as usize] = CostSample::default();
     }
 
-    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
+    fn closest(&mut self, world: &World, asked: &Asked<'_>, hits: &mut [Hit]) {
         let mut last = self.now();
-        for ((path, ray), hit) in asked.paths.iter().zip(asked.rays).zip(hits) {
+        for (i, (ray, hit)) in asked.rays.iter().zip(hits).enumerate() {
             let (found, cost) = world.accel.closest_counted(&world.geometry, ray);
             *hit = found;
             let now = self.now();
-            self.book(path.sample, &cost, now.saturating_sub(last));
+            self.book((asked.sample)(i), &cost, now.saturating_sub(last));
             last = now;
         }
     }
@@ -208,7 +202,7 @@ impl Probe for Recorder {
 
     fn begin(&mut self, _sample: u32) {}
 
-    fn closest<S>(&mut self, world: &World, asked: &Asked<'_, S>, hits: &mut [Hit]) {
+    fn closest(&mut self, world: &World, asked: &Asked<'_>, hits: &mut [Hit]) {
         let tape = if asked.primary { &mut self.primary } else { &mut self.bounce };
         tape.take(asked.rays, self.limit);
         world.closest(asked.rays, hits);

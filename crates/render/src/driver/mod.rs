@@ -11,7 +11,7 @@ mod stream;
 mod worker;
 
 use crate::film::{Film, FilmTile, MAX_SAMPLES, Region, next_check};
-use crate::integrator::Integrator;
+use crate::integrator::{AnyIntegrator, Integrator, WithIntegrator};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{CostMeter, Plain, Probe};
 use crate::settings::Settings;
@@ -20,17 +20,17 @@ use crate::world::World;
 use sorting::Ranks;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use worker::{Pass, Worker};
 
 pub use worker::thread_bytes;
 
 /// A render under way. Between calls of [`Render::advance`] the film is whole, unless it [pauses](Render::pause_when): every pixel
 /// that is still sampled has the same number of samples, and the sums are those of any other way to get there.
-pub struct Render<'w, I> {
+pub struct Render<'w> {
     world: &'w World,
     ranks: Ranks,
-    integrator: I,
+    integrator: Box<dyn Works + 'w>,
     settings: Settings,
     film: Film,
     done: u32,
@@ -58,22 +58,93 @@ pub enum RenderError {
     LightSplats(&'static str),
 }
 
-impl<'w, I: Integrator> Render<'w, I> {
-    /// Prepares a render; nothing is traced yet. A clock lets it tell where the time goes.
-    pub fn new(
+/// An integrator of any kind as a render holds it: what is compiled for each kind is one thread's work.
+trait Works: Sync {
+    /// Takes tiles, and all their samples, until there are none; tells where the time went.
+    fn work(&self, part: Part<'_, '_>, probe: &mut dyn Probe) -> Times;
+}
+
+/// What a thread is given for a pass.
+struct Part<'a, 'f> {
+    world: &'a World,
+    ranks: &'a Ranks,
+    settings: &'a Settings,
+    clock: Option<Clock>,
+    pass: &'a Pass<'a, 'f>,
+}
+
+impl Part<'_, '_> {
+    fn work_by<I: Integrator, L: Lanes>(self, integrator: &I, probe: &mut dyn Probe) -> Times {
+        let Self { world, ranks, settings, clock, pass } = self;
+        let mut worker = Worker::<I, L>::new((world, ranks), integrator, settings, (clock, probe));
+        worker.render(pass);
+        worker.times()
+    }
+}
+
+impl<I: Integrator> Works for I {
+    fn work(&self, part: Part<'_, '_>, probe: &mut dyn Probe) -> Times {
+        match part.world.tables.is_spectral() {
+            true => part.work_by::<I, Wavelengths>(self, probe),
+            false => part.work_by::<I, Rgb>(self, probe),
+        }
+    }
+}
+
+/// Lends a probe to one thread's work, and keeps it afterwards.
+type Lend<'a> = &'a (dyn Fn(&mut dyn FnMut(&mut dyn Probe)) + Sync);
+
+/// A render that is prepared by whichever integrator.
+struct Prepare<'w> {
+    world: &'w World,
+    settings: Settings,
+    clock: Option<Clock>,
+}
+
+impl<'w> WithIntegrator for Prepare<'w> {
+    type Out = Result<Render<'w>, RenderError>;
+
+    fn with<I: Integrator + 'static>(self, integrator: I) -> Self::Out {
+        Render::new(self.world, integrator, self.settings, self.clock)
+    }
+}
+
+impl<'w> Render<'w> {
+    /// Prepares a render by an integrator that a scene asks for; nothing is traced yet. A clock lets it tell where the time goes. (All that
+    /// such an integrator does is compiled in this crate; [`Render::new`] has it compiled where it is called.)
+    pub fn by(
+        world: &'w World,
+        integrator: AnyIntegrator,
+        settings: Settings,
+        clock: Option<Clock>,
+    ) -> Result<Self, RenderError> {
+        integrator.hand_to(Prepare { world, settings, clock })
+    }
+
+    /// The same by any integrator.
+    pub fn new<I: Integrator + 'w>(
         world: &'w World,
         integrator: I,
         settings: Settings,
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
-        if I::SPLATS && settings.noise.is_some() {
+        Self::prepare(world, (Box::new(integrator), I::SPLATS), settings, clock)
+    }
+
+    fn prepare(
+        world: &'w World,
+        (integrator, splats): (Box<dyn Works + 'w>, bool),
+        settings: Settings,
+        clock: Option<Clock>,
+    ) -> Result<Self, RenderError> {
+        if splats && settings.noise.is_some() {
             return Err(RenderError::LightSplats("end where the noise of a pixel's own samples is low"));
         }
-        if I::SPLATS && settings.splat {
+        if splats && settings.splat {
             return Err(RenderError::LightSplats("splat its own samples by the filter as well"));
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-        let region = match I::SPLATS {
+        let region = match splats {
             true => Region::whole(settings.size),
             false => settings.rendered(f64::from(world.filter.radius())),
         };
@@ -85,7 +156,7 @@ impl<'w, I: Integrator> Render<'w, I> {
         } else if let Some(weight) = world.filter.signed_weight() {
             film.control(f64::from(weight));
         }
-        if I::SPLATS {
+        if splats {
             film.hold_light_splats();
         }
         if settings.noise.is_some() {
@@ -156,25 +227,26 @@ impl<'w, I: Integrator> Render<'w, I> {
         }
     }
 
-    /// The same, each worker asking what rays hit through a probe of its own; gives the probes back.
+    /// The same, each worker asking what rays hit through a probe of its own; gives the probes back, in no order.
     pub fn advance_through<P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
-        if self.world.tables.is_spectral() {
-            self.advance_by::<Wavelengths, P>(samples, probe)
-        } else {
-            self.advance_by::<Rgb, P>(samples, probe)
-        }
+        let probes = Mutex::new(Vec::new());
+        self.advance_lending(samples, &|work| {
+            let mut probe = probe();
+            work(&mut probe);
+            probes.lock().unwrap_or_else(PoisonError::into_inner).push(probe);
+        });
+        probes.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn advance_by<L: Lanes, P: Probe>(&mut self, samples: u32, probe: impl Fn() -> P + Sync) -> Vec<P> {
+    fn advance_lending(&mut self, samples: u32, lend: Lend<'_>) {
         if !self.is_midway() {
             self.goal = self.done.saturating_add(samples).min(MAX_SAMPLES);
         }
-        let mut probes = Vec::new();
         while self.done < self.goal && !self.is_settled() {
             // Looks come at fixed counts, however the samples are cut into passes.
             let look = next_check(self.done);
             let end = if self.settings.noise.is_some() { self.goal.min(look) } else { self.goal };
-            probes.append(&mut self.take::<L, P>(self.done..end, &probe));
+            self.take(self.done..end, lend);
             if self.is_midway() {
                 break;
             }
@@ -184,7 +256,6 @@ impl<'w, I: Integrator> Render<'w, I> {
                 }
             }
         }
-        probes
     }
 
     /// Whether no pixel needs further samples.
@@ -193,24 +264,27 @@ impl<'w, I: Integrator> Render<'w, I> {
     }
 
     /// Takes the given samples of every pixel that needs them and hasn't got them, or as many tiles' as there is time for.
-    fn take<L: Lanes, P: Probe>(&mut self, range: Range<u32>, probe: &(impl Fn() -> P + Sync)) -> Vec<P> {
+    fn take(&mut self, range: Range<u32>, lend: Lend<'_>) {
         let order = tile_order(self.film.tiles.len(), self.settings.shuffle_tiles);
         let tiles: Vec<Mutex<&mut FilmTile>> = self.film.tiles.iter_mut().map(Mutex::new).collect();
         let start = self.tiles_done;
         let next = AtomicUsize::new(start);
         let pause = &self.pause;
         let goes_on = || pause.as_ref().is_none_or(|pause| next.load(Ordering::Relaxed) == start || !pause());
-        let (world, integrator, settings, clock) =
-            ((self.world, &self.ranks), &self.integrator, &self.settings, &self.clock);
+        let (world, ranks, settings, clock) = (self.world, &self.ranks, &self.settings, &self.clock);
+        let integrator = &*self.integrator;
         let take_tile = || {
             let place = goes_on().then(|| next.fetch_add(1, Ordering::Relaxed))?;
             order.get(place).copied()
         };
         let pass = Pass { tiles: &tiles, take_tile: &take_tile, indices: range.clone() };
         let done = self.pool.broadcast(|_| {
-            let mut worker = Worker::<I, P, L>::new(world, integrator, settings, (clock.clone(), probe()));
-            worker.render(&pass);
-            worker.into_results()
+            let mut times = Times::default();
+            lend(&mut |probe| {
+                let part = Part { world, ranks, settings, clock: clock.clone(), pass: &pass };
+                times += integrator.work(part, probe);
+            });
+            times
         });
         let reached = next.into_inner();
         if reached < order.len() {
@@ -218,12 +292,9 @@ impl<'w, I: Integrator> Render<'w, I> {
         } else {
             (self.tiles_done, self.done) = (0, range.end);
         }
-        let mut probes = Vec::with_capacity(done.len());
-        for (times, probe) in done {
+        for times in done {
             self.times += times;
-            probes.push(probe);
         }
-        probes
     }
 
     /// The film so far.

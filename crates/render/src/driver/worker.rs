@@ -80,14 +80,14 @@ fn put_on<T>(list: &mut Vec<T>, base: usize, next: &mut Vec<T>) {
 }
 
 /// One thread's buffers.
-pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
+pub(super) struct Worker<'a, I: Integrator, L: Lanes> {
     world: &'a World,
     integrator: &'a I,
     settings: &'a Settings,
     needs: Needs,
     simd: Simd,
     stopwatch: Stopwatch,
-    probe: P,
+    probe: &'a mut dyn Probe,
     samples: Samples<L>,
     stream: Stream,
     /// The tile of the stream.
@@ -115,12 +115,12 @@ pub(super) struct Worker<'a, I: Integrator, P, L: Lanes> {
     bands: Vec<BandSample>,
 }
 
-impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
+impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
     pub fn new(
         (world, ranks): (&'a World, &'a Ranks),
         integrator: &'a I,
         settings: &'a Settings,
-        (clock, mut probe): (Option<Clock>, P),
+        (clock, probe): (Option<Clock>, &'a mut dyn Probe),
     ) -> Self {
         let room = settings.batch.saturating_mul(SAMPLES_A_PATH).min(1 << 24);
         let samples = Samples::new(room, settings.layers, settings.light_groups_of::<I>());
@@ -169,9 +169,9 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         }
     }
 
-    /// Where the time went, and the probe.
-    pub fn into_results(self) -> (Times, P) {
-        (self.stopwatch.times, self.probe)
+    /// Where the time went.
+    pub fn times(&self) -> Times {
+        self.stopwatch.times
     }
 
     /// Paths that are advanced together.
@@ -262,7 +262,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         self.hits.resize(paths.len(), Hit::MISS);
         for (range, primary) in [(0..old, false), (old..paths.len(), I::ORIGIN == Origin::Camera)] {
             if !range.is_empty() {
-                let asked = Asked { primary, paths: &paths[range.clone()], rays: &rays[range.clone()] };
+                let asking = &paths[range.clone()];
+                let asked = Asked { primary, sample: &|i| asking[i].sample, rays: &rays[range.clone()] };
                 self.probe.closest(world, &asked, &mut self.hits[range]);
             }
         }
@@ -273,10 +274,11 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                     continue;
                 }
                 let u = self.settings.pattern.d1(&paths[i].name, Purpose::Opacity);
-                let (probe, path) = (&mut self.probe, &paths[i..=i]);
+                let (probe, sample) = (&mut self.probe, paths[i].sample);
                 world.go_past_masks(&rays[i], &mut self.hits[i], u, |ray| {
                     let mut hit = [Hit::MISS];
-                    let asked = Asked { primary: primary(i), paths: path, rays: std::slice::from_ref(ray) };
+                    let rays = std::slice::from_ref(ray);
+                    let asked = Asked { primary: primary(i), sample: &|_| sample, rays };
                     probe.closest(world, &asked, &mut hit);
                     hit[0]
                 });
@@ -290,12 +292,13 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             for i in old..paths.len() {
                 let (ray, hit) = (&rays[i], &self.hits[i]);
                 if follows {
-                    let (pattern, path) = (self.settings.pattern, &paths[i..=i]);
+                    let (pattern, sample) = (self.settings.pattern, paths[i].sample);
                     let seen = guides::Seen { world, pattern, name: paths[i].name, ray: *ray, hit: *hit };
                     let probe = &mut self.probe;
                     let first = seen.follow(|ray| {
                         let mut hit = [Hit::MISS];
-                        let asked = Asked { primary: false, paths: path, rays: std::slice::from_ref(ray) };
+                        let rays = std::slice::from_ref(ray);
+                        let asked = Asked { primary: false, sample: &|_| sample, rays };
                         probe.closest(world, &asked, &mut hit);
                         hit[0]
                     });

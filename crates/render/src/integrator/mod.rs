@@ -65,7 +65,7 @@ pub trait WithIntegrator {
     type Out;
 
     /// Works with this one.
-    fn with<I: Integrator>(self, integrator: I) -> Self::Out;
+    fn with<I: Integrator + 'static>(self, integrator: I) -> Self::Out;
 }
 
 /// A way of gathering light.

@@ -6,7 +6,6 @@ use crate::sums::{self, Kept, Stamp};
 use std::io::{self, Write};
 use straal_render::driver::Render;
 use straal_render::film::{Film, Span};
-use straal_render::integrator::Integrator;
 
 /// A render between two passes, in the middle of one or at its end, for who wants to keep its sums. In the middle some tiles
 /// have more samples than [`Snapshot::samples`] says; who goes on from there takes of each what it hasn't got.
@@ -42,9 +41,9 @@ impl Job {
     }
 
     /// Shows what there is to who keeps it.
-    pub(super) fn show<I: Integrator>(
+    pub(super) fn show(
         &self,
-        render: &Render<'_, I>,
+        render: &Render<'_>,
         control: &mut Control<'_>,
         [is_last, is_complete]: [bool; 2],
     ) {
@@ -55,12 +54,7 @@ impl Job {
     }
 
     /// Goes on from sums that were kept.
-    pub(super) fn take_up<I: Integrator>(
-        &self,
-        render: &mut Render<'_, I>,
-        mut kept: Kept,
-        end: u32,
-    ) -> Result<(), Error> {
+    pub(super) fn take_up(&self, render: &mut Render<'_>, mut kept: Kept, end: u32) -> Result<(), Error> {
         if let Some(refusal) = self.refuses(&kept, render.film(), end) {
             return Err(refusal);
         }

@@ -7,7 +7,6 @@ use crate::resolve::{Error, PASS, passes};
 use crate::sums::Kept;
 use straal_render::driver::{Pause, Render};
 use straal_render::film::{FIRST_CHECK, Film, MAX_SAMPLES, hash_of};
-use straal_render::integrator::{Integrator, WithIntegrator};
 use straal_render::settings::Settings;
 use straal_render::stopwatch::{Clock, Times};
 
@@ -162,26 +161,16 @@ impl Job {
         Progress { pixels: self.settings.crop.area() as u64, ..Progress::default() }
     }
 
-    /// One film of `spp` samples with a seed of its own.
+    /// One film of samples up to `end` with a seed of its own.
     pub(crate) fn film(
         &self,
         seed: u64,
-        spp: u32,
+        end: u32,
         control: &mut Control<'_>,
         progress: &mut Progress,
     ) -> Result<Run, Error> {
         let settings = Settings { seed, ..self.settings.clone() };
-        self.integrator.hand_to(FilmOf { job: self, settings, spp, control, progress })
-    }
-
-    fn film_by<I: Integrator>(
-        &self,
-        integrator: I,
-        settings: Settings,
-        (end, control): (u32, &mut Control<'_>),
-        progress: &mut Progress,
-    ) -> Result<Run, Error> {
-        let mut render = Render::new(&self.world, integrator, settings, control.clock.clone())?;
+        let mut render = Render::by(&self.world, self.integrator, settings, control.clock.clone())?;
         render.begin_at(self.first);
         if let Some(kept) = control.resume.take() {
             self.take_up(&mut render, kept, end)?;
@@ -193,7 +182,7 @@ impl Job {
             render.pause_when(pause.clone());
         }
         let mut look = Look::new(self.denoised_noise, render.samples_done());
-        let next_pass = |render: &Render<'_, I>, most: u32, look: &Look| {
+        let next_pass = |render: &Render<'_>, most: u32, look: &Look| {
             if render.is_settled() || look.is_clean {
                 0
             } else {
@@ -268,22 +257,5 @@ impl Look {
         let denoised = picture.denoise(how, film.halves().as_ref())?;
         self.is_clean = 20 * denoised.blocks_noisier_than(target) <= denoised.noise.len() as u64;
         Ok(())
-    }
-}
-
-/// A film that is to be made, by whichever integrator.
-struct FilmOf<'a, 'c> {
-    job: &'a Job,
-    settings: Settings,
-    spp: u32,
-    control: &'a mut Control<'c>,
-    progress: &'a mut Progress,
-}
-
-impl WithIntegrator for FilmOf<'_, '_> {
-    type Out = Result<Run, Error>;
-
-    fn with<I: Integrator>(self, integrator: I) -> Self::Out {
-        self.job.film_by(integrator, self.settings, (self.spp, self.control), self.progress)
     }
 }

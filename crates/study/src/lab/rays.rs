@@ -3,7 +3,7 @@
 use super::Error;
 use straal_math::Ray;
 use straal_render::driver::Render;
-use straal_render::integrator::PathTracer;
+use straal_render::integrator::{AnyIntegrator, PathTracer};
 use straal_render::probe::{Recorder, Tape};
 use straal_render::settings::Settings;
 use straal_render::world::World;
@@ -109,7 +109,8 @@ pub fn record(
 ) -> Result<[RaySet; 3], Error> {
     let samples = settings.crop.area() as f64 * f64::from(sampling.spp);
     let settings = Settings { threads: 1, noise: None, ..settings };
-    let mut render = Render::new(world, integrator, settings, None).map_err(straal::Error::from)?;
+    let integrator = AnyIntegrator::Path(integrator);
+    let mut render = Render::by(world, integrator, settings, None).map_err(straal::Error::from)?;
     let recorder = render.advance_through(sampling.spp, || Recorder::new(MOST)).pop().unwrap_or_default();
     let Recorder { primary, bounce, shadow, .. } = recorder;
     Ok([primary, bounce, shadow].map(|tape| RaySet::thinned(tape, sampling.rays, samples)))
