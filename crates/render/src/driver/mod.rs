@@ -128,12 +128,13 @@ impl<'w> Render<'w> {
         settings: Settings,
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
-        Self::prepare(world, (Box::new(integrator), I::SPLATS), settings, clock)
+        let groups = settings.light_groups_of::<I>();
+        Self::prepare(world, (Box::new(integrator), I::SPLATS, groups), settings, clock)
     }
 
     fn prepare(
         world: &'w World,
-        (integrator, splats): (Box<dyn Works + 'w>, bool),
+        (integrator, splats, groups): (Box<dyn Works + 'w>, bool, usize),
         settings: Settings,
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
@@ -149,7 +150,7 @@ impl<'w> Render<'w> {
             false => settings.rendered(f64::from(world.filter.radius())),
         };
         let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
-        let groups = if settings.light_groups_of::<I>() > 0 { world.light_groups.names() } else { &[] };
+        let groups = if groups > 0 { world.light_groups.names() } else { &[] };
         film.hold_bands(world.sensor.recording().bands().copied(), groups);
         if settings.splat {
             film.splat(&world.filter, world.simd());
