@@ -10,7 +10,7 @@ mod starting;
 mod stream;
 mod worker;
 
-use crate::film::{Film, FilmTile, MAX_SAMPLES, Region, next_check};
+use crate::film::{CLAMPED, Film, FilmTile, MAX_SAMPLES, Region, next_check};
 use crate::integrator::Integrator;
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{CostMeter, Plain, Probe};
@@ -79,7 +79,11 @@ impl<'w, I: Integrator> Render<'w, I> {
         };
         let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
         let groups = if settings.light_groups_of::<I>() > 0 { world.light_groups.names() } else { &[] };
-        film.hold_bands(world.sensor.recording().bands().copied(), groups);
+        let mut parts = groups.to_vec();
+        if integrator.limit().is_finite() {
+            parts.push(CLAMPED.to_owned());
+        }
+        film.hold_bands(world.sensor.recording().bands().copied(), &parts);
         if settings.splat {
             film.splat(&world.filter, world.simd());
         } else if let Some(weight) = world.filter.signed_weight() {

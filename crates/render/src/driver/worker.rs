@@ -123,7 +123,8 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         (clock, mut probe): (Option<Clock>, P),
     ) -> Self {
         let room = settings.batch.saturating_mul(SAMPLES_A_PATH).min(1 << 24);
-        let samples = Samples::new(room, settings.layers, settings.light_groups_of::<I>());
+        let samples =
+            Samples::new(room, settings.layers, (settings.light_groups_of::<I>(), integrator.limit()));
         probe.make_room(samples.room());
         Self {
             world,
@@ -343,7 +344,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
         }
         for (shadow, _) in self.shadows.iter().zip(&self.blocked).filter(|(_, blocked)| !**blocked) {
             match shadow.target {
-                Target::Sample => self.samples.sums.add(shadow.sample, shadow.group, shadow.light),
+                Target::Sample => self.samples.sums.add(shadow.sample, shadow.from, shadow.light),
                 Target::Film(_) => self.splats.push(*shadow),
             }
         }
@@ -374,7 +375,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
                 continue;
             };
             let rgb = self.world.sensor.take(pending.lanes, splat.light);
-            let band = tells_groups.then(|| self.world.sensor.first_band_of_group(splat.group));
+            let band = tells_groups.then(|| self.world.sensor.first_band_of_group(splat.from.group));
             let reach = |axis: usize| {
                 let first = (at[axis] - 0.5 - filter.radius()).ceil();
                 let end = (at[axis] - 0.5 + filter.radius()).floor() + 1.0;
@@ -415,7 +416,7 @@ impl<'a, I: Integrator, P: Probe, L: Lanes> Worker<'a, I, P, L> {
             };
             self.bands.clear();
             self.world.sensor.bands(lanes, light * weight, &mut self.bands);
-            for (group, light) in (0..).zip(self.samples.sums.by_group(place)) {
+            for (group, light) in (0..).zip(self.samples.sums.parts(place)) {
                 if !light.is_black() {
                     let first = self.world.sensor.first_band_of_group(group) as u16;
                     let colours = (first..).zip(seen_by_film(light));
