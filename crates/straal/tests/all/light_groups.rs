@@ -7,6 +7,7 @@ use straal::sums::{self, Allowed, Kept};
 use straal::{Control, Development, Job, LoadOptions, Overrides, Picture, Recording, Snapshot};
 use straal_color::spectrum::Bands;
 use straal_formats::Limits;
+use straal_formats::image::exr;
 use straal_scene::desc::Integrator;
 
 /// Lamps of every kind, each of which can be left out.
@@ -105,7 +106,8 @@ fn groups_make_the_whole() {
         ("path", with("path")),
         ("direct", with("direct")),
         ("whitted", with("whitted")),
-        ("light", with("light")),
+        // A lamp of little power among strong ones sends few rays.
+        ("light", Overrides { spp: Some(64), ..with("light") }),
         ("splat", Overrides { splat: Some(true), crop: Some([3, 2, 18, 15]), ..small() }),
         ("noise", Overrides { noise: Some(0.2), spp: Some(96), ..small() }),
         ("xyz", Overrides { recording: Some(Recording::Xyz), ..small() }),
@@ -246,4 +248,42 @@ fn relit_is_rendered() {
     one.write(&mut exr, straal::picture::Format::Exr, &Development::default()).expect("memory");
     let read = PictureFile::read(&exr, &Limits::default()).expect("whole");
     assert_eq!(read.light_groups(), ["key", "rest"]);
+}
+
+/// The first pixel of a picture of layers that a file holds, relit.
+fn relit(layers: &[(&str, [f32; 3])], changes: &[&str]) -> Result<[f32; 3], String> {
+    let mut picture = exr::Layered::of_size(2, 1);
+    picture.layers = layers.iter().map(|(name, rgb)| exr::Layer::from_rgb(name, &[*rgb, [0.0; 3]])).collect();
+    let mut bytes = Vec::new();
+    exr::write(&mut bytes, &picture).expect("memory takes all");
+    let mut file = PictureFile::read(&bytes, &Limits::default()).expect("whole");
+    let changes: Vec<Relight> = changes.iter().map(|text| text.parse().expect("a change")).collect();
+    file.relight(&changes).map_err(|e| e.to_string())?;
+    let mut out = Vec::new();
+    file.write(&mut out, straal::picture::Format::Exr, &Development::default()).expect("memory takes all");
+    let read = exr::read(&out, &Limits::default()).expect("whole");
+    Ok(read.beauty().expect("a picture").pixels[0])
+}
+
+/// Files of straal, of Blender and of Arnold are relit; the latter have no layer of the rest.
+#[test]
+fn files_are_relit() {
+    let own: &[(&str, [f32; 3])] =
+        &[("", [3.5, 2.0, 1.0]), ("Combined_key", [2.0, 1.0, 0.0]), ("Combined_rest", [1.5, 1.0, 1.0])];
+    assert_eq!(relit(own, &["key=2"]), Ok([5.5, 3.0, 1.0]));
+    assert_eq!(relit(own, &["key=off", "rest=2"]), Ok([3.0, 2.0, 2.0]));
+    let blender: &[(&str, [f32; 3])] =
+        &[("ViewLayer.Combined", [3.0, 2.0, 1.0]), ("ViewLayer.Combined_key", [2.0, 1.0, 0.5])];
+    assert_eq!(relit(blender, &["key=off"]), Ok([1.0, 1.0, 0.5]));
+    let arnold: &[(&str, [f32; 3])] = &[("", [3.0, 2.0, 1.0]), ("RGBA_key", [2.0, 1.0, 0.5])];
+    assert_eq!(relit(arnold, &["key=3"]), Ok([7.0, 4.0, 2.0]));
+    let unknown = relit(own, &["kee=2"]).expect_err("there is no such group");
+    assert!(unknown.contains("`kee`") && unknown.contains("key"), "{unknown}");
+    assert!(relit(&[("", [1.0; 3])], &["key=2"]).is_err());
+    // A filter by temperature keeps the luminance.
+    let white: &[(&str, [f32; 3])] =
+        &[("", [1.0; 3]), ("Combined_key", [1.0; 3]), ("Combined_rest", [0.0; 3])];
+    let warm = relit(white, &["key=warm"]).expect("a group");
+    let luminance = 0.2126 * warm[0] + 0.7152 * warm[1] + 0.0722 * warm[2];
+    assert!((luminance - 1.0).abs() < 2e-3 && warm[0] > 1.3 && warm[2] < 0.5, "{warm:?}");
 }
