@@ -54,7 +54,11 @@ pub fn run(names: &[String]) -> Result<bool, Failure> {
         ("relighting", relit),
     ];
     if let Some(other) = names.iter().find(|name| !kinds.iter().any(|(kind, _)| kind == name)) {
-        return Err(format!("there are no pictures of `{other}`, only of {}", kinds.map(|(kind, _)| kind).join(", ")).into());
+        return Err(format!(
+            "there are no pictures of `{other}`, only of {}",
+            kinds.map(|(kind, _)| kind).join(", ")
+        )
+        .into());
     }
     for (kind, make) in kinds {
         if names.is_empty() || names.iter().any(|name| name == kind) {

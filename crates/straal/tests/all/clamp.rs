@@ -36,9 +36,9 @@ fn what_is_taken_is_told() {
     let taken = &left.groups.last().expect("a layer").rgb;
     let mut sums = [0.0; 2];
     for (i, want) in free.rgb.iter().enumerate() {
-        for c in 0..3 {
+        for (c, &want) in want.iter().enumerate() {
             let all = f64::from(left.rgb[i][c]) + f64::from(taken[i][c]);
-            assert!((all - f64::from(want[c])).abs() < 2e-6 * all, "pixel {i}: {all}, not {want:?}");
+            assert!((all - f64::from(want)).abs() < 2e-6 * all, "pixel {i}: {all}, not {want}");
             let groups: f64 = left.groups[..2].iter().map(|g| f64::from(g.rgb[i][c])).sum();
             assert!((groups - f64::from(left.rgb[i][c])).abs() < 2e-6 * groups, "pixel {i}: {groups}");
             sums[0] += all;

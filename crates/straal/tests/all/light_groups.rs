@@ -80,15 +80,12 @@ fn adds_up(picture: &Picture, what: &str) {
     let most = layers.rgb.as_flattened().iter().fold(0.0_f32, |m, v| if v.abs() > m { v.abs() } else { m });
     assert!(most > 0.1, "{what}: there is light");
     for (i, pixel) in layers.rgb.iter().enumerate() {
-        for c in 0..3 {
+        for (c, &whole) in pixel.iter().enumerate() {
             let sum: f64 = layers.groups.iter().map(|g| f64::from(g.rgb[i][c])).sum();
-            let off = (sum - f64::from(pixel[c])).abs();
+            let off = (sum - f64::from(whole)).abs();
             // Each number is rounded to single precision, a sample's and the mean's.
-            assert!(
-                off < 1e-6 * f64::from(pixel[c].abs() + 0.01 * most),
-                "{what}: pixel {i}: {sum}, not {}",
-                pixel[c]
-            );
+            let allowed = 1e-6 * f64::from(whole.abs() + 0.01 * most);
+            assert!(off < allowed, "{what}: pixel {i}: {sum}, not {whole}");
         }
     }
 }
