@@ -1,10 +1,11 @@
 //! The book's pictures of one scene in several ways: under each tone curve, with the curves themselves; blurred by depth; filtered in two ways;
-//! by each integrator; noisy, denoised and true.
+//! by each integrator; noisy, denoised and true; with other lamps.
 
 use crate::{Failure, root};
 use std::fmt::Write;
 use straal::develop::PictureFile;
 use straal::focus::{Blur, Lens};
+use straal::relight::Relight;
 use straal::{Control, Development, Job, LoadOptions, Overrides};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
@@ -33,8 +34,59 @@ const DENOISED_SIZE: [u32; 2] = [320, 180];
 const DENOISINGS: [(&str, u32, Denoise); 3] =
     [("noisy", 16, Denoise::Off), ("clean", 16, Denoise::Best), ("truth", 512, Denoise::Off)];
 
-/// Renders the scene once and develops it by every curve; draws the curves; blurs another.
-pub fn run() -> Result<bool, Failure> {
+/// The scene that is relit, in that size, and each of its pictures: what becomes of its groups of lights.
+const RELIT: &str = "scenes/lights.yaml";
+const RELIT_SIZE: [u32; 2] = [480, 270];
+const RELIGHTINGS: [(&str, &[&str]); 3] = [
+    ("plain", &[]),
+    ("dusk", &["sun=off", "sky=0.3,cool", "ball=2"]),
+    ("stage", &["stage=#ff4020", "bulb=off", "strip=3,warm"]),
+];
+
+/// Makes the pictures, or those of one kind.
+pub fn run(names: &[String]) -> Result<bool, Failure> {
+    let kinds: [(&str, fn() -> Result<(), Failure>); 6] = [
+        ("tones", tones),
+        ("blur", blurred),
+        ("filters", filtered),
+        ("integrators", by_each_integrator),
+        ("denoising", denoised),
+        ("relighting", relit),
+    ];
+    if let Some(other) = names.iter().find(|name| !kinds.iter().any(|(kind, _)| kind == name)) {
+        return Err(format!(
+            "there are no pictures of `{other}`, only of {}",
+            kinds.map(|(kind, _)| kind).join(", ")
+        )
+        .into());
+    }
+    for (kind, make) in kinds {
+        if names.is_empty() || names.iter().any(|name| name == kind) {
+            make()?;
+        }
+    }
+    Ok(true)
+}
+
+/// One render, and what it would have been with other lamps.
+fn relit() -> Result<(), Failure> {
+    let loaded = straal::load(&root().join(RELIT), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {RELIT}`"))?;
+    let job = Job::new(loaded, Overrides { size: Some(RELIT_SIZE), ..Overrides::default() })?;
+    let picture = job.render(&mut Control::to_the_end())?.picture;
+    for (name, changes) in RELIGHTINGS {
+        let mut picture_file = PictureFile::from(&picture);
+        let changes = changes.iter().map(|change| change.parse()).collect::<Result<Vec<Relight>, _>>()?;
+        picture_file.relight(&changes)?;
+        let file = format!("{FOLDER}/relight-{name}.png");
+        picture_file.save(&root().join(&file), &job.development())?;
+        println!("{file}");
+    }
+    Ok(())
+}
+
+/// Renders the scene once and develops it by every curve; draws the curves.
+fn tones() -> Result<(), Failure> {
     let loaded = straal::load(&root().join(SCENE), &LoadOptions::default())
         .map_err(|_| format!("the scene is wrong; see `straal check {SCENE}`"))?;
     let job = Job::new(loaded, Overrides { size: Some(SIZE), ..Overrides::default() })?;
@@ -47,11 +99,7 @@ pub fn run() -> Result<bool, Failure> {
     let file = format!("{FOLDER}/tone-curves.svg");
     std::fs::write(root().join(&file), curves())?;
     println!("{file}");
-    blurred()?;
-    filtered()?;
-    by_each_integrator()?;
-    denoised()?;
-    Ok(true)
+    Ok(())
 }
 
 /// One room by each integrator, and by the textbook's with rays that start too near and too far.

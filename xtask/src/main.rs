@@ -26,7 +26,7 @@ usage: cargo xtask CHORE [NAME...]
   gallery      render the scenes of scenes/ (or those named) to book/src/images; `--minutes 5`: for no longer than that each
   references   render the reference scenes of the shared data (or those named) and compare them with their pictures
   book         bring the book's generated text and drawings up to date and make its HTML in target/book
-  looks        make the book's pictures of tone curves, of blur by depth, of filters, of integrators and of denoising
+  looks        make the book's pictures of tone curves, of blur by depth, of filters, of integrators, of denoising and of relighting (or those of one: `looks relighting`)
   uplift-table work out the table by which pixels become spectra; `uplift-table check` says whether it is as it is kept
   energy-tables check: hold the tables of what rough surfaces lose between their facets against the integrals
   weights      WHEEL: take the denoiser's weights out of the Python wheel of pyoidn 2.5.1.0 into crates/denoise/data; WHEEL FOLDER: all
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
         "gallery" => gallery::run(names),
         "references" => references::run(names),
         "book" | "keys" => book::run(),
-        "looks" => looks::run(),
+        "looks" => looks::run(names),
         "uplift-table" => uplift_table::run(names),
         "weights" => weights::run(names),
         "energy-tables" => energy_tables::run(names),

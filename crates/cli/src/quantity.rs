@@ -273,6 +273,12 @@ pub fn seed(typed: &str) -> Result<u64, String> {
     typed.parse().map_err(|_| "write a whole number, 0 or greater, of at most 19 digits".to_owned())
 }
 
+/// The most that light may bring.
+pub fn clamp(typed: &str) -> Result<f64, String> {
+    let wrong = || "write a number above 0 and up to 1000000, such as 10".to_owned();
+    typed.parse().ok().filter(|v| *v > 0.0 && *v <= 1e6).ok_or_else(wrong)
+}
+
 /// How many times brighter than what is around it a pixel is a firefly.
 pub fn fireflies(typed: &str) -> Result<f32, String> {
     let wrong = || "write a number from 1 to 1000000, such as 10".to_owned();

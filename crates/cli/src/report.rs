@@ -73,6 +73,12 @@ impl<'a> Report<'a> {
                 }
             );
         }
+        if let Some(share) = o.clamped {
+            let share = 100.0 * share;
+            text += &format!(
+                "clamped: {share:.2} % of the light was taken away, so that the picture is darker than the truth\n"
+            );
+        }
         if let Some(denoised) = &o.denoised {
             text += &tell_denoised(denoised, self.job.denoised_noise);
         }
@@ -128,6 +134,7 @@ impl<'a> Report<'a> {
             "threads": o.threads,
             "share_of_time": shares(&o.times),
             "noisy_blocks": o.noisy_blocks,
+            "clamped": o.clamped,
             "denoised": o.denoised.as_ref().map(|d| json!({
                 "weights": d.weights,
                 "guides": d.guides,

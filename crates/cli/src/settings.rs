@@ -149,6 +149,7 @@ impl RenderSettings {
                 pattern: args.sampler,
                 integrator: args.integrator,
                 max_depth: args.max_depth,
+                clamp: args.clamp,
                 spectral: args.spectral.then_some(true),
                 recording: args.channels,
                 error: Some(has_exr),

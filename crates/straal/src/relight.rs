@@ -8,6 +8,7 @@ use std::str::FromStr;
 use straal_color::spectrum::{Observer, Quantity, thermal};
 use straal_color::{Adaptation, Matrix3, RgbSpace, Space, White, srgb};
 use straal_formats::image::exr::Layer;
+use straal_render::film::CLAMPED;
 use straal_scene::desc::REST;
 use straal_scene::suggest;
 
@@ -20,8 +21,11 @@ const LAYERS: [&str; 2] = [LAYER, "RGBA_"];
 /// The key of the metadata that tells how a picture was relit.
 const RELIT: &str = "straal.relit";
 
-/// The layer of a group's light.
+/// The layer of a group's light, or of what was taken away.
 pub(crate) fn layer_of(group: &str) -> String {
+    if group == CLAMPED {
+        return "clamped".into();
+    }
     format!("{LAYER}{group}")
 }
 

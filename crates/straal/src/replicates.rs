@@ -71,7 +71,9 @@ impl Job {
         picture.metadata.push(("straal.passes".into(), passes.to_string()));
         picture.metadata.push(("straal.film_hash".into(), straal_render::film::hash_of(&picture.layers.rgb)));
         let complete = whole == replicates;
+        let clamped = picture.layers.clamped();
         Ok(Outcome {
+            clamped,
             picture,
             samples,
             mean_samples,
@@ -110,7 +112,7 @@ impl Sums {
         let spread = if of.layers || of.error { colours } else { 0 };
         let samples = if of.layers { size_of::<u32>() } else { 0 };
         let numbers: usize = channel::held(of.layers, of.cost).map(|(_, c)| c.components.len()).sum();
-        (colours * (1 + of.light_groups) + spread + samples + numbers * size_of::<f64>()) as u64
+        (colours * (2 + of.light_groups) + spread + samples + numbers * size_of::<f64>()) as u64
     }
 
     fn new(frame: Picture) -> Self {

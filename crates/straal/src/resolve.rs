@@ -38,6 +38,8 @@ pub struct Overrides {
     pub integrator: Option<desc::Integrator>,
     /// Largest number of edges of a path.
     pub max_depth: Option<u32>,
+    /// The most that light counts that came by way of more than one surface.
+    pub clamp: Option<f64>,
     /// Worker threads; all cores when absent.
     pub threads: Option<usize>,
     /// Search structure.
@@ -183,7 +185,11 @@ impl Plan {
                     .into(),
             ));
         }
-        let integrator = integrator(wish.integrator.as_ref().unwrap_or(&scene.integrator), wish.max_depth);
+        let mut integrator =
+            integrator(wish.integrator.as_ref().unwrap_or(&scene.integrator), wish.max_depth);
+        if let Some(most) = wish.clamp {
+            clamp(&mut integrator, most)?;
+        }
         // Pixels have next to no samples of their own.
         let by_light = integrator.splats();
         if by_light {
@@ -239,7 +245,8 @@ impl Plan {
     /// What the film holds.
     pub fn extent(&self) -> Extent {
         let light_splats = self.integrator.splats();
-        Extent { light_splats, ..self.settings.extent(self.recording, self.filter_radius) }
+        let light_groups = self.settings.light_groups + usize::from(self.integrator.limit().is_finite());
+        Extent { light_splats, light_groups, ..self.settings.extent(self.recording, self.filter_radius) }
     }
 
     /// The part of the picture that is rendered.
@@ -299,6 +306,18 @@ fn integrator(said: &desc::Integrator, max_depth: Option<u32>) -> AnyIntegrator 
         integrator.limit_depth(edges);
     }
     integrator
+}
+
+/// Lets light count so much at most, of an integrator that can.
+fn clamp(integrator: &mut AnyIntegrator, most: f64) -> Result<(), Error> {
+    let AnyIntegrator::Path(path) = integrator else {
+        let name = integrator.name();
+        return Err(Error::Request(format!(
+            "`{name}` has no `clamp`: its light comes by way of one surface, or isn't told apart by that; `path` has one"
+        )));
+    };
+    path.clamp = Some(most as f32);
+    Ok(())
 }
 
 /// In which numbers a scene wants its film to take light.

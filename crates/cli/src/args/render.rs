@@ -171,6 +171,12 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = quantity::depth, help_heading = LIGHT)]
     pub max_depth: Option<u32>,
 
+    /// The most that one piece of light may bring that came by way of more than one surface; how much that took away is told
+    ///
+    /// The picture becomes cleaner, and darker than the truth. Of `path`.
+    #[arg(long, value_name = "N", value_parser = quantity::clamp, hide_short_help = true, help_heading = LIGHT)]
+    pub clamp: Option<f64>,
+
     /// Compute light by wavelengths instead of red, green and blue
     #[arg(long, help_heading = LIGHT)]
     pub spectral: bool,

@@ -10,7 +10,7 @@ mod starting;
 mod stream;
 mod worker;
 
-use crate::film::{Film, FilmTile, MAX_SAMPLES, Region, next_check};
+use crate::film::{CLAMPED, Film, FilmTile, MAX_SAMPLES, Region, next_check};
 use crate::integrator::{AnyIntegrator, Integrator, WithIntegrator};
 use crate::lanes::{Lanes, Rgb, Wavelengths};
 use crate::probe::{CostMeter, Plain, Probe};
@@ -128,13 +128,17 @@ impl<'w> Render<'w> {
         settings: Settings,
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
-        let groups = settings.light_groups_of::<I>();
-        Self::prepare(world, (Box::new(integrator), I::SPLATS, groups), settings, clock)
+        let groups = if settings.light_groups_of::<I>() > 0 { world.light_groups.names() } else { &[] };
+        let mut parts = groups.to_vec();
+        if integrator.limit().is_finite() {
+            parts.push(CLAMPED.to_owned());
+        }
+        Self::prepare(world, (Box::new(integrator), I::SPLATS, parts), settings, clock)
     }
 
     fn prepare(
         world: &'w World,
-        (integrator, splats, groups): (Box<dyn Works + 'w>, bool, usize),
+        (integrator, splats, parts): (Box<dyn Works + 'w>, bool, Vec<String>),
         settings: Settings,
         clock: Option<Clock>,
     ) -> Result<Self, RenderError> {
@@ -150,8 +154,7 @@ impl<'w> Render<'w> {
             false => settings.rendered(f64::from(world.filter.radius())),
         };
         let mut film = Film::over(settings.size, [settings.crop, region], settings.keep());
-        let groups = if groups > 0 { world.light_groups.names() } else { &[] };
-        film.hold_bands(world.sensor.recording().bands().copied(), groups);
+        film.hold_bands(world.sensor.recording().bands().copied(), &parts);
         if settings.splat {
             film.splat(&world.filter, world.simd());
         } else if let Some(weight) = world.filter.signed_weight() {

@@ -39,13 +39,13 @@ pub(super) struct Samples<L> {
 }
 
 impl<L: Copy> Samples<L> {
-    /// Room for so many, or a few more; `sees` says whether anybody asks for what camera rays meet, `groups` by how many
-    /// groups of lights their light is told apart.
-    pub fn new(room: usize, sees: bool, groups: usize) -> Self {
+    /// Room for so many, or a few more; `sees` says whether anybody asks for what camera rays meet, the last by how many
+    /// groups of lights their light is told apart, and how much of it counts.
+    pub fn new(room: usize, sees: bool, (groups, limit): (usize, f32)) -> Self {
         let room = room.max(1).next_power_of_two();
         Self {
             pending: vec![None; room],
-            sums: SampleSums::new(room, groups),
+            sums: SampleSums::new(room, groups, limit),
             seen: vec![Seen::default(); if sees { room } else { 0 }],
             in_flight: vec![0; room],
             first: 0,

@@ -123,7 +123,8 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
         (clock, probe): (Option<Clock>, &'a mut dyn Probe),
     ) -> Self {
         let room = settings.batch.saturating_mul(SAMPLES_A_PATH).min(1 << 24);
-        let samples = Samples::new(room, settings.layers, settings.light_groups_of::<I>());
+        let samples =
+            Samples::new(room, settings.layers, (settings.light_groups_of::<I>(), integrator.limit()));
         probe.make_room(samples.room());
         Self {
             world,
@@ -346,7 +347,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
         }
         for (shadow, _) in self.shadows.iter().zip(&self.blocked).filter(|(_, blocked)| !**blocked) {
             match shadow.target {
-                Target::Sample => self.samples.sums.add(shadow.sample, shadow.group, shadow.light),
+                Target::Sample => self.samples.sums.add(shadow.sample, shadow.from, shadow.light),
                 Target::Film(_) => self.splats.push(*shadow),
             }
         }
@@ -377,7 +378,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
                 continue;
             };
             let rgb = self.world.sensor.take(pending.lanes, splat.light);
-            let band = tells_groups.then(|| self.world.sensor.first_band_of_group(splat.group));
+            let band = tells_groups.then(|| self.world.sensor.first_band_of_group(splat.from.group));
             let reach = |axis: usize| {
                 let first = (at[axis] - 0.5 - filter.radius()).ceil();
                 let end = (at[axis] - 0.5 + filter.radius()).floor() + 1.0;
@@ -418,7 +419,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             };
             self.bands.clear();
             self.world.sensor.bands(lanes, light * weight, &mut self.bands);
-            for (group, light) in (0..).zip(self.samples.sums.by_group(place)) {
+            for (group, light) in (0..).zip(self.samples.sums.parts(place)) {
                 if !light.is_black() {
                     let first = self.world.sensor.first_band_of_group(group) as u16;
                     let colours = (first..).zip(seen_by_film(light));

@@ -118,20 +118,34 @@ impl LightSum {
     }
 }
 
-/// The light of samples under way, each at a place: all of it, and that of each group of lights where these are told apart.
+/// The light of samples under way, each at a place: all of it, and parts of it where these are told apart.
 #[derive(Clone, Debug)]
 pub struct SampleSums {
     all: Vec<LightSum>,
-    /// By place, then by group.
-    by_group: Vec<LightSum>,
+    /// By place, the light of each group of lights, and what was taken away.
+    parts: Vec<LightSum>,
     groups: usize,
+    /// How many parts there are.
+    of_each: usize,
+    /// The most that light may bring that is limited.
+    limit: f32,
+}
+
+/// What a film asks of light besides how much it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Provenance {
+    /// Which group of lights it comes from, see [`crate::light::Groups`].
+    pub group: u16,
+    /// Whether it came by way of more than one surface, so that it may be limited.
+    pub is_indirect: bool,
 }
 
 impl SampleSums {
-    /// Room for so many samples, whose light is told apart by so many groups: by none, if that is 0.
-    pub fn new(room: usize, groups: usize) -> Self {
+    /// Room for so many samples, whose light is told apart by so many groups (by none, if that is 0) and limited, if that is finite.
+    pub fn new(room: usize, groups: usize, limit: f32) -> Self {
         let sums = |count: usize| vec![LightSum::default(); count];
-        Self { all: sums(room), by_group: sums(room * groups), groups }
+        let of_each = groups + usize::from(limit.is_finite());
+        Self { all: sums(room), parts: sums(room * of_each), groups, of_each, limit }
     }
 
     /// Bytes that it takes for each sample.
@@ -142,21 +156,34 @@ impl SampleSums {
     /// Begins the sample of a place.
     pub fn clear(&mut self, place: usize) {
         self.all[place] = LightSum::default();
-        self.by_group[place * self.groups..][..self.groups].fill(LightSum::default());
+        self.parts[place * self.of_each..][..self.of_each].fill(LightSum::default());
     }
 
-    /// Adds a contribution of a group of lights.
+    /// Adds a contribution.
     #[inline(always)]
-    pub fn add(&mut self, place: u32, group: u16, light: Light) {
-        self.all[place as usize].add(light);
-        if self.groups > 0 {
-            self.add_to_group(place, group, light);
+    pub fn add(&mut self, place: u32, from: Provenance, light: Light) {
+        if self.of_each == 0 {
+            self.all[place as usize].add(light);
+        } else {
+            self.add_parts(place as usize, from, light);
         }
     }
 
     #[inline(never)]
-    fn add_to_group(&mut self, place: u32, group: u16, light: Light) {
-        self.by_group[place as usize * self.groups + usize::from(group)].add(light);
+    fn add_parts(&mut self, place: usize, from: Provenance, mut light: Light) {
+        let parts = &mut self.parts[place * self.of_each..][..self.of_each];
+        let most = light.max_lane();
+        if from.is_indirect && most > self.limit {
+            let kept = light * (self.limit / most);
+            if let Some(taken) = parts.last_mut() {
+                taken.add(light - kept);
+            }
+            light = kept;
+        }
+        self.all[place].add(light);
+        if self.groups > 0 {
+            parts[usize::from(from.group)].add(light);
+        }
     }
 
     /// Makes the sample one that is dropped.
@@ -171,9 +198,9 @@ impl SampleSums {
         self.all[place].light()
     }
 
-    /// The same by group.
-    pub fn by_group(&self, place: usize) -> impl Iterator<Item = Light> {
-        self.by_group[place * self.groups..][..self.groups].iter().map(LightSum::light)
+    /// The parts of it: by group, and what was taken away.
+    pub fn parts(&self, place: usize) -> impl Iterator<Item = Light> {
+        self.parts[place * self.of_each..][..self.of_each].iter().map(LightSum::light)
     }
 }
 

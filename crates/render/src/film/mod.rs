@@ -24,7 +24,7 @@ pub use error_estimate::ErrorEstimate;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use halves::Halves as HalfPictures;
 pub use hash::hash_of;
-pub use light_sum::{LightSum, SampleSums};
+pub use light_sum::{LightSum, Provenance, SampleSums};
 pub use recording::Recording;
 pub use region::Region;
 pub use sensor::Sensor;
@@ -429,11 +429,19 @@ pub struct Layers {
     pub channels: Vec<ChannelLayer>,
     /// Light by wavelengths, if the film holds it. No part of the film's hash.
     pub bands: Option<BandLayers>,
-    /// Light by groups of lights, if the film holds it: they add up to `rgb`. No part of the film's hash.
+    /// Light by groups of lights, if the film holds it: they add up to `rgb`. And what was taken away, if any may be. No part of the film's hash.
     pub groups: Vec<GroupLayer>,
 }
 
 impl Layers {
+    /// The share of the light that a limit took away, where there was one.
+    pub fn clamped(&self) -> Option<f64> {
+        let taken = &self.groups.iter().find(|group| group.name == CLAMPED)?.rgb;
+        let sum = |rgb: &[[f32; 3]]| rgb.as_flattened().iter().map(|v| f64::from(*v)).sum::<f64>();
+        let (taken, left) = (sum(taken), sum(&self.rgb));
+        Some(if taken > 0.0 { taken / (taken + left) } else { 0.0 })
+    }
+
     /// What the film tells of a channel; `None` where it doesn't hold it.
     pub fn channel(&self, channel: &Channel) -> Option<&ChannelLayer> {
         self.channels.iter().find(|layer| layer.channel == channel)
@@ -458,7 +466,10 @@ pub struct BandLayers {
     pub planes: Vec<Vec<f32>>,
 }
 
-/// The light of a group of lights.
+/// What stands in the place of a group's name for light that was taken away by a limit; no group can be called so.
+pub const CLAMPED: &str = "=clamped";
+
+/// The light of a group of lights, or what was taken away ([`CLAMPED`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupLayer {
     /// The group's name.

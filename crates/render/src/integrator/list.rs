@@ -31,6 +31,11 @@ macro_rules! integrators {
                 match self { $( Self::$Kind(_) => <$Type as Integrator>::LIGHT_GROUPS, )+ }
             }
 
+            /// See [`Integrator::limit`].
+            pub fn limit(&self) -> f32 {
+                match self { $( Self::$Kind(i) => i.limit(), )+ }
+            }
+
             /// See [`Integrator::misfit`].
             pub fn misfit(&self, world: &World) -> Option<String> {
                 match self { $( Self::$Kind(i) => i.misfit(world), )+ }

@@ -96,6 +96,11 @@ pub trait Integrator: Sync {
         None
     }
 
+    /// The most that a contribution counts that came by way of more than one surface ([`Contribution::indirect`]).
+    fn limit(&self) -> f32 {
+        f32::INFINITY
+    }
+
     /// Lets paths have at most so many edges, the camera's included, if that means anything to it.
     fn limit_depth(&mut self, _edges: u32) {}
 

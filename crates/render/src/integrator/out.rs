@@ -1,7 +1,7 @@
 //! What a step emits.
 
 use super::{Path, Scratch};
-use crate::film::SampleSums;
+use crate::film::{Provenance, SampleSums};
 use crate::stopwatch::Stopwatch;
 use straal_color::Light;
 use straal_math::Ray;
@@ -13,8 +13,8 @@ pub struct Contribution {
     pub light: Light,
     /// The sample whose path found it.
     pub sample: u32,
-    /// Which group of lights it comes from, see [`crate::light::Groups`].
-    pub group: u16,
+    /// What the film asks of it besides.
+    pub from: Provenance,
     /// Where it goes.
     pub target: Target,
 }
@@ -32,7 +32,7 @@ impl Contribution {
     /// Light for the path's own sample.
     #[inline(always)]
     pub fn own<S>(path: &Path<S>, light: Light) -> Self {
-        Self { light, sample: path.sample, group: 0, target: Target::Sample }
+        Self { light, sample: path.sample, from: Provenance::default(), target: Target::Sample }
     }
 
     /// Light for a place of the film.
@@ -41,10 +41,16 @@ impl Contribution {
         Self { target: Target::Film(at), ..Self::own(path, light) }
     }
 
+    /// The same, if it is so, by way of more than one surface.
+    #[inline(always)]
+    pub fn indirect(self, is_indirect: bool) -> Self {
+        Self { from: Provenance { is_indirect, ..self.from }, ..self }
+    }
+
     /// The same from a group of lights.
     #[inline(always)]
     pub fn of(self, group: u16) -> Self {
-        Self { group, ..self }
+        Self { from: Provenance { group, ..self.from }, ..self }
     }
 }
 
@@ -73,7 +79,7 @@ impl<S> Out<'_, S> {
     #[inline(always)]
     pub fn add(&mut self, contribution: Contribution) {
         match contribution.target {
-            Target::Sample => self.sums.add(contribution.sample, contribution.group, contribution.light),
+            Target::Sample => self.sums.add(contribution.sample, contribution.from, contribution.light),
             Target::Film(_) => self.splats.push(contribution),
         }
     }

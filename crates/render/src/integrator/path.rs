@@ -28,7 +28,7 @@ use straal_scene::value::Depth;
 const PATIENCE: u32 = 1000;
 
 /// The path tracer's settings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathTracer {
     /// Largest number of edges of a path, the camera's included: 1 sees emitters, 2 is direct light.
     pub max_depth: u32,
@@ -38,11 +38,19 @@ pub struct PathTracer {
     pub roulette: Roulette,
     /// How the light that falls on a vertex is found.
     pub technique: Technique,
+    /// The most that light counts that came by way of more than one surface; what is beyond is taken away.
+    pub clamp: Option<f32>,
 }
 
 impl Default for PathTracer {
     fn default() -> Self {
-        Self { max_depth: u32::MAX, roulette_depth: 5, roulette: Roulette::Root, technique: Technique::Mis }
+        Self {
+            max_depth: u32::MAX,
+            roulette_depth: 5,
+            roulette: Roulette::Root,
+            technique: Technique::Mis,
+            clamp: None,
+        }
     }
 }
 
@@ -58,7 +66,8 @@ impl PathTracer {
         };
         let roulette = Roulette::of(&path.roulette);
         let technique = Technique::of(&path.technique);
-        Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique }
+        let clamp = path.clamp.map(|most| most as f32);
+        Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique, clamp }
     }
 }
 
@@ -97,10 +106,15 @@ impl Integrator for PathTracer {
         if self.technique != Technique::Mis {
             facts.push(("technique", self.technique.name().into()));
         }
+        facts.extend(self.clamp.map(|most| ("clamp", most.to_string())));
         if self.roulette != Roulette::Root {
             facts.push(("roulette", format!("{:?}", self.roulette).to_lowercase()));
         }
         facts
+    }
+
+    fn limit(&self) -> f32 {
+        self.clamp.unwrap_or(f32::INFINITY)
     }
 
     fn limit_depth(&mut self, edges: u32) {
@@ -303,7 +317,11 @@ fn scatters_specially<'w, L: Lanes>(
     }
     if world.has_ambient_light() {
         for (light, group) in world.ambient_from(arrival.hit, &bsdf, lanes) {
-            out.add(Contribution::own(arrival.path, beta * light).of(group));
+            out.add(
+                Contribution::own(arrival.path, beta * light)
+                    .of(group)
+                    .indirect(arrival.path.state.depth > 1),
+            );
         }
     }
     Some(bsdf)
@@ -354,7 +372,8 @@ impl PathTracer {
                 });
                 let group = world.light_groups.of(emitter);
                 for (&path, &light) in paths.iter().zip(&light) {
-                    out.add(Contribution::own(&queue.paths[path as usize], light).of(group));
+                    let path = &queue.paths[path as usize];
+                    out.add(Contribution::own(path, light).of(group).indirect(path.state.depth > 2));
                 }
             }
         }
@@ -376,7 +395,8 @@ impl PathTracer {
                 let by_light = || world.lights_of(class).pmf(index, from) * by_light;
                 let weight = if delta { 1.0 } else { self.technique.of_bsdf(pdf, by_light()) };
                 let light = beta * radiance * weight;
-                out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
+                let contribution = Contribution::own(path, light).of(world.light_groups.of(index));
+                out.add(contribution.indirect(path.state.depth > 2));
             }
         }
     }
@@ -405,7 +425,8 @@ impl PathTracer {
                 .of_bsdf(state.pdf, world.light_pdf(emitter, (state.class, &state.from), arrival.hit, point))
         };
         let light = state.beta * radiance * weight;
-        out.add(Contribution::own(arrival.path, light).of(world.light_groups.of(emitter)));
+        let contribution = Contribution::own(arrival.path, light).of(world.light_groups.of(emitter));
+        out.add(contribution.indirect(state.depth > 2));
     }
 }
 
@@ -480,7 +501,14 @@ impl PathTracer {
             if world.light_groups.matter() {
                 let first = out.shadows.len() - asking.len();
                 for (shadow, &i) in out.shadows[first..].iter_mut().zip(asking) {
-                    shadow.group = world.light_groups.of(lit.emitter(i.into()));
+                    shadow.from.group = world.light_groups.of(lit.emitter(i.into()));
+                }
+            }
+            if self.clamp.is_some() {
+                let first = out.shadows.len() - asking.len();
+                for (shadow, &i) in out.shadows[first..].iter_mut().zip(asking) {
+                    let path = &queue.paths[block.paths[usize::from(i)] as usize];
+                    shadow.from.is_indirect = path.state.depth > 1;
                 }
             }
             return;
@@ -490,7 +518,9 @@ impl PathTracer {
             let ray = brought.ray(i, &queue.rays[path]);
             let left = left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
             let group = world.light_groups.of(lit.emitter(i));
-            out.shadow(ray, Contribution::own(&queue.paths[path], brought.light(i) * left).of(group));
+            let path = &queue.paths[path];
+            let contribution = Contribution::own(path, brought.light(i) * left).of(group);
+            out.shadow(ray, contribution.indirect(path.state.depth > 1));
         }
     }
 

@@ -253,6 +253,9 @@ describe! {
         roulette: Roulette = Roulette::Root,
         /// How the light that falls on a point is found: `bsdf` is naive path tracing, `lights` has next-event estimation, `mis` both.
         technique: Technique = Technique::Mis,
+        /// The most that one piece of light may bring that came by way of more than one surface, in W/(m^2 sr): what is beyond is taken away, which makes the picture cleaner and darker. How much
+        /// it was, a render tells. None when absent.
+        clamp: Option<f64> [Limit::POSITIVE] = None,
     }
 }
 

@@ -99,6 +99,8 @@ pub struct Outcome {
     pub noisy_blocks: u64,
     /// How it was denoised, where it was.
     pub denoised: Option<Denoised>,
+    /// The share of the light that `clamp` took away, where it was asked for.
+    pub clamped: Option<f64>,
     /// Rays, and time by phase where a clock was lent.
     pub times: Times,
     /// Worker threads.
@@ -130,6 +132,7 @@ impl Job {
         let mut picture = Picture::new(&run.film, run.film.layers(), self.film_space());
         picture.metadata = self.metadata(run.samples);
         picture.metadata.push(("straal.passes".into(), run.passes.to_string()));
+        let clamped = picture.layers.clamped();
         let denoised = match &self.denoise {
             Some(how) => Some(picture.denoise(how, run.film.halves().as_ref())?),
             None => None,
@@ -146,6 +149,7 @@ impl Job {
                 _ => self.noisy_blocks(&run.film),
             },
             denoised,
+            clamped,
             times: run.times,
             threads: run.threads,
             dropped: run.film.dropped(),

@@ -4,7 +4,7 @@ use crate::development::Development;
 use crate::resolve::MAX_PIXELS;
 use straal_color::spectrum::Bands;
 use straal_render::film::Region;
-use straal_render::film::{ErrorEstimate, Held, MAX_SAMPLES, Span};
+use straal_render::film::{CLAMPED, ErrorEstimate, Held, MAX_SAMPLES, Span};
 use straal_scene::desc::{LightGroup, MOST_LIGHT_GROUPS};
 
 /// What a file of sums tells of the render that it comes from.
@@ -138,8 +138,8 @@ impl Stamp {
         };
         let light_groups: Vec<String> =
             fact("light_groups").map_or_else(Vec::new, |names| names.split(' ').map(str::to_owned).collect());
-        if light_groups.len() > MOST_LIGHT_GROUPS + 1
-            || light_groups.iter().any(|name| LightGroup::complaint(name).is_some())
+        if light_groups.len() > MOST_LIGHT_GROUPS + 2
+            || light_groups.iter().any(|name| name != CLAMPED && LightGroup::complaint(name).is_some())
         {
             return None;
         }

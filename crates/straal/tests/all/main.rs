@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod cameras;
+mod clamp;
 mod closed_form;
 mod common;
 mod cube_environment;

@@ -82,10 +82,15 @@ lights:
     let [direct, path] = [mean(scene, "direct", 64, 3), mean(scene, "{ path: { max_depth: 2 } }", 64, 4)];
     assert!(agree(direct, path), "{direct:?} {path:?}");
     // All light is less than that of lamps without links, and more than nothing.
-    let without = scene.replace("lights_only: [left, floor]", "flip: false").replace("lights_all_but: [left]", "flip: false");
+    let without = scene
+        .replace("lights_only: [left, floor]", "flip: false")
+        .replace("lights_all_but: [left]", "flip: false");
     let without = without.replace(", lights_only: [ball]", "").replace(", lights_all_but: [floor]", "");
     let all = mean(&without, "{ path: { max_depth: 4 } }", 64, 5);
-    assert!(mis.iter().zip(&all).all(|(some, all)| some.0 < 0.95 * all.0 && some.0 > 0.2 * all.0), "{mis:?} {all:?}");
+    assert!(
+        mis.iter().zip(&all).all(|(some, all)| some.0 < 0.95 * all.0 && some.0 > 0.2 * all.0),
+        "{mis:?} {all:?}"
+    );
 }
 
 #[test]

@@ -113,6 +113,7 @@ impl<'o> Translator<'o, '_, '_> {
             roulette_depth,
             roulette: Roulette::Root,
             technique: Technique::Mis,
+            ..PathTracer::default()
         });
     }
 }
