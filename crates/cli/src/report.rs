@@ -85,7 +85,7 @@ impl<'a> Report<'a> {
         let names: Vec<String> =
             self.pictures.iter().chain(&self.kept.sums).map(|p| p.display().to_string()).collect();
         let mut facts = vec![count(o.samples.into(), "sample"), tell_duration(self.seconds)];
-        if self.job.settings.noise.is_some() {
+        if self.job.settings.adapts() {
             facts[0] += &format!(" at most, {:.1} on average", self.outcome.mean_samples);
         }
         facts.push(format!("{:.2} Mrays/s", self.mrays_per_second()));

@@ -1,6 +1,6 @@
 //! What a render is asked for, apart from the world.
 
-use crate::film::{BLOCK, ErrorEstimate, Extent, Keep, Recording, Region, reach};
+use crate::film::{DISTRICT, ErrorEstimate, Extent, Keep, Recording, Region, reach};
 use crate::integrator::Integrator;
 use straal_math::lowdisc::Pattern;
 
@@ -63,21 +63,27 @@ pub struct Settings {
     pub light_groups: usize,
     /// Counts what the searches of each pixel cost ([`crate::film::channel::NODES`] and the like); slower, and the same picture.
     pub cost: bool,
+    /// Lets blocks be ended by who asks for the render ([`crate::driver::Render::end_blocks`]).
+    pub blocks: bool,
 }
 
 impl Settings {
     /// By what noise is told: samples that count in several pixels keep no order to be cut into batches by, and what the weights of
     /// a filter with negative lobes owe to chance is known for all samples together.
     pub const fn error_estimate(&self) -> ErrorEstimate {
-        let apart = self.splat || (self.signed && self.noise.is_none());
+        let apart = self.splat || (self.signed && !self.adapts());
         if apart { ErrorEstimate::Spread } else { ErrorEstimate::of(self.pattern.kind()) }
+    }
+
+    /// Whether blocks end one by one.
+    pub const fn adapts(&self) -> bool {
+        self.noise.is_some() || self.blocks
     }
 
     /// Whether the film holds batches.
     pub fn holds_batches(&self) -> bool {
         let by_batches = self.error_estimate() == ErrorEstimate::Batches;
-        (self.error || self.noise.is_some()) && by_batches
-            || self.halves && !self.splat && self.noise.is_none()
+        (self.error || self.adapts()) && by_batches || self.halves && !self.splat && !self.adapts()
     }
 
     /// How many groups of lights an integrator's film tells apart.
@@ -88,8 +94,8 @@ impl Settings {
     /// The part of the picture that is rendered, which the crop lies in; `filter_radius` in pixels.
     pub fn rendered(&self, filter_radius: f64) -> Region {
         match self.noise {
-            // Blocks end as a whole, so that one that is cut by the crop is rendered as a whole.
-            Some(_) => self.crop.in_squares(BLOCK, self.size),
+            // Blocks end by what their district shows, so that one that is cut by the crop is rendered as a whole.
+            Some(_) => self.crop.in_squares(DISTRICT, self.size),
             // Samples beyond the crop count in it.
             None if self.splat => {
                 self.crop.grown(reach(filter_radius)).intersection(Region::whole(self.size))
@@ -109,7 +115,7 @@ impl Settings {
             layers,
             cost: self.cost,
             signed: self.signed,
-            adapts: self.noise.is_some(),
+            adapts: self.adapts(),
             light_splats: false,
             light_groups: self.light_groups,
         }
@@ -117,7 +123,7 @@ impl Settings {
 
     /// What the film holds besides light. Variance by splatting is told from the spread of each pixel's own samples.
     pub(crate) fn keep(&self) -> Keep {
-        let spread = self.error_estimate() == ErrorEstimate::Spread && (self.error || self.noise.is_some());
+        let spread = self.error_estimate() == ErrorEstimate::Spread && (self.error || self.adapts());
         Keep { squares: self.layers || spread, layers: self.layers }
     }
 
@@ -140,6 +146,7 @@ impl Settings {
             shuffle_tiles: None,
             light_groups: 0,
             cost: false,
+            blocks: false,
         }
     }
 }

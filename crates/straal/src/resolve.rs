@@ -204,7 +204,7 @@ impl Plan {
             crop,
             pattern: Pattern::new(kind, spp),
             seed: wish.seed.unwrap_or(scene.sampler.seed),
-            // All pixels get as many samples, until the denoised picture is good enough.
+            // Of what is denoised, the denoised picture tells which blocks are good enough.
             noise: noise.filter(|_| denoise.is_none()),
             error: wish.error.unwrap_or(true) && !by_light || denoise.is_some(),
             halves: denoise.is_some(),
@@ -217,6 +217,7 @@ impl Plan {
             shuffle_tiles: wish.shuffle_tiles,
             light_groups: if named > 0 { named + 1 } else { 0 },
             cost: wish.cost.unwrap_or(scene.accel.cost),
+            blocks: noise.is_some() && denoise.is_some(),
         };
         if let Some(reason) = scene.camera.misfit(scene.film.size, size) {
             return Err(Error::scene(Span::NONE, reason));

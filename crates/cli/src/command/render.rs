@@ -193,8 +193,8 @@ fn render(
     if let Some(noise) = job.denoised_noise {
         let most = if open_ended { straal::MAX_SAMPLES } else { job.spp };
         teller.announcer().say(&format!(
-            "until the denoised picture is within {} of the truth in 19 of 20 blocks of 8 x 8 pixels, by its own estimate; no \
-             pixel gets more than {}",
+            "until each block of 8 x 8 pixels of the denoised picture is within {} of the truth, by its own estimate; no pixel \
+             gets more than {}",
             tell_percent(noise),
             count(most.into(), "sample")
         ));

@@ -163,7 +163,7 @@ impl<'w> Render<'w> {
         if splats {
             film.hold_light_splats();
         }
-        if settings.noise.is_some() {
+        if settings.adapts() {
             film.adapt(settings.holds_batches());
         } else if settings.holds_batches() {
             film.hold_batches();
@@ -255,16 +255,22 @@ impl<'w> Render<'w> {
                 break;
             }
             if let Some(target) = self.settings.noise.filter(|_| self.done == look) {
-                for tile in &mut self.film.tiles {
-                    tile.check(look, target);
-                }
+                self.pool.install(|| self.film.check(look, target));
             }
         }
     }
 
     /// Whether no pixel needs further samples.
     pub fn is_settled(&self) -> bool {
-        self.settings.noise.is_some() && !self.film.tiles.iter().any(FilmTile::is_open)
+        self.settings.adapts() && !self.film.tiles.iter().any(FilmTile::is_open)
+    }
+
+    /// Takes no further samples of the blocks that are told by their first pixel in the whole picture; of a render whose blocks may be
+    /// ended so, between passes.
+    pub fn end_blocks(&mut self, is_done: impl Fn([u32; 2]) -> bool) {
+        if self.settings.blocks {
+            self.film.end_blocks(is_done);
+        }
     }
 
     /// Takes the given samples of every pixel that needs them and hasn't got them, or as many tiles' as there is time for.

@@ -10,8 +10,7 @@
 //! Between one check and the next the first of the samples go to one half and the rest to the other, so that each of both is well spread
 //! where the whole is.
 //!
-//! [`super::error_estimate`] tells how noisy a half of a pixel is. By itself it tells little by two or three batches, but the half of a
-//! block that is judged as one has 64 of them.
+//! [`super::error_estimate`] tells how noisy a half of a pixel is, and [`super::district`] how noisy a half of a block.
 
 use super::control::Control;
 use super::error_estimate::BatchSums;
@@ -23,7 +22,7 @@ use crate::film::Region;
 pub const BLOCK: u32 = 8;
 
 /// Blocks from one side of a tile to the other.
-const ACROSS: u32 = TILE / BLOCK;
+pub(super) const ACROSS: u32 = TILE / BLOCK;
 
 /// Radiance below which a block's noise is not measured against its own brightness but against this.
 pub const DARK: f64 = 0.01;
@@ -151,6 +150,12 @@ impl FilmTile {
         Part { sums, squares, control: control.map(|all| all.without(&second.control)) }
     }
 
+    /// Samples of one half of pixel `k`.
+    pub(super) fn count_of_half(&self, k: usize, half: usize) -> u32 {
+        let second = self.halves[k].count;
+        if half == 1 { second } else { self.pixels[k].count - second }
+    }
+
     /// Mean and variance of the mean of a channel of one half of pixel `k`; the variance by batches or by spread.
     pub(super) fn mean_of_half(&self, k: usize, half: usize, channel: usize, by_batches: bool) -> (f64, f64) {
         let Part { sums: p, squares, control } = self.half(k, half);
@@ -207,43 +212,23 @@ impl Film {
     pub(crate) fn adapt(&mut self, by_batches: bool) {
         self.tiles.iter_mut().for_each(|tile| tile.adapt(by_batches));
     }
-}
 
-/// What one half of a block shows.
-#[derive(Clone, Copy, Debug, Default)]
-struct Half {
-    pixels: u32,
-    /// Samples of each.
-    samples: u32,
-    variance: f64,
-    brightness: f64,
-}
-
-impl Half {
-    /// Adds a half of pixel `k` of a tile.
-    fn add(&mut self, tile: &FilmTile, k: usize, half: usize) {
-        self.pixels += 1;
-        let second = tile.halves[k].count;
-        self.samples = if half == 1 { second } else { tile.pixels[k].count - second };
-        for c in 0..3 {
-            let (mean, variance) = tile.mean_of_half(k, half, c, tile.by_batches);
-            self.variance += variance;
-            self.brightness += mean.abs();
+    /// Takes no further samples of the blocks that are told by their first pixel.
+    pub(crate) fn end_blocks(&mut self, is_done: impl Fn([u32; 2]) -> bool) {
+        for tile in &mut self.tiles {
+            let corner = tile.region.min.map(|v| v / TILE * TILE);
+            for block in 0..ACROSS * ACROSS {
+                let first = [corner[0] + block % ACROSS * BLOCK, corner[1] + block / ACROSS * BLOCK];
+                if is_done(first) {
+                    tile.end_block(block as usize, 3);
+                }
+            }
         }
-    }
-
-    /// The root mean square of the values' standard errors over their mean brightness, as it is to be expected with
-    /// `samples` samples.
-    fn noise(&self, samples: u32) -> f64 {
-        let values = 3.0 * f64::from(self.pixels);
-        let brightness = self.brightness / values;
-        let variance = self.variance / values * f64::from(self.samples) / f64::from(samples);
-        variance.sqrt() / if brightness > DARK { brightness } else { DARK }
     }
 }
 
 /// Block of a tile, row by row, that a pixel belongs to.
-fn block_of([x, y]: [u32; 2]) -> usize {
+pub(super) fn block_of([x, y]: [u32; 2]) -> usize {
     ((y % TILE / BLOCK) * ACROSS + x % TILE / BLOCK) as usize
 }
 
@@ -278,9 +263,14 @@ impl FilmTile {
         self.sampled.ended >> (2 * block_of(pixel)) & 3
     }
 
+    /// Takes no further samples of these halves of a block, by its place in the tile: a bit for each.
+    pub(super) fn end_block(&mut self, block: usize, halves: u8) {
+        self.sampled.ended |= (halves & 3) << (2 * block);
+    }
+
     /// Takes no further samples of these halves.
     pub(super) fn end_halves(&mut self, pixel: [u32; 2], halves: u8) {
-        self.sampled.ended |= (halves & 3) << (2 * block_of(pixel));
+        self.end_block(block_of(pixel), halves);
     }
 
     /// Index of the next sample of what is open: it has all samples before, all of it.
@@ -308,25 +298,6 @@ impl FilmTile {
         let pixels = (min[1]..max[1]).flat_map(|y| (min[0]..max[0]).map(move |x| [x, y]));
         let open = pixels.filter(|p| self.sampled.is_open(*p));
         open.fold(0_u32, |blocks, p| blocks | 1 << block_of(p)).count_ones()
-    }
-
-    /// Ends the halves whose counterparts' noise is at most `target`, those that go on having `samples` samples with them.
-    pub(crate) fn check(&mut self, samples: u32, target: f64) {
-        let mut blocks = [[Half::default(); 2]; (ACROSS * ACROSS) as usize];
-        let width = self.region.width() as usize;
-        for k in 0..self.pixels.len() {
-            let pixel = [self.region.min[0] + (k % width) as u32, self.region.min[1] + (k / width) as u32];
-            for (half, shown) in blocks[block_of(pixel)].iter_mut().enumerate() {
-                shown.add(self, k, half);
-            }
-        }
-        for (block, halves) in blocks.iter().enumerate() {
-            for (half, other) in [(0, &halves[1]), (1, &halves[0])] {
-                if other.pixels > 0 && other.noise(samples) <= target {
-                    self.sampled.ended |= 1 << (2 * block + half);
-                }
-            }
-        }
     }
 }
 
@@ -374,15 +345,15 @@ mod tests {
     fn one_noisy_pixel_is_seen_by_both_halves() {
         let mut film = Film::new([8, 8], Region::whole([8, 8]));
         film.adapt(false);
-        let tile = &mut film.tiles[0];
         let mut state = 1_u64;
         let mut random = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f32 / (1_u64 << 24) as f32
         };
         let (mut done, mut check) = (0, 0);
-        while tile.is_open() && done < 1 << 17 {
+        while film.tiles[0].is_open() && done < 1 << 17 {
             check = next_check(check);
+            let tile = &mut film.tiles[0];
             for index in done..check {
                 for k in 0..64 {
                     let pixel = [k % 8, k / 8];
@@ -394,9 +365,10 @@ mod tests {
                 }
             }
             done = check;
-            tile.check(check, 0.02);
+            film.check(check, 0.02);
         }
         // The pixel's standard error over 64 pixels, over 0.01: 2 % with 32,000 samples.
+        let tile = &film.tiles[0];
         let noise = (tile.variance_of_mean(63, 0) / 64.0).sqrt() / DARK;
         assert!(!tile.is_open() && noise < 1.3 * 0.02 && noise > 0.7 * 0.02, "{noise} after {done}");
         let mean = tile.mean(63, 0);

@@ -6,6 +6,7 @@
 mod adaptive;
 pub mod channel;
 mod control;
+mod district;
 mod error_estimate;
 mod fixed;
 mod halves;
@@ -20,6 +21,7 @@ mod sums;
 
 pub use adaptive::{BLOCK, DARK, FIRST_CHECK};
 pub use channel::{Channel, ChannelLayer};
+pub use district::DISTRICT;
 pub use error_estimate::ErrorEstimate;
 pub use fixed::{MAX_SAMPLES, MAX_VALUE};
 pub use halves::Halves as HalfPictures;

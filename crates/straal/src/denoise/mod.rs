@@ -11,6 +11,7 @@ pub use guides::Guides;
 pub use straal_denoise::{Network, Signal, Weights, WeightsError};
 
 use crate::develop::PictureFile;
+use crate::job::SeenLight;
 use crate::picture::Picture;
 use std::fmt;
 use straal_denoise::{DenoiseError, Settings};
@@ -241,6 +242,14 @@ impl Denoised {
         self.noise.iter().filter(|n| **n > noise).count() as u64
     }
 
+    /// The error of the block whose first pixel in the whole picture this is, of a picture of `crop`.
+    pub(crate) fn noise_at(&self, crop: Region, first: [u32; 2]) -> Option<f64> {
+        let across = crop.max[0].div_ceil(BLOCK).checked_sub(crop.min[0] / BLOCK)?;
+        let [x, y] = [0, 1].map(|a| (first[a] / BLOCK).checked_sub(crop.min[a] / BLOCK));
+        let x = x.filter(|x| *x < across)?;
+        self.noise.get(y? as usize * across as usize + x as usize).copied()
+    }
+
     /// The error that nineteen of twenty blocks are within, where it is known.
     pub fn noise(&self) -> Option<f64> {
         let mut sorted = self.noise.clone();
@@ -250,10 +259,10 @@ impl Denoised {
 }
 
 impl Denoising {
-    /// Bytes that denoising a rendered picture takes besides the film and its layers: two halves and three results, guides, and what the weights are
-    /// found by; and the network's rows.
+    /// Bytes that denoising a rendered picture takes besides the film and its layers: two halves and three results, guides, what camera rays see of
+    /// all of it and of the halves, and what the weights are found by; and the network's rows.
     pub(crate) fn bytes(&self, crop: Region) -> u64 {
-        const A_PIXEL: u64 = 5 * 12 + 2 * 12 + 9 * 4;
+        const A_PIXEL: u64 = 5 * 12 + 2 * 12 + 6 * 12 + 9 * 4;
         // Measured, with twice the rows for many threads.
         const A_COLUMN: u64 = 70_000;
         (crop.area() as u64).saturating_mul(A_PIXEL).saturating_add(u64::from(crop.width()) * A_COLUMN)
@@ -264,6 +273,16 @@ impl Picture {
     /// Denoises a rendered picture. Where it is known as two halves, these are denoised as well: what they differ by tells how far the result is from the truth, which becomes
     /// the layer `error`, and in which share the noisy light is nearer to it, which is blended back.
     pub fn denoise(&mut self, how: &Denoising, halves: Option<&HalfPictures>) -> Result<Denoised, NoDenoise> {
+        self.denoise_apart(how, halves, None)
+    }
+
+    /// The same with the light that camera rays see themselves apart.
+    pub(crate) fn denoise_apart(
+        &mut self,
+        how: &Denoising,
+        halves: Option<&HalfPictures>,
+        seen: Option<&SeenLight>,
+    ) -> Result<Denoised, NoDenoise> {
         if self.noisy.is_some() {
             return Err(NoDenoise::Twice(self.tells("denoised").unwrap_or_default().to_owned()));
         }
@@ -288,15 +307,32 @@ impl Picture {
             let found = how.fireflies.map(|times| fireflies::remove(width, &mut rgb, times));
             (rgb, found)
         };
-        let (noisy, fireflies) = tamed(&self.layers.rgb);
-        let run = |rgb: &[[f32; 3]]| ready.run(&Noisy { width, rgb, guides: &guides });
-        let clean = run(&noisy)?;
+        let with = |rgb: Vec<[f32; 3]>| match seen {
+            Some(seen) if seen.is_apart => each(&rgb, &seen.more, |a, b| a + b),
+            _ => rgb,
+        };
+        // What the network sees, in place of light that camera rays see by its own samples.
+        let shown = |rgb: &[[f32; 3]], own: Option<&Vec<[f32; 3]>>| match (seen, own) {
+            (Some(seen), Some(own)) if seen.is_apart => each(rgb, own, |a, b| a - b),
+            (Some(seen), Some(own)) => each(&each(rgb, own, |a, b| a - b), &seen.more, |a, b| a + b),
+            _ => rgb.to_vec(),
+        };
+        let (noisy, fireflies) = tamed(&shown(&self.layers.rgb, seen.map(|seen| &seen.own)));
+        let run = |rgb: &[[f32; 3]]| -> Result<_, NoDenoise> {
+            Ok(with(ready.run(&Noisy { width, rgb, guides: &guides })?))
+        };
+        let (clean, noisy) = (run(&noisy)?, with(noisy));
         let mut notes = ready.notes.clone();
         let (mut noise, mut weight) = (Vec::new(), None);
         let rgb = match halves.filter(|halves| halves.share.len() == noisy.len()) {
             Some(halves) => {
-                let parts = halves.rgb.each_ref().map(|half| tamed(half).0);
+                let part = |half: usize| {
+                    let own = seen.map(|seen| &seen.halves[half]);
+                    tamed(&shown(&halves.rgb[half], own)).0
+                };
+                let parts = [part(0), part(1)];
                 let denoised = [run(&parts[0])?, run(&parts[1])?];
+                let parts = parts.map(with);
                 let of = blend::Halves {
                     width,
                     noisy: [&parts[0], &parts[1]],
@@ -352,6 +388,11 @@ impl Picture {
         };
         blocks.iter().filter(|b| b[2] > 0.0).map(noise).collect()
     }
+}
+
+/// Two pictures, number by number.
+fn each(a: &[[f32; 3]], b: &[[f32; 3]], f: impl Fn(f32, f32) -> f32) -> Vec<[f32; 3]> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| f(a[c], b[c]))).collect()
 }
 
 impl PictureFile {

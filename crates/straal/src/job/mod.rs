@@ -2,9 +2,11 @@
 
 mod keep;
 mod run;
+mod seen;
 
 pub use keep::Snapshot;
 pub use run::{Blocks, Control, Outcome, Progress, Verdict};
+pub(crate) use seen::SeenLight;
 
 use crate::denoise::Denoising;
 use crate::development::Development;
@@ -37,7 +39,7 @@ pub struct Job {
     pub scene_hash: String,
     /// How the picture is denoised when it is rendered, if it is.
     pub denoise: Option<Denoising>,
-    /// Relative error of the denoised picture that ends the render, in nineteen of twenty blocks of 8 x 8 pixels.
+    /// Relative error of the denoised picture that ends the render, block by block of 8 x 8 pixels.
     pub denoised_noise: Option<f64>,
     /// What it takes of memory.
     pub forecast: Forecast,
@@ -198,7 +200,7 @@ impl Job {
     /// The same but for what comes of it.
     pub(crate) fn facts(&self) -> Vec<(String, String)> {
         let s = &self.settings;
-        let noise = s.noise.map(|noise| ("noise", noise.to_string()));
+        let noise = s.noise.or(self.denoised_noise).map(|noise| ("noise", noise.to_string()));
         let guides = (s.guides != Guides::First).then(|| ("guides_of", s.guides.name().to_string()));
         let counted = s.cost.then(|| ("cost", self.structure.to_string()));
         let recording = self.world.sensor.recording();

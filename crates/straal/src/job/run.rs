@@ -134,7 +134,10 @@ impl Job {
         picture.metadata.push(("straal.passes".into(), run.passes.to_string()));
         let clamped = picture.layers.clamped();
         let denoised = match &self.denoise {
-            Some(how) => Some(picture.denoise(how, run.film.halves().as_ref())?),
+            Some(how) => {
+                let seen = self.seen_light(&run.film)?;
+                Some(picture.denoise_apart(how, run.film.halves().as_ref(), seen.as_ref())?)
+            }
             None => None,
         };
         picture.metadata.push(("straal.film_hash".into(), hash_of(&picture.layers.rgb)));
@@ -158,7 +161,7 @@ impl Job {
 
     /// Blocks of a film that are noisier than was asked.
     pub(crate) fn noisy_blocks(&self, film: &Film) -> u64 {
-        if self.settings.noise.is_some() { film.open_blocks() } else { 0 }
+        if self.settings.adapts() { film.open_blocks() } else { 0 }
     }
 
     pub(crate) fn progress(&self) -> Progress {
@@ -180,14 +183,14 @@ impl Job {
             self.take_up(&mut render, kept, end)?;
         }
         let (before, times) = (progress.samples, progress.times);
-        let adapts = self.settings.noise.is_some();
+        let adapts = self.settings.adapts();
         let all_blocks = self.noisy_blocks(render.film());
         if let (Some(pause), true) = (&control.pause, control.keep.is_some()) {
             render.pause_when(pause.clone());
         }
         let mut look = Look::new(self.denoised_noise, render.samples_done());
         let next_pass = |render: &Render<'_>, most: u32, look: &Look| {
-            if render.is_settled() || look.is_clean {
+            if render.is_settled() {
                 0
             } else {
                 look.pass(most, render.samples_done()).min(end - render.samples_done())
@@ -200,7 +203,7 @@ impl Job {
                 self.show(&render, control, [false, false]);
                 render.advance(0);
             }
-            look.at(self, render.film(), render.samples_done())?;
+            look.at(self, &mut render)?;
             next = next_pass(&render, PASS, &look);
             progress.samples = before + u64::from(render.samples_done() - self.first);
             progress.next = u64::from(next);
@@ -228,21 +231,19 @@ impl Job {
     }
 }
 
-/// When a denoised picture is looked at, to end a render that is good enough: with 32, 64, 128, ... samples. A look costs as much as some
+/// When a denoised picture is looked at, to end the blocks that are good enough: with 32, 64, 128, ... samples. A look costs as much as some
 /// samples, so that twice as many are taken before the next.
 struct Look {
     /// The noise that is wanted.
     target: Option<f64>,
     /// Samples of the next look.
     next: u32,
-    /// Whether the last one was content.
-    is_clean: bool,
 }
 
 impl Look {
     fn new(target: Option<f64>, done: u32) -> Self {
         let next = if done < FIRST_CHECK { FIRST_CHECK } else { (done + 1).next_power_of_two() };
-        Self { target, next, is_clean: false }
+        Self { target, next }
     }
 
     /// Samples of the next pass, so that it ends where a look comes.
@@ -251,15 +252,18 @@ impl Look {
     }
 
     /// Looks at the film, where that is due.
-    fn at(&mut self, job: &Job, film: &Film, done: u32) -> Result<(), Error> {
+    fn at(&mut self, job: &Job, render: &mut Render<'_>) -> Result<(), Error> {
         let (Some(target), Some(how)) = (self.target, &job.denoise) else { return Ok(()) };
-        if done < self.next {
+        if render.samples_done() < self.next {
             return Ok(());
         }
         self.next = self.next.saturating_mul(2);
+        let film = render.film();
         let mut picture = Picture::new(film, film.layers(), job.film_space());
-        let denoised = picture.denoise(how, film.halves().as_ref())?;
-        self.is_clean = 20 * denoised.blocks_noisier_than(target) <= denoised.noise.len() as u64;
+        let seen = job.seen_light(film)?;
+        let denoised = picture.denoise_apart(how, film.halves().as_ref(), seen.as_ref())?;
+        let crop = job.settings.crop;
+        render.end_blocks(|first| denoised.noise_at(crop, first).is_some_and(|noise| noise <= target));
         Ok(())
     }
 }

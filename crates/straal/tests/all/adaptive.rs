@@ -56,14 +56,56 @@ fn threads_tiles_batches_and_passes_change_nothing() {
 
 #[test]
 fn a_crop_is_cut_from_the_whole() {
-    let whole = common::render(SCENE, wish()).picture;
-    let [x0, y0, x1, y1] = [11, 5, 27, 37];
-    let crop = common::render(SCENE, Overrides { crop: Some([x0, y0, x1, y1]), ..wish() }).picture;
-    for y in y0..y1 {
-        for x in x0..x1 {
-            assert_eq!(bits(&crop, [x - x0, y - y0]), bits(&whole, [x, y]), "pixel {x},{y}");
+    // In one district, and in the middle one of three.
+    let wide = Overrides { size: Some([136, 20]), spp: Some(96), noise: Some(0.15), ..wish() };
+    for (wish, [x0, y0, x1, y1]) in [(wish(), [11, 5, 27, 37]), (wide, [70, 3, 90, 17])] {
+        let whole = common::render(SCENE, wish.clone()).picture;
+        let crop = common::render(SCENE, Overrides { crop: Some([x0, y0, x1, y1]), ..wish }).picture;
+        for y in y0..y1 {
+            for x in x0..x1 {
+                assert_eq!(bits(&crop, [x - x0, y - y0]), bits(&whole, [x, y]), "pixel {x},{y}");
+            }
         }
     }
+}
+
+/// A lamp in the dark, by independent samples: a block beside it of which a sliver of one pixel shines. Alone, most halves of that block would end black.
+#[test]
+fn a_sliver_of_a_lamp_is_not_missed() {
+    let text = "camera: { orthographic: { eye: [8, 8, 5], look_at: [8, 8, 0], width: 16 } }\n\
+                film: { size: [16, 16], filter: box }\n\
+                world:\n  - disc: { center: [4.9, 11, 0], normal: [0, 0, 1], radius: 3.14, emission: 20 }\n";
+    let (target, n) = (0.5, 32);
+    let render = |seed| {
+        let loaded = straal::load_str("lamp", text, &common::project(), &straal::LoadOptions::default());
+        let wish = Overrides {
+            noise: Some(target),
+            spp: Some(65_536),
+            pattern: Some(PatternKind::Random),
+            seed: Some(seed),
+            ..Overrides::default()
+        };
+        let job = straal::Job::new(loaded.expect("a scene"), wish).expect("a job");
+        job.render(&mut Control::to_the_end()).expect("a picture").picture.layers
+    };
+    let runs: Vec<_> = (0..n).map(render).collect();
+    // The disc reaches from 8 to 8.04 in the block on the right, whose first row is that of y from 16 to 15.
+    let values = |k: usize| runs.iter().map(move |l| f64::from(l.rgb[k / 8 * 16 + 8 + k % 8][0]));
+    let (mut mean, mut variance) = (0.0, 0.0);
+    for k in 0..64 {
+        let m = values(k).sum::<f64>() / n as f64;
+        mean += m / 64.0;
+        variance += values(k).map(|v| (v - m) * (v - m)).sum::<f64>() / (n - 1) as f64 / 64.0;
+    }
+    // The part of the disc beyond the block's left side, by the midpoint rule.
+    let (r, d) = (3.14_f64, 3.1_f64);
+    let middles = (0..1000).map(|i| d + (r - d) * (f64::from(i) + 0.5) / 1000.0);
+    let area = middles.map(|x| 2.0 * (r * r - x * x).sqrt()).sum::<f64>() * (r - d) / 1000.0;
+    let truth = 20.0 * area / 64.0;
+    assert!((mean - truth).abs() < 4.0 * (variance / (64 * n) as f64).sqrt(), "{mean}, not {truth}");
+    let noise = variance.sqrt() / if truth > 0.01 { truth } else { 0.01 };
+    // With the 32 samples after which most halves look black it is fourteen times what was asked for.
+    assert!(noise < 3.0 * target, "{noise}");
 }
 
 #[test]

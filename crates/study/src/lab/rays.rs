@@ -108,7 +108,7 @@ pub fn record(
     sampling: Sampling,
 ) -> Result<[RaySet; 3], Error> {
     let samples = settings.crop.area() as f64 * f64::from(sampling.spp);
-    let settings = Settings { threads: 1, noise: None, ..settings };
+    let settings = Settings { threads: 1, noise: None, blocks: false, ..settings };
     let integrator = AnyIntegrator::Path(integrator);
     let mut render = Render::by(world, integrator, settings, None).map_err(straal::Error::from)?;
     let recorder = render.advance_through(sampling.spp, || Recorder::new(MOST)).pop().unwrap_or_default();
