@@ -3,7 +3,7 @@
 use crate::{
     hit::Hit,
     prim::{Prim, PrimKind},
-    query::{Descend, Place, Query, Search, Stats},
+    query::{Built, Descend, Place, Query, Search, Stats},
 };
 
 /// A group's bounded primitives, in no order.
@@ -34,7 +34,9 @@ impl Search for Brute {
     fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
         self.prims.iter().any(|&prim| q.prim_occluded(at, prim))
     }
+}
 
+impl Built for Brute {
     fn stats(&self) -> Stats {
         Stats {
             leaves: 1,

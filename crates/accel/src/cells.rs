@@ -11,7 +11,7 @@ use crate::{
     mailbox::Mailboxes,
     partition::{self, Census, chance},
     prim::{Packed, Prim},
-    query::{Descend, Place, Query, Search, Stats},
+    query::{Built, Descend, Place, Query, Search, Stats},
     section::{Section, Slice},
 };
 use straal_math::{Bounds, ops};
@@ -181,7 +181,9 @@ impl<T: Cells> Search for T {
         });
         found
     }
+}
 
+impl<T: Cells> Built for T {
     fn memory_bytes(&self) -> usize {
         self.bytes()
     }

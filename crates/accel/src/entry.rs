@@ -7,9 +7,9 @@ use crate::{
     input::Shapes,
     kernel::{Chosen, Kernel, Task},
     local::LocalRay,
-    query::{Descend, Place, Query, Search},
+    query::{Descend, DescendMany, Place, Query, Search},
     stage::{GroupData, Stage},
-    structure::{Searcher, each},
+    structure::{Searcher, textbook},
 };
 use straal_math::Ray;
 
@@ -26,7 +26,9 @@ impl<K: Kernel> Descend for K {
     fn occluded_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>) -> bool {
         self.run(OccludedIn(q, at))
     }
+}
 
+impl<K: Kernel> DescendMany for K {
     fn closest_slice(
         self,
         q: &mut Query<'_, Self, false>,
@@ -257,7 +259,7 @@ fn closest_in<K: Kernel, const COUNT: bool>(q: &mut Query<'_, K, COUNT>, at: &Pl
     let stage = q.scene;
     match &stage.searchers[at.group.index] {
         Searcher::Bvh(s) => s.closest(q, at, best),
-        searcher => q.kernel.run(ClosestBy { q, searcher, at, best }),
+        searcher => q.by(Plainly(q.kernel.chosen()), |q| closest_by(q, searcher, at, best)),
     }
 }
 
@@ -268,41 +270,60 @@ fn occluded_in<K: Kernel, const COUNT: bool>(q: &mut Query<'_, K, COUNT>, at: &P
     at.group.unbounded.iter().any(|&object| q.object_occluded(at, object))
         || match &stage.searchers[at.group.index] {
             Searcher::Bvh(s) => s.occluded(q, at),
-            searcher => q.kernel.run(OccludedBy { q, searcher, at }),
+            searcher => q.by(Plainly(q.kernel.chosen()), |q| occluded_by(q, searcher, at)),
         }
 }
 
-/// Searches with any structure, apart: the fast path shall not make room for what the others keep on the stack.
-struct ClosestBy<'a, 'q, K: Descend, const COUNT: bool> {
-    q: &'a mut Query<'q, K, COUNT>,
-    searcher: &'a Searcher,
-    at: &'a Place<'a>,
-    best: &'a mut Hit,
-}
+/// Who searches the structures of the textbook. They gain nothing by an instruction set, so that they are compiled once and not for every
+/// kernel; this one is asked again where an instance has the wide tree.
+#[derive(Clone, Copy)]
+struct Plainly(Chosen);
 
-impl<K: Kernel, const COUNT: bool> Task for ClosestBy<'_, '_, K, COUNT> {
-    type Answer = ();
+impl Descend for Plainly {
+    type Searcher = Searcher;
 
-    #[inline(always)]
-    fn run(self) {
-        each!(self.searcher, s => s.closest(self.q, self.at, self.best));
+    fn closest_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>, best: &mut Hit) {
+        match &q.scene.searchers[at.group.index] {
+            Searcher::Bvh(_) => with_kernel!(self.0, k => q.by(k, |q| k.closest_in(q, at, best))),
+            searcher => {
+                for &object in &at.group.unbounded {
+                    q.object_closest(at, object, best);
+                }
+                closest_by(q, searcher, at, best);
+            }
+        }
+    }
+
+    fn occluded_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>) -> bool {
+        match &q.scene.searchers[at.group.index] {
+            Searcher::Bvh(_) => with_kernel!(self.0, k => q.by(k, |q| k.occluded_in(q, at))),
+            searcher => {
+                at.group.unbounded.iter().any(|&object| q.object_occluded(at, object))
+                    || occluded_by(q, searcher, at)
+            }
+        }
     }
 }
 
-/// The same.
-struct OccludedBy<'a, 'q, K: Descend, const COUNT: bool> {
-    q: &'a mut Query<'q, K, COUNT>,
-    searcher: &'a Searcher,
-    at: &'a Place<'a>,
+/// Searches with a structure of the textbook.
+#[inline(never)]
+fn closest_by<const COUNT: bool>(
+    q: &mut Query<'_, Plainly, COUNT>,
+    searcher: &Searcher,
+    at: &Place<'_>,
+    best: &mut Hit,
+) {
+    textbook!(searcher, s => s.closest(q, at, best));
 }
 
-impl<K: Kernel, const COUNT: bool> Task for OccludedBy<'_, '_, K, COUNT> {
-    type Answer = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        each!(self.searcher, s => s.occluded(self.q, self.at))
-    }
+/// The same for any hit.
+#[inline(never)]
+fn occluded_by<const COUNT: bool>(
+    q: &mut Query<'_, Plainly, COUNT>,
+    searcher: &Searcher,
+    at: &Place<'_>,
+) -> bool {
+    textbook!(searcher, s => s.occluded(q, at))
 }
 
 /// `Descend::closest_slice` in code that may use the instruction set. Only the wide tree searches slices.

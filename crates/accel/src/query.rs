@@ -18,11 +18,12 @@ use crate::{
 };
 use straal_math::{Ray, Vec3};
 
-/// What every structure over a group's bounded primitives offers.
+/// What every structure over a group's bounded primitives is asked by a ray. The wide tree, whose search is compiled for each kernel, has the same
+/// functions for a [`DescendMany`].
 ///
 /// `closest` offers to `best` every primitive that could come before it, by the tests of `Query`, which are the same
 /// for all; it may leave out only what lies strictly beyond `best.t` or outside the ray's interval.
-pub(crate) trait Search: Sized {
+pub(crate) trait Search: Built {
     fn closest<K: Descend, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
@@ -32,7 +33,10 @@ pub(crate) trait Search: Sized {
 
     /// Whether there is any hit in the ray's interval.
     fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool;
+}
 
+/// What every structure is asked when it stands.
+pub(crate) trait Built: Sized {
     fn memory_bytes(&self) -> usize;
 
     /// What a report says of the structure; it walks the whole of it.
@@ -67,8 +71,8 @@ pub(crate) struct Place<'a> {
     pub chain: &'a Chain,
 }
 
-/// A kernel that searches groups, compiled for its instruction set.
-pub(crate) trait Descend: Kernel {
+/// Who searches groups, whatever structures these have.
+pub(crate) trait Descend: Copy {
     /// A structure over a group.
     type Searcher: Sync;
 
@@ -77,7 +81,10 @@ pub(crate) trait Descend: Kernel {
 
     /// Whether anything in a group is hit.
     fn occluded_in<const COUNT: bool>(self, q: &mut Query<'_, Self, COUNT>, at: &Place<'_>) -> bool;
+}
 
+/// A kernel that searches groups, compiled for its instruction set, and slices of rays as well.
+pub(crate) trait DescendMany: Descend + Kernel {
     /// The first hit of each ray in a group's space, with the chain from there on.
     fn closest_slice(self, q: &mut Query<'_, Self, false>, group: &GroupData, rays: &[Ray], hits: &mut [Hit]);
 
@@ -93,7 +100,7 @@ pub(crate) trait Descend: Kernel {
 
 /// One ray's search through a scene.
 pub(crate) struct Query<'a, K: Descend, const COUNT: bool> {
-    /// That the processor has the kernel's instructions.
+    /// Who goes down into groups; a kernel proves that the processor has its instructions.
     pub kernel: K,
     pub scene: &'a Stage<K::Searcher>,
     pub shapes: &'a dyn Shapes,
@@ -116,6 +123,19 @@ fn later(entry: f32) -> f32 {
 }
 
 impl<'a, K: Descend, const COUNT: bool> Query<'a, K, COUNT> {
+    /// The same search by whom else goes down.
+    #[inline(always)]
+    pub fn by<J: Descend<Searcher = K::Searcher>, R>(
+        &mut self,
+        kernel: J,
+        search: impl FnOnce(&mut Query<'a, J, COUNT>) -> R,
+    ) -> R {
+        let mut q = Query { kernel, scene: self.scene, shapes: self.shapes, cost: self.cost };
+        let answer = search(&mut q);
+        self.cost = q.cost;
+        answer
+    }
+
     /// Counts a node, or a cell, and how many boxes are tested in it.
     #[inline(always)]
     pub fn count_node(&mut self, boxes: u32) {
@@ -197,19 +217,6 @@ impl<'a, K: Descend, const COUNT: bool> Query<'a, K, COUNT> {
         slab::entry(&slab::triangle_bounds(v), at.ray).map(|entry| not_before(t, entry))
     }
 
-    /// The same of a block's triangle.
-    #[inline(always)]
-    pub fn lane_counts(&self, at: &Place<'_>, block: &Block, found: &LaneHit) -> Option<f32> {
-        let (lane, t) = (found.lane as usize % WIDTH, found.hit.t);
-        if !self.sees(at, block.id(lane)) {
-            return None;
-        }
-        match found.boxed {
-            true => Some(t),
-            false => self.kernel.own_box(at.ray, block, lane).map(|entry| not_before(t, entry)),
-        }
-    }
-
     /// Whether the ray's mask and that of a triangle's mesh share a bit.
     #[inline(always)]
     fn sees(&self, at: &Place<'_>, id: u32) -> bool {
@@ -230,49 +237,6 @@ impl<'a, K: Descend, const COUNT: bool> Query<'a, K, COUNT> {
             Some(b) => slab::entry(b, ray),
             None => Some(f32::NEG_INFINITY),
         }
-    }
-
-    /// Tests a block of shapes.
-    #[inline(always)]
-    pub fn shapes_closest(&mut self, at: &Place<'_>, block: ShapeBlock<'_>, best: &mut Hit) {
-        let found = self.shapes_met(at, block, best.t);
-        self.shapes_offer(at, block, &found, best);
-    }
-
-    /// What a ray meets of a block of shapes up to a limit.
-    #[inline(always)]
-    pub fn shapes_met(&mut self, at: &Place<'_>, block: ShapeBlock<'_>, limit: f32) -> Found {
-        self.count_block(block.head.count);
-        self.kernel.meet(at.ray, block, limit)
-    }
-
-    /// Offers what was met of a block of shapes.
-    #[inline(always)]
-    pub fn shapes_offer(&self, at: &Place<'_>, block: ShapeBlock<'_>, found: &Found, best: &mut Hit) {
-        let mut hit = found.hit;
-        while hit != 0 {
-            let lane = hit.trailing_zeros() as usize % WIDTH;
-            hit &= hit - 1;
-            if block.head.masks[lane] & at.ray.ray.mask != 0 {
-                let (geometry, primitive) = at.group.shape(block.head.objects[lane]);
-                let [t, u, v] = [found.t[lane], found.u[lane], found.v[lane]].map(|x| x as f32);
-                best.offer(&Hit { t, u, v, geometry, primitive, chain: *at.chain });
-            }
-        }
-    }
-
-    /// Whether a shape of a block is hit.
-    #[inline(always)]
-    pub fn shapes_occluded(&mut self, at: &Place<'_>, block: ShapeBlock<'_>) -> bool {
-        self.count_block(block.head.count);
-        let mut hit = self.kernel.meet(at.ray, block, at.ray.ray.t_max).hit;
-        while hit != 0 {
-            if block.head.masks[hit.trailing_zeros() as usize % WIDTH] & at.ray.ray.mask != 0 {
-                return true;
-            }
-            hit &= hit - 1;
-        }
-        false
     }
 
     /// Tests a shape or an instance.
@@ -330,5 +294,63 @@ impl<'a, K: Descend, const COUNT: bool> Query<'a, K, COUNT> {
         let instance = &self.scene.instances[id as usize];
         let ray = LocalRay::new(&self.scene.inverse_ray(instance, &at.ray.ray))?;
         Some((&self.scene.groups[instance.group as usize], ray))
+    }
+}
+
+impl<K: DescendMany, const COUNT: bool> Query<'_, K, COUNT> {
+    /// Whether a block's triangle that was found hit counts, and the t of its hit.
+    #[inline(always)]
+    pub fn lane_counts(&self, at: &Place<'_>, block: &Block, found: &LaneHit) -> Option<f32> {
+        let (lane, t) = (found.lane as usize % WIDTH, found.hit.t);
+        if !self.sees(at, block.id(lane)) {
+            return None;
+        }
+        match found.boxed {
+            true => Some(t),
+            false => self.kernel.own_box(at.ray, block, lane).map(|entry| not_before(t, entry)),
+        }
+    }
+
+    /// Tests a block of shapes.
+    #[inline(always)]
+    pub fn shapes_closest(&mut self, at: &Place<'_>, block: ShapeBlock<'_>, best: &mut Hit) {
+        let found = self.shapes_met(at, block, best.t);
+        self.shapes_offer(at, block, &found, best);
+    }
+
+    /// What a ray meets of a block of shapes up to a limit.
+    #[inline(always)]
+    pub fn shapes_met(&mut self, at: &Place<'_>, block: ShapeBlock<'_>, limit: f32) -> Found {
+        self.count_block(block.head.count);
+        self.kernel.meet(at.ray, block, limit)
+    }
+
+    /// Offers what was met of a block of shapes.
+    #[inline(always)]
+    pub fn shapes_offer(&self, at: &Place<'_>, block: ShapeBlock<'_>, found: &Found, best: &mut Hit) {
+        let mut hit = found.hit;
+        while hit != 0 {
+            let lane = hit.trailing_zeros() as usize % WIDTH;
+            hit &= hit - 1;
+            if block.head.masks[lane] & at.ray.ray.mask != 0 {
+                let (geometry, primitive) = at.group.shape(block.head.objects[lane]);
+                let [t, u, v] = [found.t[lane], found.u[lane], found.v[lane]].map(|x| x as f32);
+                best.offer(&Hit { t, u, v, geometry, primitive, chain: *at.chain });
+            }
+        }
+    }
+
+    /// Whether a shape of a block is hit.
+    #[inline(always)]
+    pub fn shapes_occluded(&mut self, at: &Place<'_>, block: ShapeBlock<'_>) -> bool {
+        self.count_block(block.head.count);
+        let mut hit = self.kernel.meet(at.ray, block, at.ray.ray.t_max).hit;
+        while hit != 0 {
+            if block.head.masks[hit.trailing_zeros() as usize % WIDTH] & at.ray.ray.mask != 0 {
+                return true;
+            }
+            hit &= hit - 1;
+        }
+        false
     }
 }

@@ -16,7 +16,7 @@ use crate::{
     kernel::Chosen,
     octree::Octree,
     prim::{Prim, PrimKind},
-    query::{Search, Stats},
+    query::{Built, Stats},
     slab,
     stage::{GroupData, MeshStart, Object, ObjectKind, Stage},
     structure::{Searcher, Structure, each},

@@ -116,3 +116,20 @@ macro_rules! each {
     };
 }
 pub(crate) use each;
+
+/// The same with whichever structure of the textbook it is; nothing, and no hit, with the wide tree.
+macro_rules! textbook {
+    ($searcher:expr, $s:ident => $body:expr) => {
+        match $searcher {
+            $crate::structure::Searcher::Brute($s) => $body,
+            $crate::structure::Searcher::Bvh(_) => Default::default(),
+            $crate::structure::Searcher::Bvh2($s) => $body,
+            $crate::structure::Searcher::Grid($s) => $body,
+            $crate::structure::Searcher::Kd($s) => $body,
+            $crate::structure::Searcher::Octree($s) => $body,
+            $crate::structure::Searcher::Bsp($s) => $body,
+            $crate::structure::Searcher::Volumes($s) => $body,
+        }
+    };
+}
+pub(crate) use textbook;

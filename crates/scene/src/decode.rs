@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 use straal_color::Space;
 
 use crate::alias::{self, Here};
-use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::diagnostic::{Diagnostic, Diagnostics, Mark, Severity};
 use crate::handle::{Handle, Handles, Kind};
 use crate::limit::Limit;
 use crate::link::Places;
@@ -201,13 +201,15 @@ impl Decoder {
         self.push(complaint.maybe_help(help));
     }
 
-    /// Reads what is complained of already: a second complaint would not help.
-    pub fn quietly<T>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
-        let (mark, wide) = (self.diagnostics.mark(), self.wide.len());
-        let value = read(self);
+    /// How much was complained of so far, for [`Decoder::rewind`].
+    fn complaints(&self) -> (Mark, usize) {
+        (self.diagnostics.mark(), self.wide.len())
+    }
+
+    /// Forgets what was complained of since, of what is complained of already: a second complaint would not help.
+    fn rewind(&mut self, (mark, wide): (Mark, usize)) {
         self.diagnostics.rewind(mark);
         self.wide.truncate(wide);
-        value
     }
 
     /// The text of a value as the scene has it, if it is short enough for a message.
@@ -228,10 +230,16 @@ impl Decoder {
 
     /// Reads with `key` as the key that messages name.
     pub fn under<T>(&mut self, key: &str, span: Span, read: impl FnOnce(&mut Self) -> T) -> T {
-        self.path.push((suggest::brief(key).into_owned(), span));
+        self.enter(key, span);
         let value = read(self);
         self.path.pop();
         value
+    }
+
+    // What is the same for all types is compiled once, apart from what is compiled for each.
+
+    fn enter(&mut self, key: &str, span: Span) {
+        self.path.push((suggest::brief(key).into_owned(), span));
     }
 
     /// A number within `limit`, or `None` after a complaint.
@@ -273,30 +281,34 @@ impl Decoder {
     /// Reads a mapping by the keys of `T`, complains of keys that nobody knows, and calls `check` on the whole when
     /// its parts are sound.
     pub fn fields<T: Fields>(&mut self, tree: &Tree, check: fn(&T, &Keys<'_>, &mut Self)) -> T {
-        let entries = match &tree.value {
-            Datum::Mapping(entries) => entries.as_slice(),
-            // Everything left to its default: `path:` or the bare word `path`.
-            Datum::Null => &[],
-            _ => {
-                let mut names = Vec::new();
-                T::names(&mut names);
-                let help = remedy::mapping(tree, &names).or_else(|| {
-                    let value = self.quoted(tree.span).unwrap_or_default();
-                    remedy::main_key(tree, self.key(), value)
-                });
-                self.expected_or("a mapping of keys to values", tree, help);
-                return T::blank_fields();
-            }
-        };
+        let Some(mut keys) = self.keys(tree, T::names) else { return T::blank_fields() };
         let before = self.diagnostics.errors();
-        let mut keys = Keys::new(entries, self.owner(tree));
-        T::names(&mut keys.names);
         keys.complain_of_unknown(self);
         let value = T::read_fields(&mut keys, self);
         if self.diagnostics.errors() == before {
             check(&value, &keys, self);
         }
         value
+    }
+
+    /// The keys of a mapping that may have those that `names` adds, or `None` after a complaint.
+    fn keys<'t>(&mut self, tree: &'t Tree, names: fn(&mut Vec<&'static str>)) -> Option<Keys<'t>> {
+        let mut known = Vec::new();
+        names(&mut known);
+        let entries = match &tree.value {
+            Datum::Mapping(entries) => entries.as_slice(),
+            // Everything left to its default: `path:` or the bare word `path`.
+            Datum::Null => &[],
+            _ => {
+                let help = remedy::mapping(tree, &known).or_else(|| {
+                    let value = self.quoted(tree.span).unwrap_or_default();
+                    remedy::main_key(tree, self.key(), value)
+                });
+                self.expected_or("a mapping of keys to values", tree, help);
+                return None;
+            }
+        };
+        Some(Keys { names: known, ..Keys::new(entries, self.owner(tree)) })
     }
 
     fn owner(&self, tree: &Tree) -> Span {
@@ -508,26 +520,39 @@ impl<'a> Keys<'a> {
         default: Option<fn() -> T>,
         d: &mut Decoder,
     ) -> T {
-        let exact = self.entries.iter().find(|e| e.key.value == key);
-        if let Some(e) = exact.filter(|_| !self.meant.iter().any(|m| m.name == key)) {
-            return d.under(key, e.key.span, |d| T::read(&e.value, limit, d));
+        let Some((entry, is_sure)) = self.entry(key) else {
+            return default.map_or_else(
+                || {
+                    self.miss(key, d);
+                    T::blank()
+                },
+                |default| default(),
+            );
+        };
+        let before = d.complaints();
+        let value = d.under(key, entry.key.span, |d| T::read(&entry.value, limit, d));
+        if !is_sure {
+            d.rewind(before);
         }
-        if let Some(Meant { entry: e, is_sure, .. }) = self.meant.iter().find(|m| m.name == key) {
-            let read = |d: &mut Decoder| d.under(key, e.key.span, |d| T::read(&e.value, limit, d));
-            return if *is_sure { read(d) } else { d.quietly(read) };
+        value
+    }
+
+    /// What is written for a key, and whether it is worth telling what is wrong in it.
+    fn entry(&self, key: &str) -> Option<(&'a Entry, bool)> {
+        match self.meant.iter().find(|m| m.name == key) {
+            Some(meant) => Some((meant.entry, meant.is_sure)),
+            None => self.entries.iter().find(|e| e.key.value == key).map(|e| (e, true)),
         }
-        default.map_or_else(
-            || {
-                let quoted = format!("`{key}`");
-                if self.told.iter().any(|text| text.contains(&quoted)) {
-                    return T::blank();
-                }
-                let message = format!("`{}` needs `{key}`", d.key());
-                d.push(Diagnostic::error(self.owner, message.replace("`the scene`", "the scene")));
-                T::blank()
-            },
-            |default| default(),
-        )
+    }
+
+    /// Complains that a key isn't there.
+    fn miss(&self, key: &str, d: &mut Decoder) {
+        let quoted = format!("`{key}`");
+        if self.told.iter().any(|text| text.contains(&quoted)) {
+            return;
+        }
+        let message = format!("`{}` needs `{key}`", d.key());
+        d.push(Diagnostic::error(self.owner, message.replace("`the scene`", "the scene")));
     }
 
     /// Where the value of a key stands, or the whole when the key is absent.

@@ -19,13 +19,31 @@ impl Definitions {
 
     /// A reference to the type of that name, which `make` describes the first time it is met.
     pub fn refer(&mut self, name: &str, make: impl FnOnce(&mut Self) -> Json) -> Json {
-        if !self.map.contains_key(name) {
-            self.map.insert(name.to_owned(), Json::Null);
+        // What is the same for all types is compiled once.
+        if self.is_new(name) {
             let schema = make(self);
-            self.map.insert(name.to_owned(), schema);
+            self.set(name, schema);
         }
-        json!({ "$ref": format!("#/$defs/{name}") })
+        reference(name)
     }
+
+    /// Whether a name is met for the first time; it has a place from then on.
+    fn is_new(&mut self, name: &str) -> bool {
+        let is_new = !self.map.contains_key(name);
+        if is_new {
+            self.set(name, Json::Null);
+        }
+        is_new
+    }
+
+    fn set(&mut self, name: &str, schema: Json) {
+        self.map.insert(name.to_owned(), schema);
+    }
+}
+
+/// A reference to the type of that name.
+fn reference(name: &str) -> Json {
+    json!({ "$ref": format!("#/$defs/{name}") })
 }
 
 /// The keys of a mapping, while they are gathered.

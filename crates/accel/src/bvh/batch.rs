@@ -4,7 +4,7 @@
 use crate::{
     hit::Hit,
     local::LocalRay,
-    query::{Descend, Query, not_before},
+    query::{DescendMany, Query, not_before},
     stage::{Object, ObjectKind, Stage},
 };
 use straal_math::{Ray, Vec3};
@@ -67,7 +67,7 @@ impl Batch {
 
     /// Takes a ray if it can see the instance and crosses its box; what lies beyond `limit` doesn't count.
     #[inline]
-    pub fn add<K: Descend>(
+    pub fn add<K: DescendMany>(
         &mut self,
         q: &mut Query<'_, K, false>,
         ray: &LocalRay,
@@ -89,7 +89,7 @@ impl Batch {
 
     /// Searches the instance; calls `found` with the place of each ray that hits something in it, and the hit.
     #[inline]
-    pub fn closest<K: Descend>(
+    pub fn closest<K: DescendMany>(
         &mut self,
         q: &mut Query<'_, K, false>,
         o: &Object,
@@ -108,7 +108,7 @@ impl Batch {
 
     /// Searches the instance for any hits; the rays that have one.
     #[inline]
-    pub fn occluded<K: Descend>(&mut self, q: &mut Query<'_, K, false>, o: &Object) -> Members<ROOM> {
+    pub fn occluded<K: DescendMany>(&mut self, q: &mut Query<'_, K, false>, o: &Object) -> Members<ROOM> {
         let ObjectKind::Instance(id) = o.kind else { return Members(0) };
         let group = &q.scene.groups[q.scene.instances[id as usize].group as usize];
         let blocked = &mut self.blocked[..self.len];

@@ -11,7 +11,7 @@ use crate::{
     },
     hit::{Chain, Hit},
     lanes::ROW,
-    query::{Descend, Place, Query},
+    query::{DescendMany, Place, Query},
     stage::GroupData,
 };
 use straal_math::Ray;
@@ -30,7 +30,7 @@ pub(super) fn part(members: Vec<Member>) -> (Blocks, Vec<Member>) {
 impl Bvh {
     /// The first hits of rays in the world among the few shapes, or any where `ANY`.
     #[inline(always)]
-    pub(super) fn few_many<K: Descend, const ANY: bool>(
+    pub(super) fn few_many<K: DescendMany, const ANY: bool>(
         &self,
         q: &Query<'_, K, false>,
         group: &GroupData,
@@ -58,7 +58,7 @@ impl Bvh {
 
     /// One ray among the few shapes.
     #[inline(always)]
-    pub(super) fn few_closest<K: Descend, const COUNT: bool>(
+    pub(super) fn few_closest<K: DescendMany, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -71,7 +71,7 @@ impl Bvh {
 
     /// Whether one ray hits any of the few shapes.
     #[inline(always)]
-    pub(super) fn few_occluded<K: Descend, const COUNT: bool>(
+    pub(super) fn few_occluded<K: DescendMany, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,

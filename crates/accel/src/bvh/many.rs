@@ -25,7 +25,7 @@ use crate::{
     },
     local::LocalRay,
     node::{Child, class},
-    query::{Descend, Place, Query},
+    query::{DescendMany, Place, Query},
     stage::GroupData,
 };
 use straal_math::Ray;
@@ -66,7 +66,7 @@ impl Bvh {
     /// Searches rays whose answers begin at a place; when `ANY`, for any hit. Where there are a few shapes beside the tree, the
     /// answers are what these gave.
     #[inline(always)]
-    pub(super) fn many<K: Descend, const ANY: bool, const N: usize, const PREFETCH: u8>(
+    pub(super) fn many<K: DescendMany, const ANY: bool, const N: usize, const PREFETCH: u8>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -263,7 +263,7 @@ impl Bvh {
 
     /// Takes the next ray that isn't settled at once, and tells what it visits first; `None` when there is none left.
     #[inline(always)]
-    fn launch<K: Descend, const ANY: bool>(
+    fn launch<K: DescendMany, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,

@@ -23,7 +23,7 @@ use crate::{
         Child, ChildKind, STACK, WIDTH,
         bundle::{Bundle, PACKET},
     },
-    query::{Descend, Place, Query},
+    query::{DescendMany, Place, Query},
     stage::GroupData,
 };
 use straal_math::{Ray, Vec3};
@@ -76,7 +76,7 @@ impl Bvh {
     /// Searches with a packet of rays whose answers begin at a place, as in `many.rs`. False, with nothing done, when the rays make
     /// none or it was given up.
     #[inline(always)]
-    pub(super) fn packet<K: Descend, const ANY: bool>(
+    pub(super) fn packet<K: DescendMany, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -112,7 +112,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    fn search_packet<K: Descend, const ANY: bool>(
+    fn search_packet<K: DescendMany, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -210,7 +210,7 @@ impl Bvh {
 
     /// Tests some rays of a packet against a leaf.
     #[inline(always)]
-    fn leaf<K: Descend, const ANY: bool>(
+    fn leaf<K: DescendMany, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,

@@ -15,7 +15,7 @@ use crate::{
         prefetch::{NOT, TO_FIRST, TO_SECOND},
     },
     node::{Block, Child, WIDTH, bundle::PACKET},
-    query::{Descend, Place, Query, Search, Stats},
+    query::{Built, DescendMany, Place, Query, Stats},
     slab::loosened,
     stage::GroupData,
     triangle,
@@ -25,7 +25,7 @@ use straal_math::{Ray, simd::Simd};
 impl Bvh {
     /// Offers what a block has to the nearest hit; tells whether that moved.
     #[inline(always)]
-    pub(super) fn block_closest<K: Descend, const COUNT: bool>(
+    pub(super) fn block_closest<K: DescendMany, const COUNT: bool>(
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         block: &Block,
@@ -58,7 +58,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn offer<K: Descend, const COUNT: bool>(
+    pub(super) fn offer<K: DescendMany, const COUNT: bool>(
         q: &Query<'_, K, COUNT>,
         at: &Place<'_>,
         (block, found): (&Block, &LaneHit),
@@ -75,7 +75,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn block_occluded<K: Descend, const COUNT: bool>(
+    pub(super) fn block_occluded<K: DescendMany, const COUNT: bool>(
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
         block: &Block,
@@ -104,7 +104,7 @@ impl Bvh {
 
     /// Offers what a block of shapes has to the nearest hit; tells whether that moved.
     #[inline(always)]
-    pub(super) fn shapes_closest<K: Descend, const COUNT: bool>(
+    pub(super) fn shapes_closest<K: DescendMany, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -125,7 +125,7 @@ impl Bvh {
 
     /// Searches a slice, in packets where its rays make some.
     #[inline(always)]
-    fn slice<K: Descend, const ANY: bool>(
+    fn slice<K: DescendMany, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -166,7 +166,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    fn one_by_one<K: Descend, const ANY: bool>(
+    fn one_by_one<K: DescendMany, const ANY: bool>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -198,7 +198,7 @@ pub(super) fn take(mask: &mut u32) -> usize {
 impl Bvh {
     /// The hit of each ray of the world, searched together; `hits` is as long as `rays`.
     #[inline(always)]
-    pub(crate) fn closest_many<K: Descend>(
+    pub(crate) fn closest_many<K: DescendMany>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -210,7 +210,7 @@ impl Bvh {
 
     /// Whether each ray of the world hits anything, searched together; `blocked` is as long as `rays`.
     #[inline(always)]
-    pub(crate) fn occluded_many<K: Descend>(
+    pub(crate) fn occluded_many<K: DescendMany>(
         &self,
         q: &mut Query<'_, K, false>,
         group: &GroupData,
@@ -221,9 +221,10 @@ impl Bvh {
     }
 }
 
-impl Search for Bvh {
+impl Bvh {
+    /// As [`Search::closest`](crate::query::Search::closest), in code compiled for the kernel.
     #[inline(always)]
-    fn closest<K: Descend, const COUNT: bool>(
+    pub(crate) fn closest<K: DescendMany, const COUNT: bool>(
         &self,
         q: &mut Query<'_, K, COUNT>,
         at: &Place<'_>,
@@ -264,8 +265,13 @@ impl Search for Bvh {
         }
     }
 
+    /// The same for any hit.
     #[inline(always)]
-    fn occluded<K: Descend, const COUNT: bool>(&self, q: &mut Query<'_, K, COUNT>, at: &Place<'_>) -> bool {
+    pub(crate) fn occluded<K: DescendMany, const COUNT: bool>(
+        &self,
+        q: &mut Query<'_, K, COUNT>,
+        at: &Place<'_>,
+    ) -> bool {
         if self.few_occluded(q, at) {
             return true;
         }
@@ -300,7 +306,9 @@ impl Search for Bvh {
             child = stack.pop();
         }
     }
+}
 
+impl Built for Bvh {
     fn memory_bytes(&self) -> usize {
         self.bytes()
     }

@@ -19,7 +19,7 @@ use crate::{
     kernel::stack::Stack,
     partition::{chance, half_area},
     prim::{Packed, Prim},
-    query::{Descend, Place, Query, Search, Stats},
+    query::{Built, Descend, Place, Query, Search, Stats},
     section::{Section, Slice},
     slab,
 };
@@ -207,7 +207,9 @@ impl Search for Bvh2 {
             }
         }
     }
+}
 
+impl Built for Bvh2 {
     fn memory_bytes(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.prims.as_slice())
     }

@@ -228,7 +228,7 @@ mod tests {
         let max_cells = 10_000;
         for factor in [1e-9, 2.0, 1e300, f64::INFINITY, f64::NAN, -1.0] {
             let grid = Grid::build(&prims, &GridParams { factor, max_cells, ..GridParams::DEFAULT });
-            let stats = crate::query::Search::stats(&grid);
+            let stats = crate::query::Built::stats(&grid);
             assert!(stats.leaves <= 10_000 && stats.references <= 15_000, "{factor}: {stats:?}");
         }
     }

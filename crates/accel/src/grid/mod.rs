@@ -23,7 +23,7 @@ use crate::{
     mailbox::Mailboxes,
     partition::{chance, finite},
     prim::Packed,
-    query::{Descend, Place, Query, Search, Stats},
+    query::{Built, Descend, Place, Query, Search, Stats},
     section::Section,
 };
 use straal_math::Bounds;
@@ -128,7 +128,9 @@ impl Search for Grid {
         });
         found
     }
+}
 
+impl Built for Grid {
     fn section(&self, z: f64) -> Vec<Section> {
         let [nx, ny, nz] = self.size();
         let between = |axis: usize, i: usize| [self.planes[axis][i], self.planes[axis][i + 1]].map(f64::from);

@@ -31,6 +31,11 @@ impl Avx2 {
 
 impl Kernel for Avx2 {
     #[inline(always)]
+    fn chosen(self) -> super::Chosen {
+        super::Chosen::Avx2(self)
+    }
+
+    #[inline(always)]
     fn simd(self) -> Simd {
         Simd::new(crate::Isa::Avx2).unwrap_or(Simd::PLAIN)
     }

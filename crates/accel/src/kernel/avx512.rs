@@ -38,6 +38,11 @@ impl Avx512 {
 
 impl Kernel for Avx512 {
     #[inline(always)]
+    fn chosen(self) -> super::Chosen {
+        super::Chosen::Avx512(self)
+    }
+
+    #[inline(always)]
     fn simd(self) -> Simd {
         Simd::new(crate::Isa::Avx512).unwrap_or(Simd::PLAIN)
     }

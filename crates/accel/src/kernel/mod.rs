@@ -293,6 +293,9 @@ pub(crate) trait Kernel: Wide {
     #[inline(always)]
     fn prefetch<const HOW: u8>(self, _lines: &Lines, _child: Child) {}
 
+    /// Itself, as one of all.
+    fn chosen(self) -> Chosen;
+
     /// The same instruction set for what is written for any number of lanes; plain where it has none for that.
     #[inline(always)]
     fn simd(self) -> Simd {

@@ -26,6 +26,11 @@ impl Neon {
 
 impl Kernel for Neon {
     #[inline(always)]
+    fn chosen(self) -> super::Chosen {
+        super::Chosen::Neon(self)
+    }
+
+    #[inline(always)]
     fn simd(self) -> Simd {
         Simd::new(crate::Isa::Neon).unwrap_or(Simd::PLAIN)
     }

@@ -22,6 +22,11 @@ pub(crate) struct Scalar;
 
 impl Kernel for Scalar {
     #[inline(always)]
+    fn chosen(self) -> super::Chosen {
+        super::Chosen::Scalar(self)
+    }
+
+    #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;
         let from =

@@ -24,6 +24,11 @@ impl Sse {
 
 impl Kernel for Sse {
     #[inline(always)]
+    fn chosen(self) -> super::Chosen {
+        super::Chosen::Sse(self)
+    }
+
+    #[inline(always)]
     fn node(self, r: &LocalRay, node: &Node, limit: f32) -> Children {
         let mut out = Children::NONE;
         for half in [0, 4] {

@@ -27,7 +27,7 @@ use crate::{
     hit::Hit,
     partition::{self, chance},
     prim::{Packed, Prim, PrimKind},
-    query::{Descend, Place, Query, Search, Stats},
+    query::{Built, Descend, Place, Query, Search, Stats},
     slab,
 };
 use line::Line;
@@ -214,7 +214,9 @@ impl Search for Volumes {
                 && self.prims(object).iter().any(|prim| q.prim_occluded(at, prim.kind()))
         })
     }
+}
 
+impl Built for Volumes {
     fn memory_bytes(&self) -> usize {
         let apart = match self.params.volume {
             VolumeKind::Oriented => size_of::<Oriented>() * self.objects.len(),

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::kd::sweep;
-use crate::{kd::KdParams, query::Search, slab};
+use crate::{kd::KdParams, query::Built, slab};
 
 /// A small generator (Steele et al. 2014, SplitMix64).
 struct Random(u64);

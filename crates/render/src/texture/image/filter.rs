@@ -93,7 +93,6 @@ impl Sampling {
     }
 
     /// Linear sRGB and alpha of a pyramid at a spot.
-    #[inline]
     pub fn look_up(&self, pyramid: &Pyramid, spot: &Spot) -> [f32; 4] {
         let found = by_format(pyramid.format(), LookUp { sampling: self, pyramid, spot });
         pyramid.to_srgb(found)
