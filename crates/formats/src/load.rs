@@ -183,7 +183,12 @@ fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded,
     if let Some(shortage) = ledger.refuse(length, what, TEXT_HELP) {
         return Err(lacking(&shortage));
     }
-    let bytes = files::read(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
+    let read = match kind {
+        Foreign::Pbrt => files::read_packed,
+        Foreign::Gltf | Foreign::Mitsuba => files::read,
+    };
+    let bytes = read(&place, options.files.max_bytes);
+    let bytes = bytes.map_err(|r| fail(r.or_similar(&place)))?;
     ledger.pass(length);
     of_bytes(kind, (path, bytes), (finder, ledger), options)
 }

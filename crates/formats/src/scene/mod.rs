@@ -7,6 +7,7 @@
 
 mod gltf;
 mod mitsuba;
+mod motion;
 mod pbrt;
 
 use std::collections::BTreeMap;
@@ -39,6 +40,9 @@ impl Foreign {
     /// By a file's name.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?;
+        if extension.eq_ignore_ascii_case("gz") {
+            return Self::of(Path::new(path.file_stem()?)).filter(|kind| *kind == Self::Pbrt);
+        }
         Self::ALL.into_iter().find(|kind| kind.extensions().iter().any(|e| e.eq_ignore_ascii_case(extension)))
     }
 
