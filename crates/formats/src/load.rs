@@ -140,7 +140,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         return load_foreign(kind, path, options);
     }
     if let Some(what) = foreign::kind(&extension) {
-        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt and Mitsuba, and meshes (.ply, .obj, .stl)";
+        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt, Mitsuba and OpenUSD, and meshes (.ply, .obj, .stl)";
         let message = format!("`{}` is {what}: .{extension} files are not supported", path.display());
         return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
     }
@@ -184,6 +184,7 @@ fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded,
         return Err(lacking(&shortage));
     }
     let read = match kind {
+        Foreign::Usd => files::read_archive,
         Foreign::Pbrt => files::read_packed,
         Foreign::Gltf | Foreign::Mitsuba => files::read,
     };

@@ -42,7 +42,8 @@ pub struct ReadingArgs {
     pub frame: Option<f64>,
 
     /// What stands for a name that a scene of Mitsuba leaves open, such as -D spp=16 for $spp; of a scene of glTF, which camera, scene, variant
-    /// or animation is shown, as -D camera=NAME, how many frames a second has, fps, and for how many the shutter is open, shutter; may be given several times
+    /// or animation is shown, as -D camera=NAME, how many frames a second has, fps, and for how many the shutter is open, shutter; of one of OpenUSD,
+    /// which camera; may be given several times
     #[arg(
         short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition, hide_short_help = true,
         help_heading = MACHINE

@@ -9,6 +9,7 @@ mod gltf;
 mod mitsuba;
 mod motion;
 mod pbrt;
+mod usd;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,11 +32,13 @@ pub enum Foreign {
     Pbrt,
     /// Mitsuba's, of any version.
     Mitsuba,
+    /// OpenUSD's, as text, binary or packed.
+    Usd,
 }
 
 impl Foreign {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Gltf, Self::Pbrt, Self::Mitsuba];
+    pub const ALL: [Self; 4] = [Self::Gltf, Self::Pbrt, Self::Mitsuba, Self::Usd];
 
     /// By a file's name.
     pub fn of(path: &Path) -> Option<Self> {
@@ -52,6 +55,7 @@ impl Foreign {
             Self::Gltf => &["gltf", "glb"],
             Self::Pbrt => &["pbrt"],
             Self::Mitsuba => &["xml"],
+            Self::Usd => &["usd", "usda", "usdc", "usdz"],
         }
     }
 
@@ -61,6 +65,7 @@ impl Foreign {
             Self::Gltf => gltf::read(name, bytes, means),
             Self::Pbrt => pbrt::read(name, bytes, means),
             Self::Mitsuba => mitsuba::read(name, bytes, means),
+            Self::Usd => usd::read(name, bytes, means),
         }
     }
 

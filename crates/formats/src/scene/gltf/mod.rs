@@ -45,6 +45,7 @@ use self::tree::Tree;
 use super::{Made, Means, Translated};
 
 pub(super) use self::animation::slerp;
+pub(super) use self::lights::studio;
 pub(super) use self::tree::rotation;
 
 /// The longest JSON text, in bytes.
