@@ -28,6 +28,20 @@ pub(super) fn between(from: &Affine, to: &Affine) -> Vec<Affine> {
     std::iter::once(*from).chain(middle).chain([*to]).collect()
 }
 
+/// A part of the way from one place to another.
+pub(super) fn part(from: &Affine, to: &Affine, t: f64) -> Affine {
+    match (Parts::of(from), Parts::of(to)) {
+        _ if t <= 0.0 => *from,
+        _ if t >= 1.0 => *to,
+        (Some(a), Some(b)) => a.towards(&b, t),
+        _ => Affine {
+            rows: std::array::from_fn(|i| {
+                std::array::from_fn(|j| from.rows[i][j] + (to.rows[i][j] - from.rows[i][j]) * t)
+            }),
+        },
+    }
+}
+
 /// A place as a stretch, a turn and a move (Shoemake & Duff 1992).
 struct Parts {
     stretch: [[f64; 3]; 3],

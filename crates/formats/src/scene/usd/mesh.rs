@@ -63,6 +63,15 @@ struct Faces {
     points: Vec<usize>,
 }
 
+/// A mesh as its prim says it.
+struct Cage<'c> {
+    points: &'c [f64],
+    faces: &'c Faces,
+    columns: &'c [Column],
+    scheme: &'c str,
+    is_left: bool,
+}
+
 /// So many columns besides the places tell vertices apart.
 const COLUMNS: usize = 6;
 
@@ -93,6 +102,8 @@ impl Translation<'_, '_> {
         if is_smooth && self.stage.numbers(prim, "creaseSharpnesses", 1).is_some_and(|s| !s.is_empty()) {
             self.warn(prim, "its creases are as smooth as the rest");
         }
+        let is_left = self.stage.text(prim, "orientation").as_deref() == Some("leftHanded");
+        let cage = Cage { points: &points, faces: &faces, columns: &columns, scheme: &scheme, is_left };
         let mut nodes = Vec::new();
         // Faces of subsets first; the rest has the mesh's own material.
         for subset in self.stage.prims[prim].children.clone() {
@@ -111,9 +122,9 @@ impl Translation<'_, '_> {
                     chosen[*face as usize] = true;
                 }
             }
-            nodes.extend(self.part(prim, subset, &points, &faces, &columns, &chosen, &scheme, &inside));
+            nodes.extend(self.part((prim, subset), &cage, &chosen, &inside));
         }
-        nodes.extend(self.part(prim, prim, &points, &faces, &columns, &is_free, &scheme, around));
+        nodes.extend(self.part((prim, prim), &cage, &is_free, around));
         nodes
     }
 
@@ -190,21 +201,16 @@ impl Translation<'_, '_> {
         columns
     }
 
-    /// The chosen faces as a mesh of their own.
-    #[allow(clippy::too_many_arguments)]
+    /// The chosen faces as a mesh of their own, which is called as the second prim.
     fn part(
         &mut self,
-        prim: usize,
-        named: usize,
-        points: &Rc<[f64]>,
-        faces: &Faces,
-        columns: &[Column],
+        (prim, named): (usize, usize),
+        cage: &Cage<'_>,
         chosen: &[bool],
-        scheme: &str,
         around: &Within,
     ) -> Option<Node> {
-        let is_left = self.stage.text(prim, "orientation").as_deref() == Some("leftHanded");
-        let (mesh, faults) = build(points, faces, columns, chosen, is_left);
+        let Cage { columns, scheme, .. } = *cage;
+        let (mesh, faults) = build(cage, chosen);
         if faults > 0 {
             self.warn(prim, "some faces are left out: they have a dent and too many corners");
         }
@@ -267,7 +273,8 @@ fn levels(corners: u64) -> u32 {
 }
 
 /// The vertices, triangles and attributes of the chosen faces, and how many faces can't be cut into triangles.
-fn build(points: &[f64], faces: &Faces, columns: &[Column], chosen: &[bool], is_left: bool) -> (Mesh, usize) {
+fn build(cage: &Cage<'_>, chosen: &[bool]) -> (Mesh, usize) {
+    let Cage { points, faces, columns, is_left, .. } = *cage;
     let mut mesh = Mesh::default();
     // Values that are alike are one, so that corners that share them share a vertex.
     let mut alike: Vec<HashMap<[u32; 3], u32>> = vec![HashMap::new(); columns.len()];
