@@ -424,6 +424,20 @@ fn what_is_deep_within_others_stands_where_it_should() {
 }
 
 #[test]
+fn many_prims_of_one_name_are_read_quickly() {
+    let one = |i: usize| {
+        let [r, g] = [i % 256, i / 256].map(|v| v as f64 / 256.0);
+        format!(
+            "def \"G{i}\" {{ def Sphere \"S\" {{ color3f[] primvars:displayColor = [({r}, {g}, 0)] }} }}\n"
+        )
+    };
+    let start = std::time::Instant::now();
+    let loaded = stage(&(0..20_000).map(one).collect::<String>());
+    assert_eq!((shapes(&loaded.scene).len(), loaded.scene.materials.len()), (20_000, 20_000));
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+}
+
+#[test]
 fn what_is_wrong_is_told() {
     assert!(refused("def Sphere \"S\" { double radius = }").contains("a.usd:2:"), "with its place");
     assert!(refused("").contains("shows nothing"));

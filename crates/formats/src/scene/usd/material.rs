@@ -67,13 +67,13 @@ impl Translation<'_, '_> {
         look
     }
 
-    /// Adds a material, under a name that none has.
+    /// Adds a material, under a name that no other has.
     fn add(&mut self, wanted: &str, material: Material) -> String {
-        let (mut name, mut count) = (wanted.to_owned(), 1);
-        while self.scene.materials.get(&name).is_some() {
-            count += 1;
-            name = format!("{wanted} ({count})");
+        // Meshes that have other primvars may be shown alike.
+        if self.scene.materials.get(wanted) == Some(&material) {
+            return wanted.to_owned();
         }
+        let name = self.names.free(wanted, |name| self.scene.materials.get(name).is_some());
         self.scene.materials.insert(name.clone().into(), material);
         name
     }
@@ -109,12 +109,16 @@ impl Translation<'_, '_> {
         } else {
             Varying::Constant(share(opacity.unwrap_or(1.0)))
         };
-        let material = masked(Material::Diffuse(Diffuse { reflectance, ..Diffuse::default() }), opacity);
-        let known = self.scene.materials.iter().find(|(_, known)| **known == material);
-        if let Some((name, _)) = known.filter(|_| self.scene.materials.len() < 100) {
-            return Look { material: name.value.clone() };
+        let rgb = reflectance.constant().and_then(Spectrum::rgb).map_or([0.0; 3], |LinearRgb(v)| v);
+        let bits = rgb.into_iter().chain(opacity.constant().copied()).map(f64::to_bits).collect();
+        let key = (bits, has.colour, has.opacity);
+        if let Some(known) = self.displays.get(&key) {
+            return known.clone();
         }
-        Look { material: self.add("display", material) }
+        let material = masked(Material::Diffuse(Diffuse { reflectance, ..Diffuse::default() }), opacity);
+        let look = Look { material: self.add("display", material) };
+        self.displays.insert(key, look.clone());
+        look
     }
 
     /// The shader of a material's surface, if it is one that is read.

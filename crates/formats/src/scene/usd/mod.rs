@@ -75,6 +75,9 @@ struct Translation<'m, 'a> {
     looks: BTreeMap<(Option<usize>, material::Has), material::Look>,
     /// Names of the scene's objects, by the prim whose content they are and what it inherits.
     objects: BTreeMap<(usize, bool, Option<usize>), Option<String>>,
+    /// Those of what has no material, by its colour and opacity, and whether vertices have these.
+    displays: BTreeMap<(Vec<u64>, bool, bool), material::Look>,
+    names: Names,
     /// What stands in the world, wherever it is said.
     reset: Vec<Node>,
     pictures: texture::Pictures,
@@ -107,6 +110,8 @@ impl<'m, 'a> Translation<'m, 'a> {
             root,
             unit,
             looks: BTreeMap::new(),
+            displays: BTreeMap::new(),
+            names: Names::default(),
             objects: BTreeMap::new(),
             reset: Vec::new(),
             pictures: texture::Pictures::default(),
@@ -161,6 +166,24 @@ impl<'m, 'a> Translation<'m, 'a> {
             if count > 1 {
                 let message = format!("`{}`: {message}: {count} times in all", self.name);
                 self.stage.library.means.d.push(Diagnostic::note(Span::NONE, message));
+            }
+        }
+    }
+}
+
+/// Names that were made, and how many of each.
+#[derive(Default)]
+struct Names(BTreeMap<String, usize>);
+
+impl Names {
+    /// A name that nothing has: the one that is wanted, or one with a number. Those that were given out aren't tried again.
+    fn free(&mut self, wanted: &str, is_taken: impl Fn(&str) -> bool) -> String {
+        let count = self.0.entry(wanted.to_owned()).or_insert(0);
+        loop {
+            *count += 1;
+            let name = if *count == 1 { wanted.to_owned() } else { format!("{wanted} ({count})") };
+            if !is_taken(&name) {
+                return name;
             }
         }
     }

@@ -237,11 +237,7 @@ impl Translation<'_, '_> {
             return None;
         }
         let wanted = self.stage.prims[prim].name.clone();
-        let (mut name, mut count) = (wanted.clone(), 1);
-        while self.scene.objects.get(&name).is_some() {
-            count += 1;
-            name = format!("{wanted} ({count})");
-        }
+        let name = self.names.free(&wanted, |name| self.scene.objects.get(name).is_some());
         let node = if nodes.len() == 1 { nodes.remove(0) } else { grouped(nodes, Vec::new(), None) };
         self.scene.objects.insert(name.clone().into(), node);
         self.objects.insert(key, Some(name.clone()));
