@@ -68,6 +68,11 @@ pub(crate) fn read_packed(path: &Path, most: u64) -> Result<Vec<u8>, Refusal> {
     if is_gzip(&bytes) { unpacked(&bytes, most) } else { Ok(bytes) }
 }
 
+/// The same of a file that may be a ZIP, which is left as it is.
+pub(crate) fn read_archive(path: &Path, most: u64) -> Result<Vec<u8>, Refusal> {
+    read_with(path, most, |head| if head.starts_with(b"PK\x03\x04") { Ok(()) } else { no_stand_in(head) })
+}
+
 /// Whether bytes are packed by gzip.
 pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x1f\x8b")

@@ -6,7 +6,6 @@ use straal_scene::is_of_a_scene;
 /// What a file with this extension is, if straal knows it and doesn't read it.
 pub(crate) fn kind(extension: &str) -> Option<&'static str> {
     Some(match extension {
-        "usd" | "usda" | "usdc" | "usdz" => "a scene in USD",
         "blend" | "blend1" => "a file of Blender",
         "max" | "3ds" | "ma" | "mb" | "c4d" | "hip" | "hipnc" | "skp" | "3dm" | "dwg" | "dxf" => {
             "a file of another program"

@@ -140,7 +140,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
         return load_foreign(kind, path, options);
     }
     if let Some(what) = foreign::kind(&extension) {
-        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt and Mitsuba, and meshes (.ply, .obj, .stl)";
+        let help = "straal reads scenes of its own (.yaml, .json), of glTF, pbrt, Mitsuba and OpenUSD, and meshes (.ply, .obj, .stl)";
         let message = format!("`{}` is {what}: .{extension} files are not supported", path.display());
         return Err(only(Diagnostic::error(Span::NONE, message).help(help)));
     }
@@ -183,7 +183,13 @@ fn load_foreign(kind: Foreign, path: &Path, options: &Options) -> Result<Loaded,
     if let Some(shortage) = ledger.refuse(length, what, TEXT_HELP) {
         return Err(lacking(&shortage));
     }
-    let bytes = files::read(&place, options.files.max_bytes).map_err(|r| fail(r.or_similar(&place)))?;
+    let read = match kind {
+        Foreign::Usd => files::read_archive,
+        Foreign::Pbrt => files::read_packed,
+        Foreign::Gltf | Foreign::Mitsuba => files::read,
+    };
+    let bytes = read(&place, options.files.max_bytes);
+    let bytes = bytes.map_err(|r| fail(r.or_similar(&place)))?;
     ledger.pass(length);
     of_bytes(kind, (path, bytes), (finder, ledger), options)
 }

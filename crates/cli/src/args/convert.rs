@@ -7,7 +7,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 pub(super) const CONVERT_ABOUT: &str = "\
-Writes a scene of any format that is read (glTF, pbrt, Mitsuba, the scene language itself, a bare mesh) in the scene language. What \
+Writes a scene of any format that is read (glTF, pbrt, Mitsuba, OpenUSD, the scene language itself, a bare mesh) in the scene language. What \
 stands in files of its own stays there and is named from the new scene; meshes and pictures that the scene's file holds itself go into a \
 folder beside it: OUT_files for OUT.yaml.";
 

@@ -42,12 +42,17 @@ pub struct ReadingArgs {
     pub frame: Option<f64>,
 
     /// What stands for a name that a scene of Mitsuba leaves open, such as -D spp=16 for $spp; of a scene of glTF, which camera, scene, variant
-    /// or animation is shown, as -D camera=NAME, and how many frames a second has, fps; may be given several times
+    /// or animation is shown, as -D camera=NAME, how many frames a second has, fps, and for how many the shutter is open, shutter; of one of OpenUSD,
+    /// which camera; may be given several times
     #[arg(
         short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition, hide_short_help = true,
         help_heading = MACHINE
     )]
     pub define: Vec<(String, String)>,
+
+    /// The variant of its materials that a scene of glTF is shown in
+    #[arg(long, value_name = "NAME", hide_short_help = true, help_heading = PICTURE)]
+    pub variant: Option<String>,
 
     /// Take unknown keys of the scene for warnings
     #[arg(long, help_heading = TALK)]
@@ -67,7 +72,8 @@ impl ReadingArgs {
     pub fn options(&self) -> LoadOptions {
         let (lenient, root, memory) = (self.lenient, self.root.clone(), self.memory.limit());
         let frame = self.frame.unwrap_or(0.0);
-        let define = self.define.iter().cloned().collect();
+        let variant = self.variant.iter().map(|name| ("variant".to_owned(), name.clone()));
+        let define = self.define.iter().cloned().chain(variant).collect();
         LoadOptions { lenient, root, memory, frame, define, ..LoadOptions::default() }
     }
 }

@@ -21,7 +21,7 @@ use straal_study::cost;
 pub(super) const RENDER_ABOUT: &str = "\
 Renders a scene to a picture.
 
-SCENE is a file in the scene language (.yaml, .json), a scene of glTF (.gltf, .glb), pbrt (.pbrt) or Mitsuba (.xml), or a bare \
+SCENE is a file in the scene language (.yaml, .json), a scene of glTF (.gltf, .glb), pbrt (.pbrt), Mitsuba (.xml) or OpenUSD (.usda, .usdc, .usdz), or a bare \
 mesh (.ply, .obj, .stl), which is put into a studio with a camera and lights by itself. What is said here wins over what the scene says.
 
 The same scene and settings give the same bits, whatever the number of threads, the instruction set or the crop. \

@@ -214,9 +214,10 @@ fn superfluous(word: &str, words: &[String], command: &Command) -> Failure {
 }
 
 fn unknown_command(typed: &str, words: &[String], all: &Command) -> Failure {
-    let is_file = ["yaml", "yml", "json", "ply", "obj", "stl", "gltf", "glb"]
-        .iter()
-        .any(|e| typed.to_lowercase().ends_with(&format!(".{e}")));
+    let is_file =
+        ["yaml", "yml", "json", "ply", "obj", "stl", "gltf", "glb", "pbrt", "usd", "usda", "usdc", "usdz"]
+            .iter()
+            .any(|e| typed.to_lowercase().ends_with(&format!(".{e}")));
     let failure = Failure::input(format!("straal has no command `{typed}`"));
     if is_file || std::path::Path::new(typed).is_file() {
         let rest: Vec<&str> = words.iter().map(String::as_str).collect();

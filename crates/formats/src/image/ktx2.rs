@@ -1,7 +1,8 @@
 //! KTX2, Khronos's textures: their largest level, uncompressed or in blocks of BC1 to BC7, plain or packed by Zstandard or zlib.
 //!
 //! Smaller copies in the file aren't used, for straal makes its own in linear light. Of an array the first layer is taken; cubes and
-//! volumes are refused. So are Basis Universal (ETC1S and UASTC), ETC2, ASTC and PVRTC: no reader of them in Rust is small and well kept.
+//! volumes are refused. So are Basis Universal (ETC1S and UASTC), ETC2, ASTC and PVRTC: no reader of them in Rust is small and well
+//! kept. The crate `basisu` 0.1 reads all of Basis Universal, in 680,000 lines, most of them tables for graphics cards.
 //! Formats and colours have their numbers from the `ktx2` crate, whose own reader trusts its file; blocks are decoded by `bcdec_rs`, Zstandard by `ruzstd`.
 
 use ::ktx2::{ColorPrimaries, Format as Vk, TransferFunction};

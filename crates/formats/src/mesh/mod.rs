@@ -5,7 +5,7 @@ mod lines;
 pub mod mtl;
 pub mod obj;
 pub mod ply;
-mod polygon;
+pub(crate) mod polygon;
 pub mod stl;
 
 pub(crate) use lines::count;

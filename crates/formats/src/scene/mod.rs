@@ -7,7 +7,9 @@
 
 mod gltf;
 mod mitsuba;
+mod motion;
 mod pbrt;
+mod usd;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -30,15 +32,20 @@ pub enum Foreign {
     Pbrt,
     /// Mitsuba's, of any version.
     Mitsuba,
+    /// OpenUSD's, as text, binary or packed.
+    Usd,
 }
 
 impl Foreign {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Gltf, Self::Pbrt, Self::Mitsuba];
+    pub const ALL: [Self; 4] = [Self::Gltf, Self::Pbrt, Self::Mitsuba, Self::Usd];
 
     /// By a file's name.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?;
+        if extension.eq_ignore_ascii_case("gz") {
+            return Self::of(Path::new(path.file_stem()?)).filter(|kind| *kind == Self::Pbrt);
+        }
         Self::ALL.into_iter().find(|kind| kind.extensions().iter().any(|e| e.eq_ignore_ascii_case(extension)))
     }
 
@@ -48,6 +55,7 @@ impl Foreign {
             Self::Gltf => &["gltf", "glb"],
             Self::Pbrt => &["pbrt"],
             Self::Mitsuba => &["xml"],
+            Self::Usd => &["usd", "usda", "usdc", "usdz"],
         }
     }
 
@@ -57,6 +65,7 @@ impl Foreign {
             Self::Gltf => gltf::read(name, bytes, means),
             Self::Pbrt => pbrt::read(name, bytes, means),
             Self::Mitsuba => mitsuba::read(name, bytes, means),
+            Self::Usd => usd::read(name, bytes, means),
         }
     }
 

@@ -103,6 +103,38 @@ fn a_triangle_is_read_and_shown_in_a_studio() {
 }
 
 #[test]
+fn what_moves_is_blurred_where_a_shutter_is_asked_for() {
+    // A triangle that goes along x by 24 in a second, and a camera that stays.
+    let mut bytes = floats(&CORNERS);
+    bytes.extend(floats(&[0.0, 1.0, 0.0, 0.0, 0.0, 24.0, 0.0, 0.0]));
+    let views = r#"{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8},
+        {"buffer": 0, "byteOffset": 44, "byteLength": 24}"#;
+    let accessors = r#"{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3},
+        {"bufferView": 1, "componentType": 5126, "type": "SCALAR", "count": 2},
+        {"bufferView": 2, "componentType": 5126, "type": "VEC3", "count": 2}"#;
+    let more = r#", "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "cameras": [{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 9}}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 5]}, {"camera": 0}],
+        "animations": [{"samplers": [{"input": 1, "output": 2}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}},
+                         {"sampler": 0, "target": {"node": 2, "path": "translation"}}]}]"#;
+    let text = file(&bytes, views, accessors, more);
+    let still = load(&text);
+    assert!(still.scene.world[0].motion().is_empty());
+    let blurred = load_with(&text, &[("shutter", "0.5")]).unwrap();
+    let ends: Vec<f64> = blurred.scene.world[0].motion().iter().map(|p| p.point(DVec3::ZERO).x).collect();
+    assert_eq!((ends.len(), ends[0], ends[8]), (9, 0.0, 0.5));
+    assert!((ends[4] - 0.25).abs() < 1e-6, "{ends:?}");
+    assert!(blurred.scene.camera.observer().moving_to.is_none());
+    // A camera that moves is blurred as well.
+    let seen = load_with(&text, &[("shutter", "1"), ("camera", "nodes[2]")]).unwrap();
+    let keyframes = &seen.scene.camera.observer().moving_to.as_ref().expect("it moves").keyframes;
+    assert!((keyframes[7].eye.unwrap().x - 1.0).abs() < 1e-6);
+    let wrong = load_with(&text, &[("shutter", "two")]).unwrap_err().to_string();
+    assert!(wrong.contains("-D shutter=N"), "{wrong}");
+}
+
+#[test]
 fn numbers_of_every_encoding_are_read() {
     // Positions as bytes, interleaved with normals and 16-bit texture coordinates; indices of 8 bits; a corner that is told apart.
     let mut bytes = Vec::new();

@@ -12,4 +12,5 @@ mod obj;
 mod ply;
 mod scenes;
 mod schema;
+mod usd;
 mod windows;

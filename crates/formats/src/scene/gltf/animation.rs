@@ -20,6 +20,9 @@ pub(super) struct Pose {
     pub weights: Option<Vec<f64>>,
 }
 
+/// Those of all nodes that move, by their index.
+pub(super) type Poses = BTreeMap<usize, Pose>;
+
 /// Frames of a second, where `-D fps=N` says no other.
 const FPS: f64 = 24.0;
 
@@ -35,7 +38,11 @@ enum Way {
 impl<'a> Translation<'a, '_> {
     /// The poses of all nodes that move, by their index: by all animations of the file, or the one that `-D animation=NAME` names. Of
     /// several that move the same, the first counts.
-    pub fn poses(&mut self) -> Result<BTreeMap<usize, Pose>> {
+    ///
+    /// Where a shutter is asked for (`-D shutter=0.5`, in frames), those at even times while it is open follow.
+    pub fn poses(&mut self) -> Result<(Poses, Vec<Poses>)> {
+        /// Ways between two times are straight; so many are one while the shutter is open.
+        const WAYS: u32 = 8;
         let all = self.document.list("animations");
         let name_of = |i: usize| match all[i].get("name").and_then(Json::text).filter(|name| !name.is_empty())
         {
@@ -60,11 +67,34 @@ impl<'a> Translation<'a, '_> {
         let Some(fps) = fps.unwrap_or(Some(FPS)) else {
             let message = "`-D fps=N` says how many frames a second has: a number above 0";
             self.means.d.push(Diagnostic::error(Span::NONE, message));
-            return Ok(BTreeMap::new());
+            return Ok((BTreeMap::new(), Vec::new()));
         };
-        let time = self.means.frame / fps;
+        let shutter = self.means.define.get("shutter");
+        let open = shutter.map_or(Some(0.0), |v| v.parse::<f64>().ok().filter(|v| (0.0..=1.0).contains(v)));
+        let Some(open) = open else {
+            let message = "`-D shutter=N` says for how many frames the shutter is open: a number from 0 to 1";
+            self.means.d.push(Diagnostic::error(Span::NONE, message));
+            return Ok((BTreeMap::new(), Vec::new()));
+        };
+        let (poses, end) = self.poses_at(&played, self.means.frame / fps)?;
+        let mut later = Vec::new();
+        if !poses.is_empty() {
+            // The last frame is that at which the last key is reached.
+            let frames = (end * fps).ceil().within(0.0, 999_999.0) as u32 + 1;
+            self.scene.animation = Animation { frames, fps, ..Animation::default() };
+            for way in 1..=if open > 0.0 { WAYS } else { 0 } {
+                let frame = self.means.frame + open * f64::from(way) / f64::from(WAYS);
+                later.push(self.poses_at(&played, frame / fps)?.0);
+            }
+        }
+        Ok((poses, later))
+    }
+
+    /// The poses at a time in seconds, and the time of the last key.
+    fn poses_at(&mut self, played: &[usize], time: f64) -> Result<(Poses, f64)> {
+        let all = self.document.list("animations");
         let (mut poses, mut end) = (BTreeMap::new(), 0.0_f64);
-        for animation in played.into_iter().map(|i| &all[i]) {
+        for animation in played.iter().map(|i| &all[*i]) {
             let samplers = required(animation, "samplers")?.items();
             for channel in required(animation, "channels")?.items() {
                 let target = required(channel, "target")?;
@@ -76,12 +106,7 @@ impl<'a> Translation<'a, '_> {
                 end = if last > end { last } else { end };
             }
         }
-        if !poses.is_empty() {
-            // The last frame is that at which the last key is reached.
-            let frames = (end * fps).ceil().within(0.0, 999_999.0) as u32 + 1;
-            self.scene.animation = Animation { frames, fps, ..Animation::default() };
-        }
-        Ok(poses)
+        Ok((poses, end))
     }
 
     /// Takes what a channel says at a time, and gives the time of its last key.
@@ -180,7 +205,7 @@ impl Track<'_> {
 }
 
 /// Between two turns on the shortest way at a constant rate (Shoemake 1985).
-fn slerp(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
+pub(in crate::scene) fn slerp(a: &[f64], b: &[f64], t: f64) -> Vec<f64> {
     let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
     let (sign, cos) = if dot < 0.0 { (-1.0, -dot) } else { (1.0, dot) };
     let [wa, wb] = if cos > 0.9999 {

@@ -150,7 +150,7 @@ struct Lamp {
 const SIZE: [usize; 2] = [256, 128];
 
 /// The light of a studio, for a camera that stands at +z.
-fn studio() -> Image {
+pub(in crate::scene) fn studio() -> Image {
     let lamp = |x: f64, y: f64, z: f64, half: [f64; 2], radiance: f64| Lamp {
         towards: DVec3::new(x, y, z),
         half,

@@ -44,6 +44,10 @@ use self::textures::Pictures;
 use self::tree::Tree;
 use super::{Made, Means, Translated};
 
+pub(super) use self::animation::slerp;
+pub(super) use self::lights::studio;
+pub(super) use self::tree::rotation;
+
 /// The longest JSON text, in bytes.
 const MOST_TEXT: usize = 1 << 28;
 
@@ -192,9 +196,11 @@ impl<'a> Translation<'a, '_> {
         }
         self.variant = self.chosen_variant();
         let scene = self.chosen_scene()?;
-        let poses = self.poses()?;
+        let (poses, later) = self.poses()?;
         let tree = Tree::of(&self.document, scene, poses)?;
-        self.world(&tree)?;
+        let later = later.into_iter().map(|poses| Tree::of(&self.document, scene, poses));
+        let later: Vec<Tree<'a>> = later.collect::<Result<_>>()?;
+        self.world(&tree, &later)?;
         self.decode_pictures();
         let Some([min, max]) = self.extent() else {
             let message = format!("`{}` shows nothing: there are no triangles in its scene", self.name);
@@ -202,7 +208,7 @@ impl<'a> Translation<'a, '_> {
             return Ok(());
         };
         let (centre, radius) = ((min + max) * 0.5, (max - min).length() * 0.5);
-        self.view(&tree, centre)?;
+        self.view(&tree, &later, centre)?;
         self.lights(&tree)?;
         if self.scene.lights.is_empty() {
             let observer = match &self.scene.camera {
@@ -284,7 +290,7 @@ impl<'a> Translation<'a, '_> {
                 let message = format!("`{}` has variants: {shown}; its own materials are shown", self.name);
                 self.means
                     .d
-                    .push(Diagnostic::note(Span::NONE, message).help("`-D variant=NAME` says another"));
+                    .push(Diagnostic::note(Span::NONE, message).help("`--variant NAME` says another"));
             }
             return None;
         };

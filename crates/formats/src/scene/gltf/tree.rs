@@ -196,7 +196,7 @@ pub(super) fn steps(moved: Option<[f64; 3]>, turn: Option<[f64; 4]>, scale: Opti
 }
 
 /// The turn of a quaternion x, y, z, w of any length; none where it has none.
-fn rotation([x, y, z, w]: [f64; 4]) -> Affine {
+pub(in crate::scene) fn rotation([x, y, z, w]: [f64; 4]) -> Affine {
     let length = (x * x + y * y + z * z + w * w).sqrt();
     if !(length > 0.0 && length.is_finite()) {
         return Affine::IDENTITY;

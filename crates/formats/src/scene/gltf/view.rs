@@ -1,8 +1,8 @@
 //! Cameras, and the view of a file that has none.
 
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{Camera, FovAxis, Observer, Orthographic, Perspective};
-use straal_scene::{Diagnostic, Span, suggest};
+use straal_scene::desc::{Camera, FovAxis, Keyframe, Keyframes, Observer, Orthographic, Perspective};
+use straal_scene::{Diagnostic, Span, Spanned, suggest};
 
 use super::document::{Fault, Result, number, required, text};
 use super::json::Json;
@@ -15,7 +15,7 @@ const AREA: f64 = 360_000.0;
 
 impl<'a> Translation<'a, '_> {
     /// The camera of the scene: the first, or the one that is asked for; where there is none, one that shows all.
-    pub fn view(&mut self, tree: &Tree<'a>, centre: DVec3) -> Result<()> {
+    pub fn view(&mut self, tree: &Tree<'a>, later: &[Tree<'a>], centre: DVec3) -> Result<()> {
         let cameras: Vec<(usize, &Json)> =
             tree.shown.iter().filter_map(|&node| Some((node, tree.nodes[node].get("camera")?))).collect();
         let wanted = self.means.define.get("camera").cloned();
@@ -49,7 +49,9 @@ impl<'a> Translation<'a, '_> {
         }
         if let Some((node, at)) = chosen {
             let (_, said) = self.document.item("cameras", at)?;
-            if let Some(observer) = stand(tree.globals[node].unwrap_or(Affine::IDENTITY), centre) {
+            let place = |tree: &Tree<'_>| stand(tree.globals[node].unwrap_or(Affine::IDENTITY), centre);
+            if let Some(mut observer) = place(tree) {
+                observer.moving_to = moving(&observer, later.iter().filter_map(place));
                 let (camera, size) = camera(said, observer)?;
                 self.scene.camera = camera;
                 self.scene.film.size = size;
@@ -92,6 +94,20 @@ fn stand(place: Affine, centre: DVec3) -> Option<Observer> {
     let look_at = eye + view * far;
     Affine::look_at(eye, look_at, up)?;
     Some(Observer { eye, look_at, up, ..Observer::default() })
+}
+
+/// Where a camera goes while the shutter is open, if it moves.
+fn moving(from: &Observer, later: impl Iterator<Item = Observer>) -> Option<Keyframes> {
+    let keyframe = |o: Observer| Keyframe {
+        eye: Some(o.eye),
+        look_at: Some(o.look_at),
+        up: Some(o.up),
+        ..Keyframe::default()
+    };
+    let there: Vec<Observer> = later.collect();
+    let moves = there.iter().any(|o| (o.eye, o.look_at, o.up) != (from.eye, from.look_at, from.up));
+    let keyframes = there.into_iter().map(|o| Spanned::new(keyframe(o), Span::NONE)).collect();
+    moves.then_some(Keyframes { keyframes })
 }
 
 /// A camera and the size of its picture.

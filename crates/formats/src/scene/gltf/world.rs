@@ -34,8 +34,8 @@ struct Shown {
 }
 
 impl<'a> Translation<'a, '_> {
-    /// The world of the nodes that are shown.
-    pub fn world(&mut self, tree: &Tree<'a>) -> Result<()> {
+    /// The world of the nodes that are shown; `later` are where they are afterwards, while the shutter is open.
+    pub fn world(&mut self, tree: &Tree<'a>, later: &[Tree<'a>]) -> Result<()> {
         let mut uses: BTreeMap<usize, u32> = BTreeMap::new();
         for &node in &tree.shown {
             if let Some(at) = tree.nodes[node].get("mesh") {
@@ -58,7 +58,15 @@ impl<'a> Translation<'a, '_> {
             if own.is_empty() {
                 continue;
             }
-            let transform = tree.placed(node)?;
+            let mut transform = tree.placed(node)?;
+            let mut moved = Vec::new();
+            for tree in later {
+                moved.push(tree.placed(node)?);
+            }
+            let moves = moved.iter().any(|later| later.steps != transform.steps);
+            if moves && moved.iter().all(|later| tree::affine(later).inverse().is_some()) {
+                transform.later = moved.into_iter().map(|later| later.steps).collect();
+            }
             if tree::affine(&transform).inverse().is_none() {
                 self.warn(
                     said,

@@ -4,10 +4,11 @@
 
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
-    BlackmanHarris, Camera, Channels, Film, Filter, FovAxis, Gaussian, Lanczos, Lens, Mitchell, Observer,
-    Orthographic, Panorama, Perspective, Sampler, SamplerKind, Tent,
+    BlackmanHarris, Camera, Channels, Film, Filter, FovAxis, Gaussian, Keyframe, Keyframes, Lanczos, Lens,
+    Mitchell, Observer, Orthographic, Panorama, Perspective, Sampler, SamplerKind, Tent,
 };
 use straal_scene::limit::Limit;
+use straal_scene::{Span, Spanned};
 
 use super::translate::Translator;
 use super::tree::{Class, Object, Value};
@@ -44,7 +45,10 @@ impl<'o> Translator<'o, '_, '_> {
             self.medium_is_left_out(medium, "the sensor sees through it");
         }
         if self.float(o, "shutter_open") != self.float(o, "shutter_close") {
-            self.warn(o.plugin.span, "nothing moves here: the shutter has no effect");
+            let moves = |o: &Object| matches!(o.get("to_world").map(|p| &p.value), Some(Value::Motion(_)));
+            if !self.objects.iter().any(moves) {
+                self.warn(o.plugin.span, "nothing moves here: the shutter has no effect");
+            }
         }
         if o.has("srf") {
             self.warn(
@@ -100,7 +104,17 @@ impl<'o> Translator<'o, '_, '_> {
             self.fail(o.plugin.span, "this sensor looks nowhere");
             Observer::default()
         });
-        Observer { mirror: m.determinant() < 0.0, ..found }
+        let look = |m: &Affine| looking(m.point(DVec3::ZERO), m.vector(DVec3::Z), m.vector(DVec3::Y));
+        let later = self.motion(o).iter().skip(1).filter_map(look).collect::<Vec<_>>();
+        let keyframe = |o: Observer| Keyframe {
+            eye: Some(o.eye),
+            look_at: Some(o.look_at),
+            up: Some(o.up),
+            ..Keyframe::default()
+        };
+        let keyframes: Vec<_> = later.into_iter().map(|o| Spanned::new(keyframe(o), Span::NONE)).collect();
+        let moving_to = (!keyframes.is_empty()).then_some(Keyframes { keyframes });
+        Observer { mirror: m.determinant() < 0.0, moving_to, ..found }
     }
 
     fn perspective(&mut self, o: &'o Object) -> Camera {

@@ -17,7 +17,7 @@ use straal_scene::{Diagnostic, Mesh, MeshAsset, Spanned, suggest};
 use super::bsdf::Around;
 use super::translate::{Translator, free_name};
 use super::tree::{Class, Object, Value};
-use super::uv::{Uv, placed};
+use super::uv::Uv;
 use super::{bsdf, serialized};
 use crate::files::{self, Refusal};
 
@@ -120,7 +120,7 @@ impl<'o> Translator<'o, '_, '_> {
             self.unsupported(inner, "the surface alone is seen");
         }
         let name = o.id.clone().map(|id| Spanned::new(id, o.plugin.span));
-        Surface { material, emission, transform: placed(at), flip, name, ..Surface::default() }
+        Surface { material, emission, transform: self.moving(o, at), flip, name, ..Surface::default() }
     }
 
     /// Where a shape stands whose own parameters are `own`.
@@ -382,7 +382,7 @@ impl<'o> Translator<'o, '_, '_> {
         let own = o.id.clone().map(|id| Spanned::new(id, o.plugin.span));
         Some(Node::Instance(Instance {
             of: Link::new(name),
-            transform: placed(&at),
+            transform: self.moving(o, &at),
             look_at: None,
             material: None,
             name: own,

@@ -356,6 +356,30 @@ fn what_is_wrong_is_told_with_its_place() {
 }
 
 #[test]
+fn what_moves_is_blurred_while_the_shutter_is_open() {
+    let scene = |close: &str| {
+        sound(&format!(
+            r#"<scene version="0.6.0"><integrator type="path"/><sensor type="perspective"><float name="fov" value="30"/>
+                <float name="shutterOpen" value="1"/><float name="shutterClose" value="{close}"/>
+                <animation name="toWorld"><transform time="1"><translate z="1"/></transform>
+                    <transform time="3"><translate z="5"/></transform></animation></sensor>
+            <shape type="sphere"><animation name="toWorld"><transform time="2"><translate x="4"/></transform>
+                <transform time="0"><rotate y="1" angle="0"/></transform></animation></shape></scene>"#
+        ))
+    };
+    let moving = scene("2");
+    let places: Vec<f64> = moving.world[0].motion().iter().map(|m| m.point(DVec3::ZERO).x).collect();
+    assert_eq!((places[0], places[8], places[16]), (2.0, 3.0, 4.0));
+    let observer = moving.camera.observer();
+    assert_eq!(observer.eye, DVec3::Z);
+    let keyframes = &observer.moving_to.as_ref().unwrap().keyframes;
+    assert_eq!(keyframes.last().unwrap().eye, Some(DVec3::Z * 3.0));
+    let still = scene("1");
+    assert!(still.world[0].motion().is_empty() && still.camera.observer().moving_to.is_none());
+    assert_eq!(still.world[0].placement().unwrap().point(DVec3::ZERO), DVec3::X * 2.0);
+}
+
+#[test]
 fn nothing_hangs_or_grows_without_end() {
     let entities = "<!DOCTYPE s [<!ENTITY a \"b\">]><scene version=\"3.0.0\">&a;</scene>";
     assert!(complaints(entities).contains("a document type"));

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use straal_scene::desc::{Camera, Perspective, Relief, Scene, Texture, TextureOf};
+use straal_scene::desc::{Camera, Perspective, Relief, Scene, Texture, TextureOf, Transform};
 use straal_scene::limit::Limit;
 use straal_scene::value::{Link, Name};
 use straal_scene::{Diagnostic, Severity, Span, Spanned, suggest};
@@ -14,7 +14,7 @@ use super::texture::Role;
 use super::tree::{Class, Object, Property, Tree, Value};
 use super::uv::Uv;
 use crate::files::Refusal;
-use crate::scene::{Made, Means, Translated};
+use crate::scene::{Made, Means, Translated, motion};
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::MaterialRef;
 
@@ -272,11 +272,52 @@ impl<'o> Translator<'o, '_, '_> {
     /// A transform; none where it isn't said.
     pub fn transform(&mut self, o: &'o Object, name: &str) -> Affine {
         let Some(property) = self.get(o, name) else { return Affine::IDENTITY };
-        let Value::Transform(m) = property.value else {
-            self.wrong(property, "a transform");
-            return Affine::IDENTITY;
+        match &property.value {
+            Value::Transform(m) => *m,
+            Value::Motion(keys) => at(keys, self.shutter()[0]),
+            _ => {
+                self.wrong(property, "a transform");
+                Affine::IDENTITY
+            }
+        }
+    }
+
+    /// When the first sensor's shutter opens and closes.
+    pub fn shutter(&self) -> [f64; 2] {
+        let sensor = self.objects.iter().find(|o| o.class == Class::Sensor);
+        ["shutter_open", "shutter_close"].map(|name| {
+            match sensor.and_then(|o| o.get(name)).map(|property| &property.value) {
+                Some(Value::Float(v)) => *v,
+                Some(Value::Integer(v)) => *v as f64,
+                _ => 0.0,
+            }
+        })
+    }
+
+    /// Where an object is at even times while the shutter is open; empty if it stays.
+    pub fn motion(&self, o: &'o Object) -> Vec<Affine> {
+        /// Between two of these times things go straight.
+        const WAYS: u32 = 16;
+        let Some(Value::Motion(keys)) = o.get("to_world").map(|property| &property.value) else {
+            return Vec::new();
         };
-        m
+        let [open, close] = self.shutter();
+        let time = |i: u32| open + (close - open) * f64::from(i) / f64::from(WAYS);
+        let places: Vec<Affine> = (0..=WAYS).map(|i| at(keys, time(i))).collect();
+        let moves = close > open && places.iter().any(|place| *place != places[0]);
+        if moves && places.iter().all(|place| place.inverse().is_some()) { places } else { Vec::new() }
+    }
+
+    /// The transform of something that is at `place` when the shutter opens.
+    pub fn moving(&self, o: &'o Object, place: &Affine) -> Transform {
+        let places = self.motion(o);
+        match places.first().and_then(Affine::inverse) {
+            Some(back) => {
+                let own = place.then(&back);
+                motion::transform(&places.iter().map(|place| own.then(place)).collect::<Vec<_>>())
+            }
+            None => super::uv::placed(place),
+        }
     }
 
     /// That of an object to the world, which must have an inverse.
@@ -443,4 +484,14 @@ pub(super) fn free_name(id: &str, words: &[&str], taken: impl Fn(&str) -> bool) 
         n += 1;
     }
     name
+}
+
+/// Where something is at a time: before the first key at its place, after the last at that.
+fn at(keys: &[(f64, Affine)], time: f64) -> Affine {
+    let next = keys.partition_point(|(t, _)| *t <= time);
+    match (keys.get(next.wrapping_sub(1)), keys.get(next)) {
+        (Some((from, a)), Some((to, b))) => motion::part(a, b, (time - from) / (to - from)),
+        (Some((_, place)), None) | (None, Some((_, place))) => *place,
+        (None, None) => Affine::IDENTITY,
+    }
 }

@@ -92,6 +92,8 @@ pub(super) enum Value {
     Rgb([f64; 3]),
     Spectrum(Numbers),
     Transform(Affine),
+    /// Transforms by rising times.
+    Motion(Vec<(f64, Affine)>),
     /// An object, by its place in the tree.
     Object(usize),
     /// An object by its name, until references are led.

@@ -368,9 +368,24 @@ impl Reader<'_, '_> {
                 Some(Value::Transform(self.transform(element)))
             }
             "animation" => {
-                self.warn(self.span(element), "motion isn't read yet: what is at the beginning stays");
-                let first = element.children().find(|c| c.is_element() && c.tag_name().name() == "transform");
-                first.map(|first| Value::Transform(self.transform(first)))
+                self.only(element, &["name"]);
+                let mut keys = Vec::new();
+                for key in element.children().filter(|c| c.is_element() && c.tag_name().name() == "transform")
+                {
+                    self.only(key, &["time"]);
+                    let time =
+                        if key.has_attribute("time") { self.number(key, "time").unwrap_or(0.0) } else { 0.0 };
+                    keys.push((time, self.transform(key)));
+                }
+                keys.sort_by(|a: &(f64, _), b| a.0.total_cmp(&b.0));
+                match keys.as_slice() {
+                    [] => {
+                        self.fail(element, "an `<animation>` has a `<transform>` for each of its times");
+                        None
+                    }
+                    [(_, only)] => Some(Value::Transform(*only)),
+                    _ => Some(Value::Motion(keys)),
+                }
             }
             _ => {
                 let known = [

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use straal_color::Space;
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{Group, Instances, Node, Transform};
+use straal_scene::desc::{Group, Instance, Instances, Node, Transform};
 use straal_scene::value::{Link, Matrix};
 use straal_scene::{Diagnostic, Span, Spanned, suggest};
 
@@ -430,6 +430,12 @@ impl Reader<'_, '_> {
     /// One more copy of an object. All of the same object in the world are kept together, which takes little room for each.
     fn object_instance(&mut self, name: Spanned<String>, span: Span) {
         let Some(map) = self.invertible(span) else { return };
+        if self.state.moves() {
+            let transform = self.moving(&map, span);
+            let of = Link::new(name);
+            self.push(Node::Instance(Instance { of, transform, look_at: None, material: None, name: None }));
+            return;
+        }
         let place = Matrix(map);
         let gathered = self.instances.get(&name.value).copied().filter(|_| self.object.is_none());
         if let Some(Node::Instances(all)) = gathered.and_then(|i| self.scene.world.get_mut(i)) {
@@ -449,11 +455,19 @@ impl Reader<'_, '_> {
         self.push(Node::Instances(all));
     }
 
+    /// The same of what stays where it is when the shutter opens.
+    pub(super) fn still(&mut self, span: Span) -> Option<Affine> {
+        if self.state.moves() {
+            self.warn_once(
+                span,
+                "lights, curves and textures that move stand where they are when motion begins",
+            );
+        }
+        self.invertible(span)
+    }
+
     /// The current transform, unless there is no way back from it; then it is said.
     pub(super) fn invertible(&mut self, span: Span) -> Option<Affine> {
-        if self.state.moves() {
-            self.warn_once(span, "motion is not supported yet: things stand where they are when it begins");
-        }
         let map = *self.state.transform();
         if straal_math::Transform::new(&map).is_none() {
             self.warn(span, "this is left out: its transform is singular or leaves the range of numbers");

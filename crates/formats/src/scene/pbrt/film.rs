@@ -2,9 +2,9 @@
 
 use straal_color::Space;
 use straal_scene::desc::{
-    AmbientOcclusion, Channels, DirectLight, Filter, Gamma, Gaussian, Integrator, Lanczos, Mitchell,
-    OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, SamplerKind, SpectralChannels, Technique, Tent,
-    Tone, WorkSpace,
+    AmbientOcclusion, Channels, DirectLight, Filter, Gamma, Gaussian, Integrator, Lanczos, LightTracer,
+    Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, SamplerKind, SpectralChannels,
+    Technique, Tent, Tone, WorkSpace,
 };
 use straal_scene::value::Depth;
 
@@ -310,7 +310,11 @@ impl Reader<'_, '_> {
                 let technique = Technique::Mis;
                 Integrator::Direct(DirectLight { technique, light_samples: 1, bsdf_samples: 1 })
             }
-            "lightpath" | "bdpt" | "mlt" | "sppm" | "whitted" | "function" => {
+            "lightpath" => Integrator::Light(LightTracer {
+                max_depth: Depth::Edges(depth.max(0).unsigned_abs().saturating_add(1)),
+                ..LightTracer::default()
+            }),
+            "bdpt" | "mlt" | "sppm" | "whitted" | "function" => {
                 let message = format!(
                     "the integrator `{}` is replaced by `path`: the same light, by paths from the camera",
                     kind.value

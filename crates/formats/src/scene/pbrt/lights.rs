@@ -5,7 +5,7 @@ use std::rc::Rc;
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
     Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, ImageTexture, Lamp, Light, Mapping,
-    PointLight, Projector, Spectrum, SpotLight, Texture, TextureChannel, TextureFilter, TextureOf,
+    PointLight, Portal, Projector, Spectrum, SpotLight, Texture, TextureChannel, TextureFilter, TextureOf,
     TextureSpace, UvMapping, Varying, Wrap, Wraps,
 };
 use straal_scene::{Bitmap, Image, Span, Spanned};
@@ -35,7 +35,7 @@ impl Reader<'_, '_> {
     pub(super) fn light(&mut self, thing: Thing) {
         let Thing { kind, params } = thing;
         let params = params.within(&self.state.attributes.light);
-        let Some(map) = self.invertible(params.span) else { return };
+        let Some(map) = self.still(params.span) else { return };
         match kind.as_str() {
             "point" => self.point(&params, &map),
             "spot" => self.spot(&params, &map),
@@ -150,10 +150,7 @@ impl Reader<'_, '_> {
     fn infinite(&mut self, params: &Params, map: &Affine) {
         let illuminance = params.maybe_float("illuminance").filter(|v| *v > 0.0);
         params.pass_over(&["samples", "nsamples"]);
-        if params.has("portal") {
-            params.pass_over(&["portal"]);
-            self.warn(params.span, "`portal` is passed over: light comes from all around");
-        }
+        let portals = self.portals(params);
         let older = params.string("mapname").cloned();
         let file = params.string("filename").cloned().or_else(|| older.clone());
         let Some(file) = file else {
@@ -161,8 +158,11 @@ impl Reader<'_, '_> {
             if let Some(illuminance) = illuminance {
                 radiance = times(&radiance, illuminance / std::f64::consts::PI);
             }
-            return self
-                .surroundings(Environment { radiance: Some(radiance), ..self.around(map, params.span) });
+            return self.surroundings(Environment {
+                radiance: Some(radiance),
+                portals,
+                ..self.around(map, params.span)
+            });
         };
         let mut scale = self.scale(params) * self.light_scale;
         if params.has("L") {
@@ -198,7 +198,26 @@ impl Reader<'_, '_> {
         }
         let asset = self.made.in_file::<Image>(file);
         let around = self.around(&transform, params.span);
-        self.surroundings(Environment { file: Some(asset), layout, scale, ..around });
+        self.surroundings(Environment { file: Some(asset), layout, scale, portals, ..around });
+    }
+
+    /// The opening that light comes in through, told by its four corners: seen from the room they run clockwise.
+    fn portals(&mut self, params: &Params) -> Vec<Portal> {
+        if !params.has("portal") {
+            return Vec::new();
+        }
+        let corners =
+            params.singles("portal", &[Type::Point3]).and_then(|(v, _)| v.first_chunk::<12>().copied());
+        let Some(corners) = corners else {
+            self.warn(params.span, "a `portal` has four corners: light comes from all around");
+            return Vec::new();
+        };
+        let place = *self.state.transform();
+        let [a, b, _, d] = [0, 1, 2, 3].map(|i| {
+            let [x, y, z] = [0, 1, 2].map(|k| f64::from(corners[3 * i + k]));
+            place.point(DVec3::new(x, y, z))
+        });
+        vec![Portal { corner: a, edges: [b - a, d - a] }]
     }
 
     fn surroundings(&mut self, light: Environment) {

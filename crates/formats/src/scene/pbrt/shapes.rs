@@ -4,13 +4,17 @@
 
 use std::sync::Arc;
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{self, Annulus, Cylinder, Disc, MaterialRef, Node, Sphere, Subdivide, TriangleMesh};
+use straal_scene::desc::{
+    self, Annulus, Cone, Cylinder, Disc, Hyperboloid, MaterialRef, Node, Paraboloid, Sphere, Subdivide,
+    Transform, TriangleMesh,
+};
 use straal_scene::value::Asset;
 use straal_scene::{Mesh, MeshAsset, Span, Spanned};
 
 use super::params::Params;
 use super::state::{as_transform, scale_of};
 use super::{Reader, Thing};
+use crate::scene::motion;
 
 /// pbrt's shapes.
 const KINDS: [&str; 8] =
@@ -36,7 +40,9 @@ impl Reader<'_, '_> {
         if kind.as_str() != "curve" {
             self.end_of_curves();
         }
-        let Some(map) = self.invertible(params.span) else { return };
+        let is_curve = kind.as_str() == "curve";
+        let map = if is_curve { self.still(params.span) } else { self.invertible(params.span) };
+        let Some(map) = map else { return };
         let Some(material) = self.surface(&params) else { return };
         match kind.as_str() {
             "sphere" => self.sphere(&params, (&map, material)),
@@ -47,13 +53,30 @@ impl Reader<'_, '_> {
             "plymesh" => self.ply_mesh(&params, (&map, material)),
             "loopsubdiv" => self.loop_subdivision(&params, (&map, material)),
             "curve" => self.curve(&params, (&map, material)),
-            "cone" | "paraboloid" | "hyperboloid" | "heightfield" | "heightfield2" | "nurbs" => {
+            "cone" => self.cone(&params, (&map, material)),
+            "paraboloid" => self.paraboloid(&params, (&map, material)),
+            "hyperboloid" => self.hyperboloid(&params, (&map, material)),
+            "heightfield" | "heightfield2" => self.height_field(&params, (&map, material)),
+            "nurbs" => {
                 let message = format!("the shape `{}` of pbrt-v3 is left out", kind.value);
                 return self.warn(kind.span, message);
             }
             _ => return self.unknown("shape", &kind, &KINDS),
         }
         params.complain(&format!("the shape `{}`", kind.value), self.means.d);
+    }
+
+    /// Where something is while the shutter is open, of which that is where it begins.
+    pub(super) fn moving(&self, map: &Affine, span: Span) -> Transform {
+        let [start, end] = self.state.transforms;
+        let own = start.inverse().map(|back| map.then(&back));
+        match own {
+            Some(own) if self.state.moves() && end.inverse().is_some() => {
+                let places: Vec<Affine> = motion::between(&start, &end).iter().map(|p| own.then(p)).collect();
+                Transform { span, ..motion::transform(&places) }
+            }
+            _ => as_transform(map, span),
+        }
     }
 
     /// What all surfaces share, of a shape whose area is known.
@@ -70,7 +93,7 @@ impl Reader<'_, '_> {
             material,
             emission,
             two_sided_emission,
-            transform: as_transform(map, span),
+            transform: self.moving(map, span),
             flip: self.state.reversed,
             ..desc::Surface::default()
         }
@@ -148,6 +171,91 @@ impl Reader<'_, '_> {
             surface,
             ..Cylinder::default()
         }));
+    }
+
+    /// Of version 3: it stands on the plane of x and y, and comes to a point.
+    fn cone(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let Some(Cut { radius, phi, .. }) = self.cut(params, None) else { return };
+        let height = params.float("height", 1.0);
+        if height.is_nan() || (height as f32) <= 0.0 {
+            return self.warn(params.span, "this shape is left out: it has no extent");
+        }
+        let scale = scale_of(map);
+        let side = (radius * radius + height * height).sqrt();
+        let area = 0.5 * phi.to_radians() * radius * side * scale * scale;
+        let surface = self.with(map, material, (area, 1), params.span);
+        let (to, phi) = (DVec3::Z * height, [0.0, phi]);
+        self.push(Node::Cone(Cone { from: DVec3::ZERO, to, radius, phi, surface, ..Cone::default() }));
+    }
+
+    /// Of version 3: its apex is at the origin, and its radius that at `zmax`.
+    fn paraboloid(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let Some(Cut { radius, z: [low, high], phi }) = self.cut(params, Some([0.0, 1.0])) else { return };
+        let low = if low > 0.0 { low } else { 0.0 };
+        let begin = low / high;
+        if !(high as f32 > 0.0 && begin < 0.999) {
+            return self.warn(params.span, "this shape is left out: it has no extent");
+        }
+        // Of a paraboloid of revolution, from its apex (Gray 1997).
+        let scale = scale_of(map);
+        let (k, slope) = (radius * radius / high, |z: f64| {
+            let v = 1.0 + 4.0 * z * high / (radius * radius);
+            v * v.sqrt()
+        });
+        let area = phi.to_radians() * k * k / 12.0 * (slope(high) - slope(low)) * scale * scale;
+        let surface = self.with(map, material, (area, 1), params.span);
+        let (to, phi) = (DVec3::Z * high, [0.0, phi]);
+        self.push(Node::Paraboloid(Paraboloid { from: DVec3::ZERO, to, radius, begin, phi, surface }));
+    }
+
+    /// Of version 3: the line from `p1` to `p2`, turned about z.
+    fn hyperboloid(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let line =
+            [("p1", DVec3::ZERO), ("p2", DVec3::ONE)].map(|(name, p)| params.vector(name).unwrap_or(p));
+        let phi = params.float("phimax", 360.0);
+        let phi = if phi < 360.0 { phi } else { 360.0 };
+        let [a, b] = line;
+        let is_on_axis = [a, b].iter().all(|p| p.x == 0.0 && p.y == 0.0);
+        if !(phi > 0.0 && (b - a).length() > 0.0 && !is_on_axis) {
+            return self.warn(params.span, "this shape is left out: it has no extent");
+        }
+        // About the size of a cone's that is cut off.
+        let scale = scale_of(map);
+        let radii: f64 = line.iter().map(|p| (p.x * p.x + p.y * p.y).sqrt()).sum();
+        let area = 0.5 * phi.to_radians() * radii * (b - a).length() * scale * scale;
+        let surface = self.with(&UPRIGHT.then(map), material, (area, 1), params.span);
+        // Its axis is y here.
+        let line = line.map(|p| DVec3::new(p.y, p.z, p.x));
+        self.push(Node::Hyperboloid(Hyperboloid { line, phi: [0.0, phi], surface }));
+    }
+
+    /// Of version 3: heights over the square from 0 to 1 in x and y, row by row.
+    fn height_field(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {
+        let counts = ["nu", "nv"].map(|name| usize::try_from(params.integer(name, 0)).unwrap_or(0));
+        let Some(heights) = params.floats("Pz") else {
+            return self.error(params.span, "a `heightfield` needs its heights `Pz`");
+        };
+        let [nu, nv] = counts;
+        if nu < 2 || nv < 2 || nu.checked_mul(nv) != Some(heights.len()) {
+            let message =
+                format!("a `heightfield` of {nu} x {nv} has as many heights, found {}", heights.len());
+            return self.error(params.span, message);
+        }
+        let mut mesh = Mesh::default();
+        for (i, z) in heights.iter().enumerate() {
+            let [x, y] = [i % nu, i / nu].map(|v| v as f32);
+            let (x, y) = (x / (nu - 1) as f32, y / (nv - 1) as f32);
+            mesh.positions.push([x, y, *z as f32]);
+            mesh.uvs.push([x, y]);
+        }
+        for y in 0..nv as u32 - 1 {
+            for x in 0..nu as u32 - 1 {
+                let at = |x: u32, y: u32| x + y * nu as u32;
+                mesh.triangles.push([at(x, y), at(x + 1, y), at(x + 1, y + 1)]);
+                mesh.triangles.push([at(x, y), at(x + 1, y + 1), at(x, y + 1)]);
+            }
+        }
+        self.made_mesh(mesh, (map, material), params.span);
     }
 
     fn ply_mesh(&mut self, params: &Params, (map, material): (&Affine, Option<MaterialRef>)) {

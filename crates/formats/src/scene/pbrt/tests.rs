@@ -277,6 +277,68 @@ fn includes_have_places_of_their_own_and_end() {
 }
 
 #[test]
+fn round_shapes_of_version_3_stand_about_z() {
+    let scene = sound(
+        "WorldBegin Shape \"cone\" \"float radius\" 2 \"float height\" 3 \"float phimax\" 90 \
+         Shape \"paraboloid\" \"float radius\" 2 \"float zmin\" 1 \"float zmax\" 4 \
+         Shape \"hyperboloid\" \"point3 p1\" [1 0 0] \"point3 p2\" [0 1 2] \
+         Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 3 \"float Pz\" [0 1 2 3 4 5]",
+    );
+    let [Node::Cone(cone), Node::Paraboloid(bowl), Node::Hyperboloid(hyper), Node::Mesh(mesh)] =
+        &scene.world[..]
+    else {
+        panic!("{:?}", scene.world)
+    };
+    assert_eq!((cone.from, cone.to, cone.radius, cone.phi), (DVec3::ZERO, DVec3::Z * 3.0, 2.0, [0.0, 90.0]));
+    assert_eq!((bowl.to, bowl.begin, bowl.radius), (DVec3::Z * 4.0, 0.25, 2.0));
+    // Where the ends of its line are put.
+    let place = Node::Hyperboloid(hyper.clone()).placement().unwrap();
+    let ends = hyper.line.map(|p| place.point(p));
+    assert_eq!(ends, [DVec3::X, DVec3::new(0.0, 1.0, 2.0)]);
+    assert!(mesh.file.is_some());
+    let (_, d) =
+        read("WorldBegin Shape \"heightfield\" \"integer nu\" 2 \"integer nv\" 2 \"float Pz\" [0 1 2]");
+    assert!(told(&d)[0].contains("2 x 2 has as many heights, found 3"), "{d}");
+}
+
+#[test]
+fn what_moves_is_where_it_is_while_the_shutter_is_open() {
+    let moving = "WorldBegin AttributeBegin Translate 1 0 0 ActiveTransform EndTime Translate 0 2 0 ActiveTransform All ";
+    let scene = sound(&format!("{moving} Shape \"sphere\" Shape \"disk\" AttributeEnd {SPHERE}"));
+    for node in &scene.world[..2] {
+        let places: Vec<DVec3> = node.motion().iter().map(|place| place.point(DVec3::ZERO)).collect();
+        assert_eq!(places, [DVec3::X, DVec3::new(1.0, 2.0, 0.0)]);
+    }
+    assert!(scene.world[2].motion().is_empty());
+    // An instance that turns keeps its size, while its middle goes straight.
+    let scene = sound(
+        "WorldBegin ObjectBegin \"o\" Shape \"sphere\" ObjectEnd ActiveTransform EndTime Rotate 180 0 0 1 \
+         ActiveTransform All Translate 5 0 0 ObjectInstance \"o\"",
+    );
+    let [Node::Instance(_)] = &scene.world[..] else { panic!("{:?}", scene.world) };
+    for (i, place) in scene.world[0].motion().iter().enumerate() {
+        let middle = DVec3::X * (5.0 - 10.0 * i as f64 / 16.0);
+        assert!((place.point(DVec3::ZERO) - middle).length() < 1e-9, "{i}");
+        assert!((place.vector(DVec3::X).length() - 1.0).abs() < 1e-9, "{i}");
+    }
+    assert_eq!(scene.world[0].motion().len(), 17);
+}
+
+#[test]
+fn light_comes_in_through_its_portal() {
+    let scene = sound(
+        "WorldBegin Translate 0 0 1 LightSource \"infinite\" \"rgb L\" [1 1 1] \
+         \"point3 portal\" [0 0 0  1 0 0  1 2 0  0 2 0]",
+    );
+    let [Light::Environment(light)] = &scene.lights[..] else { panic!() };
+    assert_eq!(light.portals[0].corner, DVec3::Z);
+    assert_eq!(light.portals[0].edges, [DVec3::X, DVec3::Y * 2.0]);
+    let scene = sound(&format!("Integrator \"lightpath\" \"integer maxdepth\" 3 WorldBegin {SPHERE}"));
+    let Integrator::Light(light) = &scene.integrator else { panic!() };
+    assert_eq!(light.max_depth, Depth::Edges(4));
+}
+
+#[test]
 fn packed_files_are_unpacked() {
     let folder = tempfile::tempdir().unwrap();
     let text = b"Shape \"sphere\"";

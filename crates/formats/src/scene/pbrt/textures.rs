@@ -56,7 +56,7 @@ impl Reader<'_, '_> {
         if self.state.moves() {
             self.warn_once(
                 params.span,
-                "motion is not supported yet: things stand where they are when it begins",
+                "lights, curves and textures that move stand where they are when motion begins",
             );
         }
         let made = self.texture_of(&kind, &params, of);
