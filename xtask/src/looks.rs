@@ -43,9 +43,12 @@ const RELIGHTINGS: [(&str, &[&str]); 3] = [
     ("stage", &["stage=#ff4020", "bulb=off", "strip=3,warm"]),
 ];
 
-/// Makes the pictures, or those of one kind.
+/// Makes the pictures of one kind.
+type Make = fn() -> Result<(), Failure>;
+
+/// Makes the pictures, or those of some kinds.
 pub fn run(names: &[String]) -> Result<bool, Failure> {
-    let kinds: [(&str, fn() -> Result<(), Failure>); 6] = [
+    let kinds: [(&str, Make); 6] = [
         ("tones", tones),
         ("blur", blurred),
         ("filters", filtered),

@@ -290,7 +290,7 @@ impl<'a> Walk<'a> {
         let names =
             self.names_of(self.scene.objects.iter().map(|(_, object)| object).chain(&self.scene.world));
         for name in links {
-            if !names.contains(&name.value.as_str()) {
+            if names.binary_search(&name.value.as_str()).is_err() {
                 let message = format!("nothing is named `{}`", suggest::brief(name));
                 let help = self.near_or_all(name, &names);
                 self.d.push(Diagnostic::error(name.span, message).help(help));

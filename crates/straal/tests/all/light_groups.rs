@@ -4,7 +4,9 @@ use std::path::Path;
 use straal::develop::PictureFile;
 use straal::relight::Relight;
 use straal::sums::{self, Allowed, Kept};
-use straal::{Control, Development, Job, LoadOptions, Overrides, Picture, Recording, Snapshot};
+use straal::{
+    Control, Development, Isa, Job, LoadOptions, Overrides, Picture, Recording, Snapshot, Structure,
+};
 use straal_color::spectrum::Bands;
 use straal_formats::Limits;
 use straal_formats::image::exr;
@@ -283,4 +285,34 @@ fn files_are_relit() {
     let warm = relit(white, &["key=warm"]).expect("a group");
     let luminance = 0.2126 * warm[0] + 0.7152 * warm[1] + 0.0722 * warm[2];
     assert!((luminance - 1.0).abs() < 2e-3 && warm[0] > 1.3 && warm[2] < 0.5, "{warm:?}");
+}
+
+/// Surfaces that are lit by other lamps than their neighbours have the same bits by every instruction set, in any batch and search structure.
+#[test]
+fn links_have_the_same_bits() {
+    let scene = "\
+camera: { perspective: { eye: [0, 1.5, 5], look_at: [0, 0.6, 0], fov: 45 } }
+objects:
+  ball: { sphere: { radius: 0.3 } }
+world:
+  - rectangle: { corner: [-6, 0, 6], edges: [[12, 0, 0], [0, 0, -12]], name: floor }
+  - instance: { of: ball, name: left, transform: [{ translate: [-0.5, 0.4, 0] }] }
+  - instance: { of: ball, name: right, transform: [{ translate: [0.5, 0.4, 0] }] }
+  - sphere: { center: [0, 2.5, 1], radius: 0.5, emission: [6, 7, 8], lights_only: [left, floor], light_group: a }
+  - sphere: { center: [1, 2.5, 0], radius: 0.4, emission: [9, 2, 1], lights_all_but: [left] }
+lights:
+  - environment: { radiance: [0.3, 0.4, 0.5], lights_only: [ball] }
+";
+    let plain = render(scene, small());
+    adds_up(&plain, "links");
+    let sets = Isa::ALL.into_iter().filter(|isa| isa.is_available());
+    let sets = sets.map(|isa| Overrides { isa: Some(isa), ..small() });
+    let others = [
+        Overrides { batch: Some(1), ..small() },
+        Overrides { batch: Some(7), threads: Some(3), ..small() },
+        Overrides { accel: Some(Structure::Brute), ..small() },
+    ];
+    for wish in sets.chain(others) {
+        assert_eq!(render(scene, wish.clone()).layers, plain.layers, "{wish:?}");
+    }
 }
