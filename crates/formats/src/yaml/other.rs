@@ -8,10 +8,23 @@ pub fn program(file: FileId, text: &str) -> Option<Diagnostic> {
     let format = format(line, text)?;
     let start = u32::try_from(at).unwrap_or(u32::MAX);
     let end = u32::try_from(at + line.len()).unwrap_or(u32::MAX);
-    let message = format!("this is {format}, which can't be read yet");
+    let span = Span { file, start, end };
+    // By its own name it is read.
+    let ending = match format {
+        "a scene of pbrt" => Some(".pbrt"),
+        "a Mitsuba scene" => Some(".xml"),
+        "a glTF file" => Some(".gltf"),
+        "a USD scene" => Some(".usda"),
+        _ => None,
+    };
+    if let Some(ending) = ending {
+        let message = format!("this is {format}, which is read if its name ends in {ending}");
+        return Some(Diagnostic::error(span, message));
+    }
+    let message = format!("this is {format}, which can't be read");
     let help = "straal reads its own scenes (YAML or JSON) and meshes (.ply, .obj, .stl); the book's page 'The scene language' shows how one is \
                 written";
-    Some(Diagnostic::error(Span { file, start, end }, message).help(help))
+    Some(Diagnostic::error(span, message).help(help))
 }
 
 /// Whether a text begins as another program's scene does.
@@ -28,6 +41,7 @@ fn first_line(text: &str) -> Option<(usize, &str)> {
         let said = line.trim();
         if !said.is_empty() && !said.starts_with('#') && !said.starts_with("//")
             || said.starts_with("#version")
+            || said.starts_with("#usda")
         {
             return Some((at + line.find(said).unwrap_or(0), said));
         }
@@ -106,6 +120,7 @@ mod tests {
             ("#version 3.7;\n", Some("a scene of POV-Ray")),
             ("{\"asset\": {\"version\": \"2.0\"}, \"nodes\": [], \"accessors\": []}", Some("a glTF file")),
             ("scene.camera.type = \"perspective\"\n", Some("a scene of LuxCore")),
+            ("#usda 1.0\ndef Sphere \"S\" {}\n", Some("a USD scene")),
             ("Camera: { perspective: {} }\n", None),
             ("camera: { perspective: {} }\n", None),
             ("Scale: 2\n", None),
@@ -113,8 +128,9 @@ mod tests {
             ("", None),
         ] {
             let found = program(FileId(0), text).map(|d| d.message);
-            let want = name.map(|name| format!("this is {name}, which can't be read yet"));
-            assert_eq!(found, want, "{text}");
+            let found = found.as_deref().map(|found| found.split(", which").next().unwrap_or(found));
+            let want = name.map(|name| format!("this is {name}"));
+            assert_eq!(found, want.as_deref(), "{text}");
         }
     }
 }

@@ -164,7 +164,7 @@ fn what_is_no_scene_is_refused() {
     );
     assert!(says("tests/data/empty.ply").contains("empty"));
     assert!(says("tests/data").contains("it is a folder"));
-    assert!(says("scene.usd").contains(".usd files are not supported"));
+    assert!(says("scene.blend").contains(".blend files are not supported"));
     // Nothing of another file is shown.
     assert_eq!(
         says("tests/data/notes.txt"),
