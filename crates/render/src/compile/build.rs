@@ -20,6 +20,8 @@ use straal_scene::{Assets, Handle, Scene};
 /// A surface that glows.
 pub(super) struct Glowing {
     pub kind: Kind,
+    /// The group that it stands in.
+    pub group: u32,
     pub radiance: Value<Colour>,
     /// The share of light that meets its material, if that isn't all.
     pub opacity: Option<Value<f32>>,
@@ -213,7 +215,9 @@ impl<'a> Build<'a> {
             let placement = glowing_place(&place.transform, &glow.radiance);
             let Glow { radiance, below, .. } = glow;
             let kind = record.kind;
-            let glowing = Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+            let group = place.group;
+            let glowing =
+                Glowing { kind, group, radiance, opacity, below, two_sided, flip, spread, placement };
             record.emitter = Some(self.glow(glowing));
         }
         self.geometries.push(record);

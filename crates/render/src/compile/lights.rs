@@ -2,7 +2,9 @@
 
 use super::build::Glowing;
 use crate::light::area::Spread;
-use crate::light::{AmbientLight, AreaLight, Emitter, LightTable, LitSurface, Portals, Sides, SunDisc};
+use crate::light::{
+    AmbientLight, AreaLight, Copies, Emitter, LightTable, LitSurface, Portals, Sides, SunDisc, Within,
+};
 use crate::paint::Paint;
 use crate::shape::Geometry;
 use crate::world::Kind;
@@ -14,6 +16,7 @@ use straal_scene::{Scene, desc};
 pub(super) struct Lights {
     pub emitters: Vec<Emitter>,
     pub table: LightTable,
+    pub copies: Copies,
     pub environments: Vec<u32>,
     pub ambient: Vec<AmbientLight>,
 }
@@ -31,7 +34,7 @@ pub(super) fn gather(
     scene: &Scene,
     paint: &mut Paint<'_>,
     around: Around<'_>,
-    glowing: Vec<Glowing>,
+    (glowing, mut copies): (Vec<Glowing>, Copies),
 ) -> Lights {
     let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
@@ -48,7 +51,9 @@ pub(super) fn gather(
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * f64::from(bounds.extent().length()) };
-    let table = LightTable::new(&emitters, geometry, radius);
+    copies.complete(emitters.len());
+    let within = Within { copies: &copies, search: Some(search) };
+    let table = LightTable::within(&emitters, geometry, radius, within);
     let environments =
         (0..emitters.len() as u32).filter(|&i| emitters[i as usize].is_environment()).collect();
     let ambient = emitters.iter().filter_map(|e| match e {
@@ -56,7 +61,7 @@ pub(super) fn gather(
         _ => None,
     });
     let ambient = ambient.collect();
-    Lights { emitters, table, environments, ambient }
+    Lights { emitters, table, copies, environments, ambient }
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {

@@ -137,8 +137,9 @@ impl<'a> Build<'a> {
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
                     let flip = false;
+                    let group = place.group;
                     let glowing =
-                        Glowing { kind, radiance, opacity, below, two_sided, flip, spread, placement };
+                        Glowing { kind, group, radiance, opacity, below, two_sided, flip, spread, placement };
                     Some(self.glow(glowing))
                 }
                 None => None,

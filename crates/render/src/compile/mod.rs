@@ -1,8 +1,8 @@
 //! From a description to a world: names become indices, trees become flat arrays, shapes move to world space.
 //!
 //! Groups are dissolved: their transforms are multiplied in double precision into their children. Only an `instance` of
-//! a named object stays what it is, one shared copy with a transform, and even that is dissolved when the object
-//! glows, so that every light stands in world space.
+//! a named object stays what it is, one shared copy with a transform, and even that is dissolved where the material around it makes
+//! surfaces shine that have none of their own, or has holes.
 
 mod build;
 mod camera;
@@ -20,6 +20,7 @@ pub use build::GLOWING_BYTES;
 
 use crate::film::{Recording, Sensor};
 use crate::filter::{Filter, Profile, Separable};
+use crate::light::Copies;
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
 use crate::texture::Texture;
@@ -134,13 +135,15 @@ fn compile_about(
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
     let (camera, out_of_focus) = camera::camera(scene, size, &seen, centre);
+    let groups: Vec<u32> = glowing.iter().map(|g| g.group).collect();
+    let copies = Copies::new(&input.groups, &groups);
     let accel = accel::Scene::build_after(before, input, &geometry, search)?;
     let dropped = dropped::tell(accel.dropped(), &nodes, &left_out, &objects);
     let lights = lights::gather(
         scene,
         &mut paint,
         lights::Around { geometry: &geometry, search: &accel, centre },
-        glowing,
+        (glowing, copies),
     );
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
@@ -156,6 +159,7 @@ fn compile_about(
         sensor,
         emitters: lights.emitters,
         lights: lights.table,
+        copies: lights.copies,
         geometries,
         placements,
         instance_materials,

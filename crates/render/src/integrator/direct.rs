@@ -128,7 +128,7 @@ impl DirectLight {
         let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         let point = &vertex.surface.point;
         if let Some(emitter) = vertex.surface.emitter {
-            let radiance = world.emitters[emitter as usize].radiance_at(point, -ray.d, &reading);
+            let radiance = world.emitted(emitter, (ray, hit), point, state.lanes);
             let weight = self.weight(state, || world.light_pdf(emitter, &state.from, hit, point));
             out.add(Contribution::own(path, beta * radiance * weight));
         }
@@ -150,7 +150,7 @@ impl DirectLight {
             for k in 0..self.light_samples {
                 let name = nth(queue.pattern, &path.name, k, self.light_samples);
                 let [u, v] = queue.pattern.d2(&name, Purpose::LightPoint);
-                let Some(pick) = world.lights.pick(u, &receiver) else { continue };
+                let Some(pick) = world.pick_light(u, &receiver) else { continue };
                 let Some(light) = world.sample_picked(&pick, &receiver, v, state.lanes) else { continue };
                 let (value, pdf) = vertex.scattered(&light);
                 let weight = if light.delta {

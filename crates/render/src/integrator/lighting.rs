@@ -84,7 +84,7 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
             }
             let at = vertices.receivers(surfaces, first);
             let [u, v] = numbers.light(first);
-            let mut picked = world.lights.picks(u, &at);
+            let mut picked = world.lights.picks(u, &at, world.within());
             picked.pmf = F::select(asks, picked.pmf, F::ZERO);
             let light = world.sample_lights(&picked, &at, v, &readings.from(first));
             out.store(first, &light, picked.pmf * light.pdf);

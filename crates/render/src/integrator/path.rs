@@ -353,8 +353,8 @@ impl PathTracer {
         (emitter, point): (u32, &SurfacePoint),
         out: &mut Out<'_, State<L>>,
     ) {
-        let (state, d) = (&arrival.path.state, arrival.ray.d);
-        let radiance = world.emitters[emitter as usize].radiance_at(point, -d, &world.reading(state.lanes));
+        let state = &arrival.path.state;
+        let radiance = world.emitted(emitter, (arrival.ray, arrival.hit), point, state.lanes);
         if radiance.is_black() {
             return;
         }

@@ -138,8 +138,7 @@ impl Whitted {
         let draw = |purpose| queue.pattern.d1(&path.name, purpose);
         let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         if let Some(emitter) = vertex.surface.emitter {
-            let shines =
-                world.emitters[emitter as usize].radiance_at(&vertex.surface.point, -ray.d, &reading);
+            let shines = world.emitted(emitter, (ray, hit), &vertex.surface.point, state.lanes);
             out.add(Contribution::own(path, beta * shines));
         }
         if vertex.is_black() {
@@ -173,12 +172,12 @@ impl Whitted {
             return;
         }
         let receiver = vertex.receiver();
-        for index in 0..world.emitters.len() {
-            let emitter = &world.emitters[index];
-            if emitter.is_environment() && !emitter.is_disc() || emitter.is_ambient() {
-                continue;
-            }
-            let Some(light) = world.sample_light(index as u32, &receiver, [0.5; 2], lanes) else { continue };
+        let lamps = (0..)
+            .zip(&world.emitters)
+            .filter(|(_, emitter)| !(emitter.is_environment() && !emitter.is_disc() || emitter.is_ambient()));
+        for lamp in lamps.flat_map(|(index, _)| (0..world.copies.count(index)).map(move |copy| (index, copy)))
+        {
+            let Some(light) = world.sample_light(lamp, &receiver, [0.5; 2], lanes) else { continue };
             let brought = beta * vertex.scattered(&light).0;
             if brought.is_black() {
                 continue;
