@@ -1,5 +1,6 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
+use super::hemisphere::Directions;
 use super::leaving::{Leaver, Leaving, LookUp};
 use super::lighting::{Brought, Illuminate, Lit, Weigh};
 use super::numbers::{Numbers, Wanted};
@@ -37,11 +38,19 @@ pub struct PathTracer {
     pub roulette: Roulette,
     /// How the light that falls on a vertex is found.
     pub technique: Technique,
+    /// How the directions are drawn in which paths go on.
+    pub directions: Directions,
 }
 
 impl Default for PathTracer {
     fn default() -> Self {
-        Self { max_depth: u32::MAX, roulette_depth: 5, roulette: Roulette::Root, technique: Technique::Mis }
+        Self {
+            max_depth: u32::MAX,
+            roulette_depth: 5,
+            roulette: Roulette::Root,
+            technique: Technique::Mis,
+            directions: Directions::Bsdf,
+        }
     }
 }
 
@@ -57,7 +66,8 @@ impl PathTracer {
         };
         let roulette = Roulette::of(&path.roulette);
         let technique = Technique::of(&path.technique);
-        Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique }
+        let directions = Directions::of(&path.directions);
+        Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique, directions }
     }
 }
 
@@ -95,6 +105,9 @@ impl Integrator for PathTracer {
         }
         if self.roulette != Roulette::Root {
             facts.push(("roulette", format!("{:?}", self.roulette).to_lowercase()));
+        }
+        if self.directions != Directions::Bsdf {
+            facts.push(("directions", self.directions.name().into()));
         }
         facts
     }
@@ -418,8 +431,8 @@ impl PathTracer {
             return;
         }
         simd.run(Illuminate { world, surfaces, vertices, lanes, numbers, out: lit });
-        vertices
-            .by_kind(simd, Weigh { simd, surfaces, vertices, lit, technique: self.technique, out: brought });
+        let (technique, directions) = (self.technique, self.directions);
+        vertices.by_kind(simd, Weigh { simd, surfaces, vertices, lit, technique, directions, out: brought });
         // List by list, without a look at what room each has: nearly every vertex asks for a ray.
         let asking = Few::of(brought.bright);
         let asking = asking.list();
@@ -455,10 +468,9 @@ impl PathTracer {
         if !vertices.goes_on.any() {
             return;
         }
-        vertices.by_kind(
-            simd,
-            SendOn { simd, surfaces, vertices, numbers, roulette: self.roulette, out: onward },
-        );
+        let (directions, roulette) = (self.directions, self.roulette);
+        vertices
+            .by_kind(simd, SendOn { simd, surfaces, vertices, numbers, directions, roulette, out: onward });
         let alive = Few::of(onward.alive);
         let alive = alive.list();
         out.rays.extend(alive.iter().map(|&i| {

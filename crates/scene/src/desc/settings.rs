@@ -253,6 +253,8 @@ describe! {
         roulette: Roulette = Roulette::Root,
         /// How the light that falls on a point is found: `bsdf` is naive path tracing, `lights` has next-event estimation, `mis` both.
         technique: Technique = Technique::Mis,
+        /// How the directions are drawn in which paths go on.
+        directions: Directions = Directions::Bsdf,
     }
 }
 
@@ -281,6 +283,18 @@ describe! {
 }
 
 describe! {
+    /// How directions are drawn in which light is looked for. Mirrors, glass and what else lets light through always have their own.
+    pub enum Directions {
+        /// By what the surface scatters: those that bring more come more often.
+        "bsdf" => Bsdf,
+        /// By the cosine to the normal, whatever the surface is.
+        "cosine" => Cosine,
+        /// Evenly over the hemisphere.
+        "uniform" => Uniform,
+    }
+}
+
+describe! {
     /// By which chance roulette lets a path go on.
     pub enum Roulette {
         /// The root of the light that the path carries: noise against time.
@@ -301,6 +315,8 @@ describe! {
         light_samples: u32 [Limit::within(1.0, 4096.0)] = 1,
         /// Directions of the BSDF for each sample of the pixel.
         bsdf_samples: u32 [Limit::within(1.0, 4096.0)] = 1,
+        /// How these are drawn.
+        directions: Directions = Directions::Bsdf,
     }
 }
 
