@@ -39,7 +39,7 @@ impl Chain {
 
     /// This chain in one more instance around it. A build refuses scenes in which there is no room left.
     #[inline]
-    pub(crate) fn inside(&self, id: u32) -> Self {
+    pub fn inside(&self, id: u32) -> Self {
         let mut out = *self;
         out.ids.copy_within(..MAX_DEPTH - 1, 1);
         out.ids[0] = id + 1;

@@ -7,7 +7,10 @@ use crate::footprint::{Bend, PackedFootprint};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::links::{Class, Links};
 use crate::light::table::Picks;
-use crate::light::{AmbientLight, Ball, Emitter, Groups, LightSample, LightTable, Pick, Receiver};
+use crate::light::{
+    AmbientLight, AreaLight, Ball, Copies, Emitted, Emitter, Groups, LightSample, LightTable, LitSurface,
+    Pick, Receiver, Within,
+};
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::relief::Ways;
@@ -19,6 +22,7 @@ use straal_accel as accel;
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::simd::{Float, Mask, Simd, Uint};
+use straal_math::table::Table1;
 use straal_math::{DVec3, Frame, Ray, Transform, Vec3, ops};
 use straal_scene::Span;
 
@@ -104,6 +108,8 @@ pub struct World {
     pub light_groups: Groups,
     /// What lights what, where that isn't all.
     pub(crate) links: Links,
+    /// Which emitters stand in objects, and shine wherever these do.
+    pub copies: Copies,
     /// By geometry of the search structure.
     pub(crate) geometries: Vec<GeometryRecord>,
     /// Where things' own coordinates lie in those of their groups.
@@ -556,16 +562,90 @@ impl World {
         self.links.table(class).unwrap_or(&self.lights)
     }
 
-    /// A point on a light or a direction towards it.
+    /// Where lamps stand.
+    #[inline(always)]
+    pub fn within(&self) -> Within<'_> {
+        Within { copies: &self.copies, search: Some(&self.accel) }
+    }
+
+    /// Picks a light for a point by `u` in [0, 1).
+    #[inline]
+    pub fn pick_light(&self, u: f32, at: &Receiver) -> Option<Pick> {
+        self.lights.pick(u, at, self.within())
+    }
+
+    /// A point on a light or a direction towards it; of one that stands in an object on one of its copies.
     #[inline]
     pub fn sample_light<L: Lanes>(
         &self,
-        emitter: u32,
+        (emitter, copy): (u32, u32),
         at: &Receiver,
         u: [f32; 2],
         lanes: L,
     ) -> Option<LightSample> {
-        self.emitters[emitter as usize].sample(&self.geometry, at, u, &self.reading(lanes))
+        let (light, reading) = (&self.emitters[emitter as usize], self.reading(lanes));
+        if self.copies.has(emitter) {
+            let stand = self.within().stand(emitter, copy);
+            return light.sample_copy(&self.geometry, &stand, (at, u), None, &reading);
+        }
+        light.sample(&self.geometry, at, u, &reading)
+    }
+
+    /// The radiance that the emitting surface sends out which a ray hit.
+    #[inline]
+    pub fn emitted<L: Lanes>(
+        &self,
+        emitter: u32,
+        (ray, hit): (&Ray, &Hit),
+        point: &SurfacePoint,
+        lanes: L,
+    ) -> Light {
+        let (light, reading) = (&self.emitters[emitter as usize], self.reading(lanes));
+        if hit.chain.is_empty() {
+            return light.radiance_at(point, -ray.d, &reading);
+        }
+        light.radiance_of_copy(&self.within().stand_of(&hit.chain), point, -ray.d, &reading)
+    }
+
+    /// The radiance that a point of a picked emitting surface sends out.
+    pub(crate) fn emitted_by<L: Lanes>(
+        &self,
+        pick: &Pick,
+        point: &SurfacePoint,
+        wo: Vec3,
+        lanes: L,
+    ) -> Light {
+        let (light, reading) = (&self.emitters[pick.index as usize], self.reading(lanes));
+        if self.copies.has(pick.index) {
+            return light.radiance_of_copy(&self.within().stand(pick.index, pick.copy), point, wo, &reading);
+        }
+        light.radiance_at(point, wo, &reading)
+    }
+
+    /// A ray that leaves what was picked.
+    pub(crate) fn emit<L: Lanes>(&self, pick: &Pick, u: [f32; 4], lanes: L) -> Option<Emitted> {
+        let (light, reading) = (&self.emitters[pick.index as usize], self.reading(lanes));
+        if self.copies.has(pick.index) {
+            let stand = self.within().stand(pick.index, pick.copy);
+            return light.emit_copy(&self.geometry, &stand, u, &reading);
+        }
+        light.emit(&self.geometry, &self.ball(), u, &reading)
+    }
+
+    /// A sample of a copy that was picked.
+    #[cold]
+    fn sample_copy<L: Lanes>(
+        &self,
+        (lights, pick): (&LightTable, &Pick),
+        at: &Receiver,
+        v: f32,
+        reading: &Reading<'_, L>,
+    ) -> LightSample {
+        let stand = self.within().stand(pick.index, pick.copy);
+        let part = lights.splits(pick.index).then_some(pick.part);
+        let light = &self.emitters[pick.index as usize];
+        let sample = light.sample_copy(&self.geometry, &stand, (at, [pick.rest, v]), part, reading);
+        sample.unwrap_or_else(LightSample::none)
     }
 
     /// [`Self::sample_light`] of what was picked, by what is left of the number that picked it and another; the density is that of both.
@@ -578,14 +658,14 @@ impl World {
         lanes: L,
     ) -> Option<LightSample> {
         let reading = self.reading(lanes);
-        let part = lights.splits(pick.index).then_some(pick.part);
-        let light = &self.emitters[pick.index as usize];
-        let sample = light.sample_parts::<f32, L>(
-            &self.geometry,
-            (at, [pick.rest, v]),
-            part,
-            &Readings::one(&reading),
-        );
+        let sample = if self.copies.has(pick.index) {
+            self.sample_copy((lights, pick), at, v, &reading)
+        } else {
+            let part = lights.splits(pick.index).then_some(pick.part);
+            let light = &self.emitters[pick.index as usize];
+            let readings = Readings::one(&reading);
+            light.sample_parts::<f32, L>(&self.geometry, (at, [pick.rest, v]), part, &readings)
+        };
         let pdf = sample.pdf * pick.pmf;
         (pdf > 0.0).then_some(LightSample { pdf, ..sample })
     }
@@ -605,6 +685,22 @@ impl World {
         while left.any() {
             let first = left.to_bits().trailing_zeros() as usize;
             let emitter = picked.index.lane(first);
+            if self.copies.has(emitter) {
+                // Hardly two paths pick the same copy.
+                let pick = Pick {
+                    index: emitter,
+                    pmf: picked.pmf.lane(first),
+                    rest: picked.rest.lane(first),
+                    part: picked.part.lane(first),
+                    copy: picked.copy.lane(first),
+                };
+                let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
+                let one = self.sample_copy((lights, &pick), &at, v.lane(first), &readings.of(first));
+                let this = F::Mask::from_bits(1 << first);
+                all = LightSample::select(this, LightSample::uniform(&one), all);
+                left = left & !this;
+                continue;
+            }
             let these = left & picked.index.eq(F::Uint::splat(emitter));
             let light = &self.emitters[emitter as usize];
             let splits = lights.splits(emitter);
@@ -635,6 +731,9 @@ impl World {
         point: &SurfacePoint,
     ) -> f32 {
         let (light, lights) = (&self.emitters[emitter as usize], self.lights_of(class));
+        if !hit.chain.is_empty() {
+            return self.copy_pdf(emitter, (lights, from), hit, point);
+        }
         if lights.splits(emitter) {
             let pdf = light.pdf_of_part(&self.geometry, from.p, hit.primitive, point);
             let pmf = || lights.pmf_of_part(emitter, hit.primitive, from);
@@ -642,6 +741,38 @@ impl World {
         }
         let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
         if pdf > 0.0 { lights.pmf(emitter, from) * pdf } else { 0.0 }
+    }
+
+    /// The same of what stands in an object.
+    #[cold]
+    fn copy_pdf(
+        &self,
+        emitter: u32,
+        (lights, from): (&LightTable, &Receiver),
+        hit: &Hit,
+        point: &SurfacePoint,
+    ) -> f32 {
+        let (light, within) = (&self.emitters[emitter as usize], self.within());
+        let stand = within.stand_of(&hit.chain);
+        let splits = lights.splits(emitter);
+        let pdf = light.pdf_of_copy(&self.geometry, &stand, from.p, (hit.primitive, point), splits);
+        if pdf <= 0.0 {
+            return 0.0;
+        }
+        let copy = self.copies.number(&hit.chain);
+        lights.pmf_of_copy([emitter, copy, hit.primitive], from, within) * pdf
+    }
+
+    /// Bytes held by what shines, and by what chooses among it.
+    pub fn light_bytes(&self) -> usize {
+        let triangles = |e: &Emitter| match e {
+            Emitter::Area(AreaLight { surface: LitSurface::Mesh { triangles, .. }, .. }) => {
+                triangles.as_ref().map_or(0, |table| table.len() * Table1::BYTES)
+            }
+            _ => 0,
+        };
+        let emitters = self.emitters.iter().map(|e| size_of::<Emitter>() + triangles(e)).sum::<usize>();
+        emitters + self.lights.bytes() + self.copies.bytes()
     }
 
     /// Bytes held by what grows with the scene: surfaces and their search structure.

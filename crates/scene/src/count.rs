@@ -64,8 +64,10 @@ pub struct Tally {
     pub revolved: u64,
     /// Pieces of curves among them.
     pub curves: u64,
-    /// Instances of objects that don't glow; those of others are copies of all that is inside.
+    /// Instances of objects; where the material around them glows they are copies of all that is inside.
     pub instances: u64,
+    /// Those of them in which something glows.
+    pub lit_instances: u64,
     /// Surfaces that glow.
     pub lights: u64,
     /// Triangles of those.
@@ -89,6 +91,7 @@ impl Tally {
         sum(&mut self.revolved, o.revolved);
         sum(&mut self.curves, o.curves);
         sum(&mut self.instances, o.instances);
+        sum(&mut self.lit_instances, o.lit_instances);
         sum(&mut self.lights, o.lights);
         sum(&mut self.lit_triangles, o.lit_triangles);
     }
@@ -110,6 +113,7 @@ impl Tally {
             revolved,
             curves,
             instances,
+            lit_instances,
             lights,
             lit_triangles,
         } = *self;
@@ -129,6 +133,7 @@ impl Tally {
             revolved: of(revolved),
             curves: of(curves),
             instances: of(instances),
+            lit_instances: of(lit_instances),
             lights: of(lights),
             lit_triangles: of(lit_triangles),
         }
@@ -242,10 +247,11 @@ impl Walk<'_> {
         let Some(object) = of.to() else { return Found::default() };
         let inside = self.object(object);
         let visible = inside.visible.saturating_mul(count);
-        if inside.glows || self.glow.material(material) {
+        if self.glow.material(material) {
             return Found { own: inside.own.times(count), visible, ..inside };
         }
-        Found { own: Tally { instances: count, ..Tally::default() }, visible, ..inside }
+        let lit_instances = if inside.glows { count } else { 0 };
+        Found { own: Tally { instances: count, lit_instances, ..Tally::default() }, visible, ..inside }
     }
 
     fn node(&mut self, node: &Node) -> Found {
@@ -342,10 +348,8 @@ impl Walk<'_> {
         let Some((_, node)) = scene.objects.at(object) else { return Found::default() };
         let found = self.node(node);
         self.objects[i] = Some(found);
-        if !found.glows {
-            self.spaces.push(Space::default());
-            self.keep(&found.own, self.spaces.len() - 1);
-        }
+        self.spaces.push(Space::default());
+        self.keep(&found.own, self.spaces.len() - 1);
         found
     }
 

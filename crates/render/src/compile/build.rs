@@ -21,6 +21,8 @@ use straal_scene::{Assets, Handle, Scene};
 /// A surface that glows.
 pub(super) struct Glowing {
     pub kind: Kind,
+    /// The group that it stands in.
+    pub group: u32,
     pub radiance: Value<Colour>,
     /// The share of light that meets its material, if that isn't all.
     pub opacity: Option<Value<f32>>,
@@ -33,7 +35,7 @@ pub(super) struct Glowing {
     /// See [`crate::light::AreaLight::placement`].
     pub placement: Option<Transform>,
     /// The group of lights that it belongs to, and whom it lights.
-    pub group: u16,
+    pub light_group: u16,
     pub receivers: Receivers,
 }
 
@@ -134,7 +136,7 @@ pub(super) struct Built<'a> {
     pub materials: material::Materials,
     pub placements: Vec<Transform>,
     pub paint: Paint<'a>,
-    pub groups: Groups,
+    pub light_groups: Groups,
     pub names: Names<'a>,
     pub linked: Linked,
 }
@@ -206,7 +208,7 @@ impl<'a> Build<'a> {
             materials,
             placements: self.placements,
             paint,
-            groups,
+            light_groups: groups,
             names: self.names,
             linked: self.linked,
         }
@@ -230,10 +232,9 @@ impl<'a> Build<'a> {
             let placement = glowing_place(&place.transform, &glow.radiance);
             let Glow { radiance, below, .. } = glow;
             let kind = record.kind;
-            let group = self.materials.group_of(surface, material);
-            let receivers = self.names.receivers(&surface.lamp);
             let glowing = Glowing {
                 kind,
+                group: place.group,
                 radiance,
                 opacity,
                 below,
@@ -241,8 +242,8 @@ impl<'a> Build<'a> {
                 flip,
                 spread,
                 placement,
-                group,
-                receivers,
+                light_group: self.materials.group_of(surface, material),
+                receivers: self.names.receivers(&surface.lamp),
             };
             record.emitter = Some(self.glow(glowing));
         }

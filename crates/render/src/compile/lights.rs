@@ -4,7 +4,7 @@ use super::build::Glowing;
 use crate::light::area::Spread;
 use crate::light::links::{Linked, Links, Names};
 use crate::light::{
-    AmbientLight, AreaLight, Emitter, Groups, LightTable, LitSurface, Portals, Sides, SunDisc,
+    AmbientLight, AreaLight, Copies, Emitter, Groups, LightTable, LitSurface, Portals, Sides, SunDisc, Within,
 };
 use crate::paint::Paint;
 use crate::shape::Geometry;
@@ -17,6 +17,7 @@ use straal_scene::{Scene, desc};
 pub(super) struct Lights {
     pub emitters: Vec<Emitter>,
     pub table: LightTable,
+    pub copies: Copies,
     pub environments: Vec<u32>,
     pub ambient: Vec<(AmbientLight, u32)>,
     pub groups: Groups,
@@ -36,7 +37,7 @@ pub(super) fn gather(
     scene: &Scene,
     paint: &mut Paint<'_>,
     around: Around<'_>,
-    glowing: Vec<Glowing>,
+    (glowing, mut copies): (Vec<Glowing>, Copies),
     mut groups: Groups,
     (names, linked): (&Names<'_>, Linked),
 ) -> Lights {
@@ -45,7 +46,7 @@ pub(super) fn gather(
     let mut receivers = Vec::new();
     for g in &glowing {
         emitters.push(area(g, geometry));
-        groups.belong(emitters.len(), g.group);
+        groups.belong(emitters.len(), g.light_group);
         receivers.push(g.receivers);
     }
     for light in &scene.lights {
@@ -61,8 +62,10 @@ pub(super) fn gather(
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * f64::from(bounds.extent().length()) };
-    let table = LightTable::new(&emitters, geometry, radius);
-    let links = Links::new(receivers, linked, (&emitters, geometry, radius));
+    copies.complete(emitters.len());
+    let within = Within { copies: &copies, search: Some(search) };
+    let table = LightTable::within(&emitters, geometry, radius, within);
+    let links = Links::new(receivers, linked, (&emitters, geometry, radius), within);
     let environments =
         (0..emitters.len() as u32).filter(|&i| emitters[i as usize].is_environment()).collect();
     let ambient = (0..).zip(&emitters).filter_map(|(i, e)| match e {
@@ -70,7 +73,7 @@ pub(super) fn gather(
         _ => None,
     });
     let ambient = ambient.collect();
-    Lights { emitters, table, environments, ambient, groups, links }
+    Lights { emitters, table, copies, environments, ambient, groups, links }
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {

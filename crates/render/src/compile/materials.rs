@@ -92,6 +92,15 @@ impl<'a> Materials<'a> {
         self.list.plain_opacity(material)
     }
 
+    /// Whether light may pass through a material as if nothing were there.
+    pub fn has_holes(&mut self, material: u32) -> bool {
+        if !self.list.any_may_pass() {
+            return false;
+        }
+        self.list.settle();
+        self.list.may_pass(material)
+    }
+
     /// What a material sends out by itself, and the material.
     pub fn shining(&self, material: u32) -> Option<(Emission, Box<Material>)> {
         let found = self.list.get(material as usize)?;

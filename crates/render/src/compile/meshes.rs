@@ -136,19 +136,18 @@ impl<'a> Build<'a> {
                     let opacity = self.materials.opacity(material);
                     let placement = glowing_place(&m, &radiance);
                     let two_sided = surface.two_sided_emission || both_sides;
-                    let (flip, group) = (false, self.materials.group_of(surface, material));
-                    let receivers = self.names.receivers(&surface.lamp);
                     let glowing = Glowing {
                         kind,
+                        group: place.group,
                         radiance,
                         opacity,
                         below,
                         two_sided,
-                        flip,
+                        flip: false,
                         spread,
                         placement,
-                        group,
-                        receivers,
+                        light_group: self.materials.group_of(surface, material),
+                        receivers: self.names.receivers(&surface.lamp),
                     };
                     Some(self.glow(glowing))
                 }

@@ -1,8 +1,8 @@
 //! From a description to a world: names become indices, trees become flat arrays, shapes move to world space.
 //!
 //! Groups are dissolved: their transforms are multiplied in double precision into their children. Only an `instance` of
-//! a named object stays what it is, one shared copy with a transform, and even that is dissolved when the object
-//! glows, so that every light stands in world space.
+//! a named object stays what it is, one shared copy with a transform, and even that is dissolved where the material around it makes
+//! surfaces shine that have none of their own, or has holes.
 
 mod build;
 mod camera;
@@ -20,6 +20,7 @@ pub use build::GLOWING_BYTES;
 
 use crate::film::{Recording, Sensor};
 use crate::filter::{Filter, Profile, Separable};
+use crate::light::Copies;
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
 use crate::texture::Texture;
@@ -130,7 +131,7 @@ fn compile_about(
         materials,
         placements,
         mut paint,
-        groups,
+        light_groups,
         names,
         mut linked,
     } = build.finish();
@@ -140,14 +141,16 @@ fn compile_about(
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
     let (camera, out_of_focus) = camera::camera(scene, size, &seen, centre);
+    let stand_in: Vec<u32> = glowing.iter().map(|g| g.group).collect();
+    let copies = Copies::new(&input.groups, &stand_in);
     let accel = accel::Scene::build_after(before, input, &geometry, search)?;
     let dropped = dropped::tell(accel.dropped(), &nodes, &left_out, &objects);
     let lights = lights::gather(
         scene,
         &mut paint,
         lights::Around { geometry: &geometry, search: &accel, centre },
-        glowing,
-        groups,
+        (glowing, copies),
+        light_groups,
         (&names, linked),
     );
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
@@ -166,6 +169,7 @@ fn compile_about(
         lights: lights.table,
         light_groups: lights.groups,
         links: lights.links,
+        copies: lights.copies,
         geometries,
         placements,
         instance_materials,

@@ -245,7 +245,10 @@ impl<'a> Build<'a> {
         let Some((id, (name, object))) = of.to().and_then(|id| Some((id, objects.at(id)?))) else {
             return;
         };
-        if self.glow.object(of) || self.materials.shining(inner.material).is_some() {
+        // What has no material of its own shines by that around it, or has its holes.
+        let is_dissolved = self.materials.shining(inner.material).is_some()
+            || self.glow.object(of) && self.materials.has_holes(inner.material);
+        if is_dissolved {
             // Validation has counted them.
             self.dissolved += 1;
             if self.dissolved <= MOST_COPIES {

@@ -1,5 +1,6 @@
 //! Direct light: what comes from lights to the first surface, and no further.
 
+use super::hemisphere::Directions;
 use super::technique::Technique;
 use super::vertex::{Vertex, left_by_medium, left_on_way, nth};
 use super::{Arrival, Contribution, Integrator, Out, Queue, Start};
@@ -24,6 +25,8 @@ pub struct DirectLight {
     pub light_samples: u32,
     /// Directions of the BSDF.
     pub bsdf_samples: u32,
+    /// How these are drawn, if not by the BSDF.
+    pub directions: Directions,
 }
 
 impl DirectLight {
@@ -39,6 +42,7 @@ impl DirectLight {
             technique: Technique::of(&said.technique),
             light_samples: said.light_samples,
             bsdf_samples: said.bsdf_samples,
+            directions: Directions::of(&said.directions),
         }
     }
 
@@ -77,11 +81,15 @@ impl Integrator for DirectLight {
     const LIGHT_GROUPS: bool = true;
 
     fn facts(&self) -> Vec<(&'static str, String)> {
-        vec![
+        let mut facts = vec![
             ("technique", self.technique.name().into()),
             ("light_samples", self.light_samples.to_string()),
             ("bsdf_samples", self.bsdf_samples.to_string()),
-        ]
+        ];
+        if self.directions != Directions::Bsdf {
+            facts.push(("directions", self.directions.name().into()));
+        }
+        facts
     }
 
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
@@ -130,7 +138,8 @@ impl DirectLight {
             }
             return;
         }
-        if !state.first && world.geometries[hit.geometry as usize].emitter.is_none() {
+        let meets_light = world.geometries[hit.geometry as usize].emitter.is_some();
+        if !state.first && !meets_light && !world.materials.interiors().matter() {
             return;
         }
         let draw = |purpose| queue.pattern.d1(&path.name, purpose);
@@ -138,18 +147,22 @@ impl DirectLight {
         let point = &vertex.surface.point;
         let emitter = vertex.surface.emitter.filter(|emitter| world.links.light(state.class, *emitter));
         if let Some(emitter) = emitter {
-            let radiance = world.emitters[emitter as usize].radiance_at(point, -ray.d, &reading);
+            let radiance = world.emitted(emitter, (ray, hit), point, state.lanes);
             let weight =
                 self.weight(state, || world.light_pdf(emitter, (state.class, &state.from), hit, point));
             let light = beta * radiance * weight;
             out.add(Contribution::own(path, light).of(world.light_groups.of(emitter)));
         }
-        if !state.first || vertex.is_black() {
+        if vertex.is_black() {
             return;
         }
+        // Where something of a higher priority is on both sides nothing is in the way, wherever the ray comes from.
         if let Some(inside) = vertex.meet_boundary(world, inside) {
             let beyond = Ray { t_min: hit.t.next_up(), ..*ray };
             out.go_on(path, 0, beyond, State { beta, inside, ..*state });
+            return;
+        }
+        if !state.first {
             return;
         }
         if world.has_ambient_light() {
@@ -165,11 +178,11 @@ impl DirectLight {
             for k in 0..self.light_samples {
                 let name = nth(queue.pattern, &path.name, k, self.light_samples);
                 let [u, v] = queue.pattern.d2(&name, Purpose::LightPoint);
-                let Some(pick) = lights.pick(u, &receiver) else { continue };
+                let Some(pick) = lights.pick(u, &receiver, world.within()) else { continue };
                 let Some(light) = world.sample_picked((lights, &pick), &receiver, v, state.lanes) else {
                     continue;
                 };
-                let (value, pdf) = vertex.scattered(&light);
+                let (value, pdf) = vertex.scattered_by(self.directions, &light);
                 let weight = if light.delta {
                     1.0
                 } else {
@@ -188,7 +201,7 @@ impl DirectLight {
         for k in 0..self.bsdf_samples {
             let name = nth(queue.pattern, &path.name, k, self.bsdf_samples);
             let [u, v, lobe] = queue.pattern.d3(&name, Purpose::Direction);
-            let Some(drawn) = vertex.draw([lobe, u, v]) else { continue };
+            let Some(drawn) = vertex.draw_by(self.directions, [lobe, u, v]) else { continue };
             if self.technique == Technique::Lights && !drawn.delta {
                 continue;
             }

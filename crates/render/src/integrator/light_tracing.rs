@@ -16,7 +16,7 @@ use super::{Arrival, Contribution, Integrator, Origin, Out, Path, Queue, Start};
 use crate::camera::{FilmPoint, Shown, Sought};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
-use crate::light::{Emitted, Emitter, LitSurface, Shows};
+use crate::light::{Emitted, Emitter, LitSurface, Pick, Shows};
 use crate::material::Transport;
 use crate::material::interior::Inside;
 use crate::shape::offset::End;
@@ -149,7 +149,7 @@ impl Integrator for LightTracer {
 
     fn start<L: Lanes>(&self, start: &Start<'_, L>) -> Option<(Ray, State<L>)> {
         let (world, lanes) = (start.world, start.lanes);
-        let (index, pmf, emitted) = leave(world, start.pattern, &start.name, lanes)?;
+        let (Pick { index, pmf, .. }, emitted) = leave(world, start.pattern, &start.name, lanes)?;
         let paths = start.size[0] as f32 * start.size[1] as f32;
         let beta = lanes.full() * emitted.power() * (1.0 / (pmf * paths));
         let (start_light, inside) = (beta.max_lane(), Inside::default());
@@ -174,18 +174,11 @@ impl Integrator for LightTracer {
     }
 }
 
-/// The ray with which a path leaves a lamp, which, and with what probability it was chosen.
-fn leave<L: Lanes>(
-    world: &World,
-    pattern: Pattern,
-    name: &SampleName,
-    lanes: L,
-) -> Option<(u32, f32, Emitted)> {
-    let pick = world.lights.pick_by_power(pattern.d1(name, Purpose::LightChoice))?;
-    let emitter = &world.emitters[pick.index as usize];
-    let u = pattern.d4(name, Purpose::LightPoint);
-    let emitted = emitter.emit(&world.geometry, &world.ball(), u, &world.reading(lanes))?;
-    Some((pick.index, pick.pmf, emitted))
+/// The ray with which a path leaves a lamp, and which.
+fn leave<L: Lanes>(world: &World, pattern: Pattern, name: &SampleName, lanes: L) -> Option<(Pick, Emitted)> {
+    let pick = world.lights.pick_by_power(pattern.d1(name, Purpose::LightChoice), world.within())?;
+    let emitted = world.emit(&pick, pattern.d4(name, Purpose::LightPoint), lanes)?;
+    Some((pick, emitted))
 }
 
 /// When it leaves, from 0 to 1 over the shutter, in a world where that makes a difference.
@@ -202,7 +195,7 @@ fn show_lamp<L: Lanes>(
 ) {
     let lanes = path.state.lanes;
     // As numbers are pure functions of their names, it is the same again.
-    let Some((index, pmf, emitted)) = leave(world, queue.pattern, &path.name, lanes) else { return };
+    let Some((pick, emitted)) = leave(world, queue.pattern, &path.name, lanes) else { return };
     let [_, _, u, v] = queue.pattern.d4(&path.name, Purpose::Film);
     let sought = match emitted.shows {
         Shows::Nothing => return,
@@ -214,11 +207,10 @@ fn show_lamp<L: Lanes>(
     };
     // All paths of the pass share what the lamp sends; so does each what is seen of it.
     let paths = queue.size[0] as f32 * queue.size[1] as f32;
-    let each = shown.density / (pmf * paths);
+    let each = shown.density / (pick.pmf * paths);
     let (light, way) = match emitted.shows {
         Shows::Surface { point, opacity } => {
-            let emitter = &world.emitters[index as usize];
-            let light = emitter.radiance_at(&point, -shown.d, &world.reading(lanes));
+            let light = world.emitted_by(&pick, &point, -shown.d, lanes);
             let cos = point.ng.dot(shown.d).abs();
             (light * (opacity * cos * each / emitted.pdf_place), way_to_camera(&emitted.from, &shown))
         }

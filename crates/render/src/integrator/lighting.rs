@@ -1,5 +1,6 @@
 //! Next-event estimation for a block of vertices: points on lights, and what they bring.
 
+use super::hemisphere::Directions;
 use super::numbers::Numbers;
 use super::technique::Technique;
 use super::vertices::{BLOCK, Bits, Lights, ROOM, Row, Standing, Vertices, frames, ray};
@@ -8,7 +9,6 @@ use crate::light::LightSample;
 use crate::light::links::{ALL, Class};
 use crate::light::table::Picks;
 use crate::material::many::{OfKind, WithKind};
-use crate::material::{Transport, shaded};
 use crate::shape::offset::End;
 use crate::surface::{Column, Surfaces, Vectors};
 use crate::world::World;
@@ -115,7 +115,7 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
                     |classes| of_a_class(classes, first, left),
                 );
                 let lights = world.lights_of(class);
-                let mut picked = lights.picks(u, &at);
+                let mut picked = lights.picks(u, &at, world.within());
                 picked.pmf = F::select(these, picked.pmf, F::ZERO);
                 let one = world.sample_lights((lights, &picked), &at, v, &readings);
                 if classes.is_none() {
@@ -178,6 +178,7 @@ pub(super) struct Weigh<'a, 'w> {
     pub vertices: &'a Vertices<'w>,
     pub lit: &'a Lit,
     pub technique: Technique,
+    pub directions: Directions,
     pub out: &'a mut Brought,
 }
 
@@ -202,7 +203,7 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
         if F::WIDTH == 1 && !K::IS_ANY {
             return;
         }
-        let Weigh { surfaces, vertices, lit, technique, out, .. } = self.of;
+        let Weigh { surfaces, vertices, lit, technique, directions, out, .. } = self.of;
         out.bright = Bits::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let there = lit.there.load::<F>(first);
@@ -214,7 +215,8 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
             let wi = frames::<F>(surfaces, first).to_local(light.wi);
             let Standing { from, leaning } = vertices.standing(surfaces, first);
             let wo = surfaces.wo.load(first);
-            let (value, pdf) = shaded::eval_pdf_many(bsdfs, leaning, [wo, wi], Transport::Radiance);
+            let is_open = vertices.is_open.load::<F>(first);
+            let (value, pdf) = directions.eval_pdf_many(bsdfs, leaning, [wo, wi], is_open);
             let weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
             let beta = vertices.beta.load(first);
             let brought = beta * value * light.radiance * (weight / light.pdf);

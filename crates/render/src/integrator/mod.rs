@@ -10,6 +10,7 @@
 
 mod ambient_occlusion;
 mod direct;
+mod hemisphere;
 mod leaving;
 mod light_tracing;
 mod lighting;
@@ -27,6 +28,7 @@ mod whitted;
 
 pub use ambient_occlusion::{AmbientOcclusion, Falloff, Warp};
 pub use direct::DirectLight;
+pub use hemisphere::Directions;
 pub use light_tracing::LightTracer;
 pub use out::{Contribution, Out, Target};
 pub use path::PathTracer;

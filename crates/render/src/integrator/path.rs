@@ -1,5 +1,6 @@
 //! Path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997, chapters 8-10).
 
+use super::hemisphere::Directions;
 use super::leaving::{Leaver, Leaving, LookUp};
 use super::lighting::{Brought, Illuminate, Lit, Weigh};
 use super::numbers::{Numbers, Wanted};
@@ -40,6 +41,8 @@ pub struct PathTracer {
     pub technique: Technique,
     /// The most that light counts that came by way of more than one surface; what is beyond is taken away.
     pub clamp: Option<f32>,
+    /// How the directions are drawn in which paths go on.
+    pub directions: Directions,
 }
 
 impl Default for PathTracer {
@@ -50,6 +53,7 @@ impl Default for PathTracer {
             roulette: Roulette::Root,
             technique: Technique::Mis,
             clamp: None,
+            directions: Directions::Bsdf,
         }
     }
 }
@@ -67,7 +71,8 @@ impl PathTracer {
         let roulette = Roulette::of(&path.roulette);
         let technique = Technique::of(&path.technique);
         let clamp = path.clamp.map(|most| most as f32);
-        Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique, clamp }
+        let directions = Directions::of(&path.directions);
+        Self { max_depth, roulette_depth: path.roulette_depth, roulette, technique, clamp, directions }
     }
 }
 
@@ -109,6 +114,9 @@ impl Integrator for PathTracer {
         facts.extend(self.clamp.map(|most| ("clamp", most.to_string())));
         if self.roulette != Roulette::Root {
             facts.push(("roulette", format!("{:?}", self.roulette).to_lowercase()));
+        }
+        if self.directions != Directions::Bsdf {
+            facts.push(("directions", self.directions.name().into()));
         }
         facts
     }
@@ -410,11 +418,11 @@ impl PathTracer {
         (emitter, point): (u32, &SurfacePoint),
         out: &mut Out<'_, State<L>>,
     ) {
-        let (state, d) = (&arrival.path.state, arrival.ray.d);
+        let state = &arrival.path.state;
         if !world.links.light(state.class, emitter) {
             return;
         }
-        let radiance = world.emitters[emitter as usize].radiance_at(point, -d, &world.reading(state.lanes));
+        let radiance = world.emitted(emitter, (arrival.ray, arrival.hit), point, state.lanes);
         if radiance.is_black() {
             return;
         }
@@ -484,8 +492,8 @@ impl PathTracer {
         }
         let classes = world.links.matter().then_some(&*classes);
         simd.run(Illuminate { world, surfaces, vertices, lanes, classes, numbers, out: lit });
-        vertices
-            .by_kind(simd, Weigh { simd, surfaces, vertices, lit, technique: self.technique, out: brought });
+        let (technique, directions) = (self.technique, self.directions);
+        vertices.by_kind(simd, Weigh { simd, surfaces, vertices, lit, technique, directions, out: brought });
         // List by list, without a look at what room each has: nearly every vertex asks for a ray.
         let asking = Few::of(brought.bright);
         let asking = asking.list();
@@ -537,10 +545,9 @@ impl PathTracer {
         if !vertices.goes_on.any() {
             return;
         }
-        vertices.by_kind(
-            simd,
-            SendOn { simd, surfaces, vertices, numbers, roulette: self.roulette, out: onward },
-        );
+        let (directions, roulette) = (self.directions, self.roulette);
+        vertices
+            .by_kind(simd, SendOn { simd, surfaces, vertices, numbers, directions, roulette, out: onward });
         let alive = Few::of(onward.alive);
         let alive = alive.list();
         out.rays.extend(alive.iter().map(|&i| {

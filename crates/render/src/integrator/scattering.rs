@@ -1,10 +1,11 @@
 //! Where the paths of a block of vertices go on.
 
+use super::hemisphere::Directions;
 use super::numbers::Numbers;
 use super::vertices::{BLOCK, Bits, Row, Standing, Vertices, frames, ray, vector};
 use crate::light::Receiver;
+use crate::material::BsdfSample;
 use crate::material::many::{OfKind, WithKind};
-use crate::material::{BsdfSample, Transport, shaded};
 use crate::surface::{Column, Surfaces};
 use straal_color::Light;
 use straal_math::Ray;
@@ -102,6 +103,7 @@ pub(super) struct SendOn<'a, 'w> {
     pub surfaces: &'a Surfaces,
     pub vertices: &'a Vertices<'w>,
     pub numbers: &'a Numbers,
+    pub directions: Directions,
     pub roulette: Roulette,
     pub out: &'a mut Onward,
 }
@@ -127,7 +129,7 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
         if F::WIDTH == 1 && !K::IS_ANY {
             return;
         }
-        let SendOn { surfaces, vertices, numbers, roulette, out, .. } = self.of;
+        let SendOn { surfaces, vertices, numbers, directions, roulette, out, .. } = self.of;
         (out.alive, out.delta, out.transmitted) = Default::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let alive = vertices.goes_on.load::<F>(first);
@@ -138,7 +140,8 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             let Standing { from, leaning } = vertices.standing(surfaces, first);
             let wo = surfaces.wo.load(first);
             let u = numbers.direction::<F>(first);
-            let (s, there) = shaded::sample_many(bsdfs, leaning, (wo, u), Transport::Radiance);
+            let is_open = vertices.is_open.load::<F>(first);
+            let (s, there) = directions.sample_many(bsdfs, leaning, (wo, u), is_open);
             let mut alive = alive & there;
             let mut beta = vertices.beta.load::<F>(first) * s.weight;
             let eta_squared = vertices.eta_squared.load::<F>(first) * s.eta * s.eta;

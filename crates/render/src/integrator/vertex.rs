@@ -1,10 +1,11 @@
 //! A vertex by itself: for integrators whose step takes one path after the other.
 
+use super::hemisphere::Directions;
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::{LightSample, Receiver};
 use crate::material::interior::{Boundary, Inside};
-use crate::material::{Bsdf, BsdfSample, Shaded, Transport, shaded};
+use crate::material::{Bsdf, BsdfSample, Shaded, shaded};
 use crate::shape::offset::{End, Raised};
 use crate::surface::Surface;
 use crate::world::World;
@@ -78,14 +79,27 @@ impl<'w> Vertex<'w> {
     /// What light sampling found, as it is scattered towards where the ray came from, over its density; and the density with which the
     /// BSDF draws that direction.
     pub fn scattered(&self, light: &LightSample) -> (Light, f32) {
-        let wi = self.surface.frame.to_local(light.wi);
-        let (value, pdf) = self.shaded.eval_pdf(self.wo, wi, Transport::Radiance);
+        self.scattered_by(Directions::Bsdf, light)
+    }
+
+    /// The same where directions are drawn otherwise.
+    pub fn scattered_by(&self, directions: Directions, light: &LightSample) -> (Light, f32) {
+        let ways = [self.wo, self.surface.frame.to_local(light.wi)];
+        let (bsdf, ng) = (&self.shaded.bsdf, self.shaded.ng.unwrap_or(Vec3::ZERO));
+        let (value, pdf) = directions.eval_pdf_many::<Bsdf<'_>, f32>(bsdf, ng, ways, is_open(bsdf));
         (value * light.radiance * (1.0 / light.pdf), pdf)
     }
 
     /// A direction of the BSDF by three numbers, the first of which chooses a lobe.
     pub fn draw(&self, u: [f32; 3]) -> Option<BsdfSample> {
-        self.shaded.sample(self.wo, u[0], [u[1], u[2]], Transport::Radiance)
+        self.draw_by(Directions::Bsdf, u)
+    }
+
+    /// The same where directions are drawn otherwise.
+    pub fn draw_by(&self, directions: Directions, u: [f32; 3]) -> Option<BsdfSample> {
+        let (bsdf, ng) = (&self.shaded.bsdf, self.shaded.ng.unwrap_or(Vec3::ZERO));
+        let (sample, there) = directions.sample_many::<Bsdf<'_>, f32>(bsdf, ng, (self.wo, u), is_open(bsdf));
+        there.then_some(sample)
     }
 
     /// The ray in a direction about the shading normal; its time and mask are those of `like`.

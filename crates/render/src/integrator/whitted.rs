@@ -8,6 +8,7 @@ use super::vertex::{Vertex, left_by_medium, left_on_way};
 use super::{Arrival, Contribution, Integrator, Out, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::{Carried, Lanes};
+use crate::light::Emitter;
 use crate::light::links::{ALL, Class};
 use crate::material::BsdfSample;
 use crate::material::interior::Inside;
@@ -148,8 +149,7 @@ impl Whitted {
         let mut vertex = Vertex::new(world, (ray, hit), &state.footprint, state.lanes, draw);
         let emitter = vertex.surface.emitter.filter(|emitter| world.links.light(state.class, *emitter));
         if let Some(emitter) = emitter {
-            let shines =
-                world.emitters[emitter as usize].radiance_at(&vertex.surface.point, -ray.d, &reading);
+            let shines = world.emitted(emitter, (ray, hit), &vertex.surface.point, state.lanes);
             out.add(Contribution::own(path, beta * shines).of(world.light_groups.of(emitter)));
         }
         if vertex.is_black() {
@@ -185,20 +185,21 @@ impl Whitted {
             return;
         }
         let receiver = vertex.receiver();
-        for index in 0..world.emitters.len() {
-            let emitter = &world.emitters[index];
-            let is_dark = !world.links.light(class, index as u32);
-            if is_dark || emitter.is_environment() && !emitter.is_disc() || emitter.is_ambient() {
-                continue;
-            }
-            let Some(light) = world.sample_light(index as u32, &receiver, [0.5; 2], lanes) else { continue };
+        let is_asked = |index: u32, emitter: &Emitter| {
+            let is_around = emitter.is_environment() && !emitter.is_disc() || emitter.is_ambient();
+            !is_around && world.links.light(class, index)
+        };
+        let lamps = (0..).zip(&world.emitters).filter(|(index, emitter)| is_asked(*index, emitter));
+        for lamp in lamps.flat_map(|(index, _)| (0..world.copies.count(index)).map(move |copy| (index, copy)))
+        {
+            let Some(light) = world.sample_light(lamp, &receiver, [0.5; 2], lanes) else { continue };
             let brought = beta * vertex.scattered(&light).0;
             if brought.is_black() {
                 continue;
             }
             let way = self.leaving(vertex, vertex.shadow_ray(&light, ray));
             let brought = brought * left_on_way(world, &way, vertex.towards(world, way.d, inside), lanes);
-            let contribution = Contribution::own(path, brought).of(world.light_groups.of(index as u32));
+            let contribution = Contribution::own(path, brought).of(world.light_groups.of(lamp.0));
             if self.shadows {
                 out.shadow(way, contribution);
             } else {

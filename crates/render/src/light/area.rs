@@ -6,10 +6,13 @@ use straal_color::Light;
 use straal_math::simd::{Float, Mask, Uint};
 use straal_math::{Frame, Transform, Vec3, ops, table::Table1, warp};
 
+use super::copies::Stand;
 use super::reach::Lamp;
 use super::{Ball, Emitted, Extent, LightSample, Reach, Receiver, Shine, Shows, strength};
 use crate::material::Material;
-use crate::shape::{AreaSample, DirSamples, Geometry, Shape, SurfacePoint, by_solid_angle, solid_angle_pdf};
+use crate::shape::{
+    AreaSample, DirSample, DirSamples, Geometry, Shape, SurfacePoint, by_solid_angle, solid_angle_pdf,
+};
 
 /// A surface that sends the same radiance in every direction on its lit side, or less towards its horizon.
 #[derive(Clone, Debug)]
@@ -195,6 +198,36 @@ impl AreaLight {
         solid_angle_pdf(p, hit, (1.0 / area) as f32)
     }
 
+    /// A point of the surface for a point of its own space, of the triangle with this number where one was picked already.
+    fn sample_own(
+        &self,
+        geometry: &Geometry,
+        (p, u): (Vec3, [f32; 2]),
+        part: Option<u32>,
+    ) -> Option<DirSample> {
+        match &self.surface {
+            LitSurface::Shape(shape) => geometry.sample_from(*shape, p, u),
+            LitSurface::Mesh { .. } => by_solid_angle(p, self.sample_area(geometry, u, part)?),
+        }
+    }
+
+    /// The same by area.
+    fn sample_area(&self, geometry: &Geometry, u: [f32; 2], part: Option<u32>) -> Option<AreaSample> {
+        match &self.surface {
+            LitSurface::Shape(shape) => geometry.sample_area(*shape, u),
+            LitSurface::Mesh { mesh, triangles, .. } => {
+                let mesh = &geometry.meshes[*mesh as usize];
+                if let Some(part) = part {
+                    return Some(mesh.sample_triangle(part, u));
+                }
+                let choice = triangles.as_ref()?.sample(u[0]);
+                let mut s = mesh.sample_triangle(choice.index as u32, [choice.rest, u[1]]);
+                s.pdf_area *= choice.pmf;
+                Some(s)
+            }
+        }
+    }
+
     /// A sample of radiance that is read at its point.
     #[cold]
     fn sample_textured<L: Lanes>(
@@ -207,26 +240,41 @@ impl AreaLight {
         if self.radiance.most() == 0.0 {
             return None;
         }
-        let s = match &self.surface {
-            LitSurface::Shape(shape) => geometry.sample_from(*shape, p, u)?,
-            LitSurface::Mesh { mesh, triangles, .. } => {
-                let mesh = &geometry.meshes[*mesh as usize];
-                let s = match part {
-                    Some(part) => mesh.sample_triangle(part, u),
-                    None => {
-                        let choice = triangles.as_ref()?.sample(u[0]);
-                        let mut s = mesh.sample_triangle(choice.index as u32, [choice.rest, u[1]]);
-                        s.pdf_area *= choice.pmf;
-                        s
-                    }
-                };
-                by_solid_angle(p, s)?
-            }
-        };
+        let s = self.sample_own(geometry, (p, u), part)?;
+        self.arriving(&s, &s.point, reading)
+    }
+
+    /// [`super::Emitter::sample_copy`].
+    pub(super) fn sample_copy<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        stand: &Stand<'_>,
+        (at, u): (&Receiver, [f32; 2]),
+        part: Option<u32>,
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        if self.radiance.most() == 0.0 {
+            return None;
+        }
+        let own = self.sample_own(geometry, (stand.receiver(at).p, u), part)?;
+        let point = stand.outwards(&own.point);
+        let wi = (point.p - at.p).try_normalize()?;
+        let pdf = own.pdf * stand.widening(wi);
+        let sound = pdf > 0.0 && pdf.is_finite() && point.p.is_finite();
+        self.arriving(&DirSample { point, wi, pdf }, &own.point, reading).filter(|_| sound)
+    }
+
+    /// What comes from a point that was found, which its own space has elsewhere.
+    fn arriving<L: Lanes>(
+        &self,
+        s: &DirSample,
+        own: &SurfacePoint,
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
         if !self.sides.lit(s.point.ng, -s.wi) {
             return None;
         }
-        let at = self.at(&s.point);
+        let at = self.at(&s.point, own);
         let mut radiance = reading.eval(&self.radiance, &at);
         if let Some(opacity) = &self.opacity {
             radiance *= ops::clamp(reading.eval(opacity, &at), 0.0, 1.0);
@@ -239,19 +287,88 @@ impl AreaLight {
         Some(LightSample { far: false, to: (&s.point).into(), ..sample })
     }
 
+    /// The radiance that a point sends out, which its own space has elsewhere.
+    #[inline]
+    pub(super) fn radiance_of<L: Lanes>(
+        &self,
+        hit: &SurfacePoint,
+        wo: Vec3,
+        own: impl FnOnce() -> SurfacePoint,
+        reading: &Reading<'_, L>,
+    ) -> Light {
+        if !self.sides.lit(hit.ng, wo) {
+            return Light::ZERO;
+        }
+        let at = self.at(hit, &own());
+        let mut radiance = reading.eval(&self.radiance, &at);
+        if self.below.is_some() {
+            radiance *= self.lets_out(hit.ng.dot(wo), &at, reading);
+        }
+        if !self.spread.is_open() {
+            radiance *= self.spread.share(hit.ng.dot(wo));
+        }
+        radiance
+    }
+
+    /// [`super::Emitter::emit_copy`].
+    pub(super) fn emit_copy<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        stand: &Stand<'_>,
+        u: [f32; 4],
+        reading: &Reading<'_, L>,
+    ) -> Option<Emitted> {
+        let own = self.sample_area(geometry, [u[0], u[1]], None)?;
+        let point = stand.outwards(&own.point);
+        let pdf_area = own.pdf_area / stand.stretch(own.point.ng);
+        self.leaving(&AreaSample { point, pdf_area }, &own.point, [u[2], u[3]], reading)
+    }
+
+    /// A ray that leaves a point of the surface, which its own space has elsewhere.
+    fn leaving<L: Lanes>(
+        &self,
+        &AreaSample { point, pdf_area }: &AreaSample,
+        own: &SurfacePoint,
+        [u, v]: [f32; 2],
+        reading: &Reading<'_, L>,
+    ) -> Option<Emitted> {
+        let (side, of_side, u) = match self.sides {
+            Sides::Front => (point.ng, 1.0, u),
+            Sides::Back => (-point.ng, 1.0, u),
+            Sides::Both if u < 0.5 => (point.ng, 0.5, 2.0 * u),
+            Sides::Both => (-point.ng, 0.5, 2.0 * u - 1.0),
+        };
+        let local = warp::cosine_hemisphere([u, v]);
+        let d = Frame::from_normal(side).to_world(local).try_normalize()?;
+        let opacity = self
+            .opacity
+            .as_ref()
+            .map_or(1.0, |o| ops::clamp(reading.eval(o, &self.at(&point, own)), 0.0, 1.0));
+        let sound = pdf_area > 0.0 && pdf_area.is_finite() && local.z > 0.0 && opacity > 0.0;
+        sound.then(|| Emitted {
+            from: (&point).into(),
+            d,
+            light: self.radiance_of(&point, d, || *own, reading) * opacity,
+            cos: local.z,
+            pdf_place: pdf_area,
+            pdf_direction: warp::cosine_hemisphere_pdf(local.z) * of_side,
+            shows: Shows::Surface { point, opacity },
+        })
+    }
+
     /// What layers above leave of its light, for a direction at a cosine to the surface.
     fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
         self.below.as_ref().map_or(Light::ONE, |m| m.lets_out(ops::min(cos.abs(), 1.0), at, reading))
     }
 
-    /// Where the radiance of a point is looked up. Without a footprint, which a point that is sampled has not: both ways to find
-    /// light must find the same.
-    fn at(&self, point: &SurfacePoint) -> ShadingPoint {
+    /// Where the radiance of a point is looked up, which its own space has elsewhere. Without a footprint, which a point that is sampled has not: both
+    /// ways to find light must find the same.
+    fn at(&self, point: &SurfacePoint, own: &SurfacePoint) -> ShadingPoint {
         let mut at = ShadingPoint::of(point.uv, point.p);
-        (at.frame.n, at.object_n) = (point.n, point.n);
+        (at.frame.n, at.object.p, at.object_n) = (point.n, own.p, own.n);
         if let Some(m) = &self.placement {
-            at.object.p = m.inverse_point(point.p);
-            at.object_n = own_normal(m, point.n);
+            at.object.p = m.inverse_point(own.p);
+            at.object_n = own_normal(m, own.n);
         }
         at
     }
@@ -327,18 +444,7 @@ impl Shine for AreaLight {
 
     #[inline]
     fn radiance_at<L: Lanes>(&self, hit: &SurfacePoint, wo: Vec3, reading: &Reading<'_, L>) -> Light {
-        if !self.sides.lit(hit.ng, wo) {
-            return Light::ZERO;
-        }
-        let at = self.at(hit);
-        let mut radiance = reading.eval(&self.radiance, &at);
-        if self.below.is_some() {
-            radiance *= self.lets_out(hit.ng.dot(wo), &at, reading);
-        }
-        if !self.spread.is_open() {
-            radiance *= self.spread.share(hit.ng.dot(wo));
-        }
-        radiance
+        self.radiance_of(hit, wo, || *hit, reading)
     }
 
     fn pdf_at(&self, geometry: &Geometry, p: Vec3, (primitive, hit): (u32, &SurfacePoint)) -> f32 {
@@ -363,37 +469,8 @@ impl Shine for AreaLight {
         u: [f32; 4],
         reading: &Reading<'_, L>,
     ) -> Option<Emitted> {
-        let AreaSample { point, pdf_area } = match &self.surface {
-            LitSurface::Shape(shape) => geometry.sample_area(*shape, [u[0], u[1]])?,
-            LitSurface::Mesh { mesh, triangles, .. } => {
-                let choice = triangles.as_ref()?.sample(u[0]);
-                let mesh = &geometry.meshes[*mesh as usize];
-                let mut s = mesh.sample_triangle(choice.index as u32, [choice.rest, u[1]]);
-                s.pdf_area *= choice.pmf;
-                s
-            }
-        };
-        let v = u[3];
-        let (side, of_side, u) = match self.sides {
-            Sides::Front => (point.ng, 1.0, u[2]),
-            Sides::Back => (-point.ng, 1.0, u[2]),
-            Sides::Both if u[2] < 0.5 => (point.ng, 0.5, 2.0 * u[2]),
-            Sides::Both => (-point.ng, 0.5, 2.0 * u[2] - 1.0),
-        };
-        let local = warp::cosine_hemisphere([u, v]);
-        let d = Frame::from_normal(side).to_world(local).try_normalize()?;
-        let opacity =
-            self.opacity.as_ref().map_or(1.0, |o| ops::clamp(reading.eval(o, &self.at(&point)), 0.0, 1.0));
-        let sound = pdf_area > 0.0 && pdf_area.is_finite() && local.z > 0.0 && opacity > 0.0;
-        sound.then(|| Emitted {
-            from: (&point).into(),
-            d,
-            light: self.radiance_at(&point, d, reading) * opacity,
-            cos: local.z,
-            pdf_place: pdf_area,
-            pdf_direction: warp::cosine_hemisphere_pdf(local.z) * of_side,
-            shows: Shows::Surface { point, opacity },
-        })
+        let s = self.sample_area(geometry, [u[0], u[1]], None)?;
+        self.leaving(&s, &s.point, [u[2], u[3]], reading)
     }
 
     /// pi A L for each lit side, and of that what gets through.

@@ -4,7 +4,7 @@
 //! that it stands in, and of the instances that show it. Surfaces of the same bits are a *class*, lit by the same lamps, and each class has a choice of light of its own: a lamp that
 //! doesn't light it is never picked there, so that its probability is 0 for multiple importance sampling as well.
 
-use super::{Emitter, LightTable};
+use super::{Emitter, LightTable, Within};
 use crate::shape::Geometry;
 use std::collections::BTreeSet;
 use straal_accel::{Hit, Input};
@@ -116,12 +116,14 @@ impl Links {
         lamps: Vec<Receivers>,
         linked: Linked,
         (emitters, geometry, radius): (&[Emitter], &Geometry, f64),
+        within: Within<'_>,
     ) -> Self {
         if lamps.iter().all(|lamp| *lamp == Receivers::default()) {
             return Self::default();
         }
-        let table =
-            |&bits: &u64| LightTable::of(emitters, geometry, radius, &|i| lamps[i as usize].has(bits));
+        let table = |&bits: &u64| {
+            LightTable::of((emitters, &|i| lamps[i as usize].has(bits)), geometry, radius, within)
+        };
         let tables = linked.classes.iter().map(table).collect();
         let Linked { geometries, instances, classes } = linked;
         Self { lamps, geometries, instances: instances.concat(), classes, tables }

@@ -15,8 +15,8 @@
 //! is a sample of its power. What a camera sees of the very lamp is told beside it.
 //!
 //! To add one: its file, which implements `Shine` and gives examples to be tested; its line in the list below; its keys in the
-//! description. Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space: shape
-//! and mesh ids are those of its [`Geometry`].
+//! description. Which emitter is sampled is the choice of a [`LightTable`]. Emitting surfaces stand in the world's own space, or in that of an object, and
+//! then shine wherever it has instances ([`copies`]): shape and mesh ids are those of the world's [`Geometry`].
 
 use crate::lanes::{Colour, Lanes};
 use crate::texture::{Reading, Readings, Value};
@@ -32,6 +32,7 @@ use crate::shape::{Geometry, SurfacePoint};
 pub mod ambient;
 pub mod area;
 mod cells;
+pub mod copies;
 pub(crate) mod cube;
 pub mod directional;
 pub mod disc;
@@ -55,6 +56,8 @@ mod tree;
 
 pub use ambient::AmbientLight;
 pub use area::{AreaLight, LitSurface, Sides};
+use copies::Stand;
+pub use copies::{Copies, Within};
 pub use directional::DirectionalLight;
 pub use disc::SunDisc;
 pub use emission::{Ball, Emitted, Shows};
@@ -346,6 +349,69 @@ impl Emitter {
         match (self, part) {
             (Self::Area(light), Some(part)) => light.sample_parts(geometry, (at, u), Some(part), readings),
             _ => self.sample_many(geometry, at, u, readings),
+        }
+    }
+
+    /// [`Emitter::sample`] of a copy, of the triangle that was picked where there is one.
+    pub(crate) fn sample_copy<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        stand: &Stand<'_>,
+        from: (&Receiver, [f32; 2]),
+        part: Option<u32>,
+        reading: &Reading<'_, L>,
+    ) -> Option<LightSample> {
+        match self {
+            Self::Area(light) => light.sample_copy(geometry, stand, from, part, reading),
+            _ => None,
+        }
+    }
+
+    /// [`Emitter::pdf_at`] of a copy, for a point of the world; where `is_picked`, of whose triangle is known that it was picked.
+    pub(crate) fn pdf_of_copy(
+        &self,
+        geometry: &Geometry,
+        stand: &Stand<'_>,
+        p: Vec3,
+        (primitive, hit): (u32, &SurfacePoint),
+        is_picked: bool,
+    ) -> f32 {
+        let Some(wi) = (hit.p - p).try_normalize() else { return 0.0 };
+        let (from, own) = (stand.receiver(&Receiver::anywhere(p)).p, stand.inwards(hit));
+        let pdf = if is_picked {
+            self.pdf_of_part(geometry, from, primitive, &own)
+        } else {
+            self.pdf_at(geometry, from, primitive, &own)
+        };
+        let pdf = pdf * stand.widening(wi);
+        if pdf.is_finite() { pdf } else { 0.0 }
+    }
+
+    /// [`Emitter::radiance_at`] of a copy, for a point of the world.
+    pub(crate) fn radiance_of_copy<L: Lanes>(
+        &self,
+        stand: &Stand<'_>,
+        hit: &SurfacePoint,
+        wo: Vec3,
+        reading: &Reading<'_, L>,
+    ) -> Light {
+        match self {
+            Self::Area(light) => light.radiance_of(hit, wo, || stand.inwards(hit), reading),
+            _ => Light::ZERO,
+        }
+    }
+
+    /// [`Emitter::emit`] of a copy.
+    pub(crate) fn emit_copy<L: Lanes>(
+        &self,
+        geometry: &Geometry,
+        stand: &Stand<'_>,
+        u: [f32; 4],
+        reading: &Reading<'_, L>,
+    ) -> Option<Emitted> {
+        match self {
+            Self::Area(light) => light.emit_copy(geometry, stand, u, reading),
+            _ => None,
         }
     }
 

@@ -3,8 +3,9 @@
 use straal_math::simd::{Float, Mask, Uint};
 use straal_math::table::Table1;
 
+use super::copies::{Inside, Within, inwards, mean_stretch};
 use super::reach::{Reach, Receiver};
-use super::tree::{Tree, WHOLE};
+use super::tree::{Held, Tree, WHOLE};
 use super::{AreaLight, Emitter, LitSurface};
 use crate::shape::Geometry;
 
@@ -18,12 +19,13 @@ const FEW: usize = 16;
 /// shadow can't starve the others, and a set of 64 well-spread samples is dealt out in whole numbers.
 ///
 /// Many lights, and meshes of many triangles that shine, are a tree of what stands near each other (`tree.rs`), from which a point picks by
-/// going down to what brings it more; those from afar stand beside it.
+/// going down to what brings it more; those from afar stand beside it. An object in which something shines has a tree of its own, in its own space, which is gone down
+/// wherever an instance of it is picked.
 #[derive(Clone, Debug)]
 pub struct LightTable {
     way: Way,
-    /// By power, for rays that leave lights.
-    by_power: Option<Table1>,
+    /// By power, for rays that leave lights: the world's own, and those of each group in which anything shines.
+    by_power: Vec<Option<Table1>>,
 }
 
 #[derive(Clone, Debug)]
@@ -31,8 +33,16 @@ enum Way {
     Nothing,
     /// A single one shines.
     Only(u32),
-    Few(Vec<(u32, Reach)>),
+    Few(Vec<Lit>),
     Many(Box<Many>),
+}
+
+/// One of a few.
+#[derive(Clone, Debug)]
+struct Lit {
+    index: u32,
+    copy: u32,
+    reach: Reach,
 }
 
 /// Many lights.
@@ -40,8 +50,8 @@ enum Way {
 struct Many {
     /// Those from afar.
     far: Vec<(u32, Reach)>,
-    /// All others.
-    near: Option<Tree>,
+    /// All others: the world's, and those of each group in which anything shines, in its own space.
+    near: Vec<Option<Tree>>,
 }
 
 /// Meshes of more triangles than this are a lamp each triangle.
@@ -61,6 +71,8 @@ pub struct Pick {
     pub rest: f32,
     /// Which triangle of it, where [`LightTable::splits`] says so.
     pub part: u32,
+    /// Which copy of it, of one that stands in an object.
+    pub copy: u32,
 }
 
 /// Chosen emitters, side by side.
@@ -74,6 +86,8 @@ pub struct Picks<F: Float> {
     pub rest: F,
     /// Which triangles, see [`Pick::part`].
     pub part: F::Uint,
+    /// Which copies, see [`Pick::copy`].
+    pub copy: F::Uint,
 }
 
 /// The greatest number below 1.
@@ -89,15 +103,20 @@ impl LightTable {
 
     /// A table of all emitters of a scene of the given radius in m.
     pub fn new(emitters: &[Emitter], geometry: &Geometry, scene_radius: f64) -> Self {
-        Self::of(emitters, geometry, scene_radius, &|_| true)
+        Self::within(emitters, geometry, scene_radius, Within::WORLD)
+    }
+
+    /// [`Self::new`] of emitters some of which stand in objects.
+    pub fn within(emitters: &[Emitter], geometry: &Geometry, scene_radius: f64, within: Within<'_>) -> Self {
+        Self::of((emitters, &|_| true), geometry, scene_radius, within)
     }
 
     /// The same of some of them.
     pub(super) fn of(
-        emitters: &[Emitter],
+        (emitters, is_one): (&[Emitter], &dyn Fn(u32) -> bool),
         geometry: &Geometry,
         scene_radius: f64,
-        is_one: &dyn Fn(u32) -> bool,
+        within: Within<'_>,
     ) -> Self {
         let powers: Vec<f64> = (0..)
             .zip(emitters)
@@ -111,48 +130,68 @@ impl LightTable {
             }
             _ => 1,
         };
+        let copies = within.copies;
+        let count = shining.iter().fold(0_usize, |sum, i| sum.saturating_add(copies.count(*i) as usize));
+        let is_many = count > FEW || shining.iter().any(|i| triangles(i) > WHOLE_MESH);
         let way = match shining[..] {
             [] => Way::Nothing,
-            _ if shining.len() > FEW || shining.iter().any(|i| triangles(i) > WHOLE_MESH) => {
-                Way::Many(Box::new(Many::new((emitters, is_one), geometry, &shining)))
-            }
-            [only] => Way::Only(only),
+            _ if is_many => Way::Many(Box::new(Many::new((emitters, is_one), geometry, &shining, within))),
+            [only] if count == 1 => Way::Only(only),
             _ => {
-                let reach = |&i: &u32| Some((i, emitters[i as usize].reach(geometry)?));
-                Way::Few(shining.iter().filter_map(reach).collect())
+                let of = |&index: &u32| {
+                    let reach = emitters[index as usize].reach(geometry);
+                    (0..copies.count(index)).filter_map(move |copy| {
+                        let reach = reach.clone()?;
+                        let reach =
+                            if copies.has(index) { within.stand(index, copy).reach(reach) } else { reach };
+                        Some(Lit { index, copy, reach })
+                    })
+                };
+                Way::Few(shining.iter().flat_map(of).collect())
             }
         };
-        // Relative to the strongest, so that single precision holds them.
-        let most = powers.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
-        let relative: Vec<f32> = powers.iter().map(|&w| (w / most) as f32).collect();
-        Self { way, by_power: Table1::new(&relative) }
+        Self { way, by_power: by_power(&powers, within) }
     }
 
     /// Picks the light that a ray is to leave, by power; `None` when nothing shines.
-    pub fn pick_by_power(&self, u: f32) -> Option<Pick> {
-        let choice = self.by_power.as_ref()?.sample(u);
-        Some(Pick { index: choice.index as u32, pmf: choice.pmf, rest: choice.rest, part: WHOLE })
+    pub fn pick_by_power(&self, u: f32, within: Within<'_>) -> Option<Pick> {
+        let copies = within.copies;
+        let (mut group, mut copy, mut pmf, mut rest) = (0, 0_u32, 1.0, u);
+        loop {
+            let choice = self.by_power.get(group)?.as_ref()?.sample(rest);
+            (pmf, rest) = (pmf * choice.pmf, choice.rest);
+            if copies.is_empty() {
+                return Some(Pick { index: choice.index as u32, pmf, rest, part: WHOLE, copy });
+            }
+            let (lamps, inside) = copies.of_group(group);
+            if let Some(&index) = lamps.get(choice.index) {
+                return Some(Pick { index, pmf, rest, part: WHOLE, copy });
+            }
+            let &Inside { instance, group: inner } = inside.get(choice.index - lamps.len())?;
+            copy = copy.wrapping_add(copies.part(instance));
+            group = inner as usize;
+        }
     }
 
     /// Picks for a point by `u` in [0, 1); `None` when nothing shines on it.
     #[inline]
-    pub fn pick(&self, u: f32, at: &Receiver) -> Option<Pick> {
-        let Picks { index, pmf, rest, part } = self.picks(u, at);
-        (pmf > 0.0).then_some(Pick { index, pmf, rest, part })
+    pub fn pick(&self, u: f32, at: &Receiver, within: Within<'_>) -> Option<Pick> {
+        let Picks { index, pmf, rest, part, copy } = self.picks(u, at, within);
+        (pmf > 0.0).then_some(Pick { index, pmf, rest, part, copy })
     }
 
     /// [`Self::pick`] for many points side by side.
     #[inline(always)]
-    pub fn picks<F: Float>(&self, u: F, at: &Receiver<F>) -> Picks<F> {
+    pub fn picks<F: Float>(&self, u: F, at: &Receiver<F>, within: Within<'_>) -> Picks<F> {
         match &self.way {
             Way::Nothing => Picks::whole(F::Uint::splat(0), F::ZERO, u),
             Way::Only(index) => Picks::whole(F::Uint::splat(*index), F::ONE, u),
             Way::Few(lights) => picks_of_few(lights, u, at),
-            Way::Many(many) => many.picks(u, at),
+            Way::Many(many) => many.picks(u, at, within),
         }
     }
 
-    /// The probability with which an emitter is picked for a point.
+    /// The probability with which an emitter that stands in no object is picked for a point.
     #[inline]
     pub fn pmf(&self, index: u32, at: &Receiver) -> f32 {
         self.pmfs(index, at)
@@ -164,11 +203,7 @@ impl LightTable {
         match &self.way {
             Way::Nothing => F::ZERO,
             Way::Only(only) => F::splat(f32::from(u8::from(*only == index))),
-            Way::Few(lights) => {
-                let Some(place) = lights.iter().position(|(i, _)| *i == index) else { return F::ZERO };
-                let shares = Shares::of(lights, at);
-                shares.each[place] / shares.steps
-            }
+            Way::Few(lights) => pmfs_of_few(lights, [index, 0], at),
             Way::Many(many) => many.pmfs(index, WHOLE, at),
         }
     }
@@ -176,10 +211,10 @@ impl LightTable {
     /// Whether an emitter is picked triangle by triangle.
     #[inline]
     pub fn splits(&self, index: u32) -> bool {
-        matches!(&self.way, Way::Many(many) if many.near.as_ref().is_some_and(|tree| tree.splits(index)))
+        matches!(&self.way, Way::Many(many) if many.near.iter().flatten().any(|tree| tree.splits(index)))
     }
 
-    /// The probability with which a triangle of an emitter is picked, of one that [`Self::splits`].
+    /// The probability with which a triangle of an emitter is picked, of one that [`Self::splits`] and stands in no object.
     #[inline]
     pub fn pmf_of_part(&self, index: u32, part: u32, at: &Receiver) -> f32 {
         match &self.way {
@@ -188,14 +223,52 @@ impl LightTable {
         }
     }
 
+    /// The probability with which a copy of an emitter is picked, or a triangle of it where it [`Self::splits`].
+    pub fn pmf_of_copy(&self, [index, copy, part]: [u32; 3], at: &Receiver, within: Within<'_>) -> f32 {
+        match &self.way {
+            Way::Nothing => 0.0,
+            Way::Only(only) => f32::from(u8::from(*only == index)),
+            Way::Few(lights) => pmfs_of_few(lights, [index, copy], at),
+            Way::Many(many) => many.pmf_of_copy([index, copy, part], at, within),
+        }
+    }
+
     /// Bytes that it holds.
     pub fn bytes(&self) -> usize {
-        let tree = match &self.way {
-            Way::Many(many) => many.near.as_ref().map_or(0, Tree::bytes),
+        let trees = match &self.way {
+            Way::Many(many) => many.near.iter().flatten().map(Tree::bytes).sum(),
             _ => 0,
         };
-        tree + self.by_power.as_ref().map_or(0, |table| table.len() * Table1::BYTES)
+        trees + self.by_power.iter().flatten().map(|table| table.len() * Table1::BYTES).sum::<usize>()
     }
+}
+
+/// Tables of each group by power, of which that of an instance is that of all within it.
+fn by_power(powers: &[f64], within: Within<'_>) -> Vec<Option<Table1>> {
+    // Relative to the strongest, so that single precision holds them.
+    let table = |weights: &[f64]| {
+        let most = weights.iter().copied().fold(0.0, |a: f64, b| if b > a { b } else { a });
+        let relative: Vec<f32> = weights.iter().map(|&w| (w / most) as f32).collect();
+        Table1::new(&relative)
+    };
+    if within.copies.is_empty() {
+        return vec![table(powers)];
+    }
+    let (groups, order) = within.copies.groups();
+    let mut tables = vec![None; groups.len()];
+    let mut sums = vec![0.0; groups.len()];
+    for number in order {
+        let group = &groups[number];
+        let lamps = group.lamps.iter().map(|i| powers[*i as usize]);
+        let inside = group.inside.iter().map(|i| {
+            let all = sums[i.group as usize] * f64::from(mean_stretch(&within.transform(i.instance)));
+            if all.is_finite() { all } else { 0.0 }
+        });
+        let weights: Vec<f64> = lamps.chain(inside).collect();
+        sums[number] = weights.iter().sum();
+        tables[number] = table(&weights);
+    }
+    tables
 }
 
 impl<F: Float> Picks<F> {
@@ -207,6 +280,7 @@ impl<F: Float> Picks<F> {
             pmf: F::select(mask, yes.pmf, no.pmf),
             rest: F::select(mask, yes.rest, no.rest),
             part: F::Uint::select(mask, yes.part, no.part),
+            copy: F::Uint::select(mask, yes.copy, no.copy),
         }
     }
 
@@ -218,7 +292,7 @@ impl<F: Float> Picks<F> {
 
     #[inline(always)]
     fn whole(index: F::Uint, pmf: F, rest: F) -> Self {
-        Self { index, pmf, rest, part: F::Uint::splat(WHOLE) }
+        Self { index, pmf, rest, part: F::Uint::splat(WHOLE), copy: F::Uint::splat(0) }
     }
 }
 
@@ -227,12 +301,35 @@ impl Many {
         (emitters, is_one): (&[Emitter], &dyn Fn(u32) -> bool),
         geometry: &Geometry,
         shining: &[u32],
+        within: Within<'_>,
     ) -> Self {
         let is_far = |i: &&u32| emitters[**i as usize].is_from_afar();
         let far = { shining.iter().filter(is_far) }
             .filter_map(|&i| Some((i, emitters[i as usize].reach(geometry)?)))
             .collect();
-        Self { far, near: Tree::new(emitters, geometry, is_one) }
+        let copies = within.copies;
+        if copies.is_empty() {
+            let all: Vec<u32> = (0..emitters.len() as u32).collect();
+            return Self { far, near: vec![Tree::new((emitters, geometry), &all, &[], is_one)] };
+        }
+        let (groups, order) = copies.groups();
+        let mut near: Vec<Option<Tree>> = vec![None; groups.len()];
+        for number in order {
+            let group = &groups[number];
+            let held = |i: &Inside| {
+                let whole = near[i.group as usize].as_ref().map(Tree::whole);
+                Held { inside: *i, cluster: whole.map(|whole| whole.through(&within.transform(i.instance))) }
+            };
+            let inside: Vec<Held> = group.inside.iter().map(held).collect();
+            near[number] = Tree::new((emitters, geometry), &group.lamps, &inside, is_one);
+        }
+        Self { far, near }
+    }
+
+    /// The world's own.
+    #[inline(always)]
+    fn in_world(&self) -> Option<&Tree> {
+        self.near.first().and_then(Option::as_ref)
     }
 
     /// What each of those from afar brings.
@@ -250,7 +347,7 @@ impl Many {
             #[inline(always)]
             |sum, (_, reach)| sum + Self::estimate(reach, at),
         );
-        let Some(tree) = &self.near else { return (far, F::ZERO) };
+        let Some(tree) = self.in_world() else { return (far, F::ZERO) };
         if self.far.is_empty() {
             return (far, F::ONE);
         }
@@ -261,17 +358,21 @@ impl Many {
     }
 
     #[inline(always)]
-    fn picks<F: Float>(&self, u: F, at: &Receiver<F>) -> Picks<F> {
+    fn picks<F: Float>(&self, u: F, at: &Receiver<F>, within: Within<'_>) -> Picks<F> {
         let (far, share) = self.shares(at);
         let is_near = u.lt(share);
         let mut picked = Picks::whole(F::Uint::splat(0), F::ZERO, u);
-        if let Some(tree) = self.near.as_ref().filter(|_| is_near.any()) {
+        if let Some(tree) = self.in_world().filter(|_| is_near.any()) {
             let below_one = F::splat(BELOW_ONE);
             let down = tree.picks(F::select(is_near, u / share, F::ZERO).min(below_one), at);
             picked.index = down.emitter;
             picked.part = down.part;
             picked.pmf = F::select(is_near, down.pmf * share, F::ZERO);
             picked.rest = down.rest;
+            let inside = down.inside & picked.pmf.gt(F::ZERO);
+            if inside.any() {
+                self.go_inside(&mut picked, inside, at, within);
+            }
         }
         if is_near.all() {
             return picked;
@@ -302,28 +403,110 @@ impl Many {
             let brings = Self::estimate(reach, at);
             return F::select(brings.gt(F::ZERO), (F::ONE - share) * (brings / far), F::ZERO);
         }
-        let tree = self.near.as_ref();
+        let tree = self.in_world();
         tree.map_or(F::ZERO, |tree| F::select(share.gt(F::ZERO), tree.pmfs(index, part, at) * share, F::ZERO))
+    }
+
+    /// Goes on within the instances that were picked, lane by lane: hardly two are in the same.
+    #[cold]
+    fn go_inside<F: Float>(
+        &self,
+        picked: &mut Picks<F>,
+        lanes: F::Mask,
+        at: &Receiver<F>,
+        within: Within<'_>,
+    ) {
+        let mut left = lanes.to_bits();
+        while left != 0 {
+            let i = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let inside = Inside { instance: picked.index.lane(i), group: picked.part.lane(i) };
+            let at = Receiver { p: at.p.lane(i), n: at.n.lane(i) };
+            let found = self.pick_inside(inside, picked.rest.lane(i), &at, within);
+            let this = F::Mask::from_bits(1 << i);
+            let pmf = picked.pmf * F::splat(found.pmf);
+            picked.index = F::Uint::select(this, F::Uint::splat(found.index), picked.index);
+            picked.part = F::Uint::select(this, F::Uint::splat(found.part), picked.part);
+            picked.copy = F::Uint::select(this, F::Uint::splat(found.copy), picked.copy);
+            picked.pmf = F::select(this, pmf, picked.pmf);
+            picked.rest = F::select(this, F::splat(found.rest), picked.rest);
+        }
+    }
+
+    /// Goes down the trees of an instance, and of those in it.
+    fn pick_inside(&self, inside: Inside, u: f32, at: &Receiver, within: Within<'_>) -> Pick {
+        let (mut inside, mut at) = (inside, *at);
+        let mut picked = Pick { index: 0, pmf: 1.0, rest: u, part: WHOLE, copy: 0 };
+        loop {
+            at = inwards(&at, &within.transform(inside.instance));
+            picked.copy = picked.copy.wrapping_add(within.copies.part(inside.instance));
+            let Some(Some(tree)) = self.near.get(inside.group as usize) else {
+                return Pick { index: 0, pmf: 0.0, ..picked };
+            };
+            let down = tree.picks::<f32>(picked.rest, &at);
+            (picked.pmf, picked.rest) = (picked.pmf * down.pmf, down.rest);
+            if picked.pmf <= 0.0 {
+                return Pick { index: 0, pmf: 0.0, ..picked };
+            }
+            if !down.inside {
+                return Pick { index: down.emitter, part: down.part, ..picked };
+            }
+            inside = Inside { instance: down.emitter, group: down.part };
+        }
+    }
+
+    /// See [`LightTable::pmf_of_copy`].
+    fn pmf_of_copy(&self, [index, copy, part]: [u32; 3], at: &Receiver, within: Within<'_>) -> f32 {
+        let (_, share) = self.shares(at);
+        let (mut tree, mut at) = (self.in_world(), *at);
+        // Multiplied in the order of `picks`, for the same bits.
+        let (mut outside, mut inside) = (share, 1.0);
+        for (depth, instance) in within.copies.way(index, copy).iter().enumerate() {
+            let Some((pmf, group)) = tree.and_then(|tree| tree.pmf_of_instance(instance, &at)) else {
+                return 0.0;
+            };
+            if depth == 0 {
+                outside = pmf * share;
+            } else {
+                inside *= pmf;
+            }
+            if outside * inside <= 0.0 {
+                return 0.0;
+            }
+            at = inwards(&at, &within.transform(instance));
+            tree = self.near.get(group as usize).and_then(Option::as_ref);
+        }
+        let lamp = tree.map_or(0.0, |tree| tree.pmfs::<f32>(index, part, &at));
+        if within.copies.has(index) { outside * (inside * lamp) } else { lamp * share }
     }
 }
 
 #[inline(always)]
-fn picks_of_few<F: Float>(lights: &[(u32, Reach)], u: F, at: &Receiver<F>) -> Picks<F> {
+fn picks_of_few<F: Float>(lights: &[Lit], u: F, at: &Receiver<F>) -> Picks<F> {
     let shares = Shares::of(lights, at);
     // Exact: the steps are a power of two.
     let place = u * shares.steps;
     let mut first = F::ZERO;
     let mut picked = Picks::whole(F::Uint::splat(0), F::ZERO, F::ZERO);
-    for ((index, _), &width) in lights.iter().zip(&shares.each) {
+    for (light, &width) in lights.iter().zip(&shares.each) {
         let end = first + width;
         // Those before have ended at or before it.
         let it = place.lt(end) & !place.lt(first);
-        picked.index = F::Uint::select(it, F::Uint::splat(*index), picked.index);
+        picked.index = F::Uint::select(it, F::Uint::splat(light.index), picked.index);
+        picked.copy = F::Uint::select(it, F::Uint::splat(light.copy), picked.copy);
         picked.pmf = F::select(it, width / shares.steps, picked.pmf);
         picked.rest = F::select(it, ((place - first) / width).min(F::splat(BELOW_ONE)), picked.rest);
         first = end;
     }
     picked
+}
+
+#[inline(always)]
+fn pmfs_of_few<F: Float>(lights: &[Lit], [index, copy]: [u32; 2], at: &Receiver<F>) -> F {
+    let is_it = |l: &Lit| l.index == index && l.copy == copy;
+    let Some(place) = lights.iter().position(is_it) else { return F::ZERO };
+    let shares = Shares::of(lights, at);
+    shares.each[place] / shares.steps
 }
 
 /// Probabilities in whole steps.
@@ -335,11 +518,11 @@ struct Shares<F> {
 
 impl<F: Float> Shares<F> {
     #[inline(always)]
-    fn of(lights: &[(u32, Reach)], at: &Receiver<F>) -> Self {
+    fn of(lights: &[Lit], at: &Receiver<F>) -> Self {
         let mut weights = [F::ZERO; FEW];
         let (mut total, mut count) = (F::ZERO, F::ZERO);
-        for (weight, (_, reach)) in weights.iter_mut().zip(lights) {
-            let w = reach.estimate(at);
+        for (weight, light) in weights.iter_mut().zip(lights) {
+            let w = light.reach.estimate(at);
             let shines = w.gt(F::ZERO);
             // On a light of no size anything is infinite.
             *weight = F::select(shines, w.min(F::splat(1e30)), F::ZERO);

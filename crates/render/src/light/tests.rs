@@ -11,6 +11,7 @@ use crate::shape::tests::{Rng, assert_agrees, monte_carlo};
 use crate::shape::{Disc, Parallelogram, Shape, Sphere, TriangleMesh};
 use crate::testing::in_rgb;
 
+mod copies;
 mod density;
 mod emitted;
 mod many;
@@ -465,7 +466,7 @@ fn black_lights_are_never_sampled() {
         assert_eq!(entry.emitter.power(&entry.geometry, 1.0), 0.0);
         let table = LightTable::new(std::slice::from_ref(&entry.emitter), &entry.geometry, 1.0);
         let at = Receiver { p: VIEWS[0], n: Vec3::ZERO };
-        assert_eq!((table.pick(0.5, &at), table.pmf(0, &at)), (None, 0.0));
+        assert_eq!((table.pick(0.5, &at, Within::WORLD), table.pmf(0, &at)), (None, 0.0));
         for p in VIEWS {
             assert_eq!(
                 entry.emitter.sample(&entry.geometry, &Receiver::anywhere(p), [0.4, 0.6], &in_rgb()),
@@ -522,7 +523,7 @@ fn shadow_rays_end_before_the_light_and_start_off_the_surface() {
 }
 
 fn whole(index: u32, pmf: f32, rest: f32) -> Pick {
-    Pick { index, pmf, rest, part: u32::MAX }
+    Pick { index, pmf, rest, part: u32::MAX, copy: 0 }
 }
 
 #[test]
@@ -531,9 +532,15 @@ fn black_lights_are_never_picked() {
         Emitter::Point(PointLight { position: Vec3::ZERO, intensity: Light::rgb([i; 3]).into(), falls: true })
     };
     let geometry = Geometry::default();
-    assert_eq!(LightTable::new(&[], &geometry, 1.0).pick(0.0, &Receiver::anywhere(Vec3::ONE)), None);
+    assert_eq!(
+        LightTable::new(&[], &geometry, 1.0).pick(0.0, &Receiver::anywhere(Vec3::ONE), Within::WORLD),
+        None
+    );
     let one = LightTable::new(&[at(0.0), at(3.0), at(f32::NAN)], &geometry, 1.0);
-    assert_eq!(one.pick(0.3, &Receiver { p: Vec3::ONE, n: Vec3::X }), Some(whole(1, 1.0, 0.3)));
+    assert_eq!(
+        one.pick(0.3, &Receiver { p: Vec3::ONE, n: Vec3::X }, Within::WORLD),
+        Some(whole(1, 1.0, 0.3))
+    );
 }
 
 #[test]
@@ -578,7 +585,10 @@ fn few_lights_are_picked_by_what_they_bring() {
                 for k in 0..5 {
                     let rest = k as f32 / 8.0;
                     if pmf > 0.0 {
-                        assert_eq!(table.pick(first + rest * pmf, &at), Some(whole(i as u32, pmf, rest)));
+                        assert_eq!(
+                            table.pick(first + rest * pmf, &at, Within::WORLD),
+                            Some(whole(i as u32, pmf, rest))
+                        );
                     }
                 }
                 first += pmf;
@@ -588,7 +598,7 @@ fn few_lights_are_picked_by_what_they_bring() {
     }
     // Where nothing shines there is nothing to pick.
     let below = LightTable::new(&[emitters[0].clone(), emitters[2].clone()], &geometry, 1.0);
-    assert_eq!(below.pick(0.3, &Receiver { p: Vec3::ZERO, n: -Vec3::Z }), None);
+    assert_eq!(below.pick(0.3, &Receiver { p: Vec3::ZERO, n: -Vec3::Z }, Within::WORLD), None);
 }
 
 /// What is never picked never shines there, and no light that brings most of it is forgotten.

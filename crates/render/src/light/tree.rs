@@ -7,12 +7,17 @@
 //! anything is picked with some probability.
 //!
 //! A mesh that shines is as many lamps as it has triangles: of a large one, those near a point are the ones that light it.
+//!
+//! Lamps of an object are a tree of their own in the object's space, and each instance is one part of the tree of the space that it stands in. So all that a point is told
+//! there holds in the object's space as well: which side of a plane something lies on is the same whatever maps one to the other, and that is all that tells
+//! whether nothing arrives.
 
+use super::copies::{Inside, determinant, mean_stretch, wider};
 use super::reach::{Lamp, Reach, Receiver};
 use super::{AreaLight, Emitter, LitSurface, Sides, strength};
 use crate::shape::Geometry;
 use straal_math::simd::{Float, Mask, Uint};
-use straal_math::{Bounds, Vec3, ops};
+use straal_math::{Bounds, Transform, Vec3, ops};
 
 /// Where a leaf says which part it is, in place of where its children are.
 const LEAF: u32 = 1 << 31;
@@ -37,12 +42,23 @@ pub(super) struct Tree {
     nodes: Vec<[[f32; 4]; 3]>,
     /// By node: the first of its children, or [`LEAF`] with the number of its part.
     links: Vec<u32>,
-    /// By part: its emitter, and which triangle of it, or [`WHOLE`].
+    /// By part: its emitter, and which triangle of it, or [`WHOLE`]. Then instances, each with the number of what it is of.
     parts: Vec<[u32; 2]>,
     /// By part, the way there from the root: from the lowest bit on, 1 where it goes to the second child.
     ways: Vec<u64>,
-    /// By emitter, its first part; one more at the end.
+    /// By emitter, its first part; one more at the end, which is the first instance.
     firsts: Vec<u32>,
+    /// The emitters, in order, if they aren't all.
+    members: Vec<u32>,
+    /// All of them.
+    whole: Cluster,
+}
+
+/// An instance in which something shines, and what.
+pub(super) struct Held {
+    pub inside: Inside,
+    /// In the space that it stands in.
+    pub cluster: Option<Cluster>,
 }
 
 /// A part that was picked, or many side by side.
@@ -51,6 +67,8 @@ pub(super) struct Picked<F: Float> {
     pub emitter: F::Uint,
     /// Which triangle, or [`WHOLE`].
     pub part: F::Uint,
+    /// Whether these are an instance and what it is of.
+    pub inside: F::Mask,
     /// 0 where nothing brings anything.
     pub pmf: F,
     /// What is left of the number that picked it.
@@ -59,7 +77,7 @@ pub(super) struct Picked<F: Float> {
 
 /// What is known of some lamps.
 #[derive(Clone, Copy, Debug)]
-struct Cluster {
+pub(super) struct Cluster {
     bounds: Bounds,
     /// Of unit length; of no meaning where normals lie all around.
     axis: Vec3,
@@ -114,6 +132,29 @@ impl Cluster {
             }
             Reach::Surface(lamp) => Some(Self::of_lamp(lamp)),
             Reach::Parallel { .. } | Reach::Around(_) => None,
+        }
+    }
+
+    /// As it is from outside of an instance.
+    pub fn through(&self, m: &Transform) -> Self {
+        let b = &self.bounds;
+        let corner = |i: u32| {
+            let of = |axis: usize| if i >> axis & 1 == 0 { b.min[axis] } else { b.max[axis] };
+            m.point(Vec3::new(of(0), of(1), of(2)))
+        };
+        let normal = m.normal(self.axis);
+        let cos_normals = wider(self.cos_normals, m);
+        // By so much what faces along the axis grows; else in the mean.
+        let along = determinant(&m.forward).abs() * normal.length();
+        let stretch = if self.cos_normals > 0.9 { along } else { mean_stretch(m) };
+        let (axis, cos_normals) = normal.try_normalize().map_or((Vec3::Z, -1.0), |axis| (axis, cos_normals));
+        // Lamps within objects shine as far as their horizon.
+        Self {
+            bounds: Bounds::of_points((0..8).map(corner)),
+            axis,
+            cos_normals,
+            strength: self.strength * stretch,
+            ..*self
         }
     }
 
@@ -192,55 +233,78 @@ impl Tree {
     /// Bytes that it takes besides, for each part, while it is made.
     pub const MAKING_BYTES: usize = size_of::<Known>();
 
-    /// Of all lights that have a place; those from afar have no part of it. `None` where there are none.
-    pub fn new(emitters: &[Emitter], geometry: &Geometry, is_one: &dyn Fn(u32) -> bool) -> Option<Self> {
+    /// Of those among some lights that have a place and are wanted, and of instances in which something shines; those from afar have no part of it. `None`
+    /// where there are none.
+    pub fn new(
+        (emitters, geometry): (&[Emitter], &Geometry),
+        members: &[u32],
+        inside: &[Held],
+        is_one: &dyn Fn(u32) -> bool,
+    ) -> Option<Self> {
         // Lists that grow leave holes in memory behind.
-        let parts_of = |emitter: &Emitter| {
-            mesh_of(emitter).map_or(1, |(_, mesh)| geometry.meshes[mesh as usize].indices.len())
+        let parts_of = |index: &u32| {
+            mesh_of(&emitters[*index as usize])
+                .map_or(1, |(_, mesh)| geometry.meshes[mesh as usize].indices.len())
         };
-        let count = emitters.iter().map(parts_of).sum();
+        let count = members.iter().map(parts_of).sum::<usize>() + inside.len();
         let (mut parts, mut known) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut firsts = Vec::with_capacity(emitters.len() + 1);
-        for (index, emitter) in (0..).zip(emitters) {
-            firsts.push(parts.len() as u32);
-            let mut add = |part: u32, cluster: Option<Cluster>| {
-                let number = parts.len() as u32;
-                parts.push([index, part]);
-                let shines = |c: &Cluster| c.strength > 0.0 && c.strength.is_finite() && c.bounds.is_finite();
-                if let Some(cluster) = cluster.filter(shines).filter(|_| is_one(index)) {
-                    known.push(Known { part: number, cluster });
-                }
-            };
+        let mut firsts = Vec::with_capacity(members.len() + 1);
+        let mut add = |[index, part]: [u32; 2], cluster: Option<Cluster>| {
+            let number = parts.len() as u32;
+            parts.push([index, part]);
+            let shines = |c: &Cluster| c.strength > 0.0 && c.strength.is_finite() && c.bounds.is_finite();
+            if let Some(cluster) = cluster.filter(shines) {
+                known.push(Known { part: number, cluster });
+            }
+            number + 1
+        };
+        let mut end = 0;
+        for &index in members {
+            let emitter = &emitters[index as usize];
+            let is_one = is_one(index);
+            firsts.push(end);
             match mesh_of(emitter) {
                 Some((light, mesh)) => {
                     let radiance = strength(&light.radiance) as f32;
                     for triangle in 0..geometry.meshes[mesh as usize].indices.len() as u32 {
-                        add(triangle, triangle_of(light, radiance, geometry, (mesh, triangle)));
+                        let cluster = triangle_of(light, radiance, geometry, (mesh, triangle));
+                        end = add([index, triangle], cluster.filter(|_| is_one));
                     }
                 }
                 None => {
                     let reach = emitter.reach(geometry);
-                    add(WHOLE, reach.as_ref().and_then(Cluster::of_reach));
+                    end = add([index, WHOLE], reach.as_ref().and_then(Cluster::of_reach).filter(|_| is_one));
                 }
             }
         }
-        firsts.push(parts.len() as u32);
+        firsts.push(end);
+        for held in inside {
+            add([held.inside.instance, held.inside.group], held.cluster);
+        }
         if known.is_empty() || parts.len() as u64 >= u64::from(LEAF) {
             return None;
         }
         let ways = vec![NO_WAY; parts.len()];
+        let whole = together(&known);
+        let is_all = members.len() == emitters.len();
         let mut tree = Self {
             nodes: Vec::with_capacity(2 * known.len()),
             links: Vec::with_capacity(2 * known.len()),
             parts,
             ways,
             firsts,
+            members: if is_all { Vec::new() } else { members.to_vec() },
+            whole,
         };
-        let whole = together(&known);
         tree.nodes.push(whole.rows());
         tree.links.push(0);
         tree.grow(&mut known);
         Some(tree)
+    }
+
+    /// What is known of all of them.
+    pub fn whole(&self) -> Cluster {
+        self.whole
     }
 
     /// Makes all nodes below the root.
@@ -274,7 +338,7 @@ impl Tree {
             + self.links.capacity() * size_of::<u32>()
             + self.parts.capacity() * size_of::<[u32; 2]>()
             + self.ways.capacity() * size_of::<u64>()
-            + self.firsts.capacity() * size_of::<u32>()
+            + (self.firsts.capacity() + self.members.capacity()) * size_of::<u32>()
     }
 
     /// Roughly what all of them bring.
@@ -316,7 +380,8 @@ impl Tree {
                 // In the middle of those numbers that picked it: there are 2^24 in all.
                 let step = F::splat(0.5 / 16_777_216.0) / pmf;
                 let rest = (rest + step).min(F::splat(1.0 - f32::EPSILON / 2.0));
-                return Picked { emitter: of(0), part: of(1), pmf, rest };
+                let inside = !part.lt(F::Uint::splat(self.first_instance()));
+                return Picked { emitter: of(0), part: of(1), inside, pmf, rest };
             }
             // Where it goes no further, anything will do.
             let first = F::Uint::select(goes, link, F::Uint::splat(0));
@@ -337,9 +402,40 @@ impl Tree {
     /// The probability with which [`Self::picks`] picks a part of an emitter: a triangle, or [`WHOLE`].
     #[inline(always)]
     pub fn pmfs<F: Float>(&self, emitter: u32, part: u32, at: &Receiver<F>) -> F {
-        let first = self.firsts[emitter as usize];
-        let number =
-            if part == WHOLE || self.parts[first as usize][1] == WHOLE { first } else { first + part };
+        let Some(place) = self.place_of(emitter) else { return F::ZERO };
+        let first = self.firsts[place];
+        // One that has no parts is no light.
+        let Some(&[_, first_part]) = self.parts.get(first as usize) else { return F::ZERO };
+        let number = if part == WHOLE || first_part == WHOLE { first } else { first + part };
+        self.pmfs_of(number, at)
+    }
+
+    /// The probability with which an instance is picked, and what it is of.
+    pub fn pmf_of_instance(&self, instance: u32, at: &Receiver) -> Option<(f32, u32)> {
+        let first = self.first_instance() as usize;
+        let place = self.parts[first..].binary_search_by_key(&instance, |part| part[0]).ok()?;
+        let number = first + place;
+        Some((self.pmfs_of(number as u32, at), self.parts[number][1]))
+    }
+
+    /// The first part that is an instance.
+    #[inline(always)]
+    fn first_instance(&self) -> u32 {
+        self.firsts.last().copied().unwrap_or(0)
+    }
+
+    /// Where an emitter stands among its own.
+    #[inline(always)]
+    fn place_of(&self, emitter: u32) -> Option<usize> {
+        if self.members.is_empty() {
+            return Some(emitter as usize).filter(|place| place + 1 < self.firsts.len());
+        }
+        self.members.binary_search(&emitter).ok()
+    }
+
+    /// The same of a part by its number.
+    #[inline(always)]
+    fn pmfs_of<F: Float>(&self, number: u32, at: &Receiver<F>) -> F {
         let mut way = self.ways[number as usize];
         if way == NO_WAY {
             return F::ZERO;
@@ -360,7 +456,7 @@ impl Tree {
 
     /// Whether an emitter is so many lamps as it has triangles.
     pub fn splits(&self, emitter: u32) -> bool {
-        self.parts[self.firsts[emitter as usize] as usize][1] != WHOLE
+        self.place_of(emitter).is_some_and(|place| self.parts[self.firsts[place] as usize][1] != WHOLE)
     }
 
     /// The part of the light of two nodes that comes from the first.

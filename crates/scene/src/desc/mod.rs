@@ -44,9 +44,9 @@ pub use material::*;
 pub use node::{Group, Instance, Instances, Node};
 pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
-    AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Film, Filter, Gaussian, Integrator,
-    Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette, Sampler,
-    SamplerKind, SpectralChannels, Technique, Tent, Whitted,
+    AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Directions, Film, Filter, Gaussian,
+    Integrator, Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette,
+    Sampler, SamplerKind, SpectralChannels, Technique, Tent, Whitted,
 };
 pub use shape::{
     Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, LightSampling,

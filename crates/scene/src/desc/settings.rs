@@ -256,6 +256,8 @@ describe! {
         /// The most that one piece of light may bring that came by way of more than one surface, in W/(m^2 sr): what is beyond is taken away, which makes the picture cleaner and darker. How much
         /// it was, a render tells. None when absent.
         clamp: Option<f64> [Limit::POSITIVE] = None,
+        /// How the directions are drawn in which paths go on.
+        directions: Directions = Directions::Bsdf,
     }
 }
 
@@ -284,6 +286,18 @@ describe! {
 }
 
 describe! {
+    /// How directions are drawn in which light is looked for. Mirrors, glass and what else lets light through always have their own.
+    pub enum Directions {
+        /// By what the surface scatters: those that bring more come more often.
+        "bsdf" => Bsdf,
+        /// By the cosine to the normal, whatever the surface is.
+        "cosine" => Cosine,
+        /// Evenly over the hemisphere.
+        "uniform" => Uniform,
+    }
+}
+
+describe! {
     /// By which chance roulette lets a path go on.
     pub enum Roulette {
         /// The root of the light that the path carries: noise against time.
@@ -304,6 +318,8 @@ describe! {
         light_samples: u32 [Limit::within(1.0, 4096.0)] = 1,
         /// Directions of the BSDF for each sample of the pixel.
         bsdf_samples: u32 [Limit::within(1.0, 4096.0)] = 1,
+        /// How these are drawn.
+        directions: Directions = Directions::Bsdf,
     }
 }
 

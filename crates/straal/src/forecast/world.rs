@@ -3,7 +3,7 @@
 use straal_accel as accel;
 use straal_math::Vec3;
 use straal_render::compile::GLOWING_BYTES;
-use straal_render::light::{Emitter, LightTable};
+use straal_render::light::{Copies, Emitter, LightTable};
 use straal_render::shape::{
     Curve, Cylinder, Disc, Parallelogram, Revolved, SMOOTHING_BYTES, Shape, TriangleMesh,
 };
@@ -58,11 +58,13 @@ pub(super) fn cost(t: &Tally) -> Cost {
         lights: sum(&[
             of(t.lights, size_of::<Emitter>() + LightTable::BYTES),
             of(t.lit_triangles, LightTable::BYTES),
+            of(t.lit_instances, LightTable::BYTES + Copies::BYTES),
         ]),
         making: sum(&[
             of(t.shapes.saturating_add(t.meshes), size_of::<u32>()),
             of(t.instances, instance),
             of(t.lights, GLOWING_BYTES + HOLES),
+            of(t.lit_instances, LightTable::MAKING_BYTES),
             of(t.smoothed, SMOOTHING_BYTES),
         ]),
     }

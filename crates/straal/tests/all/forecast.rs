@@ -130,3 +130,35 @@ fn jobs_that_take_too_much_are_refused() {
     assert!(shortage.needs > 4000 * 4000 * 176 && shortage.limit == 1 << 30, "{shortage}");
     assert!(Job::new(load(), wish(1 << 34)).is_ok());
 }
+
+/// Lamps of objects are kept once, however many instances there are.
+#[test]
+fn lamps_take_what_was_said() {
+    let teapot = "bezier: { builtin: teapot, resolution: 2, emission: 3 }";
+    let mut flat = format!("objects: {{ lamp: {{ {teapot} }} }}\nworld:\n");
+    for i in 0..1000 {
+        flat += &format!(
+            "  - instance: {{ of: lamp, transform: [{{ scale: [1, 2, 1] }}, {{ translate: [{}, {}, 0] }}] }}\n",
+            10 * (i % 40),
+            10 * (i / 40)
+        );
+    }
+    let mut nested = String::from("objects:\n  a: { sphere: { emission: 1 } }\n");
+    for (outer, inner) in [("b", "a"), ("c", "b"), ("d", "c"), ("e", "d")] {
+        nested += &format!("  {outer}: {{ group: {{ children: [");
+        for i in 0..12 {
+            let place = [3, 36, 432, 5184][usize::from(inner.as_bytes()[0] - b'a')] * i;
+            nested += &format!("instance: {{ of: {inner}, transform: {{ translate: [{place}, 0, 0] }} }}, ");
+        }
+        nested += "] } }\n";
+    }
+    nested += "world: [instance: { of: e }]\n";
+    for (world, most) in [(flat, 400_000), (nested, 20_000)] {
+        let text = format!("camera: {{ perspective: {{ eye: [0, 0, 50], look_at: [0, 0, 0] }} }}\n{world}");
+        let loaded = straal::load_str("scene.yaml", &text, Path::new(""), &LoadOptions::default())
+            .unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let told = straal::forecast(&loaded, &Overrides::default()).unwrap().lights as f64;
+        let truth = Job::new(loaded, Overrides::default()).unwrap().world.light_bytes() as f64;
+        assert!((truth / told - 1.0).abs() < 0.1 && told < f64::from(most), "{truth} bytes, {told} forecast");
+    }
+}

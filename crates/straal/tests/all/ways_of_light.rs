@@ -202,3 +202,89 @@ fn integrators_stand_by_themselves() {
     }
     assert_eq!(Integrator::bare("bdpt"), None);
 }
+
+/// A lamp of many triangles, one of few and a ball, stretched, mirrored and nested, on a floor; in objects, or written out as groups.
+fn lamps(of_objects: bool) -> String {
+    let shade = "{ box: { min: [-0.5, 0, -0.5], max: [0.5, 0.2, 0.5], material: { diffuse: { reflectance: 0 } }, emission: [4, 3, 2], \
+                 two_sided_emission: false } }";
+    let ball = "{ sphere: { radius: 0.3, center: [0, 0.8, 0], emission: { texture: { checker: { first: [9, 1, 1], second: [1, 1, 9] } } } } }";
+    let dish =
+        "{ bezier: { builtin: teapot, resolution: 3, emission: [1, 2, 1], transform: { scale: 0.15 } } }";
+    let lamp = format!("[{shade}, {ball}, {dish}]");
+    let stands = [
+        "[{ scale: [1, 0.5, 1.5] }, { rotate: { axis: [1, 1, 0], degrees: 40 } }, { translate: [-1.2, 1, 0] }]",
+        "[{ scale: [-0.8, 0.8, 0.8] }, { translate: [1.3, 0.9, 0.2] }]",
+    ];
+    let twice = "[{ rotate: { y: 50 } }, { scale: [1, 1.2, 0.7] }, { translate: [0.2, 0.4, -1.5] }]";
+    let mut text = String::from(
+        "camera: { perspective: { eye: [0, 2.5, 5], look_at: [0, 0.6, 0], fov: 50 } }\nfilm: { size: [16, 16] }\n",
+    );
+    if of_objects {
+        text += &format!("objects:\n  lamp: {{ group: {{ children: {lamp} }} }}\n");
+        text += "  pair: { group: { children: [";
+        for stand in stands {
+            text += &format!("instance: {{ of: lamp, transform: {stand} }}, ");
+        }
+        text += "] } }\n";
+    }
+    text += "world:\n  - plane: { material: { diffuse: { reflectance: 0.6 } } }\n";
+    for place in ["[]", twice] {
+        if of_objects {
+            text += &format!("  - instance: {{ of: pair, transform: {place} }}\n");
+            continue;
+        }
+        let pair = stands.map(|s| format!("{{ group: {{ transform: {s}, children: {lamp} }} }}")).join(", ");
+        text += &format!("  - group: {{ transform: {place}, children: [{pair}] }}\n");
+    }
+    text
+}
+
+#[test]
+fn lamps_of_objects_shine_as_if_written_out() {
+    let [objects, written] = [lamps(true), lamps(false)];
+    for (integrator, spp) in [("{ path: { max_depth: 3 } }", 64), ("{ direct: { technique: bsdf } }", 128)] {
+        let [a, b] = [mean(&objects, integrator, spp, 1), mean(&written, integrator, spp, 2)];
+        assert!(agree(a, b), "{integrator}: {a:?} {b:?}");
+    }
+    for (technique, spp) in [("lights", 64), ("bsdf", 256)] {
+        let integrator = format!("{{ path: {{ max_depth: 3, technique: {technique} }} }}");
+        let [a, b] =
+            [mean(&objects, &integrator, spp, 3), mean(&objects, "{ path: { max_depth: 3 } }", 64, 4)];
+        assert!(agree(a, b), "{technique}: {a:?} {b:?}");
+    }
+}
+
+/// The hemisphere form of the integral, by any directions, and the area form.
+#[test]
+fn directions_may_be_drawn_by_anything() {
+    let path = mean(SCENE, "{ path: { max_depth: 3 } }", 64, 1);
+    for (how, spp) in [
+        ("cosine", 256),
+        ("uniform", 256),
+        ("cosine, technique: bsdf", 1024),
+        ("uniform, technique: lights", 256),
+    ] {
+        let other = mean(SCENE, &format!("{{ path: {{ max_depth: 3, directions: {how} }} }}"), spp, 2);
+        assert!(agree(path, other), "{how}: {path:?} {other:?}");
+    }
+    let direct = mean(SCENE, "direct", 64, 1);
+    for how in ["cosine", "uniform", "uniform, technique: bsdf, bsdf_samples: 8"] {
+        let other = mean(SCENE, &format!("{{ direct: {{ directions: {how} }} }}"), 256, 2);
+        assert!(agree(direct, other), "{how}: {direct:?} {other:?}");
+    }
+}
+
+/// Within glass, a drop of lower priority is as if it weren't there.
+#[test]
+fn direct_light_passes_what_has_no_boundary() {
+    let scene = "\
+camera: { perspective: { eye: [0, 0, 5], look_at: [0, 0, 0], fov: 20 } }
+film: { size: [8, 8] }
+world:
+  - box: { min: [-2, -2, -2], max: [2, 2, 2], material: { dielectric: { eta: 1.5, priority: 2 } } }
+  - sphere: { radius: 1.2, material: { dielectric: { eta: 1.3, priority: 1 } } }
+  - sphere: { radius: 0.8, emission: [3, 2, 1], material: { diffuse: { reflectance: 0 } } }
+";
+    let [direct, path] = ["direct", "{ path: { max_depth: 2 } }"].map(|i| mean(scene, i, 64, 1));
+    assert!(direct[0].0 > 0.1 && agree(direct, path), "{direct:?} {path:?}");
+}

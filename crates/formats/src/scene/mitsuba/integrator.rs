@@ -1,7 +1,7 @@
 //! Integrators.
 
 use straal_scene::desc::{
-    AmbientOcclusion, DirectLight, Integrator, LightTracer, PathTracer, Roulette, Technique,
+    AmbientOcclusion, DirectLight, Directions, Integrator, LightTracer, PathTracer, Roulette, Technique,
 };
 use straal_scene::limit::Limit;
 use straal_scene::value::Depth;
@@ -50,6 +50,7 @@ impl<'o> Translator<'o, '_, '_> {
                     technique,
                     light_samples: lights.max(1),
                     bsdf_samples: bsdf.max(1),
+                    directions: Directions::Bsdf,
                 });
             }
             "ao" => {

@@ -308,7 +308,12 @@ impl Reader<'_, '_> {
                 self.warn(kind.span, message);
                 params.pass_over(&["strategy"]);
                 let technique = Technique::Mis;
-                Integrator::Direct(DirectLight { technique, light_samples: 1, bsdf_samples: 1 })
+                Integrator::Direct(DirectLight {
+                    technique,
+                    light_samples: 1,
+                    bsdf_samples: 1,
+                    ..DirectLight::default()
+                })
             }
             "lightpath" => Integrator::Light(LightTracer {
                 max_depth: Depth::Edges(depth.max(0).unsigned_abs().saturating_add(1)),

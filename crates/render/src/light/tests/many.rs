@@ -57,7 +57,7 @@ fn street(count: usize) -> (Geometry, Vec<Emitter>) {
 }
 
 /// Six boxes in a row, 72 triangles.
-fn stairs() -> TriangleMesh {
+pub(super) fn stairs() -> TriangleMesh {
     let step =
         |i: usize| TriangleMesh::cuboid(Vec3::new(i as f32, 0.0, 0.0), Vec3::new(i as f32 + 0.8, 0.3, 1.0));
     let (mut positions, mut indices) = (vec![], vec![]);
@@ -97,7 +97,7 @@ fn they_are_picked_with_the_probability_that_is_told() {
         let (mut rests, mut picked) = (0.0, 0.0);
         for k in 0..rounds {
             let u = (k as f32 + rng.f()) / rounds as f32;
-            let Some(pick) = table.pick(u, &at) else { continue };
+            let Some(pick) = table.pick(u, &at, Within::WORLD) else { continue };
             assert_eq!(pick.pmf, pmf(&table, (pick.index, pick.part), &at), "{pick:?}");
             assert!((0.0..1.0).contains(&pick.rest));
             rests += f64::from(pick.rest);
@@ -159,7 +159,8 @@ fn side_by_side_they_are_picked_as_one_after_the_other() {
                     p: Vec3::from_fn(|i| self.1[first + i].p),
                     n: Vec3::from_fn(|i| self.1[first + i].n),
                 };
-                let Picks { index, pmf, rest, part } = self.0.picks(F::from_fn(|i| self.2[first + i]), &at);
+                let u = F::from_fn(|i| self.2[first + i]);
+                let Picks { index, pmf, rest, part, .. } = self.0.picks(u, &at, Within::WORLD);
                 for i in 0..F::WIDTH {
                     let (pmf, rest) = (pmf.lane(i), rest.lane(i));
                     let number = |n: u32| if pmf > 0.0 { n } else { 0 };
@@ -202,7 +203,7 @@ fn a_tree_has_less_noise_than_power() {
         };
         let splits = |index: u32| table.splits(index);
         let by_tree = monte_carlo(1, 4000, |[u, v]| {
-            let Some(pick) = table.pick(u, &at) else { return 0.0 };
+            let Some(pick) = table.pick(u, &at, Within::WORLD) else { return 0.0 };
             let reading = in_rgb();
             let part = splits(pick.index).then_some(pick.part);
             let light = &emitters[pick.index as usize];
@@ -215,7 +216,7 @@ fn a_tree_has_less_noise_than_power() {
             brought((s.pdf > 0.0).then_some(s)) / f64::from(pick.pmf)
         });
         let by_power = monte_carlo(2, 20_000, |[u, v]| {
-            let Some(pick) = table.pick_by_power(u) else { return 0.0 };
+            let Some(pick) = table.pick_by_power(u, Within::WORLD) else { return 0.0 };
             let s = emitters[pick.index as usize].sample(&geometry, &at, [pick.rest, v], &in_rgb());
             brought(s) / f64::from(pick.pmf)
         });
@@ -250,5 +251,5 @@ fn however_lamps_stand_a_tree_is_made() {
         .take(40)
         .map(|i| point(Vec3::ONE, i))
         .collect();
-    assert_eq!(LightTable::new(&strange, &Geometry::default(), 1.0).pick(0.5, &here), None);
+    assert_eq!(LightTable::new(&strange, &Geometry::default(), 1.0).pick(0.5, &here, Within::WORLD), None);
 }

@@ -88,7 +88,7 @@ impl Kernel for Choices<'_> {
         let mut all = vec![];
         for first in (0..COUNT).step_by(F::WIDTH) {
             let (at, u) = lanes::<F>(&self.1[first..], &self.2[first..]);
-            let Picks { index, pmf, rest, .. } = self.0.picks(u[0], &at);
+            let Picks { index, pmf, rest, .. } = self.0.picks(u[0], &at, Within::WORLD);
             let told = [0, 1].map(|emitter| self.0.pmfs(emitter, &at));
             for i in 0..F::WIDTH {
                 let numbers = [pmf.lane(i), rest.lane(i), told[0].lane(i), told[1].lane(i)];
@@ -117,7 +117,7 @@ fn lights_are_chosen_as_one_after_the_other() {
             assert_eq!(simd.run(Choices(&table, &at, &u)), plain, "{count}, {simd:?}");
         }
         for (i, (index, [pmf, rest, ..])) in plain.into_iter().enumerate() {
-            let pick = table.pick(u[i][0], &at[i]);
+            let pick = table.pick(u[i][0], &at[i], Within::WORLD);
             assert_eq!(pick.map(|p| (p.index, p.pmf, p.rest)), (pmf > 0.0).then_some((index, pmf, rest)));
             assert!(pick.is_none_or(|p| table.pmf(p.index, &at[i]) == p.pmf));
         }
