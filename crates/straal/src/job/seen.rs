@@ -12,7 +12,7 @@ use super::Job;
 use crate::resolve::Error;
 use straal_render::driver::Render;
 use straal_render::film::{BLOCK, FIRST_CHECK, Film, HalfPictures, Layers};
-use straal_render::integrator::{AnyIntegrator, Integrator, WithIntegrator};
+use straal_render::integrator::{AnyIntegrator, Integrator, PathTracer, WithIntegrator};
 use straal_render::settings::Settings;
 
 /// Camera rays of a pixel, from which on its own are enough.
@@ -36,11 +36,16 @@ pub(crate) struct SeenLight {
 impl Job {
     /// What camera rays see of the light in a film of this job's own samples, if its integrator adds that up and its samples can be taken again.
     pub(super) fn seen_light(&self, film: &Film) -> Result<Option<SeenLight>, Error> {
-        let AnyIntegrator::Path(path) = &self.integrator else { return Ok(None) };
+        // The others show lamps in ways of their own, or none.
+        let path = match &self.integrator {
+            AnyIntegrator::Path(path) => *path,
+            AnyIntegrator::Direct(_) => PathTracer::default(),
+            _ => return Ok(None),
+        };
         if self.settings.splat || self.first > 0 || !self.world.shows_lights() {
             return Ok(None);
         }
-        let mut path = AnyIntegrator::Path(*path);
+        let mut path = AnyIntegrator::Path(path);
         path.limit_depth(1);
         let counts = Counts::of(&film.layers(), self.settings.crop.min);
         if counts.most == 0 {
