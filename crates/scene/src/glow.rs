@@ -14,7 +14,7 @@ use crate::validate::DEEPEST;
 use crate::value::{Link, Name};
 use crate::visit::Visitor;
 
-/// Most copies of what glows: each becomes a light of its own.
+/// Most copies of what glows.
 pub const MOST_COPIES: u64 = 1_000_000;
 
 /// What of a scene glows.
@@ -109,7 +109,7 @@ fn copies(glow: &Glow<'_>, d: &mut Diagnostics) -> bool {
                 }
             });
             let message = format!(
-                "more than {MOST_COPIES} instances of objects that glow: each becomes a light of its own"
+                "more than {MOST_COPIES} instances of objects that glow, which are too many to choose among"
             );
             d.push(Diagnostic::error(span, message));
             return false;

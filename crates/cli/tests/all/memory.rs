@@ -70,26 +70,6 @@ fn grey(width: usize, height: usize) -> Vec<u8> {
     pfm
 }
 
-/// Balls of light, a quarter of a million of them by instances in instances.
-fn lights() -> String {
-    let mut text = format!(
-        "{CAMERA}film: {{ size: [64, 32] }}\nobjects:\n  a0: {{ sphere: {{ radius: 0.01, emission: 1 }} }}\n"
-    );
-    for level in 1..=5 {
-        let step = 0.02 * f64::from(3_u32.pow(level));
-        let of = |i: u32| {
-            format!(
-                "instance: {{ of: a{}, transform: [translate: [{}, 0, 0]] }}",
-                level - 1,
-                f64::from(i) * step
-            )
-        };
-        let children: Vec<String> = (0..12).map(of).collect();
-        let _ = writeln!(text, "  a{level}: {{ group: {{ children: [{}] }} }}", children.join(", "));
-    }
-    text + "world: [instance: { of: a5 }]\n"
-}
-
 /// Ten scenes whose memory goes to different things; each takes more than 100 MB, so that the program's own counts for little.
 #[test]
 fn ten_forecasts_are_within_a_tenth() {
@@ -104,7 +84,7 @@ fn ten_forecasts_are_within_a_tenth() {
         "pots.yaml",
         &many("", 8, "bezier: { builtin: teapot, resolution: 48, transform: [translate: PLACE] }"),
     );
-    folder.write("lights.yaml", &lights());
+    folder.write("lights.yaml", &many("", 120_000, "sphere: { center: PLACE, radius: 0.003, emission: 1 }"));
     std::fs::write(folder.path("sheet.ply"), sheet(600)).unwrap();
     folder.write(
         "sheet.yaml",
