@@ -186,6 +186,17 @@ impl World {
         hit[0]
     }
 
+    /// The share of light that passes along a single ray, as [`Self::transmittance`] has it.
+    pub(crate) fn passes(&self, ray: &Ray) -> f32 {
+        let mut blocked = [false];
+        self.accel.occluded(&self.geometry, std::slice::from_ref(ray), &mut blocked);
+        match blocked {
+            [false] => 1.0,
+            [true] if self.materials.any_may_pass() => self.past_masks(ray, |ray| self.closest_of(ray))[0],
+            [true] => 0.0,
+        }
+    }
+
     /// The share of light that passes along a ray that meets something, if all that it meets are masks.
     #[cold]
     pub(crate) fn past_masks(&self, ray: &Ray, mut closest: impl FnMut(&Ray) -> Hit) -> Light {

@@ -25,6 +25,7 @@ mod technique;
 mod vertex;
 mod vertices;
 mod whitted;
+mod zones;
 
 pub use ambient_occlusion::{AmbientOcclusion, Falloff, Warp};
 pub use direct::DirectLight;
@@ -38,6 +39,7 @@ pub use scattering::Roulette;
 pub use sine_product::SineProduct;
 pub use technique::Technique;
 pub use whitted::Whitted;
+pub use zones::{ShadowZones, Shown};
 
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
@@ -59,6 +61,8 @@ list::integrators! {
     Whitted(Whitted),
     /// A function in place of light.
     SineProduct(SineProduct),
+    /// The zones of a lamp's shadow.
+    Zones(ShadowZones),
 }
 
 /// Who works with any integrator, compiled for each.

@@ -127,6 +127,24 @@ impl Sides {
 }
 
 impl AreaLight {
+    /// See [`super::Emitter::has_size`].
+    pub(super) fn has_size(&self, geometry: &Geometry) -> bool {
+        match &self.surface {
+            LitSurface::Shape(shape) => geometry.area(*shape).is_some(),
+            LitSurface::Mesh { triangles, .. } => triangles.is_some(),
+        }
+    }
+
+    /// See [`super::Emitter::has_rim`]: of balls it is the rim of the cone that they fill.
+    pub(super) fn has_rim(&self, geometry: &Geometry) -> bool {
+        let LitSurface::Shape(shape) = self.surface else { return false };
+        let shape = geometry.shapes.get(shape as usize);
+        shape.is_some_and(|shape| {
+            use Shape::{Disc, Ellipsoid, Parallelogram, Sphere};
+            matches!(shape, Sphere(_) | Ellipsoid(_) | Disc(_) | Parallelogram(_))
+        })
+    }
+
     /// [`Emitter::sample_many`](super::Emitter::sample_many), of the triangles with these numbers where they were picked already.
     #[inline(always)]
     pub(super) fn sample_parts<F: Float, L: Lanes>(

@@ -337,6 +337,22 @@ fn strength(value: &Value<Colour>) -> f64 {
 }
 
 impl Emitter {
+    /// Whether it is a lamp that may be hidden in part, of which points can be drawn.
+    pub(crate) fn has_size(&self, geometry: &Geometry) -> bool {
+        match self {
+            Self::Area(light) => light.has_size(geometry),
+            _ => self.is_disc(),
+        }
+    }
+
+    /// Whether the edge of the unit square gives the rim of the lamp, wherever it is seen from, by [`Emitter::sample`].
+    pub(crate) fn has_rim(&self, geometry: &Geometry) -> bool {
+        match self {
+            Self::Area(light) => light.has_rim(geometry),
+            _ => self.is_disc(),
+        }
+    }
+
     /// [`Emitter::sample_many`] of the triangles that were picked, where it is a mesh whose triangles are.
     #[inline(always)]
     pub(crate) fn sample_parts<F: Float, L: Lanes>(

@@ -46,7 +46,7 @@ pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TU
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Directions, Film, Filter, Gaussian,
     Integrator, Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette,
-    Sampler, SamplerKind, SpectralChannels, Technique, Tent, Whitted,
+    Sampler, SamplerKind, ShadowZones, SpectralChannels, Technique, Tent, Whitted, ZonesShown,
 };
 pub use shape::{
     Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, LightSampling,

@@ -221,6 +221,8 @@ describe! {
         "whitted" => Whitted(Whitted),
         /// No light but a test of aliasing: (1 + sin(x²y²))/2 of the point where a ray meets the plane z = 0.
         "sine_product" => SineProduct,
+        /// The zones of a lamp's shadow: umbra, penumbra and antumbra, or the share of the lamp that each point sees.
+        "zones" => Zones(ShadowZones),
     }
 }
 
@@ -380,5 +382,28 @@ describe! {
         /// Rays start at this distance from the surface that they leave, in metres, as textbooks have it: where it is too small surfaces shade themselves,
         /// where it is too large shadows come loose. Absent: just outside of what rounding may have moved.
         epsilon: Option<f64> [Limit::NON_NEGATIVE] = None,
+    }
+}
+
+describe! {
+    /// The zones of a lamp's shadow.
+    pub struct ShadowZones {
+        /// What is shown.
+        show: ZonesShown = ZonesShown::Zones,
+        /// Points across the lamp: the square of it are spread over the lamp and four times it along its rim, and a ray asks for each whether it is seen.
+        across: u32 [Limit::within(2.0, 64.0)] = 8,
+        /// Which of the lamps with a size (surfaces that glow, suns with an `angle`), counted from 1.
+        lamp: u32 [Limit::within(1.0, 1e9)] = 1,
+    }
+}
+
+describe! {
+    /// What a picture of a lamp's shadow shows.
+    pub enum ZonesShown {
+        /// Umbra, where nothing of the lamp is seen, dark; penumbra blue, the lighter the more is seen; antumbra, where the lamp's whole rim is seen and
+        /// something within is hidden, orange; what sees all of it white. Lamps that are no ball, ellipsoid, disc or rectangle have no antumbra.
+        "zones" => Zones,
+        /// The share of the lamp that is seen, of 0 to 1.
+        "share" => Share,
     }
 }

@@ -26,3 +26,4 @@ mod surfaces;
 mod textures;
 mod ways_of_light;
 mod wide_gamut;
+mod zones;
