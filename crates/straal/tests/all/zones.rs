@@ -82,7 +82,7 @@ fn zones_end_where_the_cones_do() {
 #[test]
 fn the_share_is_that_of_solid_angles() {
     let (lamp, ball) = (1.0, 0.35);
-    let lack = |radius: f64, height: f64| 1.0 - (1.0 - (radius / height).powi(2)).sqrt();
+    let lack = |radius: f64, height: f64| 1.0 - (1.0 - radius * radius / (height * height)).sqrt();
     let want = 1.0 - lack(ball, HEIGHTS[1]) / lack(lamp, HEIGHTS[0]);
     let rgb = at(0.0, &balls(lamp, ball), "across: 64, show: share");
     assert!(rgb.iter().all(|v| (f64::from(*v) - want).abs() < 5e-3), "{rgb:?}, expected {want}");
