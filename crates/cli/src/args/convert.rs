@@ -7,9 +7,10 @@ use clap::Args;
 use std::path::PathBuf;
 
 pub(super) const CONVERT_ABOUT: &str = "\
-Writes a scene of any format that is read (glTF, pbrt, Mitsuba, OpenUSD, the scene language itself, a bare mesh) in the scene language. What \
+Writes a scene of any format that is read (glTF, pbrt, Mitsuba, OpenUSD, the scene language itself, a bare mesh) in the scene language, or as glTF 2.0. For the scene language: what \
 stands in files of its own stays there and is named from the new scene; meshes and pictures that the scene's file holds itself go into a \
-folder beside it: OUT_files for OUT.yaml.";
+folder beside it: OUT_files for OUT.yaml. \
+A .glb holds all in one file, a .gltf has its numbers and pictures in OUT.bin beside it; what glTF can't say is told.";
 
 /// `straal convert`
 #[derive(Debug, Args)]
@@ -18,7 +19,7 @@ pub struct ConvertArgs {
     /// The scene or mesh
     pub scene: PathBuf,
 
-    /// The scene to write (.yaml, .yml)
+    /// The scene to write (.yaml, .yml, .json, .gltf, .glb)
     pub output: PathBuf,
 
     /// Tell nothing but errors

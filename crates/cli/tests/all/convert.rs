@@ -31,4 +31,9 @@ fn what_is_read_is_not_written_over() {
     assert_eq!(run.code, Some(2), "{run:?}");
     assert_eq!(folder.straal("convert a.yaml a.png").code, Some(2));
     assert_eq!(folder.straal("convert a.yaml b.yaml").code, Some(0));
+    for gltf in ["b.gltf", "b.glb"] {
+        assert_eq!(folder.straal(&format!("convert a.yaml {gltf}")).code, Some(0));
+        assert_eq!(folder.straal(&format!("check {gltf}")).code, Some(0));
+    }
+    assert!(folder.path("b.bin").is_file());
 }

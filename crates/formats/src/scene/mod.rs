@@ -6,6 +6,7 @@
 //! reader says what it leaves out or approximates, by name and place, and never guesses silently.
 
 mod gltf;
+pub mod gltf_out;
 mod mitsuba;
 mod motion;
 mod pbrt;
