@@ -174,7 +174,7 @@ fn means(mesh: &Mesh) -> Vec<[f32; 3]> {
         let [a, b, c] = t.map(place);
         let n = (b - a).cross(c - a);
         if n.length().is_finite() {
-            t.iter().for_each(|&i| sums[i as usize] = sums[i as usize] + n);
+            t.iter().for_each(|&i| sums[i as usize] += n);
         }
     }
     sums.into_iter().map(|n| n.try_normalize().unwrap_or(DVec3::Y).to_array().map(|v| v as f32)).collect()

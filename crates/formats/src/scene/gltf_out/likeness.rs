@@ -38,8 +38,8 @@ impl<'a> Out<'a> {
             metallic: Varying::Constant(1.0),
             ..grounded(&color, roughness, two_sided)
         };
-        let found = match material {
-            Material::Gltf(m) => return m.clone(),
+        match material {
+            Material::Gltf(m) => m.clone(),
             Material::Diffuse(m) => {
                 if m.roughness != Varying::Constant(0.0) {
                     self.tell("rough diffuse materials are smooth ones (Lambert's)");
@@ -132,8 +132,7 @@ impl<'a> Out<'a> {
                 Gltf { double_sided: !is_hole && front.double_sided, ..front }
             }
             Material::Mix(m) => self.mixed(m, depth),
-        };
-        found
+        }
     }
 
     /// The material that a part of another means.

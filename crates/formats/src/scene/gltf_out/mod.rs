@@ -54,7 +54,12 @@ pub struct Written {
 
 /// Writes a scene as glTF; an error says why there is none.
 pub fn write(loaded: &Loaded, form: Form<'_>) -> Result<Written, String> {
-    let mut out = Out::of(&loaded.scene, &loaded.assets);
+    write_at_most(loaded, form, MOST)
+}
+
+/// The same of so many nodes at most.
+fn write_at_most(loaded: &Loaded, form: Form<'_>, most: usize) -> Result<Written, String> {
+    let mut out = Out::of(&loaded.scene, &loaded.assets, most);
     let roots = out.world();
     let mut roots: Vec<usize> = roots.into_iter().chain(out.camera()).collect();
     roots.extend(out.lights());
@@ -74,6 +79,9 @@ pub fn write(loaded: &Loaded, form: Form<'_>) -> Result<Written, String> {
         }),
     }
 }
+
+/// More nodes aren't written: copies of copies would fill a disk.
+const MOST: usize = 1_000_000;
 
 /// Things of a kind, in the order in which they are met.
 #[derive(Default)]
@@ -107,6 +115,8 @@ struct Out<'a> {
     assets: &'a Assets,
     buffer: Buffer,
     nodes: List,
+    /// How many of these are written.
+    most: usize,
     meshes: List,
     materials: List,
     textures: List,
@@ -128,12 +138,13 @@ struct Out<'a> {
 }
 
 impl<'a> Out<'a> {
-    fn of(scene: &'a Scene, assets: &'a Assets) -> Self {
+    fn of(scene: &'a Scene, assets: &'a Assets, most: usize) -> Self {
         Self {
             scene,
             assets,
             buffer: Buffer::default(),
             nodes: List::default(),
+            most,
             meshes: List::default(),
             materials: List::default(),
             textures: List::default(),

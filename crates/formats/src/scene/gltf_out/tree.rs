@@ -13,9 +13,6 @@ use super::Out;
 use super::geometry::{Form, Normals};
 use super::material::Look;
 
-/// More nodes aren't written: copies of copies would fill a disk.
-const MOST: usize = 1_000_000;
-
 /// A node that is placed.
 pub(super) fn placed(place: &Affine) -> Map<String, Json> {
     let mut node = Map::new();
@@ -37,8 +34,8 @@ impl<'a> Out<'a> {
     pub fn world(&mut self) -> Vec<usize> {
         let scene = self.scene;
         let nodes = scene.world.iter().filter_map(|node| self.node(node, None, 0)).collect();
-        if self.nodes.items.len() >= MOST {
-            self.tell(format!("nodes beyond the first {MOST} are left out"));
+        if self.nodes.items.len() >= self.most {
+            self.tell(format!("nodes beyond the first {} are left out", self.most));
         }
         nodes
     }
@@ -47,7 +44,7 @@ impl<'a> Out<'a> {
     fn node(&mut self, node: &'a Node, around: Option<&'a MaterialRef>, depth: usize) -> Option<usize> {
         // Objects aren't within themselves, which is checked; so deep none are.
         const DEEPEST: usize = 200;
-        if self.nodes.items.len() >= MOST || depth > DEEPEST {
+        if self.nodes.items.len() >= self.most || depth > DEEPEST {
             return None;
         }
         let place = node.placement()?;
@@ -78,7 +75,7 @@ impl<'a> Out<'a> {
             Node::Instances(i) => {
                 let mut copies = Vec::new();
                 for matrix in &i.transforms {
-                    if self.nodes.items.len() >= MOST {
+                    if self.nodes.items.len() >= self.most {
                         break;
                     }
                     let mut copy = placed(&matrix.0);
