@@ -46,6 +46,13 @@ pub(super) struct Glow {
     pub both_sides: bool,
 }
 
+impl Glow {
+    /// Whether it isn't the same everywhere and in all directions.
+    pub fn varies(&self, surface: &desc::Surface) -> bool {
+        self.radiance.varies() || self.below.is_some() || surface.emission_spread < 180.0
+    }
+}
+
 /// Bytes that a surface that glows takes while its world is made: itself, and the weights that it is chosen by.
 pub const GLOWING_BYTES: usize = size_of::<Glowing>() + LightTable::MAKING_BYTES;
 
@@ -225,27 +232,9 @@ impl<'a> Build<'a> {
         let mut record = self.add_shape(shape, place, material, flip);
         let own = surface.emission.as_ref().map(|e| self.materials.emission(e));
         if let Some(glow) = self.glow_of(own, material) {
-            let opacity = self.materials.opacity(material);
-            let two_sided = surface.two_sided_emission || glow.both_sides;
-            let spread = surface.emission_spread;
-            record.emission_varies = glow.radiance.varies() || glow.below.is_some() || spread < 180.0;
-            let placement = glowing_place(&place.transform, &glow.radiance);
-            let Glow { radiance, below, .. } = glow;
-            let kind = record.kind;
-            let glowing = Glowing {
-                kind,
-                group: place.group,
-                radiance,
-                opacity,
-                below,
-                two_sided,
-                flip,
-                spread,
-                placement,
-                light_group: self.materials.group_of(surface, material),
-                receivers: self.names.receivers(&surface.lamp),
-            };
-            record.emitter = Some(self.glow(glowing));
+            record.emission_varies = glow.varies(surface);
+            let lamp = (record.kind, material, flip);
+            record.emitter = Some(self.glow(surface, lamp, glow, (place.group, &place.transform)));
         }
         self.geometries.push(record);
     }
@@ -298,13 +287,32 @@ impl<'a> Build<'a> {
         Some(Glow { radiance: emission.radiance, below: Some(below), both_sides: emission.both_sides })
     }
 
-    pub fn glow(&mut self, surface: Glowing) -> u32 {
-        self.glowing.push(surface);
+    /// Makes a lamp of a surface of some material, that stands somewhere in a group; `flip` says whether its back shines.
+    pub fn glow(
+        &mut self,
+        surface: &desc::Surface,
+        (kind, material, flip): (Kind, u32, bool),
+        glow: Glow,
+        (group, place): (u32, &Affine),
+    ) -> u32 {
+        self.glowing.push(Glowing {
+            kind,
+            group,
+            opacity: self.materials.opacity(material),
+            below: glow.below,
+            two_sided: surface.two_sided_emission || glow.both_sides,
+            flip,
+            spread: surface.emission_spread,
+            placement: glowing_place(place, &glow.radiance),
+            radiance: glow.radiance,
+            light_group: self.materials.group_of(surface, material),
+            receivers: self.names.receivers(&surface.lamp),
+        });
         (self.glowing.len() - 1) as u32
     }
 }
 
 /// Where the coordinates of what glows lie, if its radiance is read off a texture and they are others.
-pub(super) fn glowing_place(place: &Affine, radiance: &Value<Colour>) -> Option<Transform> {
+fn glowing_place(place: &Affine, radiance: &Value<Colour>) -> Option<Transform> {
     Transform::new(place).filter(|_| radiance.varies() && !place.is_identity())
 }

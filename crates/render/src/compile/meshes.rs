@@ -1,7 +1,7 @@
 //! Meshes on the walk over the world: those of files with their materials, and what becomes one.
 
 use super::Detail;
-use super::build::{Build, Glow, Glowing, Place, glowing_place};
+use super::build::{Build, Place};
 use super::solids::height_field;
 use crate::shape::mesh::Between;
 use crate::shape::subdivision::{Subdivided, subdivide};
@@ -128,31 +128,9 @@ impl<'a> Build<'a> {
             self.add_geometry(place.group, accel::GeometryKind::Triangles { positions, indices });
             let kind = Kind::Mesh(id);
             let glow = self.glow_of(radiance, material);
-            let spread = surface.emission_spread;
-            let emission_varies =
-                glow.as_ref().is_some_and(|g| g.radiance.varies() || g.below.is_some() || spread < 180.0);
-            let emitter = match glow {
-                Some(Glow { radiance, below, both_sides }) => {
-                    let opacity = self.materials.opacity(material);
-                    let placement = glowing_place(&m, &radiance);
-                    let two_sided = surface.two_sided_emission || both_sides;
-                    let glowing = Glowing {
-                        kind,
-                        group: place.group,
-                        radiance,
-                        opacity,
-                        below,
-                        two_sided,
-                        flip: false,
-                        spread,
-                        placement,
-                        light_group: self.materials.group_of(surface, material),
-                        receivers: self.names.receivers(&surface.lamp),
-                    };
-                    Some(self.glow(glowing))
-                }
-                None => None,
-            };
+            let emission_varies = glow.as_ref().is_some_and(|g| g.varies(surface));
+            let emitter =
+                glow.map(|glow| self.glow(surface, (kind, material, false), glow, (place.group, &m)));
             let placement = self.placement(&m, material);
             let last = self.geometry.meshes.last();
             let colours_at_corners =

@@ -12,7 +12,7 @@ use super::Job;
 use crate::resolve::Error;
 use straal_render::driver::Render;
 use straal_render::film::{BLOCK, FIRST_CHECK, Film, HalfPictures, Layers};
-use straal_render::integrator::{AnyIntegrator, Integrator, PathTracer, WithIntegrator};
+use straal_render::integrator::{AnyIntegrator, PathTracer};
 use straal_render::settings::Settings;
 
 /// Camera rays of a pixel, from which on its own are enough.
@@ -35,7 +35,7 @@ pub(crate) struct SeenLight {
 
 impl Job {
     /// What camera rays see of the light in a film of this job's own samples, if its integrator adds that up and its samples can be taken again.
-    pub(super) fn seen_light(&self, film: &Film) -> Result<Option<SeenLight>, Error> {
+    pub(super) fn seen_light(&self, of: &Film) -> Result<Option<SeenLight>, Error> {
         // The others show lamps in ways of their own, or none.
         let path = match &self.integrator {
             AnyIntegrator::Path(path) => *path,
@@ -45,14 +45,13 @@ impl Job {
         if self.settings.splat || self.first > 0 || !self.world.shows_lights() {
             return Ok(None);
         }
-        let mut path = AnyIntegrator::Path(path);
-        path.limit_depth(1);
-        let counts = Counts::of(&film.layers(), self.settings.crop.min);
+        let path = PathTracer { max_depth: 1, ..path };
+        let counts = Counts::of(&of.layers(), self.settings.crop.min);
         if counts.most == 0 {
             return Ok(None);
         }
         let plain = Settings { cost: false, ..self.settings.clone() };
-        let own = path.hand_to(Seen { job: self, settings: plain.clone(), ends: counts.capped() })?;
+        let own = film(self, path, plain.clone(), &counts.capped())?;
         let rgb = own.layers().rgb;
         let halves = own.halves().map_or_else(|| [rgb.clone(), rgb.clone()], |HalfPictures { rgb, .. }| rgb);
         // What has more samples than were taken again has seen it well enough.
@@ -69,7 +68,7 @@ impl Job {
             rgb.clone()
         } else {
             let lean = Settings { blocks: true, halves: false, error: false, layers: false, ..plain };
-            let more = path.hand_to(Seen { job: self, settings: lean, ends: ends.clone() })?;
+            let more = film(self, path, lean, &ends)?;
             let mut more = more.layers().rgb;
             for (k, v) in more.iter_mut().enumerate() {
                 if ends.at[k] == 0 {
@@ -83,7 +82,6 @@ impl Job {
 }
 
 /// How many samples each pixel of a crop has, or is to have: the same in all of a block, where they differ.
-#[derive(Clone)]
 struct Counts {
     at: Vec<u32>,
     width: usize,
@@ -153,27 +151,16 @@ impl Counts {
 }
 
 /// A film of what camera rays see, with so many samples.
-struct Seen<'a> {
-    job: &'a Job,
-    settings: Settings,
-    ends: Counts,
-}
-
-impl WithIntegrator for Seen<'_> {
-    type Out = Result<Film, Error>;
-
-    fn with<I: Integrator>(self, integrator: I) -> Self::Out {
-        let Self { job, settings, ends } = self;
-        let mut numbers: Vec<u32> = ends.at.iter().copied().filter(|n| *n > 0).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        let mut render = Render::new(&job.world, integrator, settings, None)?;
-        for number in numbers {
-            render.end_blocks(|first| ends.near(first) < number);
-            render.advance(number - render.samples_done());
-        }
-        Ok(render.into_film())
+fn film(job: &Job, path: PathTracer, settings: Settings, counts: &Counts) -> Result<Film, Error> {
+    let mut numbers: Vec<u32> = counts.at.iter().copied().filter(|n| *n > 0).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    let mut render = Render::by(&job.world, AnyIntegrator::Path(path), settings, None)?;
+    for number in numbers {
+        render.end_blocks(|first| counts.near(first) < number);
+        render.advance(number - render.samples_done());
     }
+    Ok(render.into_film())
 }
 
 #[cfg(test)]
