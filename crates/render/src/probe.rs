@@ -16,6 +16,9 @@ pub trait Probe: Send {
     /// The worker will number its samples from 0 to `room`, time and again.
     fn make_room(&mut self, room: usize);
 
+    /// Whether it counts what samples cost, so that it must hear of them.
+    fn counts(&self) -> bool;
+
     /// A sample begins under a number that an earlier one may have had.
     fn begin(&mut self, sample: u32);
 
@@ -64,6 +67,10 @@ pub struct Plain;
 impl Probe for Plain {
     fn make_room(&mut self, _room: usize) {}
 
+    fn counts(&self) -> bool {
+        false
+    }
+
     fn begin(&mut self, _sample: u32) {}
 
     fn closest(&mut self, world: &World, asked: &Asked<'_>, hits: &mut [Hit]) {
@@ -107,6 +114,10 @@ impl CostMeter {
 impl Probe for CostMeter {
     fn make_room(&mut self, room: usize) {
         self.samples.resize(room, CostSample::default());
+    }
+
+    fn counts(&self) -> bool {
+        true
     }
 
     fn begin(&mut self, sample: u32) {
@@ -199,6 +210,10 @@ impl Recorder {
 
 impl Probe for Recorder {
     fn make_room(&mut self, _room: usize) {}
+
+    fn counts(&self) -> bool {
+        false
+    }
 
     fn begin(&mut self, _sample: u32) {}
 

@@ -15,7 +15,7 @@ use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Materials};
 use crate::relief::Ways;
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
-use crate::surface::{Surface, frame_along};
+use crate::surface::{Alike, Surface, frame_along};
 use crate::texture::{OnMesh, Place, Reading, Readings, ShadingPoint, Texture, own_normal};
 use std::ops::Range;
 use straal_accel as accel;
@@ -60,6 +60,8 @@ pub(crate) struct GeometryRecord {
     pub colours_at_corners: bool,
     /// Index into [`World::placements`], or [`UNPLACED`].
     pub placement: u32,
+    /// With which others its surfaces may be computed, where it stands in the world itself.
+    pub alike: Alike,
 }
 
 /// Bytes that a mesh, or a run of shapes, takes among what search and shading know of all.

@@ -49,8 +49,16 @@ pub(crate) const RAYS: usize = ROW * OCTETS;
 
 const OCTETS: usize = 8;
 
-/// The first hits of up to [`RAYS`] rays.
-pub(crate) type Octets = [Firsts; OCTETS];
+/// Up to [`RAYS`] rays, and their first hits.
+pub(crate) struct Octets {
+    rays: [Octet; OCTETS],
+    /// By octet.
+    pub firsts: [Firsts; OCTETS],
+}
+
+impl Octets {
+    pub const EMPTY: Self = Self { rays: [Octet::EMPTY; OCTETS], firsts: [Firsts::EMPTY; OCTETS] };
+}
 
 /// Finds the first hits of up to [`RAYS`] rays, or where `ANY` any hits. All rays are taken before the first is searched, so that
 /// what was written number by number has left the processor when it is read as vectors.
@@ -62,9 +70,8 @@ pub(crate) fn search<W: Wide, const ANY: bool>(
     rays: &[Ray],
     out: &mut Octets,
 ) {
-    let mut octets = [Octet::EMPTY; OCTETS];
-    simd.run(Fill { rays, octets: &mut octets });
-    for (octet, out) in octets.iter_mut().zip(out).take(rays.len().div_ceil(ROW)) {
+    simd.run(Fill { rays, octets: &mut out.rays });
+    for (octet, out) in out.rays.iter_mut().zip(&mut out.firsts).take(rays.len().div_ceil(ROW)) {
         octet.prepare(w);
         octet.search::<W, ANY>(w, few, out);
     }

@@ -7,7 +7,7 @@ use super::{Bvh, answers::Answers};
 use crate::{
     analytic::{
         block::{Blocks, Member},
-        octet::{Firsts, RAYS},
+        octet::{Octets, RAYS},
     },
     hit::{Chain, Hit},
     lanes::ROW,
@@ -37,11 +37,11 @@ impl Bvh {
         rays: &[Ray],
         out: &mut (impl Answers + ?Sized),
     ) {
-        let mut found = [Firsts::EMPTY; RAYS / ROW];
+        let mut found = Octets::EMPTY;
         for (n, rays) in rays.chunks(RAYS).enumerate() {
             q.kernel.octets::<ANY>(&self.few, rays, &mut found);
             for i in 0..rays.len() {
-                let (firsts, lane) = (&found[i / ROW % (RAYS / ROW)], i % ROW);
+                let (firsts, lane) = (&found.firsts[i / ROW % (RAYS / ROW)], i % ROW);
                 let hit = match firsts.object(lane) {
                     Some(object) if !ANY => {
                         let (geometry, primitive) = group.shape(object);

@@ -8,6 +8,7 @@ use crate::light::{Groups, LightTable};
 use crate::material::{self, Material};
 use crate::paint::Paint;
 use crate::shape::{Geometry, Shape};
+use crate::surface::Alike;
 use crate::texture::Value;
 use crate::world::{GeometryRecord, INHERIT, Kind, TopLevel, UNPLACED};
 use std::collections::BTreeMap;
@@ -253,6 +254,7 @@ impl<'a> Build<'a> {
             flip,
             colours_at_corners: false,
             placement,
+            alike: Alike::Apart,
         }
     }
 

@@ -6,6 +6,7 @@ use super::solids::height_field;
 use crate::shape::mesh::Between;
 use crate::shape::subdivision::{Subdivided, subdivide};
 use crate::shape::{TriangleMesh, bezier, smooth::smooth};
+use crate::surface::Alike;
 use crate::world::{GeometryRecord, Kind};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -143,6 +144,7 @@ impl<'a> Build<'a> {
                 flip: false,
                 colours_at_corners,
                 placement,
+                alike: Alike::Apart,
             };
             self.geometries.push(record);
         }

@@ -23,8 +23,9 @@ use crate::filter::{Filter, Profile, Separable};
 use crate::light::Copies;
 use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
+use crate::surface::Alike;
 use crate::texture::Texture;
-use crate::world::World;
+use crate::world::{INHERIT, World};
 use std::sync::Arc;
 use straal_accel::{self as accel, BuildError};
 use straal_math::DVec3;
@@ -120,7 +121,7 @@ fn compile_about(
     let build::Built {
         input,
         geometry,
-        geometries,
+        mut geometries,
         nodes,
         left_out,
         objects,
@@ -153,6 +154,11 @@ fn compile_about(
         light_groups,
         (&names, linked),
     );
+    for record in &mut geometries {
+        // Outside of instances, what has no material of its own has the first.
+        let material = if record.material == INHERIT { 0 } else { record.material };
+        record.alike = Alike::of(record, &geometry, materials.wants(material).point);
+    }
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
         camera,

@@ -3,6 +3,7 @@
 //! It owns the loop: a worker starts samples, searches what their rays hit, sorts paths into queues
 //! for the integrator's step, answers the shadow rays that it asks for, and fills the pool as paths end.
 
+mod finishing;
 mod guides;
 mod samples;
 mod sorting;

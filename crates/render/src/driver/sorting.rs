@@ -44,7 +44,7 @@ impl Ranks {
             (kind, material, alike)
         };
         let own = |geometry: &GeometryRecord| {
-            (geometry.material != INHERIT).then(|| key(geometry.material, world.alike(geometry)))
+            (geometry.material != INHERIT).then(|| key(geometry.material, geometry.alike))
         };
         let inherited = |material| key(material, Alike::Apart);
         let all: BTreeSet<_> =
@@ -94,16 +94,17 @@ impl<'a> Sorting<'a> {
         self.ends.resize(ranks + 1, 0);
         self.keys.clear();
         self.keys.extend(hits.iter().map(|hit| self.ranks.of(world, hit)));
+        self.order.resize(hits.len(), 0);
+        let (ends, order) = (&mut self.ends[..], &mut self.order[..]);
         for &rank in &self.keys {
-            self.ends[rank as usize + 1] += 1;
+            ends[rank as usize + 1] += 1;
         }
         for rank in 0..ranks {
-            self.ends[rank + 1] += self.ends[rank];
+            ends[rank + 1] += ends[rank];
         }
-        self.order.resize(hits.len(), 0);
-        for (i, &rank) in self.keys.iter().enumerate() {
-            let slot = &mut self.ends[rank as usize];
-            self.order[*slot as usize] = i as u32;
+        for (i, &rank) in (0..).zip(&self.keys) {
+            let slot = &mut ends[rank as usize];
+            order[*slot as usize] = i;
             *slot += 1;
         }
     }

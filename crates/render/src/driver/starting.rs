@@ -4,16 +4,16 @@
 use super::stream::Name;
 use crate::camera::{Camera, CameraRays, FilmPoint, FilmPoints};
 use crate::filter::{Filter, FilterSample};
-use crate::surface::{BLOCK, Column, Vectors};
-use straal_math::Ray;
+use crate::surface::{BLOCK, Column};
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 use straal_math::simd::{Float, Kernel, Mask, Uint};
+use straal_math::{Ray, Vec3};
 
 /// What a block of samples starts from.
 #[derive(Default)]
 pub(super) struct Starting {
     /// What names their random numbers.
-    pub names: [Option<SampleName>; BLOCK],
+    names: Names,
     /// Displacements from their pixels' centres.
     offset: [Column; 2],
     /// What the filter multiplies their light by.
@@ -23,13 +23,27 @@ pub(super) struct Starting {
     time: Column,
     /// Numbers that draw their wavelengths.
     wavelength: Column,
-    o: Vectors,
-    d: Vectors,
+    /// Of the camera rays, origin and least t, direction and largest t.
+    rays: [[[f32; 4]; 2]; BLOCK],
     /// A bit for each whose camera ray is there.
     seen: u32,
 }
 
+struct Names([SampleName; BLOCK]);
+
+impl Default for Names {
+    fn default() -> Self {
+        Self([SampleName::new(0, [0; 2], 0); BLOCK])
+    }
+}
+
 impl Starting {
+    /// What names the random numbers of sample `i`.
+    #[inline(always)]
+    pub fn name(&self, i: usize) -> SampleName {
+        self.names.0[i]
+    }
+
     /// Where sample `i` lies from its pixel's centre.
     pub fn offset(&self, i: usize) -> [f32; 2] {
         [self.offset[0].at(i), self.offset[1].at(i)]
@@ -52,9 +66,12 @@ impl Starting {
     }
 
     /// The camera ray of sample `i`; `None` where nothing is seen, and where none was asked for.
+    #[inline(always)]
     pub fn ray(&self, i: usize) -> Option<Ray> {
-        let ray = || Ray { time: self.time.at(i), ..Ray::new(self.o.at(i), self.d.at(i)) };
-        (self.seen >> i & 1 == 1).then(ray)
+        let [[ox, oy, oz, t_min], [dx, dy, dz, t_max]] = self.rays[i];
+        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+        let ray = Ray { o, t_min, d, t_max, time: self.time.at(i), mask: u32::MAX };
+        (self.seen >> i & 1 == 1).then_some(ray)
     }
 }
 
@@ -99,8 +116,8 @@ impl Kernel for Start<'_> {
             name.for_each(
                 #[inline(always)]
                 |i, name| {
-                    if let Some(slot) = out.names.get_mut(first + i) {
-                        *slot = Some(name);
+                    if let Some(slot) = out.names.0.get_mut(first + i) {
+                        *slot = name;
                     }
                 },
             );
@@ -128,8 +145,16 @@ impl Kernel for Start<'_> {
             }
             if wanted.rays {
                 let CameraRays { o, d, seen } = camera.rays(&FilmPoints { pixel, position, lens, time });
-                out.o.store(first, o);
-                out.d.store(first, d);
+                F::to_rows(
+                    [o.x, o.y, o.z, F::ZERO],
+                    #[inline(always)]
+                    |i, row| out.rays[first + i][0] = row,
+                );
+                F::to_rows(
+                    [d.x, d.y, d.z, F::splat(f32::INFINITY)],
+                    #[inline(always)]
+                    |i, row| out.rays[first + i][1] = row,
+                );
                 out.seen |= seen.to_bits() << first;
             }
         }

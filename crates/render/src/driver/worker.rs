@@ -4,6 +4,7 @@
 //! and what their vertices emit is put back on top. So an integrator whose paths split goes deep before it goes wide, and the pool
 //! stays bounded by what a path can split into, not by what a picture can.
 
+use super::finishing::Finish;
 use super::guides;
 use super::samples::{Pending, Samples};
 use super::sorting::{Ranks, Sorting};
@@ -11,7 +12,7 @@ use super::starting::{self, Starting, Wanted};
 use super::stream::{self, Name, Stream};
 use crate::camera::Needs;
 use crate::film::channel::{FirstHit, Seen, see};
-use crate::film::{BandSample, FilmTile, Flying, Sample, SampleSums, TILE};
+use crate::film::{BandSample, FilmTile, SampleSums, TILE};
 use crate::filter::Filter;
 use crate::footprint::PackedFootprint;
 use crate::integrator::{
@@ -29,7 +30,7 @@ use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
 use straal_math::lowdisc::Purpose;
-use straal_math::simd::Simd;
+use straal_math::simd::{Float, Kernel, Simd};
 
 /// Samples that may be under way for each path that the pool holds: a long path holds up those that were started after it.
 const SAMPLES_A_PATH: usize = 4;
@@ -64,7 +65,7 @@ pub(super) struct Pass<'a, 'f> {
 
 impl<'a, 'f> Pass<'a, 'f> {
     /// A tile is one worker's from the moment it is taken, so that nobody waits.
-    fn tile(&self, tile: u32) -> MutexGuard<'a, &'f mut FilmTile> {
+    pub fn tile(&self, tile: u32) -> MutexGuard<'a, &'f mut FilmTile> {
         self.tiles[tile as usize].lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -219,26 +220,26 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             camera: &world.camera,
             out: &mut self.starting,
         });
-        let starting = &self.starting;
+        let (starting, counts) = (&self.starting, self.probe.counts());
+        let wants_footprint = from_camera && world.wants_footprints();
         for (i, &(pixel, index)) in self.names.iter().enumerate() {
-            let Some(mut name) = starting.names[i] else { continue };
-            if !from_camera {
-                name = stream::light_path(settings, pixel, index);
-            }
+            let name = match from_camera {
+                true => starting.name(i),
+                false => stream::light_path(settings, pixel, index),
+            };
             let lanes = L::drawn(&world.tables, if L::DRAWN { starting.wavelength(i) } else { 0.0 });
             let at = || starting.film_point(i, pixel);
-            let pending = Pending {
+            let sample = self.samples.begin(Pending {
                 name: (pixel, index),
                 tile: self.tile,
                 lanes,
                 weight: starting.weight(i),
                 offset: starting.offset(i),
                 glasses: if glasses { world.camera.glasses(&at()) } else { [1.0; 3] },
-            };
-            let sample = self.samples.begin(pending);
-            self.probe.begin(sample);
-
-            let wants_footprint = from_camera && world.wants_footprints();
+            });
+            if counts {
+                self.probe.begin(sample);
+            }
             let footprint =
                 if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
             // Where nothing is seen there is no path, and the sample is black.
@@ -345,12 +346,12 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
         if !self.transmittance.is_empty() {
             self.dim_shadows();
         }
-        for (shadow, _) in self.shadows.iter().zip(&self.blocked).filter(|(_, blocked)| !**blocked) {
-            match shadow.target {
-                Target::Sample => self.samples.sums.add(shadow.sample, shadow.from, shadow.light),
-                Target::Film(_) => self.splats.push(*shadow),
-            }
-        }
+        self.simd.run(Arrive {
+            shadows: &self.shadows,
+            blocked: &self.blocked,
+            sums: &mut self.samples.sums,
+            splats: &mut self.splats,
+        });
         self.stopwatch.times.shadow_rays += self.shadow_rays.len() as u64;
         self.shadow_rays.clear();
         self.shadows.clear();
@@ -400,42 +401,30 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
 
     /// Gives the film the samples that are finished.
     fn finish(&mut self, pass: &Pass<'_, '_>) {
-        let mut held: Option<(u32, MutexGuard<'_, &mut FilmTile>)> = None;
-        while let Some((place, pending)) = self.samples.finished() {
-            let tile = match &mut held {
-                Some((number, tile)) if *number == pending.tile => tile,
-                _ => &mut held.insert((pending.tile, pass.tile(pending.tile))).1,
-            };
-            let Pending { name: (pixel, index), lanes, weight, offset, glasses, .. } = pending;
-            let light = self.samples.sums.light(place);
-            let seen_by_film = |light: Light| -> [f32; 3] {
-                let rgb = self.world.sensor.take(lanes, light);
-                std::array::from_fn(|i| rgb[i] * weight * glasses[i])
-            };
-            let sample = Sample {
-                rgb: seen_by_film(light),
-                seen: self.samples.seen.get(place).copied().unwrap_or_default(),
-                negative: weight < 0.0,
-            };
-            self.bands.clear();
-            self.world.sensor.bands(lanes, light * weight, &mut self.bands);
-            for (group, light) in (0..).zip(self.samples.sums.parts(place)) {
-                if !light.is_black() {
-                    let first = self.world.sensor.first_band_of_group(group) as u16;
-                    let colours = (first..).zip(seen_by_film(light));
-                    self.bands.extend(colours.map(|(band, value)| BandSample { band, value }));
-                }
-            }
-            let is_taken = tile.add(pixel, index, &sample, &self.bands);
-            if let Some(splats) = tile.splats() {
-                let sample = is_taken.then_some(&sample);
-                splats.add(&self.world.filter, &Flying { pixel, offset, sample, bands: &self.bands });
-            }
-            if let Some(cost) = self.probe.cost(place) {
-                tile.add_cost(pixel, &cost);
-            }
-            self.samples.leave();
-        }
+        let (samples, bands) = (&mut self.samples, &mut self.bands);
+        self.simd.run(Finish { world: self.world, probe: self.probe, samples, bands, pass });
         self.stopwatch.lap(Phase::Film);
+    }
+}
+
+/// Light of shadow rays comes to its sample or to the film. Four lanes of it side by side: it is a kernel for the sake of wide registers.
+struct Arrive<'a> {
+    shadows: &'a [Contribution],
+    blocked: &'a [bool],
+    sums: &'a mut SampleSums,
+    splats: &'a mut Vec<Contribution>,
+}
+
+impl Kernel for Arrive<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Float>(self) {
+        for (shadow, _) in self.shadows.iter().zip(self.blocked).filter(|(_, blocked)| !**blocked) {
+            match shadow.target {
+                Target::Sample => self.sums.add(shadow.sample, shadow.from, shadow.light),
+                Target::Film(_) => self.splats.push(*shadow),
+            }
+        }
     }
 }

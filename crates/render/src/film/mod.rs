@@ -49,11 +49,11 @@ pub const TILE: u32 = 16;
 
 /// One sample as the film takes it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sample {
+pub struct Sample<'a> {
     /// Radiance: linear RGB, or X, Y and Z, see [`Recording`].
     pub rgb: [f32; 3],
-    /// What the camera's ray met first.
-    pub seen: Seen,
+    /// What the camera's ray met first, where anybody asks.
+    pub seen: Option<&'a Seen>,
     /// Whether the filter gave its light a negative weight.
     pub negative: bool,
 }
@@ -293,8 +293,36 @@ impl FilmTile {
 
     /// Adds one sample of a pixel given in coordinates of the whole picture; `bands` is empty unless the film has some. False
     /// where it was dropped. Where noise is told by batches, a pixel's samples come in the order of their indices.
-    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample, bands: &[BandSample]) -> bool {
+    #[inline(always)]
+    pub fn add(&mut self, pixel: [u32; 2], index: u32, sample: &Sample<'_>, bands: &[BandSample]) -> bool {
         let i = self.index(pixel);
+        let is_sound = sample.rgb.iter().fold(true, |all, v| all & (v.abs() < MAX_VALUE));
+        if !is_sound | !bands.is_empty() | !self.holds_light_alone() {
+            return self.add_with_more((i, pixel, index), sample, bands);
+        }
+        let p = &mut self.pixels[i];
+        p.count += 1;
+        for (sum, v) in p.value.iter_mut().zip(sample.rgb) {
+            sum.add(v);
+        }
+        true
+    }
+
+    /// Whether samples go to nothing but the pixels' light and to bands.
+    #[inline(always)]
+    fn holds_light_alone(&self) -> bool {
+        let Self { squares, channels, batch_sums, ends, controls, halves, .. } = self;
+        (squares.len() | channels.len() | batch_sums.len() | ends.len() | controls.len() | halves.len()) == 0
+    }
+
+    /// [`Self::add`] of a sample that may be dropped, or to a film that holds more than light.
+    #[inline(never)]
+    fn add_with_more(
+        &mut self,
+        (i, pixel, index): (usize, [u32; 2], u32),
+        sample: &Sample<'_>,
+        bands: &[BandSample],
+    ) -> bool {
         let of_each = if bands.is_empty() { 0 } else { self.bands.len() / self.pixels.len() };
         if !self.halves.is_empty() {
             self.note_half(i, index);
@@ -325,7 +353,9 @@ impl FilmTile {
                 square.add(v);
             }
         }
-        self.channels.iter_mut().for_each(|plane| plane.add_seen(i, &sample.seen));
+        if let Some(seen) = sample.seen {
+            self.channels.iter_mut().for_each(|plane| plane.add_seen(i, seen));
+        }
         for b in bands {
             self.bands[i * of_each + usize::from(b.band)].add(b.value);
         }
@@ -728,7 +758,7 @@ mod tests {
         Region { min: [0, 0], max: [w, h] }
     }
 
-    fn grey(v: f32) -> Sample {
+    fn grey(v: f32) -> Sample<'static> {
         Sample { rgb: [v; 3], ..Sample::default() }
     }
 

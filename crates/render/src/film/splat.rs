@@ -123,7 +123,7 @@ pub struct Flying<'a> {
     /// Where it lies, from that pixel's centre, in pixels.
     pub offset: [f32; 2],
     /// Its light; `None` where the film dropped it, so that it counts as black.
-    pub sample: Option<&'a Sample>,
+    pub sample: Option<&'a Sample<'a>>,
     /// What it brings to bands of wavelengths.
     pub bands: &'a [BandSample],
 }

@@ -1,37 +1,40 @@
 //! What rays see that leave the scene, for a block of them.
 
+use super::scattering::Behind;
 use super::technique::Technique;
-use super::vertices::{BLOCK, Bits, Lights, ROOM};
+use super::vertices::{BLOCK, Bits, ROOM, Row};
+use crate::film::{Provenance, SampleSums};
 use crate::lanes::Lanes;
-use crate::light::Receiver;
-use crate::surface::{Column, Vectors};
 use crate::world::World;
 use straal_color::Light;
-use straal_math::Vec3;
 use straal_math::simd::{Float, Kernel, Mask};
+use straal_math::{Ray, Vec3};
 
 /// Rays that leave the scene.
 pub(super) struct Leaving<L> {
     count: usize,
-    d: Vectors,
-    beta: Lights,
-    /// Densities of their directions, where these weren't drawn from delta lobes.
-    pdf: Column,
+    /// Their directions.
+    d: [Row; ROOM],
+    beta: [Light; ROOM],
+    /// Where they come from. Densities are of directions that weren't drawn from delta lobes.
+    behind: [Behind; ROOM],
     delta: Bits,
-    /// Where they come from, as light sampling saw it.
-    from: Vectors,
-    from_n: Vectors,
+    /// Those that came by way of more than one surface.
+    indirect: Bits,
     lanes: [L; ROOM],
+    /// Whose light it is.
+    sample: [u32; ROOM],
 }
 
 /// One of them.
-pub(super) struct Leaver<L> {
-    pub d: Vec3,
+pub(super) struct Leaver<'a, L> {
+    pub ray: &'a Ray,
     pub beta: Light,
-    pub pdf: f32,
+    pub behind: Behind,
     pub delta: bool,
-    pub from: Receiver,
+    pub indirect: bool,
     pub lanes: L,
+    pub sample: u32,
 }
 
 impl<L: Copy> Leaving<L> {
@@ -39,43 +42,44 @@ impl<L: Copy> Leaving<L> {
     pub fn new(lanes: L) -> Self {
         Self {
             count: 0,
-            d: Vectors::default(),
-            beta: Lights::default(),
-            pdf: Column::default(),
+            d: [[0.0; 4]; ROOM],
+            beta: [Light::ZERO; ROOM],
+            behind: [Behind::CAMERA; ROOM],
             delta: Bits::default(),
-            from: Vectors::default(),
-            from_n: Vectors::default(),
+            indirect: Bits::default(),
             lanes: [lanes; ROOM],
+            sample: [0; ROOM],
         }
     }
 
     /// Begins a block.
     pub fn clear(&mut self) {
-        (self.count, self.delta) = (0, Bits::default());
+        (self.count, self.delta, self.indirect) = Default::default();
     }
 
     /// Adds one.
     #[inline(always)]
-    pub fn push(&mut self, leaver: &Leaver<L>) {
-        let i = self.count;
+    pub fn push(&mut self, leaver: &Leaver<'_, L>) {
+        let (i, d) = (self.count, leaver.ray.d);
         self.count += 1;
-        self.d.set(i, leaver.d);
-        self.beta.set(i, leaver.beta);
-        self.pdf.set(i, leaver.pdf);
+        self.d[i] = [d.x, d.y, d.z, leaver.ray.t_max];
+        self.beta[i] = leaver.beta;
+        self.behind[i] = leaver.behind;
         self.delta.set(i, leaver.delta);
-        self.from.set(i, leaver.from.p);
-        self.from_n.set(i, leaver.from.n);
+        self.indirect.set(i, leaver.indirect);
         self.lanes[i] = leaver.lanes;
+        self.sample[i] = leaver.sample;
     }
 }
 
-/// Looks an emitter that surrounds the scene up, and weighs its light against the chance that light sampling finds it.
+/// Looks an emitter that surrounds the scene up, weighs its light against the chance that light sampling finds it, and adds it to the
+/// samples.
 pub(super) struct LookUp<'a, L> {
     pub world: &'a World,
     pub leaving: &'a Leaving<L>,
     pub emitter: u32,
     pub technique: Technique,
-    pub out: &'a mut [Light; BLOCK],
+    pub sums: &'a mut SampleSums,
 }
 
 impl<L: Lanes> Kernel for LookUp<'_, L> {
@@ -83,28 +87,40 @@ impl<L: Lanes> Kernel for LookUp<'_, L> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Self { world, leaving, emitter, technique, out } = self;
+        let Self { world, leaving, emitter, technique, sums } = self;
         let environment = &world.emitters[emitter as usize];
         let readings = world.readings(&leaving.lanes);
-        for first in (0..leaving.count.min(BLOCK)).step_by(F::WIDTH) {
+        let group = world.light_groups.of(emitter);
+        let count = leaving.count.min(BLOCK);
+        for first in (0..count).step_by(F::WIDTH) {
             let readings = readings.from(first);
-            let d = leaving.d.load::<F>(first);
+            let d = &leaving.d[first..first + F::WIDTH];
+            let [x, y, z, _] = F::from_rows(
+                #[inline(always)]
+                |i| d[i],
+            );
+            let d = Vec3::new(x, y, z);
             let delta = leaving.delta.load::<F>(first);
-            let beta = leaving.beta.load(first);
+            let beta = Light::from_fn(
+                #[inline(always)]
+                |i| leaving.beta[first + i],
+            );
             let light = if delta.all() {
                 beta * environment.radiance_from_many(d, &readings)
             } else {
-                let from = Receiver { p: leaving.from.load(first), n: leaving.from_n.load(first) };
-                let (radiance, pdf) = environment.radiance_pdf_from_many(&from, d, &readings);
-                let by_light = world.lights.pmfs(emitter, &from) * pdf;
-                let weight = technique.of_bsdf(leaving.pdf.load(first), by_light);
+                let (from, pdf) = Behind::of_many(&leaving.behind, first);
+                let (radiance, by_environment) = environment.radiance_pdf_from_many(&from, d, &readings);
+                let by_light = world.lights.pmfs(emitter, &from) * by_environment;
+                let weight = technique.of_bsdf(pdf, by_light);
                 beta * radiance * F::select(delta, F::ONE, weight)
             };
             light.for_each(
                 #[inline(always)]
                 |i, light| {
-                    if let Some(out) = out.get_mut(first + i) {
-                        *out = light;
+                    let i = first + i;
+                    if i < count {
+                        let from = Provenance { group, is_indirect: leaving.indirect.at(i) };
+                        sums.add(leaving.sample[i], from, light);
                     }
                 },
             );

@@ -218,7 +218,7 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
             let is_open = vertices.is_open.load::<F>(first);
             let (value, pdf) = directions.eval_pdf_many(bsdfs, leaning, [wo, wi], is_open);
             let weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
-            let beta = vertices.beta.load(first);
+            let beta = vertices.beta::<F>(first);
             let brought = beta * value * light.radiance * (weight / light.pdf);
 
             let ([o, d], t_max) = light.way_from(&from);

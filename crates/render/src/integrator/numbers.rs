@@ -1,7 +1,7 @@
 //! Random numbers of a block of vertices, drawn side by side.
 
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
-use straal_math::simd::{Float, Kernel, Simd};
+use straal_math::simd::{Float, Kernel, Simd, Uint};
 
 pub(super) use crate::surface::BLOCK;
 
@@ -16,6 +16,8 @@ pub(super) struct Numbers {
     light: [Column; 2],
     direction: [Column; 3],
     roulette: Column,
+    /// The nodes to which the paths go on.
+    next: [u32; BLOCK],
 }
 
 /// What any vertex of a block needs; as numbers are pure functions of their names, those drawn for nothing change none.
@@ -36,6 +38,12 @@ impl Numbers {
     #[inline]
     pub fn draw(&mut self, simd: Simd, pattern: Pattern, names: &[SampleName], wanted: Wanted) {
         simd.run(Draw { pattern, names, wanted, numbers: self });
+    }
+
+    /// The name of the next vertex of path `i`, whose name was `name`.
+    #[inline(always)]
+    pub fn next(&self, i: usize, name: &SampleName) -> SampleName {
+        name.at(self.next[i])
     }
 
     /// Choose lights and points on them, from vertex `first` on.
@@ -78,6 +86,7 @@ impl Kernel for Draw<'_> {
                 #[inline(always)]
                 |lane| names[if first + lane < last { first + lane } else { last }],
             );
+            numbers.next[first..first + F::WIDTH].copy_from_slice(name.child(0).node().to_array().as_ref());
             if wanted.light {
                 store(pattern.d2(&name, Purpose::LightPoint), &mut numbers.light, first);
             }
@@ -127,6 +136,7 @@ mod tests {
                 let wanted = Wanted { light: true, direction: true, lobe: count % 2 == 1, roulette: true };
                 numbers.draw(simd, pattern, &names[..count], wanted);
                 for (i, name) in names[..count].iter().enumerate() {
+                    assert_eq!(numbers.next(i, name), name.child(0), "{isa}");
                     let [lobe, u, v] = numbers.direction::<f32>(i);
                     assert_eq!(
                         numbers.light::<f32>(i),

@@ -4,14 +4,13 @@ use super::hemisphere::Directions;
 use super::leaving::{Leaver, Leaving, LookUp};
 use super::lighting::{Brought, Illuminate, Lit, Weigh};
 use super::numbers::{Numbers, Wanted};
-use super::scattering::{Onward, Roulette, SendOn};
+use super::scattering::{Behind, Onward, Roulette, SendOn};
 use super::technique::Technique;
 use super::vertex::left_on_way;
-use super::vertices::{Arriving, BLOCK, Few, ROOM, Vertices};
+use super::vertices::{BLOCK, Bits, Few, ROOM, Vertices};
 use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
-use crate::light::Receiver;
 use crate::light::links::{ALL, Class};
 use crate::material::Bsdf;
 use crate::material::interior::{Boundary, Inside};
@@ -20,8 +19,8 @@ use crate::stopwatch::Phase;
 use crate::surface::{Met, Surfaces};
 use crate::world::World;
 use straal_color::Light;
+use straal_math::Ray;
 use straal_math::lowdisc::{Purpose, SampleName};
-use straal_math::{Ray, Vec3};
 use straal_scene::desc;
 use straal_scene::value::Depth;
 
@@ -85,16 +84,12 @@ pub struct State<L> {
     footprint: PackedFootprint,
     /// Share of the light at the ray's end that reaches the film.
     beta: Light,
-    /// The previous vertex, as light sampling saw it.
-    from: Receiver,
-    /// Density by which the ray's direction was drawn there, in solid angle; unused after a delta lobe.
-    pdf: f32,
-    /// Whether that was a delta lobe (or the camera), which light sampling can't reach.
+    /// The previous vertex.
+    behind: Behind,
+    /// Whether the ray's direction was drawn there from a delta lobe (or is the camera's), which light sampling can't reach.
     delta: bool,
     /// Edges so far, the ray's included.
     depth: u32,
-    /// Product of squared relative indices passed: roulette looks at the light's energy, not its radiance.
-    eta_squared: f32,
     /// What clear materials it is inside of, in a world where that matters.
     inside: Inside,
     /// By which lamps the previous vertex is lit.
@@ -134,11 +129,9 @@ impl Integrator for PathTracer {
             lanes: start.lanes,
             footprint: start.footprint,
             beta: start.lanes.full(),
-            from: Receiver { p: Vec3::ZERO, n: Vec3::ZERO },
-            pdf: 0.0,
+            behind: Behind::CAMERA,
             delta: true,
             depth: 1,
-            eta_squared: 1.0,
             inside: Inside::default(),
             class: ALL,
         };
@@ -178,12 +171,14 @@ impl PathTracer {
         for paths in queue.order.chunks(BLOCK) {
             out.stopwatch.begin_block();
             // Ahead of the rest: paths lie far apart, and the memory has all of them to fetch at once.
+            vertices.begin(paths.len());
             for (i, &path) in paths.iter().enumerate() {
                 let path = &queue.paths[path as usize];
                 (names[i], lanes[i]) = (path.name, path.state.lanes);
+                vertices.bring(i, path.state.beta, path.state.behind.eta_squared(), path.state.depth);
             }
             self.meet(world, queue, paths, &mut scratch.surfaces, out);
-            self.arrive(world, queue, (paths, &mut *scratch), &mut vertices, out);
+            self.arrive(world, queue, (paths, &lanes, &mut *scratch), &mut vertices, out);
             let names = &names[..paths.len()];
             let block = Block { paths, names, lanes: &lanes, vertices: &vertices };
             draw_numbers(queue, block, &mut scratch.numbers);
@@ -219,22 +214,50 @@ impl PathTracer {
         &self,
         world: &'w World,
         queue: &Queue<'_, State<L>>,
-        (paths, Scratch { surfaces, interior, classes, .. }): (&[u32], &mut Scratch),
+        (paths, lanes, scratch): (&[u32], &[L; ROOM], &mut Scratch),
         vertices: &mut Vertices<'w>,
         out: &mut Out<'_, State<L>>,
     ) {
-        vertices.begin(paths.len());
         if world.links.matter() {
-            for (class, &path) in classes.iter_mut().zip(paths) {
+            for (class, &path) in scratch.classes.iter_mut().zip(paths) {
                 *class = world.links.class_of(&queue.hits[path as usize]);
             }
         }
         let special = world.materials.interiors().matter() || world.has_ambient_light();
-        let end = self.ends(world);
+        let (materials, lanes) = (&scratch.surfaces.material[..paths.len()], &lanes[..paths.len()]);
+        let is_alike = materials.iter().all(|m| *m == materials[0]) && lanes.iter().all(|l| *l == lanes[0]);
+        if is_alike
+            && vertices.deepest() < self.max_depth
+            && !special
+            && !world.materials.choose()
+            && !scratch.surfaces.any_at()
+        {
+            // Read once, since it doesn't differ from vertex to vertex.
+            let bsdf = world.bsdf_at(materials[0], None, lanes[0]);
+            let is_black = matches!(bsdf, Bsdf::Black(_));
+            vertices.read(bsdf);
+            if !is_black {
+                vertices.set_all();
+            }
+        } else {
+            self.arrive_one_by_one(world, queue, (paths, lanes, special, scratch), vertices, out);
+        }
+        vertices.send_on(self.ends(world), |depth| self.plays_roulette(depth));
+    }
+
+    /// The same where vertices differ in how they scatter, or something else must be known of them.
+    fn arrive_one_by_one<'w, L: Lanes>(
+        &self,
+        world: &'w World,
+        queue: &Queue<'_, State<L>>,
+        (paths, lanes, special, scratch): (&[u32], &[L], bool, &mut Scratch),
+        vertices: &mut Vertices<'w>,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let Scratch { surfaces, interior, .. } = scratch;
         let mut last = None;
-        for (i, &path) in paths.iter().enumerate() {
-            let &State { lanes, beta, eta_squared, depth, .. } = &queue.paths[path as usize].state;
-            if depth >= self.max_depth {
+        for (i, (&path, &lanes)) in paths.iter().zip(lanes).enumerate() {
+            if vertices.depth(i) >= self.max_depth {
                 continue;
             }
             if world.draws_texels {
@@ -261,8 +284,7 @@ impl PathTracer {
                 };
                 vertices.replace(bsdf);
             }
-            let plays_roulette = self.plays_roulette(depth);
-            vertices.set(i, &Arriving { beta, eta_squared, plays_roulette, goes_on: depth < end });
+            vertices.set(i);
         }
     }
 }
@@ -348,9 +370,9 @@ impl PathTracer {
         let corner = |path: u32| queue.pattern.d1(&queue.paths[path as usize].name, Purpose::Corner);
         let met = Met { order: paths, rays: queue.rays, hits: queue.hits, corner: &corner };
         surfaces.meet(world, queue.simd, &met, |path| queue.paths[path as usize].state.footprint);
-        for (i, &path) in paths.iter().enumerate() {
+        for i in Bits::of(surfaces.glowing).each() {
             if let Some(emitter) = surfaces.emitter[i] {
-                self.meet_light(world, &queue.arrival(path), (emitter, &surfaces.point(i)), out);
+                self.meet_light(world, &queue.arrival(paths[i]), (emitter, &surfaces.point(i)), out);
             }
         }
     }
@@ -362,27 +384,17 @@ impl PathTracer {
             return self.miss_one_by_one(world, queue, out);
         }
         let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
-        let mut light = [Light::ZERO; BLOCK];
         for paths in queue.order.chunks(BLOCK) {
             leaving.clear();
             for &path in paths {
                 let Arrival { path, ray, .. } = queue.arrival(path);
-                let &State { lanes, beta, from, pdf, delta, .. } = &path.state;
-                leaving.push(&Leaver { d: ray.d, beta, pdf, delta, from, lanes });
+                let State { lanes, beta, behind, delta, depth, .. } = path.state;
+                let (indirect, sample) = (depth > 2, path.sample);
+                leaving.push(&Leaver { ray, beta, behind, delta, indirect, lanes, sample });
             }
             for (emitter, _) in world.environments() {
-                queue.simd.run(LookUp {
-                    world,
-                    leaving: &leaving,
-                    emitter,
-                    technique: self.technique,
-                    out: &mut light,
-                });
-                let group = world.light_groups.of(emitter);
-                for (&path, &light) in paths.iter().zip(&light) {
-                    let path = &queue.paths[path as usize];
-                    out.add(Contribution::own(path, light).of(group).indirect(path.state.depth > 2));
-                }
+                let (leaving, technique, sums) = (&leaving, self.technique, &mut *out.sums);
+                queue.simd.run(LookUp { world, leaving, emitter, technique, sums });
             }
         }
     }
@@ -396,12 +408,13 @@ impl PathTracer {
         out: &mut Out<'_, State<L>>,
     ) {
         for Arrival { path, ray, .. } in queue.arrivals() {
-            let &State { lanes, beta, ref from, pdf, delta, class, .. } = &path.state;
+            let State { lanes, beta, behind, delta, class, .. } = path.state;
+            let from = &behind.from();
             for (index, emitter) in world.environments().filter(|(index, _)| world.links.light(class, *index))
             {
                 let (radiance, by_light) = emitter.radiance_pdf_from(from, ray.d, &world.reading(lanes));
                 let by_light = || world.lights_of(class).pmf(index, from) * by_light;
-                let weight = if delta { 1.0 } else { self.technique.of_bsdf(pdf, by_light()) };
+                let weight = if delta { 1.0 } else { self.technique.of_bsdf(behind.pdf(), by_light()) };
                 let light = beta * radiance * weight;
                 let contribution = Contribution::own(path, light).of(world.light_groups.of(index));
                 out.add(contribution.indirect(path.state.depth > 2));
@@ -429,8 +442,9 @@ impl PathTracer {
         let weight = if state.delta {
             1.0
         } else {
-            self.technique
-                .of_bsdf(state.pdf, world.light_pdf(emitter, (state.class, &state.from), arrival.hit, point))
+            let from = state.behind.from();
+            let by_light = world.light_pdf(emitter, (state.class, &from), arrival.hit, point);
+            self.technique.of_bsdf(state.behind.pdf(), by_light)
         };
         let light = state.beta * radiance * weight;
         let contribution = Contribution::own(arrival.path, light).of(world.light_groups.of(emitter));
@@ -556,26 +570,30 @@ impl PathTracer {
         }));
         out.next.extend(alive.iter().map(|&i| {
             let i = usize::from(i);
-            let index = block.paths[i] as usize;
-            let path = &queue.paths[index];
-            let State { mut lanes, mut footprint, depth, mut inside, .. } = path.state;
-            let (beta, eta_squared) = onward.carried(i);
-            let (from, pdf) = onward.from(i, surfaces);
-            if onward.wavelength(i) > 0.0 {
-                // A direction of a single wavelength: the others end here, and their lanes are 0.
-                lanes = lanes.only(onward.wavelength(i));
-            }
-            if world.wants_footprints() {
-                let arrived = (&queue.rays[index], &queue.hits[index]);
-                footprint = world.footprint_beyond(&footprint, arrived, &onward.sample(i));
-            }
-            if world.materials.interiors().matter() && onward.sample(i).transmitted {
-                inside = inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
-            }
-            let (delta, depth) = (onward.delta(i), depth + 1);
-            let class = if world.links.matter() { classes[i] } else { ALL };
-            let state = State { lanes, footprint, beta, from, pdf, delta, depth, eta_squared, inside, class };
-            Path { name: path.name.child(0), sample: path.sample, state }
+            let path = &queue.paths[block.paths[i] as usize];
+            let (beta, behind, delta) = (onward.beta(i), onward.behind(i), onward.delta(i));
+            let state = State { beta, behind, delta, depth: path.state.depth + 1, ..path.state };
+            Path { name: numbers.next(i, &block.names[i]), sample: path.sample, state }
         }));
+        let (interiors, links) = (world.materials.interiors(), &world.links);
+        if onward.parts_wavelengths() || world.wants_footprints() || interiors.matter() || links.matter() {
+            let first = out.next.len() - alive.len();
+            for (path, &i) in out.next[first..].iter_mut().zip(alive) {
+                let (i, state) = (usize::from(i), &mut path.state);
+                if onward.wavelength(i) > 0.0 {
+                    // A direction of a single wavelength: the others end here, and their lanes are 0.
+                    state.lanes = state.lanes.only(onward.wavelength(i));
+                }
+                if world.wants_footprints() {
+                    let index = block.paths[i] as usize;
+                    let arrived = (&queue.rays[index], &queue.hits[index]);
+                    state.footprint = world.footprint_beyond(&state.footprint, arrived, &onward.sample(i));
+                }
+                if interiors.matter() && onward.sample(i).transmitted {
+                    state.inside = state.inside.crossed(interior[i], surfaces.wo.at(i).z > 0.0);
+                }
+                state.class = if links.matter() { classes[i] } else { ALL };
+            }
+        }
     }
 }

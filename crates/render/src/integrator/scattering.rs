@@ -8,8 +8,8 @@ use crate::material::BsdfSample;
 use crate::material::many::{OfKind, WithKind};
 use crate::surface::{Column, Surfaces};
 use straal_color::Light;
-use straal_math::Ray;
 use straal_math::simd::{Float, Kernel, Mask, Simd};
+use straal_math::{Ray, Vec3};
 use straal_scene::desc;
 
 /// By which chance roulette lets a path go on.
@@ -34,6 +34,50 @@ impl Roulette {
     }
 }
 
+/// What a path remembers of the vertex that it leaves, in rows that are moved whole: the normal where light arrives beside the density of
+/// the direction, and the point beside the product of squared relative indices passed.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(16))]
+pub(super) struct Behind([Row; 2]);
+
+impl Behind {
+    /// At the camera, which sees as if by a delta lobe.
+    pub const CAMERA: Self = Self([[0.0; 4], [0.0, 0.0, 0.0, 1.0]]);
+
+    /// The vertex as light sampling saw it.
+    #[inline(always)]
+    pub fn from(&self) -> Receiver {
+        Receiver { p: vector(&self.0[1]), n: vector(&self.0[0]) }
+    }
+
+    /// The same of many from number `first` on, and the densities.
+    #[inline(always)]
+    pub fn of_many<F: Float>(these: &[Self], first: usize) -> (Receiver<F>, F) {
+        let these = &these[first..first + F::WIDTH];
+        let [nx, ny, nz, pdf] = F::from_rows(
+            #[inline(always)]
+            |i| these[i].0[0],
+        );
+        let [px, py, pz, _] = F::from_rows(
+            #[inline(always)]
+            |i| these[i].0[1],
+        );
+        (Receiver { p: Vec3::new(px, py, pz), n: Vec3::new(nx, ny, nz) }, pdf)
+    }
+
+    /// Density by which the direction was drawn there, in solid angle; unused after a delta lobe.
+    #[inline(always)]
+    pub const fn pdf(&self) -> f32 {
+        self.0[0][3]
+    }
+
+    /// Product of squared relative indices passed: roulette looks at the light's energy, not its radiance.
+    #[inline(always)]
+    pub const fn eta_squared(&self) -> f32 {
+        self.0[1][3]
+    }
+}
+
 /// Where paths go on.
 #[derive(Default)]
 pub(super) struct Onward {
@@ -41,12 +85,12 @@ pub(super) struct Onward {
     pub alive: Bits,
     delta: Bits,
     transmitted: Bits,
+    /// Those whose directions are of a single wavelength.
+    parted: Bits,
     /// Origin and least t, direction and largest t.
     rays: [[Row; 2]; BLOCK],
     beta: [Light; BLOCK],
-    eta_squared: Column,
-    /// Normals where light arrives, and densities of the directions.
-    rest: [Row; BLOCK],
+    behind: [Behind; BLOCK],
     eta: Column,
     wavelength: Column,
 }
@@ -58,23 +102,28 @@ impl Onward {
         ray(&self.rays[i], before)
     }
 
-    /// What it carries, and the product of squared relative indices passed.
+    /// What it carries.
     #[inline(always)]
-    pub fn carried(&self, i: usize) -> (Light, f32) {
-        (self.beta[i], self.eta_squared.at(i))
+    pub fn beta(&self, i: usize) -> Light {
+        self.beta[i]
     }
 
-    /// The vertex as light sampling saw it, and the density of the direction.
+    /// What it remembers of the vertex.
     #[inline(always)]
-    pub fn from(&self, i: usize, surfaces: &Surfaces) -> (Receiver, f32) {
-        let rest = &self.rest[i];
-        (Receiver { p: surfaces.p.at(i), n: vector(rest) }, rest[3])
+    pub fn behind(&self, i: usize) -> Behind {
+        self.behind[i]
     }
 
     /// Whether the direction was drawn from a delta lobe.
     #[inline(always)]
     pub fn delta(&self, i: usize) -> bool {
         self.delta.at(i)
+    }
+
+    /// Whether any direction is that of a single wavelength.
+    #[inline(always)]
+    pub fn parts_wavelengths(&self) -> bool {
+        self.parted.any()
     }
 
     /// See [`BsdfSample::wavelength`].
@@ -88,7 +137,7 @@ impl Onward {
         BsdfSample {
             wi: vector(&self.rays[i][1]),
             weight: Light::ZERO,
-            pdf: self.rest[i][3],
+            pdf: self.behind[i].pdf(),
             delta: self.delta.at(i),
             transmitted: self.transmitted.at(i),
             eta: self.eta.at(i),
@@ -130,7 +179,7 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             return;
         }
         let SendOn { surfaces, vertices, numbers, directions, roulette, out, .. } = self.of;
-        (out.alive, out.delta, out.transmitted) = Default::default();
+        (out.alive, out.delta, out.transmitted, out.parted) = Default::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let alive = vertices.goes_on.load::<F>(first);
             let Some(bsdfs) = vertices.bsdfs::<K>(first) else { break };
@@ -143,7 +192,7 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             let is_open = vertices.is_open.load::<F>(first);
             let (s, there) = directions.sample_many(bsdfs, leaning, (wo, u), is_open);
             let mut alive = alive & there;
-            let mut beta = vertices.beta.load::<F>(first) * s.weight;
+            let mut beta = vertices.beta::<F>(first) * s.weight;
             let eta_squared = vertices.eta_squared.load::<F>(first) * s.eta * s.eta;
 
             // Roulette: paths that carry little end with a chance that keeps the mean. They go on by the root of what they carry, unless the scene
@@ -165,7 +214,7 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             out.alive.store(first, alive & !beta.is_black());
             out.delta.store(first, s.delta);
             out.transmitted.store(first, s.transmitted);
-            out.eta_squared.store(first, eta_squared);
+            out.parted.store(first, s.wavelength.gt(F::ZERO));
             out.eta.store(first, s.eta);
             out.wavelength.store(first, s.wavelength);
             F::to_rows(
@@ -181,7 +230,13 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
             F::to_rows(
                 [n.x, n.y, n.z, s.pdf],
                 #[inline(always)]
-                |i, row| out.rest[first + i] = row,
+                |i, row| out.behind[first + i].0[0] = row,
+            );
+            let p = from.end.p;
+            F::to_rows(
+                [p.x, p.y, p.z, eta_squared],
+                #[inline(always)]
+                |i, row| out.behind[first + i].0[1] = row,
             );
             beta.for_each(
                 #[inline(always)]

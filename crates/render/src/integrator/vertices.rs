@@ -25,6 +25,18 @@ impl Bits {
         self.0 |= u64::from(yes) << i;
     }
 
+    /// By bits, the lowest the first vertex's.
+    #[inline(always)]
+    pub const fn of(bits: u64) -> Self {
+        Self(bits)
+    }
+
+    /// A yes for so many.
+    #[inline(always)]
+    pub const fn first(count: usize) -> Self {
+        Self((1 << count) - 1)
+    }
+
     /// Whether any is a yes.
     #[inline(always)]
     pub fn any(self) -> bool {
@@ -72,8 +84,8 @@ impl Few {
     #[inline(always)]
     pub fn of(bits: Bits) -> Self {
         let mut few = Self { numbers: [0; BLOCK], count: 0 };
-        for i in bits.each().take(BLOCK) {
-            few.numbers[few.count] = i as u8;
+        for (number, i) in few.numbers.iter_mut().zip(bits.each()) {
+            *number = i as u8;
             few.count += 1;
         }
         few
@@ -91,13 +103,6 @@ impl Few {
 pub(super) struct Lights([Column; 4]);
 
 impl Lights {
-    #[inline(always)]
-    pub fn set(&mut self, i: usize, light: Light) {
-        for (column, v) in self.0.iter_mut().zip(light.0) {
-            column.set(i, v);
-        }
-    }
-
     #[inline(always)]
     pub fn load<F: Float>(&self, first: usize) -> Light<F> {
         let [a, b, c, d] = &self.0;
@@ -129,9 +134,13 @@ pub(super) struct Vertices<'w> {
     /// Whether any chooses between lobes.
     pub chooses_lobe: bool,
     /// Share of the light at each that reaches the film.
-    pub beta: Lights,
+    beta: [Light; ROOM],
     /// Product of squared relative indices passed.
     pub eta_squared: Column,
+    /// Edges of the paths so far.
+    depth: [u32; BLOCK],
+    /// The most of these.
+    deepest: u32,
     /// How they scatter: each once that several have alike.
     bsdfs: [Bsdf<'w>; BLOCK],
     /// How many of those there are.
@@ -163,14 +172,6 @@ impl Traits {
     }
 }
 
-/// What a path brings to its vertex.
-pub(super) struct Arriving {
-    pub beta: Light,
-    pub eta_squared: f32,
-    pub plays_roulette: bool,
-    pub goes_on: bool,
-}
-
 impl<'w> Vertices<'w> {
     /// None yet.
     pub fn new() -> Self {
@@ -182,8 +183,10 @@ impl<'w> Vertices<'w> {
             goes_on: Bits::default(),
             is_open: Bits::default(),
             chooses_lobe: false,
-            beta: Lights::default(),
+            beta: [Light::ZERO; ROOM],
             eta_squared: Column::default(),
+            depth: [0; BLOCK],
+            deepest: 0,
             bsdfs: [Bsdf::Black(Black); BLOCK],
             read: 0,
             which: [0; ROOM],
@@ -203,6 +206,37 @@ impl<'w> Vertices<'w> {
         (self.goes_on, self.is_open) = Default::default();
         (self.chooses_lobe, self.kind, self.is_mixed) = (false, None, false);
         (self.read, self.which) = (0, [0; ROOM]);
+        self.deepest = 0;
+    }
+
+    /// What the path of surface `i` brings to it, of so many edges.
+    #[inline(always)]
+    pub fn bring(&mut self, i: usize, beta: Light, eta_squared: f32, depth: u32) {
+        self.beta[i] = beta;
+        self.eta_squared.set(i, eta_squared);
+        self.depth[i] = depth;
+        self.deepest = if depth > self.deepest { depth } else { self.deepest };
+    }
+
+    /// The most edges that a path has.
+    #[inline(always)]
+    pub fn deepest(&self) -> u32 {
+        self.deepest
+    }
+
+    /// Edges of the path of surface `i`.
+    #[inline(always)]
+    pub fn depth(&self, i: usize) -> u32 {
+        self.depth[i]
+    }
+
+    /// From vertex `first` on, the share of the light that reaches the film.
+    #[inline(always)]
+    pub fn beta<F: Float>(&self, first: usize) -> Light<F> {
+        Light::from_fn(
+            #[inline(always)]
+            |i| self.beta[first + i],
+        )
     }
 
     /// Takes a BSDF, for the vertices that are set until the next one. There is one for each surface at most.
@@ -229,18 +263,37 @@ impl<'w> Vertices<'w> {
 
     /// At surface `i` light is scattered, by the last BSDF.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, arriving: &Arriving) {
+    pub fn set(&mut self, i: usize) {
         let &Traits { kind, asks_lights, is_open, chooses_lobe } = &self.traits;
         self.is_mixed |= *self.kind.get_or_insert(kind) != kind;
         self.alive.set(i, true);
         self.asks_lights.set(i, asks_lights);
-        self.plays_roulette.set(i, arriving.plays_roulette);
-        self.goes_on.set(i, arriving.goes_on);
         self.is_open.set(i, is_open);
         self.chooses_lobe |= chooses_lobe;
-        self.beta.set(i, arriving.beta);
-        self.eta_squared.set(i, arriving.eta_squared);
         self.which[i] = self.read.saturating_sub(1) as u8;
+    }
+
+    /// At all surfaces it is, by the only BSDF.
+    #[inline(always)]
+    pub fn set_all(&mut self) {
+        let &Traits { kind, asks_lights, is_open, chooses_lobe } = &self.traits;
+        let all = Bits::first(self.count);
+        (self.kind, self.alive, self.chooses_lobe) = (Some(kind), all, chooses_lobe);
+        self.asks_lights = if asks_lights { all } else { Bits::default() };
+        self.is_open = if is_open { all } else { Bits::default() };
+    }
+
+    /// Says from which of the vertices paths go on, those of fewer edges than `end`, and which of them may be ended by chance.
+    #[inline]
+    pub fn send_on(&mut self, end: u32, plays_roulette: impl Fn(u32) -> bool) {
+        if self.deepest < end {
+            self.goes_on = self.alive;
+        } else {
+            self.alive.each().for_each(|i| self.goes_on.set(i, self.depth[i] < end));
+        }
+        if plays_roulette(self.deepest) {
+            self.alive.each().for_each(|i| self.plays_roulette.set(i, plays_roulette(self.depth[i])));
+        }
     }
 
     /// Hands the kind of their BSDFs to who works with any by an instruction set. What has a single lane takes all as of any kind: it

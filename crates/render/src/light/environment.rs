@@ -229,7 +229,10 @@ impl ImageEnvironment {
             pixels.extend_from_within(..);
             height = 2;
         }
-        let lane = |x: usize, y: usize| f64::from(Light::rgb(pixels[y * width + x % width]).max_lane());
+        // Columns up to the first again.
+        let lane = |x: usize, y: usize| {
+            f64::from(Light::rgb(pixels[y * width + if x < width { x } else { 0 }]).max_lane())
+        };
         let mean =
             |i: usize, j: usize| 0.25 * (lane(i, j) + lane(i + 1, j) + lane(i, j + 1) + lane(i + 1, j + 1));
         let grid = Grid { columns: width, rows: height - 1, half_turn: height - 1, axes, is_compensated };

@@ -10,7 +10,7 @@ use crate::material::shaded::shading_normals;
 use crate::shape::mesh::Between;
 use crate::shape::offset::End;
 use crate::shape::patch::{Level, Patch};
-use crate::shape::{Shape, SurfacePoint, TriangleMesh, exact, mesh, sphere};
+use crate::shape::{Geometry, Shape, SurfacePoint, TriangleMesh, exact, mesh, sphere};
 use crate::texture::ShadingPoint;
 use crate::world::{GeometryRecord, Kind, World};
 use std::ops::Range;
@@ -83,6 +83,8 @@ pub struct Surfaces {
     pub material: [u32; BLOCK],
     /// Indices of emitters in the world, where the surface glows.
     pub emitter: [Option<u32>; BLOCK],
+    /// A bit for each that does.
+    pub glowing: u64,
     /// What was done one by one, and for whom: texture coordinates, and what materials read.
     apart: Vec<(u32, [f32; 2], Option<ShadingPoint>)>,
 }
@@ -102,6 +104,7 @@ impl Default for Surfaces {
             gathered: Gathered::default(),
             material: [0; BLOCK],
             emitter: [None; BLOCK],
+            glowing: 0,
             apart: Vec::new(),
         }
     }
@@ -122,19 +125,20 @@ impl Surfaces {
         let mut geometries = [0; BLOCK];
         for (i, geometry) in geometries[..count].iter_mut().enumerate() {
             let (ray, hit) = met.at(i);
-            self.gathered.d[i] = beside(ray.d, 0.0);
+            self.gathered.d[i] = beside(ray.d, ray.t_max);
+            self.gathered.o[i] = beside(ray.o, hit.t);
             *geometry = hit.geometry;
         }
         let mut likes = [Alike::Apart; BLOCK];
+        self.glowing = 0;
         for (i, alike) in likes[..count].iter_mut().enumerate() {
-            let (ray, hit) = met.at(i);
+            let (_, hit) = met.at(i);
             let geometry = &world.geometries[geometries[i] as usize];
             self.material[i] = world.material_of(hit);
             self.emitter[i] = geometry.emitter;
-            let whole = hit.chain.is_empty() && !world.materials.wants(self.material[i]).point;
-            *alike = if whole { world.alike(geometry) } else { Alike::Apart };
-            if *alike != Alike::Apart {
-                self.gathered.take(i, world, (ray, hit), geometry);
+            self.glowing |= u64::from(geometry.emitter.is_some()) << i;
+            if hit.chain.is_empty() {
+                *alike = geometry.alike;
             }
         }
         // What the last vector of a run writes beyond its end is overwritten by the next run.
@@ -158,6 +162,7 @@ impl Surfaces {
                     self.set(i, d, surface);
                 }
             } else {
+                self.gathered.take(world, (met, start..end), (alike, &geometries));
                 let simd = if run.len() < FEW { Simd::PLAIN } else { simd };
                 simd.run(Run { world, alike, range: start..end, out: self });
             }
@@ -236,6 +241,12 @@ impl Surfaces {
         self.apart(i).and_then(|(_, _, at)| at.as_ref())
     }
 
+    /// Whether there is a surface of which its material reads anything.
+    #[inline]
+    pub fn any_at(&self) -> bool {
+        self.apart.iter().any(|(_, _, at)| at.is_some())
+    }
+
     /// Gives textures of surface `i` numbers by which they may draw texels.
     pub fn draw_lots(&mut self, i: usize, lot: impl FnOnce() -> [f32; 2]) {
         let apart = self.apart.iter_mut().find(|(k, ..)| *k as usize == i);
@@ -268,18 +279,17 @@ struct Seen<F> {
     wo: Vec3<F>,
 }
 
-impl World {
-    /// With which others the surface of a geometry may be computed, where its material asks for no more.
-    #[inline]
-    pub(crate) fn alike(&self, geometry: &GeometryRecord) -> Alike {
-        match geometry.kind {
-            _ if geometry.emission_varies || geometry.colours_at_corners => Alike::Apart,
-            Kind::Mesh(_) => Alike::Triangles,
-            Kind::Shapes(first) => match &self.geometry.shapes[first as usize] {
-                Shape::Sphere(_) => Alike::Round,
-                Shape::Plane(_) | Shape::Ellipsoid(_) | Shape::Cylinder(_) => Alike::Shape(first),
-                shape if shape.patch().is_some() => Alike::Flat,
-                _ => Alike::Apart,
+impl Alike {
+    /// With which others surfaces of a geometry may be computed; `wants_point` says whether its material asks for more.
+    pub(crate) fn of(record: &GeometryRecord, geometry: &Geometry, wants_point: bool) -> Self {
+        match record.kind {
+            _ if record.emission_varies || record.colours_at_corners || wants_point => Self::Apart,
+            Kind::Mesh(_) => Self::Triangles,
+            Kind::Shapes(first) => match &geometry.shapes[first as usize] {
+                Shape::Sphere(_) => Self::Round,
+                Shape::Plane(_) | Shape::Ellipsoid(_) | Shape::Cylinder(_) => Self::Shape(first),
+                shape if shape.patch().is_some() => Self::Flat,
+                _ => Self::Apart,
             },
         }
     }
@@ -291,7 +301,7 @@ type Rows = [[f32; 4]; ROOM];
 /// What surfaces are made from, gathered hit by hit. Lanes for which nothing was gathered are left over from another block.
 #[derive(Debug)]
 struct Gathered {
-    /// The rays' directions.
+    /// The rays' directions; what stands beside them is of no use.
     d: Rows,
     /// Their origins, and how far off the hits are.
     o: Rows,
@@ -333,23 +343,35 @@ impl Default for Gathered {
 }
 
 impl Gathered {
-    /// Takes what a hit's surface is made from, besides the ray's direction.
+    /// Takes what surfaces are made from that are alike, besides rays.
     #[inline]
-    fn take(&mut self, i: usize, world: &World, (ray, hit): (&Ray, &Hit), geometry: &GeometryRecord) {
-        set(&mut self.flipped, i, geometry.flip);
-        match geometry.kind {
-            Kind::Mesh(mesh) => self.take_triangle(i, &world.geometry.meshes[mesh as usize], hit),
-            Kind::Shapes(first) => {
-                self.o[i] = beside(ray.o, hit.t);
-                match &world.geometry.shapes[first as usize] {
-                    Shape::Sphere(s) => self.sphere[i] = beside(s.center, s.radius),
-                    shape => {
-                        let Some(level) = shape.patch().map(Patch::level) else { return };
-                        for (column, x) in self.levels.iter_mut().zip(level.to_array()) {
-                            column[i] = x;
-                        }
+    fn take(
+        &mut self,
+        world: &World,
+        (met, range): (&Met<'_>, Range<usize>),
+        (alike, geometries): (Alike, &[u32; BLOCK]),
+    ) {
+        for i in range {
+            let geometry = &world.geometries[geometries[i] as usize];
+            set(&mut self.flipped, i, geometry.flip);
+            match (alike, geometry.kind) {
+                (_, Kind::Mesh(mesh)) => {
+                    self.take_triangle(i, &world.geometry.meshes[mesh as usize], met.at(i).1);
+                }
+                (Alike::Round, Kind::Shapes(first)) => {
+                    if let Shape::Sphere(s) = &world.geometry.shapes[first as usize] {
+                        self.sphere[i] = beside(s.center, s.radius);
                     }
                 }
+                (Alike::Flat, Kind::Shapes(first)) => {
+                    let level = world.geometry.shapes[first as usize].patch().map(Patch::level);
+                    for (column, x) in
+                        self.levels.iter_mut().zip(level.map(Level::to_array).into_iter().flatten())
+                    {
+                        column[i] = x;
+                    }
+                }
+                _ => {}
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::{
     Analytic, Hit, Isa, Patch, ShapeHit,
     analytic::{
         block::{Blocks, Member},
-        octet::{Firsts, RAYS},
+        octet::{Octets, RAYS},
     },
     kernel::{Chosen, Kernel},
     lanes::ROW,
@@ -146,7 +146,7 @@ fn octets_are_rays_one_by_one<K: Kernel>(kernel: K) {
         members.push(Member { object: members.len() as u32, ..again });
         let blocks = Blocks::of(&members);
         let rays: Vec<Ray> = (0..1 + r.below(RAYS as u64)).map(|_| r.ray()).collect();
-        let (mut firsts, mut any) = ([Firsts::EMPTY; RAYS / ROW], [Firsts::EMPTY; RAYS / ROW]);
+        let (mut firsts, mut any) = (Octets::EMPTY, Octets::EMPTY);
         kernel.octets::<false>(&blocks, &rays, &mut firsts);
         kernel.octets::<true>(&blocks, &rays, &mut any);
         for (i, ray) in rays.iter().enumerate() {
@@ -158,9 +158,9 @@ fn octets_are_rays_one_by_one<K: Kernel>(kernel: K) {
                     }
                 }
             }
-            let (first, lane) = (&firsts[i / ROW], i % ROW);
+            let (first, lane) = (&firsts.firsts[i / ROW], i % ROW);
             assert_eq!(first.object(lane), want.is_hit().then_some(want.primitive), "{ray:?}");
-            assert_eq!(any[i / ROW].object(lane).is_some(), want.is_hit());
+            assert_eq!(any.firsts[i / ROW].object(lane).is_some(), want.is_hit());
             if want.is_hit() {
                 let got = [first.t[lane], first.u[lane], first.v[lane]].map(|x| (x as f32).to_bits());
                 assert_eq!(got, [want.t, want.u, want.v].map(f32::to_bits));

@@ -40,7 +40,7 @@ fn film(crop: Region, samples: [u32; 2], splat: bool) -> Film {
                 let v = number(pixel, i);
                 let rgb = if i == 13 && pixel[0] % 7 == 3 { [f32::NAN; 3] } else { [v, v * v, 7.0 * v] };
                 let seen = std::array::from_fn(|k| [v, 0.5 - v, k as f32 * v]);
-                let sample = Sample { rgb, negative: v < 0.1, seen };
+                let sample = Sample { rgb, negative: v < 0.1, seen: Some(&seen) };
                 // A band of wavelengths, and the second group's green.
                 let bands = [(i % 3) as u16, 7].map(|band| BandSample { band, value: v });
                 let taken = tile.add(pixel, i, &sample, &bands);
