@@ -213,6 +213,13 @@ impl Film {
         self.tiles.iter_mut().for_each(|tile| tile.adapt(by_batches));
     }
 
+    /// How many times as many pixels there are as still take samples, 1 to 1024.
+    pub fn sparsity(&self) -> u32 {
+        let all: usize = self.tiles.iter().map(|tile| tile.pixels.len()).sum();
+        let open: usize = self.tiles.iter().map(FilmTile::open_pixels).sum();
+        (all / open.max(1)).clamp(1, 1024) as u32
+    }
+
     /// Takes no further samples of the blocks that are told by their first pixel.
     pub(crate) fn end_blocks(&mut self, is_done: impl Fn([u32; 2]) -> bool) {
         for tile in &mut self.tiles {
@@ -306,6 +313,15 @@ impl FilmTile {
     /// Whether there are any.
     pub(crate) fn is_open(&self) -> bool {
         !self.sampled.any || self.places().any(|p| self.sampled.is_open(p))
+    }
+
+    /// Pixels of which further samples are wanted.
+    fn open_pixels(&self) -> usize {
+        if self.sampled.any {
+            self.places().filter(|p| self.sampled.is_open(*p)).count()
+        } else {
+            self.pixels.len()
+        }
     }
 
     /// Blocks of which further samples are wanted.

@@ -23,6 +23,9 @@ const UNEVEN: f64 = 1.1;
 /// At most so many times the samples that its blocks want a district has to lower its error.
 const MOST: f64 = 1.5;
 
+/// So many times the samples of blocks are raised, by an eighth each: to 2000 times at most.
+const TRIES: usize = 64;
+
 /// What two or three batches tell of one pixel may be far too little: a block whose noise is that of k alike pixels counts by a part of so many over k² more.
 const LUCK: f64 = 3.0;
 
@@ -122,14 +125,15 @@ fn share_out(blocks: &mut [Block], ended: Ended) {
     let most = MOST * spent(0.0);
     // Where the first block has more for the sake of all.
     let first = open().filter(|b| b.noise.error > 0.0).map(|b| at(b, 0.0) / (b.noise.error / b.open).sqrt());
-    let mut raise = first.fold(f64::INFINITY, |least, v| if v < least { v } else { least });
+    let first = first.fold(f64::INFINITY, |least, v| if v < least { v } else { least });
+    // By an eighth more each time; what is spent goes up with it as soon as a block has an error.
+    let raises = std::iter::successors(Some(first), |raise| Some(raise * 1.125)).take(TRIES);
     let mut taken = 0.0;
-    while spent(raise) <= most {
+    for raise in raises.take_while(|raise| raise.is_finite() && spent(*raise) <= most) {
         taken = raise;
         if unevenness(raise) <= 1.0 {
             break;
         }
-        raise *= 1.125;
     }
     let shares: Vec<f64> = blocks.iter().map(|b| if b.open > 0.0 { at(b, taken) } else { 0.0 }).collect();
     for (block, share) in blocks.iter_mut().zip(shares) {
@@ -342,6 +346,15 @@ mod tests {
         let (adapted, even) = (error(&|i| got[i]), error(&|_| mean));
         assert!(adapted < even, "{adapted}, not less than {even}, with {mean} samples");
         assert!(got[PIXELS] > got[20 * PIXELS] && got[0] > got[PIXELS]);
+    }
+
+    /// One half of all pixels has ended, and the other goes on.
+    #[test]
+    fn what_has_ended_has_nothing_to_share() {
+        let own = vec![Half { is_open: false, ..even(1.0, 1.0, 16.0) }; ALL];
+        assert_eq!(ended(&ending(&own, &own, true, (64.0, 0.001)), 0), 0);
+        let uneven = Ended { pixels: 2.0, samples: 200.0, error: 2.0, left: 1.0 };
+        share_out(&mut [Block::default(); 4], uneven);
     }
 
     #[test]
