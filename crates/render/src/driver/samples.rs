@@ -105,6 +105,17 @@ impl<L: Copy> Samples<L> {
         self.pending[place].map(|sample| (place, sample))
     }
 
+    /// The number of the first, counted from the worker's start.
+    pub fn number_of_first(&self) -> usize {
+        self.first
+    }
+
+    /// A sample by its number, and its place: as long as none has come in its stead.
+    pub fn numbered(&self, number: usize) -> Option<(usize, Pending<L>)> {
+        let place = number & (self.room() - 1);
+        self.pending[place].map(|sample| (place, sample))
+    }
+
     /// Makes room for another in place of the first.
     pub fn leave(&mut self) {
         self.first += 1;

@@ -26,7 +26,7 @@ fn kind_of(world: &World, material: u32) -> Kind {
 /// In which order what rays meet is worked on: by what must be computed, then by material and by what
 /// surfaces are alike in, so that like is shaded beside like.
 pub(super) struct Ranks {
-    /// By geometry; [`INHERIT`] where instances give the material.
+    /// By geometry, and last for what missed; [`INHERIT`] where instances give the material.
     of_geometry: Vec<u32>,
     /// By material, of what has it from an instance.
     inherited: Vec<u32>,
@@ -56,18 +56,21 @@ impl Ranks {
                 .geometries
                 .iter()
                 .map(|geometry| own(geometry).map_or(INHERIT, rank))
+                .chain([all.len() as u32])
                 .collect(),
             inherited: materials.map(|material| rank(inherited(material))).collect(),
             kinds: all.iter().map(|&(kind, ..)| kind).chain([Kind::Missed]).collect(),
         }
     }
 
+    /// Whether a ray hit or missed is as good as chance: that isn't branched on.
     #[inline]
     fn of(&self, world: &World, hit: &Hit) -> u32 {
-        match self.of_geometry.get(hit.geometry as usize) {
-            Some(&INHERIT) => self.inherited.get(world.material_of(hit) as usize).copied().unwrap_or(0),
-            Some(&rank) => rank,
-            None => self.kinds.len() as u32 - 1,
+        let missed = self.of_geometry.len() - 1;
+        let geometry = hit.geometry as usize;
+        match self.of_geometry[if geometry < missed { geometry } else { missed }] {
+            INHERIT => self.inherited.get(world.material_of(hit) as usize).copied().unwrap_or(0),
+            rank => rank,
         }
     }
 }

@@ -4,7 +4,7 @@
 //! and what their vertices emit is put back on top. So an integrator whose paths split goes deep before it goes wide, and the pool
 //! stays bounded by what a path can split into, not by what a picture can.
 
-use super::finishing::Finish;
+use super::finishing::{self, Finish};
 use super::guides;
 use super::samples::{Pending, Samples};
 use super::sorting::{Ranks, Sorting};
@@ -12,7 +12,7 @@ use super::starting::{self, Starting, Wanted};
 use super::stream::{self, Name, Stream};
 use crate::camera::Needs;
 use crate::film::channel::{FirstHit, Seen, see};
-use crate::film::{BandSample, FilmTile, SampleSums, TILE};
+use crate::film::{FilmTile, SampleSums, TILE};
 use crate::filter::Filter;
 use crate::footprint::PackedFootprint;
 use crate::integrator::{
@@ -112,8 +112,7 @@ pub(super) struct Worker<'a, I: Integrator, L: Lanes> {
     scratch: Option<Box<Scratch>>,
     transmittance: Vec<Light>,
     blocked: Vec<bool>,
-    /// What the sample that the film takes adds to bands of wavelengths.
-    bands: Vec<BandSample>,
+    finishing: Box<finishing::Scratch>,
 }
 
 impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
@@ -154,7 +153,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             scratch: None,
             transmittance: Vec::new(),
             blocked: Vec::new(),
-            bands: Vec::new(),
+            finishing: Box::new(finishing::Scratch::new()),
         }
     }
 
@@ -401,8 +400,8 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
 
     /// Gives the film the samples that are finished.
     fn finish(&mut self, pass: &Pass<'_, '_>) {
-        let (samples, bands) = (&mut self.samples, &mut self.bands);
-        self.simd.run(Finish { world: self.world, probe: self.probe, samples, bands, pass });
+        let Self { world, simd, samples, finishing: scratch, .. } = self;
+        simd.run(Finish { world, probe: &*self.probe, samples, pass, scratch });
         self.stopwatch.lap(Phase::Film);
     }
 }

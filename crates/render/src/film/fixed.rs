@@ -260,7 +260,7 @@ mod tests {
             1e-40,
         ];
         // And halves of the units, and what is beside them.
-        let units = (58..66).flat_map(|k| [1.0, 3.0, 5.0].map(|n| n / 2.0_f64.powi(k) as f32));
+        let units = (58..64).flat_map(|k| [1.0, 3.0, 5.0].map(|n| n / (1_u64 << k) as f32));
         for v in
             ends.into_iter().chain(units).flat_map(|v| [v.next_down(), v, v.next_up()]).flat_map(|v| [v, -v])
         {

@@ -14,17 +14,17 @@ use straal_color::Light;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub struct LightSum {
-    high: [i64; 4],
-    low: [i64; 4],
+    pub(super) high: [i64; 4],
+    pub(super) low: [i64; 4],
 }
 
 /// A high number's unit is the inverse of this, and so many low ones make one high one.
-const HIGH: f64 = (1_u64 << 14) as f64;
-const LOW_BITS: u32 = 48;
-const LOW: f64 = (1_u64 << LOW_BITS) as f64;
+pub(super) const HIGH: f64 = (1_u64 << 14) as f64;
+pub(super) const LOW_BITS: u32 = 48;
+pub(super) const LOW: f64 = (1_u64 << LOW_BITS) as f64;
 
 /// A number of less than 2^51 that this is added to is rounded to an integer, which then stands in the last bits.
-const ROUND: f64 = (3_u64 << 51) as f64;
+pub(super) const ROUND: f64 = (3_u64 << 51) as f64;
 
 /// So much in the first lane tells that it is spoiled, whatever is added once.
 const SPOILED: i64 = 3 << 61;
@@ -190,6 +190,18 @@ impl SampleSums {
     #[cold]
     pub fn spoil(&mut self, place: usize) {
         self.all[place].spoil();
+    }
+
+    /// Whether there is nothing but all light of each sample.
+    #[inline(always)]
+    pub const fn are_whole(&self) -> bool {
+        self.of_each == 0
+    }
+
+    /// All light of a sample as it is gathered.
+    #[inline(always)]
+    pub fn sum(&self, place: usize) -> &LightSum {
+        &self.all[place]
     }
 
     /// All light of a sample.

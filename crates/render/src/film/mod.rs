@@ -12,6 +12,7 @@ mod fixed;
 mod halves;
 mod hash;
 mod light_sum;
+mod many;
 mod planes;
 mod recording;
 mod region;
@@ -41,6 +42,7 @@ use channel::{Plane, Seen};
 use control::Control;
 use error_estimate::BatchSums;
 use fixed::{Fixed, Square};
+pub(crate) use many::Many;
 use straal_color::spectrum::Bands;
 use straal_math::simd::Simd;
 
@@ -187,7 +189,9 @@ impl FilmTile {
         }
     }
 
-    fn index(&self, [x, y]: [u32; 2]) -> usize {
+    /// Where a pixel of the whole picture stands in the tile.
+    #[inline(always)]
+    pub(crate) fn index(&self, [x, y]: [u32; 2]) -> usize {
         (y - self.region.min[1]) as usize * self.region.width() as usize + (x - self.region.min[0]) as usize
     }
 
@@ -310,7 +314,7 @@ impl FilmTile {
 
     /// Whether samples go to nothing but the pixels' light and to bands.
     #[inline(always)]
-    fn holds_light_alone(&self) -> bool {
+    pub(crate) fn holds_light_alone(&self) -> bool {
         let Self { squares, channels, batch_sums, ends, controls, halves, .. } = self;
         (squares.len() | channels.len() | batch_sums.len() | ends.len() | controls.len() | halves.len()) == 0
     }

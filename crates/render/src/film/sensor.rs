@@ -49,6 +49,11 @@ impl Sensor {
         self.recording
     }
 
+    /// Whether it takes red, green and blue as paths carry them.
+    pub fn takes_as_is(&self) -> bool {
+        self.response.is_empty() && self.from_work.is_none()
+    }
+
     /// The first of the three bands of a group of lights, which come after those of wavelengths.
     pub fn first_band_of_group(&self, group: u16) -> usize {
         self.recording.bands().map_or(0, Bands::count) + 3 * usize::from(group)

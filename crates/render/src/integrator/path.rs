@@ -571,9 +571,17 @@ impl PathTracer {
         out.next.extend(alive.iter().map(|&i| {
             let i = usize::from(i);
             let path = &queue.paths[block.paths[i] as usize];
-            let (beta, behind, delta) = (onward.beta(i), onward.behind(i), onward.delta(i));
-            let state = State { beta, behind, delta, depth: path.state.depth + 1, ..path.state };
-            Path { name: numbers.next(i, &block.names[i]), sample: path.sample, state }
+            Path {
+                name: numbers.next(i, &block.names[i]),
+                sample: path.sample,
+                state: State {
+                    beta: onward.beta(i),
+                    behind: onward.behind(i),
+                    delta: onward.delta(i),
+                    depth: path.state.depth + 1,
+                    ..path.state
+                },
+            }
         }));
         let (interiors, links) = (world.materials.interiors(), &world.links);
         if onward.parts_wavelengths() || world.wants_footprints() || interiors.matter() || links.matter() {
