@@ -41,6 +41,7 @@ impl<'a> Build<'a> {
             positions: m.positions.iter().map(|p| p.as_vec3().to_array()).collect(),
             normals: m.normals.iter().map(|n| n.as_vec3().to_array()).collect(),
             uvs: m.uvs.iter().map(|uv| uv.map(|v| v as f32)).collect(),
+            tangents: m.tangents.iter().map(|t| t.map(|v| v as f32)).collect(),
             triangles: m.triangles.clone(),
             ..Mesh::default()
         };
@@ -104,6 +105,7 @@ impl<'a> Build<'a> {
         if surface.flip {
             mesh.flip = !mesh.flip;
             mesh.normals.iter_mut().for_each(|n| *n = -*n);
+            mesh.tangents.iter_mut().for_each(|t| t[3] = -t[3]);
         }
         let default = self.materials.of(surface.material.as_ref(), place.material);
         let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e));
@@ -215,6 +217,7 @@ fn part(mesh: &TriangleMesh, run: &Run<'_>, known: &mut Vec<u32>) -> TriangleMes
         indices,
         normals: used().filter_map(|i| mesh.normals.get(i).copied()).collect(),
         uvs: used().filter_map(|i| mesh.uvs.get(i).copied()).collect(),
+        tangents: used().filter_map(|i| mesh.tangents.get(i).copied()).collect(),
         attributes: mesh
             .attributes
             .iter()

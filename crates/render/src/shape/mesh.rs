@@ -26,6 +26,8 @@ pub struct TriangleMesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex; empty when there are none, and then (u, v) of the hit stands in.
     pub uvs: Vec<[f32; 2]>,
+    /// Directions that brushed surfaces and maps of normals follow, one a vertex, with a side, as [`straal_scene::Mesh::tangents`]; empty without.
+    pub tangents: Vec<[f32; 4]>,
     /// What vertices or triangles have besides, as far as textures read it.
     pub attributes: Vec<MeshAttribute>,
     /// Whether the geometric normal is turned round: set when the mesh was mirrored.
@@ -54,6 +56,7 @@ impl From<&straal_scene::Mesh> for TriangleMesh {
             indices: m.triangles.as_slice().into(),
             normals: m.normals.iter().map(unit).collect(),
             uvs: m.uvs.clone(),
+            tangents: m.tangents.clone(),
             ..Self::default()
         }
     }
@@ -95,13 +98,22 @@ impl TriangleMesh {
         let normal = |n: &Vec3| {
             inverse.normal_by_inverse(n.as_dvec3()).try_normalize().unwrap_or(DVec3::ZERO).as_vec3()
         };
+        let mirrors = m.determinant() < 0.0;
+        let side = if mirrors { -1.0 } else { 1.0 };
+        let tangent = |t: &[f32; 4]| {
+            let [x, y, z, w] = *t;
+            let along = m.vector(Vec3::new(x, y, z).as_dvec3());
+            let [x, y, z] = along.try_normalize().unwrap_or(DVec3::ZERO).as_vec3().to_array();
+            [x, y, z, w * side]
+        };
         Some(Self {
             positions: self.positions.iter().map(|p| m.point(p.as_dvec3()).as_vec3()).collect(),
             indices: self.indices.clone(),
             normals: self.normals.iter().map(normal).collect(),
             uvs: self.uvs.clone(),
+            tangents: self.tangents.iter().map(tangent).collect(),
             attributes: self.attributes.clone(),
-            flip: self.flip != (m.determinant() < 0.0),
+            flip: self.flip != mirrors,
             between: self.between,
         })
     }
@@ -112,6 +124,7 @@ impl TriangleMesh {
         self.indices.iter().flatten().all(|&i| (i as usize) < n)
             && (self.normals.is_empty() || self.normals.len() == n)
             && (self.uvs.is_empty() || self.uvs.len() == n)
+            && (self.tangents.is_empty() || self.tangents.len() == n)
     }
 
     /// The corners of a triangle.
@@ -198,6 +211,26 @@ impl TriangleMesh {
         });
         let found = by_texture.flatten().or_else(|| sound_ones(edges, turns));
         found.unwrap_or_else(|| Tangents::about(self.surface(primitive, u, v).ng))
+    }
+
+    /// The mesh's own tangent at a point of a triangle, and what lies across it, both along the surface as it is shaded and of any length; `None`
+    /// where it has none.
+    pub(crate) fn own_tangent(&self, primitive: u32, [u, v]: [f32; 2]) -> Option<[Vec3; 2]> {
+        if self.tangents.is_empty() {
+            return None;
+        }
+        let index = self.indices[primitive as usize];
+        let mut along = Vec3::ZERO;
+        let mut side = 0.0;
+        for (i, weight) in index.into_iter().zip([1.0 - u - v, u, v]) {
+            let [x, y, z, w] = self.tangents[i as usize];
+            along += Vec3::new(x, y, z) * weight;
+            side += w * weight;
+        }
+        let n = self.surface(primitive, u, v).n;
+        let across = n.cross(along) * if side < 0.0 { -1.0 } else { 1.0 };
+        let is_sound = across.is_finite() && across.length_squared() > 1e-12 * along.length_squared();
+        is_sound.then_some([along, across])
     }
 
     /// Two numbers that the corners of a triangle have, by the attribute's number; `None` where there are none.

@@ -14,9 +14,9 @@ use crate::desc::{
     Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
     Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
     Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Portal,
-    Principled, Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere,
-    SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
-    When,
+    Principled, Projector, RampTexture, Realistic, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum,
+    Sphere, SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle, TriangleMesh, Varying,
+    Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -115,6 +115,29 @@ pub(super) fn lens(l: &Lens, keys: &Keys<'_>, d: &mut Decoder) {
 
 pub(super) fn orthographic(c: &Orthographic, keys: &Keys<'_>, d: &mut Decoder) {
     observer(&c.observer, keys, d);
+}
+
+pub(super) fn realistic(c: &Realistic, keys: &Keys<'_>, d: &mut Decoder) {
+    let span = keys.span("elements");
+    let is_sound = |[radius, thickness, index, diameter]: &[f64; 4]| {
+        let is_stop = *radius == 0.0;
+        radius.abs() < 1e6
+            && (0.0..1e4).contains(thickness)
+            && (is_stop || *index == 0.0 || (1.0..5.0).contains(index))
+            && *diameter > 0.0
+            && *diameter < 1e4
+            && (is_stop || *diameter <= 2.0 * radius.abs())
+    };
+    if c.elements.len() > 100 {
+        d.push(Diagnostic::error(span, "a lens has at most 100 surfaces"));
+    } else if let Some(i) = c.elements.iter().position(|e| !is_sound(e)) {
+        let message = format!("surface {i} of the lens isn't one: {:?}", c.elements[i]);
+        let help = "radius of curvature, way to the next surface, index behind it, diameter; no wider than the ball that it is a part of";
+        d.push(Diagnostic::error(span, message).help(help));
+    } else if c.back_focus().is_none() {
+        let message = format!("this lens makes no picture of what is {} m away", c.focus_distance);
+        d.push(Diagnostic::error(span, message));
+    }
 }
 
 pub(super) fn fisheye(c: &Fisheye, keys: &Keys<'_>, d: &mut Decoder) {
@@ -996,7 +1019,7 @@ pub(super) fn mesh(m: &TriangleMesh, keys: &Keys<'_>, d: &mut Decoder) {
         d.push(Diagnostic::error(keys.owner(), "this mesh is empty: it has no triangles").help(help));
     }
     indices("triangles", m.triangles.iter().flatten().copied(), m.positions.len(), keys, d);
-    for (key, count) in [("normals", m.normals.len()), ("uvs", m.uvs.len())] {
+    for (key, count) in [("normals", m.normals.len()), ("uvs", m.uvs.len()), ("tangents", m.tangents.len())] {
         if count != 0 && count != m.positions.len() {
             let message = format!("`{key}` lists {count} for the {} of `positions`", m.positions.len());
             d.push(Diagnostic::error(keys.key_span(key), message));

@@ -190,6 +190,9 @@ describe! {
         normals: Vec<DVec3> = Vec::new(),
         /// Texture coordinates for each of `positions`.
         uvs: Vec<[f64; 2]> = Vec::new(),
+        /// For each of `positions` the direction that brushed surfaces and maps of normals follow, as x, y, z, and 1 or -1: which way what is across it goes.
+        /// Without them they follow the texture's u.
+        tangents: Vec<[f64; 4]> = Vec::new(),
         /// Which normals it is shaded with.
         shading: Shading = Shading::Auto,
         /// Smooths it: its faces, as its file has them, are a control cage.
