@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 
 use straal_scene::suggest;
@@ -118,12 +118,21 @@ pub(crate) fn read_if(
     })
 }
 
-/// Reads a file if its first bytes are as they should be.
-fn read_with(
+/// The file itself in place of its bytes, for who reads it bit by bit.
+pub(crate) fn open_if(
     path: &Path,
     most: u64,
     check: impl FnOnce(&[u8]) -> Result<(), Refusal>,
-) -> Result<Vec<u8>, Refusal> {
+) -> Result<File, Refusal> {
+    let (mut file, _, head) = open(path, most)?;
+    no_stand_in(&head)?;
+    check(&head)?;
+    file.rewind().map_err(|e| Refusal::new(reason(&e)))?;
+    Ok(file)
+}
+
+/// A file, its size, and its first bytes, beyond which it isn't read yet.
+fn open(path: &Path, most: u64) -> Result<(File, u64, Vec<u8>), Refusal> {
     // Opening a pipe would already wait for someone who writes to it.
     size(path, most)?;
     let failed = |e: io::Error| Refusal::new(reason(&e));
@@ -132,6 +141,17 @@ fn read_with(
     let mut bytes = Vec::new();
     reserve(&mut bytes, size.min(HEAD))?;
     (&file).take(size.min(HEAD)).read_to_end(&mut bytes).map_err(failed)?;
+    Ok((file, size, bytes))
+}
+
+/// Reads a file if its first bytes are as they should be.
+fn read_with(
+    path: &Path,
+    most: u64,
+    check: impl FnOnce(&[u8]) -> Result<(), Refusal>,
+) -> Result<Vec<u8>, Refusal> {
+    let failed = |e: io::Error| Refusal::new(reason(&e));
+    let (file, size, mut bytes) = open(path, most)?;
     check(&bytes)?;
     let rest = size - bytes.len() as u64;
     if rest > 0 {
