@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 
 use straal_scene::suggest;
@@ -125,6 +125,15 @@ pub(crate) struct Opened {
     pub rest: io::Take<File>,
     /// How many bytes it has in all.
     pub size: u64,
+}
+
+impl Opened {
+    /// The file from its start, for who reads it bit by bit.
+    pub fn from_start(self) -> Result<File, Refusal> {
+        let mut file = self.rest.into_inner();
+        file.rewind().map_err(|e| Refusal::new(reason(&e)))?;
+        Ok(file)
+    }
 }
 
 /// Opens a file if its first bytes are as they should be, by [`no_stand_in`] and `check`.
