@@ -332,7 +332,8 @@ pub(super) mod tests {
         let (z, r) = (camera.rear().0, 5.0_f64);
         let want = std::f64::consts::PI * r * r / (r * r + z * z);
         let got = camera.middle_weight();
-        assert!((got / want - 1.0).abs() < 0.01, "{got}, not {want}");
+        // The rim of bulging glass lies beside its middle's plane.
+        assert!((got / want - 1.0).abs() < 0.02, "{got}, not {want}");
         let even = Realistic::new(origin(), &single(0.01, 10.0), [100, 100]);
         let (mut sum, mut count) = (0.0, 0.0);
         for i in 0..4096 {
