@@ -750,7 +750,7 @@ impl World {
             let pmf = || lights.pmf_of_part(emitter, hit.primitive, from);
             return if pdf > 0.0 { pmf() * pdf } else { 0.0 };
         }
-        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
+        let pdf = light.pdf_at(&self.geometry, from, hit.primitive, point);
         if pdf > 0.0 { lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 
@@ -766,7 +766,7 @@ impl World {
         let (light, within) = (&self.emitters[emitter as usize], self.within());
         let stand = within.stand_of(&hit.chain);
         let splits = lights.splits(emitter);
-        let pdf = light.pdf_of_copy(&self.geometry, &stand, from.p, (hit.primitive, point), splits);
+        let pdf = light.pdf_of_copy(&self.geometry, &stand, from, (hit.primitive, point), splits);
         if pdf <= 0.0 {
             return 0.0;
         }
