@@ -783,7 +783,7 @@ impl World {
             _ => 0,
         };
         let emitters = self.emitters.iter().map(|e| size_of::<Emitter>() + triangles(e)).sum::<usize>();
-        emitters + self.lights.bytes() + self.copies.bytes()
+        emitters + self.lights.bytes() + self.links.bytes() + self.copies.bytes()
     }
 
     /// Bytes held by what grows with the scene: surfaces and their search structure.
