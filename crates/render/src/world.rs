@@ -770,7 +770,7 @@ impl World {
             let pmf = || lights.pmf_of_part(emitter, hit.primitive, from);
             return if pdf > 0.0 { pmf() * pdf } else { 0.0 };
         }
-        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
+        let pdf = light.pdf_at(&self.geometry, from, hit.primitive, point);
         if pdf > 0.0 { lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 
@@ -786,7 +786,7 @@ impl World {
         let (light, within) = (&self.emitters[emitter as usize], self.within());
         let stand = within.stand_of(&hit.chain);
         let splits = lights.splits(emitter);
-        let pdf = light.pdf_of_copy(&self.geometry, &stand, from.p, (hit.primitive, point), splits);
+        let pdf = light.pdf_of_copy(&self.geometry, &stand, from, (hit.primitive, point), splits);
         if pdf <= 0.0 {
             return 0.0;
         }
@@ -803,7 +803,7 @@ impl World {
             _ => 0,
         };
         let emitters = self.emitters.iter().map(|e| size_of::<Emitter>() + triangles(e)).sum::<usize>();
-        emitters + self.lights.bytes() + self.copies.bytes()
+        emitters + self.lights.bytes() + self.links.bytes() + self.copies.bytes()
     }
 
     /// Bytes held by what grows with the scene: surfaces and their search structure.

@@ -7,8 +7,11 @@ use straal_math::{Affine, DVec3, Vec3, warp};
 
 use super::exact::{HALF_ULP, SUBNORMAL, bound, unit_or};
 use super::offset::End;
+use super::spherical_triangle::SphericalTriangle;
 use super::tangents::unit_change;
-use super::{AreaSample, SurfacePoint, Tangents};
+use super::{
+    AreaSample, DirSample, DirSamples, Drawn, SurfacePoint, Tangents, by_solid_angle, solid_angle_pdf,
+};
 use crate::texture::MeshAttribute;
 
 /// An indexed triangle mesh. Every index is in range, and `normals` and `uvs` are empty or as long as `positions`:
@@ -34,6 +37,8 @@ pub struct TriangleMesh {
     pub flip: bool,
     /// What is made of the normals.
     pub between: Between,
+    /// How points of its triangles are drawn, where it shines; by projected solid angle they aren't.
+    pub drawn: Drawn,
 }
 
 /// What is interpolated between the vertices of a mesh that has shading normals.
@@ -115,6 +120,7 @@ impl TriangleMesh {
             attributes: self.attributes.clone(),
             flip: self.flip != mirrors,
             between: self.between,
+            drawn: self.drawn,
         })
     }
 
@@ -261,9 +267,49 @@ impl TriangleMesh {
         AreaSample { point: self.surface(primitive, b1, b2), pdf_area: (1.0 / area) as f32 }
     }
 
-    /// [`Self::sample_triangle`] for many side by side, without what only shading wants.
+    /// A direction from `p` towards a triangle that was picked with the probability `pmf`, which counts in its density.
+    pub fn sample_triangle_from(
+        &self,
+        (primitive, pmf): (u32, f32),
+        p: Vec3,
+        u: [f32; 2],
+    ) -> Option<DirSample> {
+        if let Some(seen) = self.seen(primitive, p) {
+            let solid_angle = seen.solid_angle();
+            let [b1, b2] = seen.sample(solid_angle, u);
+            let point = self.surface(primitive, b1, b2);
+            let wi = (point.p - p).try_normalize()?;
+            return Some(DirSample { point, wi, pdf: pmf / solid_angle });
+        }
+        let AreaSample { point, pdf_area } = self.sample_triangle(primitive, u);
+        by_solid_angle(p, AreaSample { point, pdf_area: pdf_area * pmf })
+    }
+
+    /// The density of [`Self::sample_triangle_from`] at a point of the triangle.
+    pub fn pdf_triangle_from(&self, (primitive, pmf): (u32, f32), p: Vec3, hit: &SurfacePoint) -> f32 {
+        match self.seen(primitive, p) {
+            Some(seen) => pmf / seen.solid_angle(),
+            None => solid_angle_pdf(p, hit, (1.0 / self.triangle_area(primitive)) as f32 * pmf),
+        }
+    }
+
+    /// A triangle about a point, where it is drawn as it is seen from there.
+    #[inline]
+    fn seen(&self, primitive: u32, p: Vec3) -> Option<SphericalTriangle<f32>> {
+        let by_solid_angle = self.drawn != Drawn::ByArea;
+        by_solid_angle
+            .then(|| SphericalTriangle::new(self.corners(primitive), p))
+            .filter(|seen| seen.is_large())
+    }
+
+    /// [`Self::sample_triangle_from`] for many side by side, without what only shading wants.
     #[inline(always)]
-    pub(crate) fn sample_triangles<F: Float>(&self, primitive: F::Uint, u: [F; 2]) -> (End<F>, F) {
+    pub(crate) fn sample_triangles_from<F: Float>(
+        &self,
+        (primitive, pmf): (F::Uint, F),
+        p: Vec3<F>,
+        u: [F; 2],
+    ) -> DirSamples<F> {
         let mut rows = [[Vec3::ZERO; 3]; BLOCK];
         for (i, corners) in rows.iter_mut().enumerate().take(F::WIDTH) {
             *corners = self.corners(primitive.lane(i));
@@ -273,8 +319,22 @@ impl TriangleMesh {
         let (e1, e2) = (p1.to_double() - p0.to_double(), p2.to_double() - p0.to_double());
         let area: F::Double = e1.cross(e2).length() * 0.5;
         let area = F::Double::select(area.lt(F::Double::splat(f64::INFINITY)), area, F::Double::ZERO);
-        let end = end(corners, warp::uniform_triangle(u), F::Mask::splat(self.flip));
-        (end, F::from_double(F::Double::ONE / area))
+        let flip = F::Mask::splat(self.flip);
+        let end_by_area = end(corners, warp::uniform_triangle(u), flip);
+        let by_area = DirSamples::by_area(p, end_by_area, F::from_double(F::Double::ONE / area) * pmf);
+        if self.drawn == Drawn::ByArea {
+            return by_area;
+        }
+        let seen = SphericalTriangle::new(corners, p);
+        let large = seen.is_large();
+        if !large.any() {
+            return by_area;
+        }
+        let solid_angle = seen.solid_angle();
+        let end = end(corners, seen.sample(solid_angle, u), flip);
+        let (wi, there) = (end.p - p).normalize_checked();
+        let pdf = F::select(there, pmf / solid_angle, F::ZERO);
+        DirSamples::select(large, DirSamples { end, wi, pdf }, by_area)
     }
 }
 

@@ -12,11 +12,11 @@ use crate::desc::{
     CoatedConductor, ColorIn, Combination, Conductor, Cone, CubeMap, Cuboid, CurveBasis, CurveForm, Curves,
     Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
     Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
-    Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
-    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Portal,
-    Principled, Projector, RampTexture, Realistic, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum,
-    Sphere, SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle, TriangleMesh, Varying,
-    Viewpoint, When,
+    Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, LightSampling,
+    Measured, Moved, Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective,
+    Plane, Portal, Principled, Projector, RampTexture, Realistic, Rectangle, RemapTexture, Sky,
+    SpectralChannels, Spectrum, Sphere, SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle,
+    TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -685,6 +685,18 @@ pub(super) fn plane(s: &Plane, keys: &Keys<'_>, d: &mut Decoder) {
 
 pub(super) fn disc(s: &Disc, keys: &Keys<'_>, d: &mut Decoder) {
     direction(s.normal, "normal", keys, d);
+    light_sampling("disc", &s.light_sampling, keys, d);
+}
+
+/// Complains of what only rectangles can do.
+fn light_sampling(what: &str, said: &LightSampling, keys: &Keys<'_>, d: &mut Decoder) {
+    if *said == LightSampling::ProjectedSolidAngle {
+        let message = format!(
+            "points on a {what} can't be drawn by projected solid angle: only those on a rectangle can"
+        );
+        let help = "`solid_angle` draws them as they are seen";
+        d.push(Diagnostic::error(keys.span("light_sampling"), message).help(help));
+    }
 }
 
 pub(super) fn rectangle(s: &Rectangle, keys: &Keys<'_>, d: &mut Decoder) {
@@ -999,6 +1011,7 @@ pub(super) fn triangle(s: &Triangle, keys: &Keys<'_>, d: &mut Decoder) {
         let message = "this triangle has no area: its corners are on one line";
         d.push(Diagnostic::error(keys.span("vertices"), message));
     }
+    light_sampling("triangle", &s.light_sampling, keys, d);
 }
 
 /// Complains of the first index that is out of range.
@@ -1010,6 +1023,7 @@ fn indices(key: &str, all: impl Iterator<Item = u32>, count: usize, keys: &Keys<
 }
 
 pub(super) fn mesh(m: &TriangleMesh, keys: &Keys<'_>, d: &mut Decoder) {
+    light_sampling("mesh", &m.light_sampling, keys, d);
     let inline = !m.positions.is_empty() || !m.triangles.is_empty();
     if !one_of("mesh", ("file", m.file.is_some()), ("positions", inline), keys, d) || !inline {
         return;
