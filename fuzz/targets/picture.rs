@@ -11,4 +11,8 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Ok(picture) = straal_formats::image::exr::read(bytes, &limits) {
         let _ = picture.beauty();
     }
+    if let Ok(mut strips) = straal_formats::image::exr::Strips::open(std::io::Cursor::new(bytes), &limits) {
+        let _ = strips.rows(0..16);
+        let _ = straal_formats::image::Photo::of_strips(&mut strips);
+    }
 });

@@ -1,15 +1,19 @@
 //! The book's pictures of one scene in several ways: under each tone curve, with the curves themselves; blurred by depth; filtered in two ways;
-//! by each integrator; noisy, denoised and true; with other lamps.
+//! by each integrator, and by each for the same time; by shadow rays or samples; noisy, denoised and true; with other lamps.
 
 use crate::{Failure, root};
 use std::fmt::Write;
+use std::time::{Duration, Instant};
 use straal::develop::PictureFile;
 use straal::focus::{Blur, Lens};
 use straal::relight::Relight;
-use straal::{Control, Development, Job, LoadOptions, Overrides};
+use straal::{Control, Development, Job, LoadOptions, Overrides, Progress, Verdict};
 use straal_color::{Tone, srgb};
 use straal_math::ops;
-use straal_scene::desc::{AmbientOcclusion, Camera, Denoise, Filter, Gaussian, Integrator, Whitted};
+use straal_scene::desc::{
+    AmbientOcclusion, Camera, Denoise, DirectLight, Directions, Filter, Gaussian, Integrator, PathTracer,
+    Technique, Whitted,
+};
 
 const FOLDER: &str = "book/src/images";
 const SCENE: &str = "scenes/bright-colours.yaml";
@@ -27,6 +31,21 @@ const WAYS_SIZE: [u32; 2] = [480, 270];
 const EPSILONS: [(&str, f64); 2] = [("epsilon-small", 1e-7), ("epsilon-large", 0.1)];
 const INTEGRATORS: [(&str, u32); 5] =
     [("whitted", 64), ("ao", 256), ("direct", 256), ("light", 1024), ("path", 256)];
+
+/// Of the same scene a hundred shadow rays for each pixel in two ways: samples, and rays of each.
+const RAYS_SIZE: [u32; 2] = [320, 180];
+const RAYS: [(&str, u32, u32); 2] = [("rays-100", 1, 100), ("samples-100", 100, 1)];
+
+/// And direct light as a sum over the hemisphere, and over the lamp.
+const FORMS: [(&str, Technique, Directions); 2] = [
+    ("form-hemisphere", Technique::Bsdf, Directions::Uniform),
+    ("form-area", Technique::Lights, Directions::Bsdf),
+];
+
+/// And the ladder of integrators: each for so many seconds of one thread, and the truth with so many samples.
+const LADDER_SIZE: [u32; 2] = [240, 135];
+const LADDER_SECONDS: f64 = 2.0;
+const LADDER_TRUTH: u32 = 1024;
 
 /// The scene that is denoised, the size in which it is, and each of its pictures: samples, and what becomes of them.
 const DENOISED: &str = "scenes/glass-and-mirror.yaml";
@@ -48,11 +67,13 @@ type Make = fn() -> Result<(), Failure>;
 
 /// Makes the pictures, or those of some kinds.
 pub fn run(names: &[String]) -> Result<bool, Failure> {
-    let kinds: [(&str, Make); 6] = [
+    let kinds: [(&str, Make); 8] = [
         ("tones", tones),
         ("blur", blurred),
         ("filters", filtered),
         ("integrators", by_each_integrator),
+        ("rays", by_rays_and_samples),
+        ("ladder", ladder),
         ("denoising", denoised),
         ("relighting", relit),
     ];
@@ -131,6 +152,69 @@ fn by_each_integrator() -> Result<(), Failure> {
         let file = format!("{FOLDER}/ways-{name}.png");
         picture.save(&root().join(&file), &job.development())?;
         println!("{file}");
+    }
+    Ok(())
+}
+
+/// A hundred shadow rays of one sample of the pixel, and one of a hundred; the two forms of direct light.
+fn by_rays_and_samples() -> Result<(), Failure> {
+    let loaded = straal::load(&root().join(WAYS), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {WAYS}`"))?;
+    let by_rays = RAYS.map(|(name, spp, light_samples)| {
+        (name, spp, DirectLight { technique: Technique::Lights, light_samples, ..DirectLight::default() })
+    });
+    let by_form = FORMS.map(|(name, technique, directions)| {
+        (name, 16, DirectLight { technique, directions, ..DirectLight::default() })
+    });
+    for (name, spp, integrator) in by_rays.into_iter().chain(by_form) {
+        let integrator = Integrator::Direct(integrator);
+        let (size, spp, integrator) = (Some(RAYS_SIZE), Some(spp), Some(integrator));
+        let job = Job::new(loaded.clone(), Overrides { size, spp, integrator, ..Overrides::default() })?;
+        let picture = job.render(&mut Control::to_the_end())?.picture;
+        let file = format!("{FOLDER}/{name}.png");
+        picture.save(&root().join(&file), &job.development())?;
+        println!("{file}");
+    }
+    Ok(())
+}
+
+/// Each step from the textbook's ray tracer to all light, for the same time; how far it is from the truth is printed, for the captions.
+fn ladder() -> Result<(), Failure> {
+    let loaded = straal::load(&root().join(WAYS), &LoadOptions::default())
+        .map_err(|_| format!("the scene is wrong; see `straal check {WAYS}`"))?;
+    let path = |technique| Integrator::Path(PathTracer { technique, ..PathTracer::default() });
+    let job = |integrator, spp, seed| {
+        let (size, spp, seed) = (Some(LADDER_SIZE), Some(spp), Some(seed));
+        let (integrator, threads) = (Some(integrator), Some(1));
+        Job::new(loaded.clone(), Overrides { size, spp, seed, integrator, threads, ..Overrides::default() })
+    };
+    let truth = job(path(Technique::Mis), LADDER_TRUTH, 1)?.render(&mut Control::to_the_end())?.picture;
+    let truth = &truth.layers.rgb;
+    let rungs = [
+        ("whitted", Integrator::Whitted(Whitted::default())),
+        ("ao", Integrator::Ao(AmbientOcclusion { radius: Some(1.0), ..AmbientOcclusion::default() })),
+        ("direct", Integrator::Direct(DirectLight::default())),
+        ("path-bsdf", path(Technique::Bsdf)),
+        ("path-lights", path(Technique::Lights)),
+        ("path-mis", path(Technique::Mis)),
+        ("light", Integrator::bare("light").ok_or("there is no integrator `light`")?),
+    ];
+    for (name, integrator) in rungs {
+        let job = job(integrator, 1 << 17, 0)?;
+        let start = Instant::now();
+        let time = Duration::from_secs_f64(LADDER_SECONDS);
+        let mut ends = |_: &Progress| if start.elapsed() < time { Verdict::GoOn } else { Verdict::Stop };
+        let outcome = job.render(&mut Control::new(&mut ends))?;
+        let shown = outcome.picture.layers.rgb.iter().flatten();
+        let off: f64 = shown.zip(truth.iter().flatten()).map(|(a, b)| f64::from((a - b).abs())).sum();
+        let all: f64 = truth.iter().flatten().map(|v| f64::from(*v)).sum();
+        let file = format!("{FOLDER}/ladder-{name}.png");
+        outcome.picture.save(&root().join(&file), &job.development())?;
+        println!(
+            "{file}: {} samples a pixel, {:.1} % off the truth on average",
+            outcome.samples,
+            100.0 * off / all
+        );
     }
     Ok(())
 }

@@ -2,8 +2,9 @@
 
 use straal_math::Bounds;
 
-/// One bounded primitive as a builder sees it.
+/// One bounded primitive as a builder sees it. As large and aligned as what the fast tree is built from, which takes its place in memory.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(16))]
 pub(crate) struct Prim {
     /// Its own padded box: that of `slab::triangle_bounds` or of the object.
     pub bounds: Bounds,

@@ -299,6 +299,8 @@ impl Scene {
     ) -> Result<(GroupData, Searcher, Vec<Dropped>), BuildError> {
         let mut data = GroupData { is_built: true, ..GroupData::empty(index) };
         let mut prims = Vec::new();
+        // What is searched one by one needs no boxes.
+        let mut brute = matches!(options.structure, Structure::Brute).then(Brute::default);
         let mut dropped = Vec::new();
         let mut ids = group.geometries.clone();
         ids.sort_unstable();
@@ -322,12 +324,21 @@ impl Scene {
                     }
                     data.meshes.push(MeshStart { geometry, first });
                     data.all_masks &= self.stage.masks[geometry as usize];
-                    prims.reserve(indices.len());
+                    if brute.is_none() {
+                        prims.reserve(indices.len());
+                    }
                     for (i, index) in indices.iter().enumerate() {
                         let v = index.map(|i| positions[i as usize]);
                         if triangle::is_sound(&v) {
-                            let kind = PrimKind::Triangle(first + i as u32);
-                            prims.push(Prim { bounds: slab::triangle_bounds(&v), kind });
+                            let (bounds, kind) =
+                                (slab::triangle_bounds(&v), PrimKind::Triangle(first + i as u32));
+                            match &mut brute {
+                                Some(brute) => {
+                                    brute.add(kind);
+                                    data.bounds = data.bounds.union(bounds);
+                                }
+                                None => prims.push(Prim { bounds, kind }),
+                            }
                         } else {
                             lost.add(v.iter().all(|p| p.is_finite()));
                         }
@@ -400,13 +411,18 @@ impl Scene {
                 (None, None) => data.unbounded.push(object),
             }
         }
-        data.is_large = data.has_large || prims.len() + members.len() >= LARGE;
+        let alone = brute.as_ref().map_or(0, Brute::len);
+        data.is_large = data.has_large || alone + prims.len() + members.len() >= LARGE;
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
         let searcher = match options.structure {
-            Structure::Brute => Searcher::Brute(Brute::build(&prims)),
+            Structure::Brute => {
+                let mut brute = brute.unwrap_or_default();
+                prims.iter().for_each(|p| brute.add(p.kind));
+                Searcher::Brute(brute)
+            }
             Structure::Bvh(params) => {
                 let vertices = |id| self.stage.vertices(&data, id);
-                let bvh = Bvh::build(&prims, members, &params, vertices, |id| data.locate(id));
+                let bvh = Bvh::build(prims, members, &params, vertices, |id| data.locate(id));
                 Searcher::Bvh(
                     bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree", most: LIMIT })?,
                 )

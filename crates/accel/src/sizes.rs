@@ -2,15 +2,12 @@
 
 use crate::analytic::{Kind, NUMBERS, block};
 use crate::node::{Block, Node, Outline};
-use crate::prim::{Packed, Prim, PrimKind};
+use crate::prim::{Packed, Prim};
 use crate::stage::Object;
 use crate::{bsp, bvh2, kd, octree};
 
 /// A reference to a primitive, in a leaf.
 pub const REFERENCE: usize = size_of::<Packed>();
-
-/// The same where nothing is searched by: a number, padded to where it says of what.
-pub const PLAIN_REFERENCE: usize = size_of::<PrimKind>();
 
 /// A primitive and its box, from which structures are built.
 pub const PRIMITIVE: usize = size_of::<Prim>();

@@ -34,6 +34,8 @@ pub use network::Network;
 pub use weights::Weights;
 
 use schedule::Schedule;
+use std::borrow::Cow;
+use std::ops::Range;
 use straal_math::simd::Simd;
 use transfer::Transfer;
 
@@ -61,6 +63,15 @@ pub struct Picture<'a> {
     pub albedo: Option<&'a [[f32; 3]]>,
     /// Normal of the surface, in any frame that is the same for all pixels.
     pub normal: Option<&'a [[f32; 3]]>,
+}
+
+/// What guides the network in some rows of a picture, as in [`Picture`].
+#[derive(Clone, Debug, Default)]
+pub struct GuideRows<'a> {
+    /// Share of light that the surface of each pixel reflects or passes on.
+    pub albedo: Option<Cow<'a, [[f32; 3]]>>,
+    /// Normal of the surface.
+    pub normal: Option<Cow<'a, [[f32; 3]]>>,
 }
 
 /// How it is done. None of it changes the result but `exposure`.
@@ -132,6 +143,16 @@ pub enum DenoiseError {
     /// An exposure that is no number, or not above 0.
     #[error("an exposure must be a number greater than 0")]
     Exposure,
+    /// There are other guides for some rows than these rows have pixels.
+    #[error("there are {pixels} pixels of {layer} for rows of {wanted}")]
+    Rows {
+        /// Which.
+        layer: &'static str,
+        /// Its pixels.
+        pixels: usize,
+        /// Pixels of these rows.
+        wanted: usize,
+    },
     /// The caller ended it.
     #[error("ended before the picture was done")]
     Ended,
@@ -154,22 +175,51 @@ pub fn denoise_with(
     progress: impl FnMut(usize) -> bool,
 ) -> Result<Vec<[f32; 3]>, DenoiseError> {
     check(network, picture)?;
+    let mut out = picture.color.to_vec();
+    let guides = |rows: Range<usize>| {
+        let pixels = rows.start * picture.width..rows.end * picture.width;
+        let [albedo, normal] = [picture.albedo, picture.normal]
+            .map(|layer| layer.map(|layer| Cow::Borrowed(&layer[pixels.clone()])));
+        Ok(GuideRows { albedo, normal })
+    };
+    denoise_in_place::<DenoiseError>(network, picture.width, &mut out, settings, guides, progress)?;
+    Ok(out)
+}
+
+/// Denoises light of rows of that width where it stands, and asks for the guides of rows as they are needed: from the top, each row once. So neither a second picture nor
+/// the guides need to be in memory.
+pub fn denoise_in_place<'g, E: From<DenoiseError>>(
+    network: &Network,
+    width: usize,
+    color: &mut [[f32; 3]],
+    settings: &Settings,
+    guides: impl FnMut(Range<usize>) -> Result<GuideRows<'g>, E>,
+    progress: impl FnMut(usize) -> bool,
+) -> Result<(), E> {
     if settings.exposure.is_some_and(|e| !(e.is_finite() && e > 0.0)) {
-        return Err(DenoiseError::Exposure);
+        return Err(DenoiseError::Exposure.into());
     }
-    let mut out = vec![[0.0; 3]; picture.color.len()];
-    if out.is_empty() {
-        return Ok(out);
+    let pixels = color.len();
+    if pixels == 0 {
+        return Ok(());
     }
-    let exposure = settings.exposure.unwrap_or_else(|| run::exposure_of(picture, network.signal));
+    let height = pixels.checked_div(width).unwrap_or(0);
+    if height * width != pixels {
+        return Err(DenoiseError::Size { layer: "colour", pixels, width, height }.into());
+    }
+    let exposure = settings.exposure.unwrap_or_else(|| match network.signal {
+        Signal::Light => exposure::exposure(width, height, color),
+        Signal::Albedo | Signal::Normal => 1.0,
+    });
     let run = run::Run {
         network,
-        picture,
+        width,
+        height,
         transfer: Transfer::new(network.signal, exposure),
         simd: settings.simd,
-        schedule: Schedule::new(network, picture.width, picture.height, settings.band),
+        schedule: Schedule::new(network, width, height, settings.band),
     };
-    if run.run(&mut out, progress) { Ok(out) } else { Err(DenoiseError::Ended) }
+    run.run(color, guides, progress)
 }
 
 /// Bytes that denoising a picture of that size takes, besides the picture and the result.
@@ -185,13 +235,5 @@ fn check(network: &Network, picture: &Picture<'_>) -> Result<(), DenoiseError> {
             return Err(DenoiseError::Size { layer, pixels: pixels.len(), width, height });
         }
     }
-    let kinds = ["colour alone", "colour and albedo", "colour, albedo and normals"];
-    let given = match (albedo, normal) {
-        (None, None) => kinds[0],
-        (Some(_), None) => kinds[1],
-        (Some(_), Some(_)) => kinds[2],
-        (None, Some(_)) => "colour and normals",
-    };
-    let wanted = kinds[network.inputs() - 1];
-    if wanted == given { Ok(()) } else { Err(DenoiseError::Layers { wanted, given }) }
+    network.check([albedo.is_some(), normal.is_some()])
 }

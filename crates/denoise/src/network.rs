@@ -5,7 +5,7 @@
 //! weights with zeros beyond the rim, followed by max(x, 0).
 
 use crate::tza::Tensor;
-use crate::{Signal, WeightsError};
+use crate::{DenoiseError, Signal, WeightsError};
 use straal_math::simd::{BLOCK, Block};
 
 /// Pixels of a picture are completed to a multiple of this, since its width and height are halved four times.
@@ -148,6 +148,19 @@ impl Network {
     /// Pictures of three channels that it wants: colours alone, also albedo, or also normals.
     pub fn inputs(&self) -> usize {
         self.shapes[0].channels / 3
+    }
+
+    /// Whether it was trained with such guides.
+    pub(crate) fn check(&self, [albedo, normal]: [bool; 2]) -> Result<(), DenoiseError> {
+        let kinds = ["colour alone", "colour and albedo", "colour, albedo and normals"];
+        let given = match (albedo, normal) {
+            (false, false) => kinds[0],
+            (true, false) => kinds[1],
+            (true, true) => kinds[2],
+            (false, true) => "colour and normals",
+        };
+        let wanted = kinds[self.inputs() - 1];
+        if wanted == given { Ok(()) } else { Err(DenoiseError::Layers { wanted, given }) }
     }
 
     fn add(

@@ -4,7 +4,7 @@ use crate::convolution::{Convolution, LEFT, Make, Rows};
 use crate::network::{Layer, Network, Reads};
 use crate::schedule::{Schedule, Size};
 use crate::transfer::{self, Transfer};
-use crate::{Picture, Signal};
+use crate::{DenoiseError, GuideRows};
 use rayon::prelude::*;
 use std::ops::Range;
 use straal_math::simd::{BLOCK, Block, Float, Kernel, Simd};
@@ -18,15 +18,24 @@ struct Ring {
 /// A picture on its way.
 pub(crate) struct Run<'a> {
     pub network: &'a Network,
-    pub picture: &'a Picture<'a>,
+    /// Pixels of a row of the picture.
+    pub width: usize,
+    /// Its rows.
+    pub height: usize,
     pub transfer: Transfer,
     pub simd: Simd,
     pub schedule: Schedule,
 }
 
 impl Run<'_> {
-    /// All bands; `done` is told how many rows of the result there are, and may end it by `false`.
-    pub fn run(&self, out: &mut [[f32; 3]], mut done: impl FnMut(usize) -> bool) -> bool {
+    /// All bands. `guides` is asked for rows, from the top, each once; clean rows take the places of noisy ones, which the network has taken in long before. `done` is told
+    /// how many of them there are, and may end it by `false`.
+    pub fn run<'g, E: From<DenoiseError>>(
+        &self,
+        color: &mut [[f32; 3]],
+        mut guides: impl FnMut(Range<usize>) -> Result<GuideRows<'g>, E>,
+        mut done: impl FnMut(usize) -> bool,
+    ) -> Result<(), E> {
         let sizes = &self.schedule.sizes;
         let mut rings: Vec<Ring> = { self.schedule.kept.iter().zip(sizes) }
             .map(|(kept, size)| {
@@ -38,41 +47,41 @@ impl Run<'_> {
         let zeros = vec![Block::default(); widest.unwrap_or(0)];
         let last = self.network.layers.len();
         for band in &self.schedule.bands {
-            self.enter(&mut rings[0], &band[0]);
+            let inside = band[0].start.min(self.height)..band[0].end.min(self.height);
+            let guides = if inside.is_empty() { GuideRows::default() } else { guides(inside.clone())? };
+            check_rows(self.network, &guides, (inside.end - inside.start) * self.width)?;
+            self.enter(&mut rings[0], &band[0], color, &guides);
             for (k, layer) in self.network.layers[..last - 1].iter().enumerate() {
                 let mut ring = std::mem::take(&mut rings[k + 1]);
                 self.layer(layer, &rings, &zeros, &mut ring, &band[k + 1], sizes[k + 1]);
                 rings[k + 1] = ring;
             }
-            self.leave(&self.network.layers[last - 1], &rings, &zeros, &band[last], out);
-            if !done(band[last].end.min(self.picture.height)) {
-                return false;
+            self.leave(&self.network.layers[last - 1], &rings, &zeros, &band[last], color);
+            if !done(band[last].end.min(self.height)) {
+                return Err(DenoiseError::Ended.into());
             }
         }
-        true
+        Ok(())
     }
 
-    /// What the network sees of rows of the picture; zeros beyond it.
-    fn enter(&self, ring: &mut Ring, rows: &Range<usize>) {
-        let Picture { width, height, color, albedo, normal } = *self.picture;
+    /// What the network sees of rows of the picture; zeros beyond it. The guides are of these rows.
+    fn enter(&self, ring: &mut Ring, rows: &Range<usize>, color: &[[f32; 3]], guides: &GuideRows<'_>) {
+        let (width, height) = (self.width, self.height);
         each_row(ring, rows).into_par_iter().for_each(|(y, out)| {
             if y >= height {
                 return out.fill(Block::default());
             }
-            let row = |of: &'_ [[f32; 3]]| y * width..(y * width + width).min(of.len());
+            let row = |y: usize| y * width..y * width + width;
+            let own = row(y - rows.start);
             let out = &mut out[LEFT..LEFT + width];
-            self.simd.run(Enter {
-                from: &color[row(color)],
-                see: Sees::Signal(self.transfer),
-                first: 0,
-                out,
-            });
-            if let Some(albedo) = albedo {
-                self.simd.run(Enter { from: &albedo[row(albedo)], see: Sees::Albedo, first: 3, out });
+            let see = Sees::Signal(self.transfer);
+            self.simd.run(Enter { from: &color[row(y)], see, first: 0, out });
+            if let Some(albedo) = &guides.albedo {
+                self.simd.run(Enter { from: &albedo[own.clone()], see: Sees::Albedo, first: 3, out });
             }
-            if let Some(normal) = normal {
-                let first = if albedo.is_some() { 6 } else { 3 };
-                self.simd.run(Enter { from: &normal[row(normal)], see: Sees::Normal, first, out });
+            if let Some(normal) = &guides.normal {
+                let first = if guides.albedo.is_some() { 6 } else { 3 };
+                self.simd.run(Enter { from: &normal[own], see: Sees::Normal, first, out });
             }
         });
     }
@@ -129,7 +138,7 @@ impl Run<'_> {
         out: &mut [[f32; 3]],
     ) {
         let Reads::Plain(from) = layer.reads else { return };
-        let (width, height) = (self.picture.width, self.picture.height);
+        let (width, height) = (self.width, self.height);
         let pitch = self.schedule.sizes[from].pitch();
         let (start, end) = (rows.start.min(height), rows.end.min(height));
         let out = out[start * width..end * width].par_chunks_mut(width);
@@ -175,6 +184,20 @@ fn each_row<'a>(ring: &'a mut Ring, rows: &Range<usize>) -> Vec<(usize, &'a mut 
         .collect();
     out.sort_unstable_by_key(|(y, _)| *y);
     out
+}
+
+/// Whether there are as many guides as the network sees, of as many pixels.
+fn check_rows(network: &Network, guides: &GuideRows<'_>, wanted: usize) -> Result<(), DenoiseError> {
+    if wanted == 0 {
+        return Ok(());
+    }
+    network.check([guides.albedo.is_some(), guides.normal.is_some()])?;
+    for (layer, rows) in [("albedo", &guides.albedo), ("normals", &guides.normal)] {
+        if let Some(rows) = rows.as_ref().filter(|rows| rows.len() != wanted) {
+            return Err(DenoiseError::Rows { layer, pixels: rows.len(), wanted });
+        }
+    }
+    Ok(())
 }
 
 /// What becomes of numbers on their way into the network.
@@ -253,13 +276,5 @@ impl Kernel for Leave<'_> {
                 }
             }
         }
-    }
-}
-
-/// The exposure of a picture, where its signal has one.
-pub(crate) fn exposure_of(picture: &Picture<'_>, signal: Signal) -> f32 {
-    match signal {
-        Signal::Light => crate::exposure::exposure(picture.width, picture.height, picture.color),
-        Signal::Albedo | Signal::Normal => 1.0,
     }
 }

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Seek};
 use std::path::{Component, Path, PathBuf};
 
 use straal_scene::suggest;
@@ -118,25 +118,64 @@ pub(crate) fn read_if(
     })
 }
 
+/// A file of which the first bytes are read.
+pub(crate) struct Opened {
+    pub head: Vec<u8>,
+    /// What follows.
+    pub rest: io::Take<File>,
+    /// How many bytes it has in all.
+    pub size: u64,
+}
+
+impl Opened {
+    /// The file from its start, for who reads it bit by bit.
+    pub fn from_start(self) -> Result<File, Refusal> {
+        let mut file = self.rest.into_inner();
+        file.rewind().map_err(|e| Refusal::new(reason(&e)))?;
+        Ok(file)
+    }
+}
+
+/// Opens a file if its first bytes are as they should be, by [`no_stand_in`] and `check`.
+pub(crate) fn open_if(
+    path: &Path,
+    most: u64,
+    check: impl FnOnce(&[u8]) -> Result<(), Refusal>,
+) -> Result<Opened, Refusal> {
+    open_with(path, most, |head| {
+        no_stand_in(head)?;
+        check(head)
+    })
+}
+
+fn open_with(
+    path: &Path,
+    most: u64,
+    check: impl FnOnce(&[u8]) -> Result<(), Refusal>,
+) -> Result<Opened, Refusal> {
+    // Opening a pipe would already wait for someone who writes to it.
+    size(path, most)?;
+    let failed = |e: io::Error| Refusal::new(reason(&e));
+    let file = File::open(path).map_err(failed)?;
+    let size = size_of(&file.metadata().map_err(failed)?, most)?;
+    let mut head = Vec::new();
+    reserve(&mut head, size.min(HEAD))?;
+    (&file).take(size.min(HEAD)).read_to_end(&mut head).map_err(failed)?;
+    check(&head)?;
+    let rest = file.take(size - head.len() as u64);
+    Ok(Opened { head, rest, size })
+}
+
 /// Reads a file if its first bytes are as they should be.
 fn read_with(
     path: &Path,
     most: u64,
     check: impl FnOnce(&[u8]) -> Result<(), Refusal>,
 ) -> Result<Vec<u8>, Refusal> {
-    // Opening a pipe would already wait for someone who writes to it.
-    size(path, most)?;
-    let failed = |e: io::Error| Refusal::new(reason(&e));
-    let file = File::open(path).map_err(failed)?;
-    let size = size_of(&file.metadata().map_err(failed)?, most)?;
-    let mut bytes = Vec::new();
-    reserve(&mut bytes, size.min(HEAD))?;
-    (&file).take(size.min(HEAD)).read_to_end(&mut bytes).map_err(failed)?;
-    check(&bytes)?;
-    let rest = size - bytes.len() as u64;
-    if rest > 0 {
-        reserve(&mut bytes, rest)?;
-        (&file).take(rest).read_to_end(&mut bytes).map_err(failed)?;
+    let Opened { head: mut bytes, mut rest, .. } = open_with(path, most, check)?;
+    if rest.limit() > 0 {
+        reserve(&mut bytes, rest.limit())?;
+        rest.read_to_end(&mut bytes).map_err(|e| Refusal::new(reason(&e)))?;
     }
     Ok(bytes)
 }

@@ -330,7 +330,9 @@ fn held(scene: &Scene, made: &Assets) -> BTreeSet<String> {
     let images = scene.image_files().into_iter().filter(|a| made.images.get(a.handle).is_some());
     let bitmaps = scene.bitmap_files().into_iter().filter(|a| made.bitmaps.get(a.handle).is_some());
     let images = images.map(|a| &a.file).chain(bitmaps.map(|a| &a.file));
-    meshes.map(|a| &a.file).chain(images).map(|file| file.value.clone()).collect()
+    let lamps = scene.photometry_files().into_iter();
+    let lamps = lamps.filter(|a| made.photometries.get(a.handle).is_some()).map(|a| &a.file);
+    meshes.map(|a| &a.file).chain(images).chain(lamps).map(|file| file.value.clone()).collect()
 }
 
 /// What makes a mesh take less memory.
@@ -460,7 +462,8 @@ fn locate(
         let images = images.map(|asset| &asset.file);
         let bitmaps = bitmaps.map(|asset| &asset.file);
         let spectra = spectra.map(|asset| &asset.file);
-        let lamps = scene.photometry_files().into_iter().map(|asset| &asset.file);
+        let lamps = scene.photometry_files().into_iter();
+        let lamps = lamps.filter(|a| made.photometries.get(a.handle).is_none()).map(|asset| &asset.file);
         meshes.chain(images).chain(bitmaps).chain(spectra).chain(lamps)
     };
     for file in named() {

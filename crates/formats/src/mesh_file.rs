@@ -1,6 +1,8 @@
 //! A mesh file of any kind that straal reads, with the materials that came with it.
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, HashSet};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -50,8 +52,44 @@ pub fn load(path: &Path, means: Means<'_>) -> Result<MeshFile, Refusal> {
     if extension == "gz" {
         return load_packed(path, means);
     }
+    if extension == "ply"
+        && let Some(found) = load_in_passing(path, &means)?
+    {
+        return Ok(found);
+    }
     let bytes = files::read_if(path, means.limits.max_bytes, |head| check(&extension, head))?;
     read(&bytes, path, means)
+}
+
+/// Reads a PLY of which never more is in memory than a part besides the mesh; `None` of one that must be there as a whole.
+fn load_in_passing(path: &Path, means: &Means<'_>) -> Result<Option<MeshFile>, Refusal> {
+    let limits = means.limits;
+    let mut opened = files::open_if(path, limits.max_bytes, |head| check("ply", head))?;
+    let hasher = RefCell::new(blake3::Hasher::new());
+    hasher.borrow_mut().update(&opened.head);
+    let mut source = Hashed { rest: &mut opened.rest, hasher: &hasher };
+    let found = mesh::ply::read_in_passing((&opened.head, &mut source), opened.size, limits, means.wanted);
+    let Some(file) = found.map_err(|e| Refusal::new(e.to_string()))? else { return Ok(None) };
+    // What stands behind the mesh belongs to the file as well.
+    std::io::copy(&mut source, &mut std::io::sink())
+        .map_err(|e| Refusal::new(format!("it can't be read: {e}")))?;
+    let asset = MeshAsset { mesh: Arc::new(file.mesh), ..MeshAsset::default() };
+    let hash = hasher.borrow().finalize().into();
+    Ok(Some(MeshFile { asset, warnings: file.warnings, hash, ..MeshFile::default() }))
+}
+
+/// What is read of a file, hashed on its way.
+struct Hashed<'a> {
+    rest: &'a mut dyn Read,
+    hasher: &'a RefCell<blake3::Hasher>,
+}
+
+impl Read for Hashed<'_> {
+    fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.rest.read(to)?;
+        self.hasher.borrow_mut().update(&to[..count]);
+        Ok(count)
+    }
 }
 
 /// Reads a mesh that is packed by gzip, such as `a.ply.gz`.

@@ -91,28 +91,120 @@ impl Relief {
         reading: &Reading<'_, Rgb>,
         ways: &Ways<impl Fn(Vec3) -> Vec3, impl Fn(Vec3) -> Vec3>,
     ) -> Vec3 {
-        let reading = Reading { tables: &NO_TABLES, ..*reading };
+        let reading = as_numbers(reading);
         let mut out = n;
         if let Some(map) = &self.normals {
-            let v = reading.eval(&map.texture, at);
-            let told = Vec3::new(2.0 * v[0] - 1.0, 2.0 * v[1] - 1.0, 2.0 * v[2] - 1.0);
-            let found = if map.of_object {
+            out = if map.of_object {
+                let told = map.told(at, &reading);
                 let towards = (ways.normal_to_world)(told).try_normalize().unwrap_or(n);
-                n + (towards - n) * map.strength
+                (n + (towards - n) * map.strength).try_normalize().unwrap_or(n)
             } else {
-                let Frame { s, t, .. } = frame_along(n, at.dpdu);
-                // On the side of growing v: textures may be mirrored.
-                let side = if t.dot(at.dpdv) < 0.0 { -1.0 } else { 1.0 };
-                let slope = map.strength;
-                s * (told.x * slope) + t * (told.y * slope * map.up * side) + n * told.z
+                map.about(n, at, &reading)
             };
-            out = found.try_normalize().unwrap_or(n);
         }
         if let Some(bump) = &self.heights {
             out = bump.tilted(out, at, &reading, ways);
         }
         out
     }
+}
+
+impl NormalMap {
+    /// The direction that the texture has, not of unit length.
+    fn told(&self, at: &ShadingPoint, reading: &Reading<'_, Rgb>) -> Vec3 {
+        let v = reading.eval(&self.texture, at);
+        Vec3::new(2.0 * v[0] - 1.0, 2.0 * v[1] - 1.0, 2.0 * v[2] - 1.0)
+    }
+
+    /// The unit normal that is told in the frame of a surface whose normal is `n`.
+    fn about(&self, n: Vec3, at: &ShadingPoint, reading: &Reading<'_, Rgb>) -> Vec3 {
+        let told = self.told(at, reading);
+        let Frame { s, t, .. } = frame_along(n, at.along);
+        // On the side of growing v: textures may be mirrored.
+        let side = if t.dot(at.across) < 0.0 { -1.0 } else { 1.0 };
+        let slope = self.strength;
+        let found = s * (told.x * slope) + t * (told.y * slope * self.up * side) + n * told.z;
+        found.try_normalize().unwrap_or(n)
+    }
+}
+
+/// The way that a surface is brushed: the direction along which it is rougher, about the one that its points follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brushing {
+    /// Red and green from 0 to 1 are the direction along that and across it from -1 to 1.
+    pub direction: Option<Value<Colour>>,
+    /// Cosine and sine of the angle by which it is turned further, counter-clockwise.
+    pub turn: [f32; 2],
+}
+
+impl Brushing {
+    /// As the points of the surface have it.
+    pub const STRAIGHT: Self = Self { direction: None, turn: [1.0, 0.0] };
+
+    pub(crate) fn of(direction: Option<&desc::TextureOf>, degrees: f64, paint: &mut Paint<'_>) -> Self {
+        let (sin, cos) = ops::sin_cos_degrees(degrees);
+        Self { direction: direction.map(|t| paint.vector(t)), turn: [cos as f32, sin as f32] }
+    }
+
+    /// The unit vector at a point, in the frame that scatters.
+    pub(crate) fn at<L>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> [f32; 2] {
+        let [c, s] = self.turn;
+        let [mut x, mut y] = [c, s];
+        if let Some(direction) = &self.direction {
+            let v = as_numbers(reading).eval(direction, at);
+            let [u, v] = [2.0 * v[0] - 1.0, 2.0 * v[1] - 1.0];
+            let length = (u * u + v * v).sqrt();
+            // A picture without directions turns nothing.
+            if length > 1e-3 {
+                [x, y] = [(c * u - s * v) / length, (s * u + c * v) / length];
+            }
+        }
+        let side = if at.scatters.t.dot(at.across) < 0.0 { -1.0 } else { 1.0 };
+        [x, y * side]
+    }
+}
+
+/// Which normals a coat has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CoatNormals {
+    /// Those of what lies below, with all that its relief pretends.
+    Base,
+    /// Those of the surface, without a relief.
+    Surface,
+    /// Those that a map of its own tells.
+    Map(NormalMap),
+}
+
+impl CoatNormals {
+    pub(crate) fn of(said: &desc::CoatNormal, paint: &mut Paint<'_>) -> Self {
+        match said {
+            desc::CoatNormal::Base => Self::Base,
+            desc::CoatNormal::Surface => Self::Surface,
+            desc::CoatNormal::Map(map) => Self::Map(NormalMap {
+                texture: paint.vector(&map.texture),
+                of_object: false,
+                up: if map.green == desc::GreenAxis::Up { 1.0 } else { -1.0 },
+                strength: map.strength as f32,
+            }),
+        }
+    }
+
+    /// The unit normal in the frame that scatters; `None` where it is the base's.
+    pub(crate) fn at<L>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> Option<Vec3> {
+        let n = at.frame.n;
+        let n = match self {
+            Self::Base => return None,
+            Self::Surface => n,
+            Self::Map(map) => map.about(n, at, &as_numbers(reading)),
+        };
+        (n != at.scatters.n).then(|| at.scatters.to_local(n))
+    }
+}
+
+/// Reads numbers as they are, whatever is read besides.
+fn as_numbers<'a, L>(reading: &Reading<'a, L>) -> Reading<'a, Rgb> {
+    let Reading { textures, meshes, .. } = *reading;
+    Reading { tables: &NO_TABLES, lanes: Rgb::default(), textures, meshes }
 }
 
 impl BumpMap {
@@ -211,14 +303,14 @@ mod tests {
     fn normals_are_of_the_frame_that_was_said() {
         let map = NormalMap { texture: Value::Texture(TEXTURE), of_object: false, up: 1.0, strength: 1.0 };
         let with = |map: NormalMap| Relief { normals: Some(map), ..Relief::default() };
-        let at = ShadingPoint { dpdu: Vec3::Y * 3.0, dpdv: -Vec3::X, ..ShadingPoint::NOWHERE };
+        let at = ShadingPoint { along: Vec3::Y * 3.0, across: -Vec3::X, ..ShadingPoint::NOWHERE };
         let told = Vec3::new(0.6, 0.48, 0.64);
         let rgb = || Slope(Some(told.to_array().map(|v| 0.5 * v + 0.5)));
         near(normal(&with(map), rgb(), &at, Vec3::Z), Vec3::new(-0.48, 0.6, 0.64));
         let directx = NormalMap { up: -1.0, ..map };
         near(normal(&with(directx), rgb(), &at, Vec3::Z), Vec3::new(0.48, 0.6, 0.64));
         // A mirrored texture.
-        let mirrored = ShadingPoint { dpdv: Vec3::X, ..at };
+        let mirrored = ShadingPoint { across: Vec3::X, ..at };
         near(normal(&with(map), rgb(), &mirrored, Vec3::Z), Vec3::new(0.48, 0.6, 0.64));
         let flat = NormalMap { strength: 0.0, ..map };
         near(normal(&with(flat), rgb(), &at, Vec3::Z), Vec3::Z);

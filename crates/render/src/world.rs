@@ -297,12 +297,13 @@ impl World {
         });
         let (p, object_n) =
             placement.map_or((local.p, local.n), |m| (m.inverse_point(local.p), own_normal(m, local.n)));
-        let frame = frame_along(surface.frame.n, tangents.dpdu);
+        let [along, across] = self.brushed(ray, hit).unwrap_or([tangents.dpdu, tangents.dpdv]);
+        let frame = frame_along(surface.frame.n, along);
         if wants.tangent {
             let ng = surface.ng.map(|ng| frame.to_local(surface.frame.to_world(ng)));
             (surface.frame, surface.ng) = (frame, ng);
         }
-        let at = ShadingPoint {
+        let mut at = ShadingPoint {
             world: Place { p: surface.point.p, dpdx: dp[0], dpdy: dp[1] },
             object: Place { p, dpdx, dpdy },
             object_n,
@@ -311,7 +312,10 @@ impl World {
             duvdy,
             dpdu: tangents.dpdu,
             dpdv: tangents.dpdv,
+            along,
+            across,
             frame,
+            scatters: frame,
             on_mesh: match self.geometries[hit.geometry as usize].kind {
                 Kind::Mesh(mesh) => Some(OnMesh { mesh, triangle: hit.primitive, place: [hit.u, hit.v] }),
                 Kind::Shapes(_) => None,
@@ -331,7 +335,8 @@ impl World {
             };
             let n = relief.normal(point.n, &at, &self.reading(Rgb::default()), &ways);
             let (n, ng) = shading_normal(n, point.ng, -ray.d);
-            let frame = if wants.tangent { frame_along(n, tangents.dpdu) } else { Frame::from_normal(n) };
+            let frame = if wants.tangent { frame_along(n, along) } else { Frame::from_normal(n) };
+            at.scatters = frame;
             surface.smooth = Some(frame.to_local(surface.frame.n));
             (surface.frame, surface.ng) = (frame, ng.map(|ng| frame.to_local(ng)));
         }
@@ -376,7 +381,10 @@ impl World {
         // The corner lies on the surface that its normal tells of, and is lit whoever sees it.
         let n = if surface.smooth.is_some() { surface.frame.n } else { surface.point.n };
         let tangent = surface.at.as_ref().filter(|_| self.materials.wants(surface.material).tangent);
-        surface.frame = tangent.map_or(Frame::from_normal(n), |at| frame_along(n, at.dpdu));
+        surface.frame = tangent.map_or(Frame::from_normal(n), |at| frame_along(n, at.along));
+        if let Some(at) = &mut surface.at {
+            at.scatters = surface.frame;
+        }
         (surface.point.ng, surface.point.n) = (n, n);
         (surface.ng, surface.smooth, surface.bulge) = (None, None, Vec3::ZERO);
         let face = if face.dot(n) < 0.0 { -face } else { face };
@@ -405,6 +413,16 @@ impl World {
         });
         let tangents = if geometry.flip { outwards.0.flipped() } else { outwards.0 };
         (tangents, point)
+    }
+
+    /// The direction that a mesh has at a hit for brushed surfaces and maps of normals, and what lies across it, in the world; `None` where
+    /// it has none of its own.
+    fn brushed(&self, ray: &Ray, hit: &Hit) -> Option<[Vec3; 2]> {
+        let geometry = &self.geometries[hit.geometry as usize];
+        let Kind::Mesh(mesh) = geometry.kind else { return None };
+        let own = self.geometry.meshes[mesh as usize].own_tangent(hit.primitive, [hit.u, hit.v])?;
+        let transforms = hit.chain.iter().filter_map(|id| self.accel.transform(id, ray.time));
+        Some(transforms.rev().fold(own, |own, m| own.map(|v| m.vector(v))))
     }
 
     /// The footprint of the ray that goes on from a hit in the direction of a sample whose `wi` is in the world.
@@ -752,7 +770,7 @@ impl World {
             let pmf = || lights.pmf_of_part(emitter, hit.primitive, from);
             return if pdf > 0.0 { pmf() * pdf } else { 0.0 };
         }
-        let pdf = light.pdf_at(&self.geometry, from.p, hit.primitive, point);
+        let pdf = light.pdf_at(&self.geometry, from, hit.primitive, point);
         if pdf > 0.0 { lights.pmf(emitter, from) * pdf } else { 0.0 }
     }
 
@@ -768,7 +786,7 @@ impl World {
         let (light, within) = (&self.emitters[emitter as usize], self.within());
         let stand = within.stand_of(&hit.chain);
         let splits = lights.splits(emitter);
-        let pdf = light.pdf_of_copy(&self.geometry, &stand, from.p, (hit.primitive, point), splits);
+        let pdf = light.pdf_of_copy(&self.geometry, &stand, from, (hit.primitive, point), splits);
         if pdf <= 0.0 {
             return 0.0;
         }
@@ -785,7 +803,7 @@ impl World {
             _ => 0,
         };
         let emitters = self.emitters.iter().map(|e| size_of::<Emitter>() + triangles(e)).sum::<usize>();
-        emitters + self.lights.bytes() + self.copies.bytes()
+        emitters + self.lights.bytes() + self.links.bytes() + self.copies.bytes()
     }
 
     /// Bytes held by what grows with the scene: surfaces and their search structure.

@@ -13,6 +13,9 @@ pub struct Mesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates, one a vertex; empty when the file has none.
     pub uvs: Vec<[f32; 2]>,
+    /// Directions that brushed surfaces and maps of normals follow, one a vertex, and a side of 1 or -1: across them lies the cross
+    /// product of the normal and the direction, times the side. Empty when the file has none: then they follow the texture coordinates.
+    pub tangents: Vec<[f32; 4]>,
     /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// How many corners each polygon has that the triangles were cut from, in order: one of n corners gave n - 2 of them. Empty
@@ -32,6 +35,7 @@ impl Mesh {
         self.triangles.iter().flatten().all(|&i| (i as usize) < n)
             && fits(self.normals.len())
             && fits(self.uvs.len())
+            && fits(self.tangents.len())
     }
 
     /// Takes note that the last triangles were cut from a polygon of so many corners.
@@ -55,12 +59,13 @@ impl Mesh {
 
     /// Bytes of its lists.
     pub fn heap_bytes(&self) -> u64 {
-        let Self { positions, normals, uvs, triangles, sides, attributes, parts } = self;
+        let Self { positions, normals, uvs, tangents, triangles, sides, attributes, parts } = self;
         let values: usize = attributes.iter().map(|a| size_of_val(a.values.as_slice())).sum();
         (values
             + size_of_val(positions.as_slice())
             + size_of_val(normals.as_slice())
             + size_of_val(uvs.as_slice())
+            + size_of_val(tangents.as_slice())
             + size_of_val(triangles.as_slice())
             + size_of_val(sides.as_slice())
             + size_of_val(parts.as_slice())) as u64

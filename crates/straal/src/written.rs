@@ -10,6 +10,7 @@ use straal_color::Tone;
 use straal_formats::image::{pfm, png};
 use straal_formats::load::Loaded;
 use straal_formats::mesh::ply;
+use straal_formats::photometry;
 use straal_formats::yaml;
 use straal_math::lowdisc::PatternKind;
 use straal_render::film::Recording;
@@ -17,7 +18,7 @@ use straal_scene::bitmap::Number;
 use straal_scene::decode::Describe;
 use straal_scene::desc;
 use straal_scene::value::Depth;
-use straal_scene::{Bitmap, Image, Mesh};
+use straal_scene::{Bitmap, Image, Mesh, Photometry};
 
 use crate::development::{Development, Gamma};
 use crate::resolve::{Error, Overrides};
@@ -62,6 +63,8 @@ pub enum Piece {
     Bitmap(Arc<Bitmap>),
     /// A picture of surroundings: PFM.
     Image(Arc<Image>),
+    /// A lamp's intensities: IES.
+    Lamp(Arc<Photometry>),
 }
 
 impl Piece {
@@ -70,6 +73,7 @@ impl Piece {
         match self {
             Self::Mesh(mesh) => ply::write(out, mesh),
             Self::Image(image) => pfm::write(out, image),
+            Self::Lamp(lamp) => photometry::write(out, lamp),
             Self::Bitmap(bitmap) => match png::write_codes(&mut out, bitmap) {
                 Some(done) => done,
                 None => {
@@ -91,6 +95,7 @@ impl Piece {
         match self {
             Self::Mesh(_) => "ply",
             Self::Image(_) => "pfm",
+            Self::Lamp(_) => "ies",
             Self::Bitmap(bitmap) => match bitmap.texels.format().number {
                 Number::Byte | Number::Short => "png",
                 Number::Half | Number::Single => "pfm",
@@ -113,6 +118,9 @@ pub fn converted(loaded: &Loaded, base: &Path, folder: &Path, beside: &str) -> C
     }
     for asset in scene.bitmap_files().into_iter().filter(|a| is_held(&a.file)) {
         found.insert(asset.file.value.clone(), Piece::Bitmap(assets.bitmap(asset.handle).clone()));
+    }
+    for asset in scene.photometry_files().into_iter().filter(|a| is_held(&a.file)) {
+        found.insert(asset.file.value.clone(), Piece::Lamp(assets.photometry(asset.handle).clone()));
     }
     let (mut names, mut pieces) = (BTreeMap::new(), Vec::new());
     let mut taken = BTreeSet::new();

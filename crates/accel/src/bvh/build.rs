@@ -32,13 +32,13 @@ const _: () = assert!(MAX_SAH_DEPTH as usize + 31 <= MOST_LEVELS);
 const TASK: usize = 2048;
 
 pub(super) fn build(
-    prims: &[Prim],
+    prims: Vec<Prim>,
     shapes: &[Member],
     params: &BvhParams,
     vertices: &Vertices<'_>,
 ) -> Option<Bvh> {
     let numbered = (0..).zip(shapes);
-    let mut refs: Vec<Ref> = prims.iter().map(Ref::of).collect();
+    let mut refs: Vec<Ref> = prims.into_iter().map(|p| Ref::of(&p)).collect();
     refs.extend(numbered.map(|(id, m)| Ref::of_shape(id, m)));
     if refs.is_empty() {
         return Some(Bvh::EMPTY);

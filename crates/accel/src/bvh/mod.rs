@@ -126,7 +126,7 @@ impl Bvh {
     /// Builds the tree over primitives and shapes that are formulas; `vertices` gives a triangle's by its number in the group.
     /// `locate` where it is found. `None` if it takes more than 64 GiB.
     pub fn build(
-        prims: &[Prim],
+        prims: Vec<Prim>,
         shapes: Vec<Member>,
         params: &BvhParams,
         vertices: impl Fn(u32) -> [Vec3; 3] + Sync,
@@ -135,7 +135,7 @@ impl Bvh {
         let (few, many) = few::part(shapes);
         let mut triangles = FewTriangles::EMPTY;
         if many.is_empty() {
-            triangles = FewTriangles::of(prims, &vertices, locate);
+            triangles = FewTriangles::of(&prims, &vertices, locate);
         }
         Some(Self { few, triangles, ..build::build(prims, &many, params, &vertices)? })
     }

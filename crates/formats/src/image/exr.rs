@@ -14,6 +14,7 @@ use crate::ReadError;
 mod choose;
 mod read;
 mod spectral;
+mod strips;
 mod write;
 
 pub(super) use read::header;
@@ -22,7 +23,8 @@ pub use spectral::{
     Contents as SpectralContents, LAYER as SPECTRAL_LAYER, is_attribute as is_spectral_attribute,
     is_layer as is_spectral_layer, layer as spectral_layer,
 };
-pub use write::write;
+pub use strips::Strips;
+pub use write::{StripWriter, write, write_with};
 
 /// A picture with layers of any channels.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -23,6 +23,7 @@ pub use first_bytes::header;
 pub use header::{Format, Header};
 pub use photo::{Fault, Faults, Photo, framed, surroundings};
 
+use std::fs::File;
 use std::path::Path;
 
 use straal_scene::Image;
@@ -36,6 +37,16 @@ use crate::{Limits, ReadError};
 /// What was guessed or couldn't be honoured is in the notes of a [`Photo`]; this is its picture alone.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Image, ReadError> {
     Ok(Photo::read(bytes, limits)?.to_srgb())
+}
+
+/// A file that begins as a picture does, to be read bit by bit.
+pub fn open(path: &Path, limits: &Limits) -> Result<(File, Format), Refusal> {
+    let mut format = Err(Refusal::new("it is no picture"));
+    let opened = files::open_if(path, limits.max_bytes, |head| {
+        format = Format::of(head).map_err(|e| Refusal::new(e.to_string()));
+        Ok(())
+    })?;
+    Ok((opened.from_start()?, format?))
 }
 
 /// The bytes of a file that begins as a picture does; of any other no more than its beginning is read.

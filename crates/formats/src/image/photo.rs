@@ -1,5 +1,7 @@
 //! A picture of any format as every use of it takes it: surroundings, developing, comparing, telling.
 
+use std::io::{Read, Seek};
+
 use straal_color::{Adaptation, RgbSpace, Space};
 use straal_scene::Image;
 
@@ -73,6 +75,19 @@ impl Photo {
             None => picture.beauty(),
         }?;
         Ok(Self::of_beauty(picture, beauty))
+    }
+
+    /// The colours of an EXR that is read by rows.
+    pub fn of_strips<R: Read + Seek>(strips: &mut exr::Strips<R>) -> Result<Self, ReadError> {
+        // As many rows as the chunks of most files have, or twice as many.
+        const ROWS: usize = 32;
+        let Window { width, height, .. } = strips.head().data_window;
+        let mut beauty = strips.colours(0..ROWS)?;
+        beauty.pixels.reserve_exact(width * height - beauty.pixels.len());
+        for first in (ROWS..height).step_by(ROWS) {
+            beauty.pixels.append(&mut strips.colours(first..first + ROWS)?.pixels);
+        }
+        Ok(Self::of_beauty(strips.head(), beauty))
     }
 
     fn of_beauty(picture: &exr::Layered, beauty: Beauty) -> Self {

@@ -1,6 +1,6 @@
 //! PLY, the Stanford polygon format: ASCII and both binary orders.
 //!
-//! Read are the elements `vertex` (properties x y z; nx ny nz; and one of u v, s t, texture_u texture_v), `face` and
+//! Read are the elements `vertex` (properties x y z; nx ny nz; one of u v, s t, texture_u texture_v; and tangent_x to tangent_side), `face` and
 //! `tristrips` (a list named vertex_indices or vertex_index; -1 ends a strip), and of vertices and faces what somebody asks for by
 //! name: `color`, which is red green blue or r g b, perhaps with alpha, or any other property that is a number. Everything else that the header
 //! declares is skipped. Faces of one or two corners have no area and are left out. Numbers of the ASCII form are
@@ -8,9 +8,12 @@
 //! carriage return or both.
 
 pub(super) mod header;
+mod stream;
 mod write;
 
 pub use write::write;
+
+use std::io::Read;
 
 use straal_scene::Mesh;
 use straal_scene::mesh::Per;
@@ -58,6 +61,31 @@ pub fn read_with(bytes: &[u8], limits: &Limits, wanted: &dyn Fn(&str) -> bool) -
     }
 }
 
+/// Reads a mesh of a file of so many bytes whose first are there and whose rest comes as it is asked for. `None` of one that has to be in memory
+/// as a whole: text, one whose faces come before its vertices, and one whose header is long.
+pub(crate) fn read_in_passing(
+    (head, rest): (&[u8], &mut dyn Read),
+    size: u64,
+    limits: &Limits,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<Option<PlyFile>, ReadError> {
+    // What is wrong with a header is told when all of it is there.
+    let Ok(header) = Header::parse(head) else { return Ok(None) };
+    let place = |is: fn(&Element) -> bool| header.elements.iter().position(is);
+    let (vertices, faces) = (place(|e| e.name == "vertex"), place(Element::holds_faces));
+    let is_in_order = vertices.is_some_and(|v| faces.is_none_or(|f| v < f));
+    let big = match header.encoding {
+        Encoding::Ascii => return Ok(None),
+        Encoding::Little => false,
+        Encoding::Big => true,
+    };
+    if !is_in_order || header.length > head.len() {
+        return Ok(None);
+    }
+    let body = stream::Stream::new(rest, (head, header.length), size, big);
+    read_body(&header, body, limits, wanted).map(Some)
+}
+
 /// Reads the elements in the order of the header. Faces need the vertices, so that faces that come first are passed
 /// over and read at the end.
 fn read_body<B: Body>(
@@ -98,7 +126,7 @@ fn read_body<B: Body>(
         } else if have_vertices {
             reader.faces(element, &mut body)?;
         } else {
-            later.push((element, body.clone()));
+            later.extend(body.again().map(|body| (element, body)));
             skip(element, &mut body)?;
         }
     }
@@ -157,8 +185,8 @@ fn skip<B: Body>(element: &Element, body: &mut B) -> Result<(), ReadError> {
     Ok(())
 }
 
-/// Where a vertex property goes: a place in a record of x y z, nx ny nz, u v.
-const VERTEX_NAMES: [&[&str]; 8] = [
+/// Where a vertex property goes: a place in a record of x y z, nx ny nz, u v, and the tangent and its side, which straal alone writes.
+const VERTEX_NAMES: [&[&str]; 12] = [
     &["x"],
     &["y"],
     &["z"],
@@ -167,6 +195,10 @@ const VERTEX_NAMES: [&[&str]; 8] = [
     &["nz", "normal_z"],
     &["u", "s", "texture_u", "texture_s"],
     &["v", "t", "texture_v", "texture_t"],
+    &["tangent_x"],
+    &["tangent_y"],
+    &["tangent_z"],
+    &["tangent_side"],
 ];
 
 /// A mesh that is being read.
@@ -183,7 +215,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn vertices<B: Body>(&mut self, element: &Element, body: &mut B) -> Result<(), ReadError> {
-        let mut found = [false; 8];
+        let mut found = [false; VERTEX_NAMES.len()];
         let mut plan = Vec::with_capacity(element.properties.len());
         for property in &element.properties {
             let slot = VERTEX_NAMES.iter().position(|names| names.contains(&property.name.as_str()));
@@ -201,13 +233,15 @@ impl Reader<'_> {
         }
         let has_normals = found[3] && found[4] && found[5];
         let has_uvs = found[6] && found[7];
+        let has_tangents = found[8..].iter().all(|found| *found);
         let mesh = &mut self.mesh;
         let count = element.count as usize; // proven by the file's size
         mesh.positions.reserve_exact(count);
         mesh.normals.reserve_exact(if has_normals { count } else { 0 });
         mesh.uvs.reserve_exact(if has_uvs { count } else { 0 });
+        mesh.tangents.reserve_exact(if has_tangents { count } else { 0 });
         for _ in 0..count {
-            let mut record = [0.0f32; 8];
+            let mut record = [0.0f32; VERTEX_NAMES.len()];
             for (i, &(kind, slot)) in plan.iter().enumerate() {
                 match (kind, slot) {
                     (Kind::Scalar(scalar), Some(slot)) => record[slot] = body.number(scalar)?,
@@ -216,7 +250,7 @@ impl Reader<'_> {
                 }
             }
             columns.end_record(1);
-            let [x, y, z, nx, ny, nz, u, v] = record;
+            let [x, y, z, nx, ny, nz, u, v, tx, ty, tz, side] = record;
             self.is_finite &= x.is_finite() && y.is_finite() && z.is_finite();
             mesh.positions.push([x, y, z]);
             if has_normals {
@@ -224,6 +258,9 @@ impl Reader<'_> {
             }
             if has_uvs {
                 mesh.uvs.push([u, v]);
+            }
+            if has_tangents {
+                mesh.tangents.push([tx, ty, tz, side]);
             }
         }
         self.mesh.attributes.extend(columns.finish());
@@ -366,10 +403,12 @@ fn is_index_list(name: &str) -> bool {
 }
 
 /// The part of the file after the header, read number by number.
-trait Body: Clone {
+trait Body: Sized {
     /// Whether numbers of a type that isn't known can be passed over.
     const KNOWS_WIDTHS: bool;
 
+    /// To read the same once more; `None` where what is read is gone.
+    fn again(&self) -> Option<Self>;
     /// Where the next number is.
     fn place(&self) -> Place;
     /// How many bytes are left.
@@ -405,6 +444,48 @@ trait Body: Clone {
     }
 }
 
+/// Bytes of numbers, in the order of the smallest first.
+trait Bytes {
+    /// The next ones.
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadError>;
+    /// Where they are.
+    fn here(&self) -> Place;
+}
+
+#[inline]
+fn number_of(body: &mut impl Bytes, scalar: Scalar) -> Result<f32, ReadError> {
+    Ok(match scalar {
+        Scalar::F32 => f32::from_le_bytes(body.take()?),
+        Scalar::F64 => f64::from_le_bytes(body.take()?) as f32,
+        Scalar::U64 => u64::from_le_bytes(body.take()?) as f32,
+        _ => integer_of(body, scalar)? as f32,
+    })
+}
+
+#[inline]
+fn integer_of(body: &mut impl Bytes, scalar: Scalar) -> Result<i64, ReadError> {
+    Ok(match scalar {
+        Scalar::I8 => i8::from_le_bytes(body.take()?).into(),
+        Scalar::U8 => u8::from_le_bytes(body.take()?).into(),
+        Scalar::I16 => i16::from_le_bytes(body.take()?).into(),
+        Scalar::U16 => u16::from_le_bytes(body.take()?).into(),
+        Scalar::I32 => i32::from_le_bytes(body.take()?).into(),
+        Scalar::U32 => u32::from_le_bytes(body.take()?).into(),
+        Scalar::I64 => i64::from_le_bytes(body.take()?),
+        Scalar::U64 => {
+            let place = body.here();
+            let number = u64::from_le_bytes(body.take()?);
+            i64::try_from(number)
+                .map_err(|_| ReadError::at(place, format!("the number {number} is too large")))?
+        }
+        Scalar::Other(_) => {
+            return Err(ReadError::at(body.here(), "a number of a type that can only be passed over"));
+        }
+        Scalar::F32 => whole(f32::from_le_bytes(body.take()?).into(), body.here())?,
+        Scalar::F64 => whole(f64::from_le_bytes(body.take()?), body.here())?,
+    })
+}
+
 #[derive(Clone)]
 struct Binary<'a> {
     bytes: &'a [u8],
@@ -412,7 +493,11 @@ struct Binary<'a> {
     big: bool,
 }
 
-impl Binary<'_> {
+impl Bytes for Binary<'_> {
+    fn here(&self) -> Place {
+        Place::Byte(self.at)
+    }
+
     fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
         let Some(&taken) = self.bytes[self.at..].first_chunk::<N>() else {
             return Err(ReadError::byte(self.at, "the file ends too early"));
@@ -429,6 +514,10 @@ impl Binary<'_> {
 impl Body for Binary<'_> {
     const KNOWS_WIDTHS: bool = false;
 
+    fn again(&self) -> Option<Self> {
+        Some(self.clone())
+    }
+
     fn place(&self) -> Place {
         Place::Byte(self.at)
     }
@@ -444,35 +533,11 @@ impl Body for Binary<'_> {
     }
 
     fn number(&mut self, scalar: Scalar) -> Result<f32, ReadError> {
-        Ok(match scalar {
-            Scalar::F32 => f32::from_le_bytes(self.take()?),
-            Scalar::F64 => f64::from_le_bytes(self.take()?) as f32,
-            Scalar::U64 => u64::from_le_bytes(self.take()?) as f32,
-            _ => self.integer(scalar)? as f32,
-        })
+        number_of(self, scalar)
     }
 
     fn integer(&mut self, scalar: Scalar) -> Result<i64, ReadError> {
-        Ok(match scalar {
-            Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
-            Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
-            Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
-            Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
-            Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
-            Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
-            Scalar::I64 => i64::from_le_bytes(self.take()?),
-            Scalar::U64 => {
-                let place = self.place();
-                let number = u64::from_le_bytes(self.take()?);
-                i64::try_from(number)
-                    .map_err(|_| ReadError::at(place, format!("the number {number} is too large")))?
-            }
-            Scalar::Other(_) => {
-                return Err(ReadError::at(self.place(), "a number of a type that can only be passed over"));
-            }
-            Scalar::F32 => whole(f32::from_le_bytes(self.take()?).into(), self.place())?,
-            Scalar::F64 => whole(f64::from_le_bytes(self.take()?), self.place())?,
-        })
+        integer_of(self, scalar)
     }
 
     fn skip_scalars(&mut self, scalar: Scalar, count: usize) -> Result<(), ReadError> {
@@ -516,6 +581,10 @@ impl<'a> Ascii<'a> {
 impl Body for Ascii<'_> {
     /// White space tells where a number ends, whatever it is.
     const KNOWS_WIDTHS: bool = true;
+
+    fn again(&self) -> Option<Self> {
+        Some(self.clone())
+    }
 
     fn place(&self) -> Place {
         let rest = &self.bytes[self.at..];

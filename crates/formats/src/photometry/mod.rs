@@ -8,6 +8,9 @@ use crate::{ReadError, number};
 
 mod eulumdat;
 mod lm63;
+mod write;
+
+pub use write::write;
 
 /// The largest file, in bytes.
 pub const MOST_BYTES: u64 = 1 << 26;

@@ -19,7 +19,7 @@ use std::sync::Arc;
 use straal_scene::handle::{Handles, Kind};
 use straal_scene::memory::Ledger;
 use straal_scene::value::{Asset, FileRef};
-use straal_scene::{Assets, Bitmap, Diagnostics, Image, Mesh, MeshAsset, Scene, validate};
+use straal_scene::{Assets, Bitmap, Diagnostics, Image, Mesh, MeshAsset, Photometry, Scene, validate};
 
 use crate::Limits;
 use crate::files::Finder;
@@ -139,6 +139,13 @@ impl Made {
     pub fn bitmap(&mut self, name: impl Into<FileRef>, bitmap: Arc<Bitmap>) -> Asset<Bitmap> {
         let asset = self.in_file(name);
         self.assets.bitmaps.put(asset.handle, bitmap);
+        asset
+    }
+
+    /// What the scene tells of a lamp's directions.
+    pub fn photometry(&mut self, name: impl Into<FileRef>, lamp: Arc<Photometry>) -> Asset<Photometry> {
+        let asset = self.in_file(name);
+        self.assets.photometries.put(asset.handle, lamp);
         asset
     }
 

@@ -5,7 +5,9 @@ use std::path::Path;
 use straal_formats::scene::Foreign;
 use straal_formats::{Diagnostics, Loaded, Options, load_foreign_bytes};
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{Camera, Gltf, Light, Material, MaterialRef, Node, Texture, TextureOf, Varying};
+use straal_scene::desc::{
+    Camera, CoatNormal, Gltf, Light, Material, MaterialRef, Node, Texture, TextureOf, Varying,
+};
 use straal_scene::{Mesh, Severity};
 
 /// Bytes as a data URI.
@@ -320,6 +322,82 @@ fn materials_mean_what_they_say() {
         complaints(&wanted)
             .contains("`extensionsRequired[0]`: the file can't be shown without `VENDOR_thing`")
     );
+}
+
+/// A triangle with normals, tangents, texture coordinates and colours, and what its primitive has of them.
+fn dressed(attributes: &str, more: &str) -> String {
+    let mut bytes = floats(&CORNERS);
+    bytes.extend(floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0]));
+    bytes.extend(floats(&[0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 1.0, 0.0, -1.0]));
+    bytes.extend(floats(&[0.0, 0.0, 0.0, 1.0, 1.0, 0.0]));
+    bytes.extend(floats(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]));
+    let view = |at, length| format!(r#"{{"buffer": 0, "byteOffset": {at}, "byteLength": {length}}}"#);
+    let views = [view(0, 36), view(36, 36), view(72, 48), view(120, 24), view(144, 36)].join(", ");
+    let accessor = |view, kind| {
+        format!(r#"{{"bufferView": {view}, "componentType": 5126, "type": "{kind}", "count": 3}}"#)
+    };
+    let kinds = ["VEC3", "VEC3", "VEC4", "VEC2", "VEC3"];
+    let accessors: Vec<String> = kinds.iter().enumerate().map(|(i, kind)| accessor(i, kind)).collect();
+    let mesh = format!(
+        r#", "nodes": [{{"mesh": 0}}], "images": [{{"uri": "{DOT}"}}], "textures": [{{"source": 0}}, {{"source": 0}}],
+        "meshes": [{{"primitives": [{{"material": 0, "attributes": {{"POSITION": 0{attributes}}}}}]}}]{more}"#
+    );
+    file(&bytes, &views, &accessors.join(", "), &mesh)
+}
+
+#[test]
+fn tangents_are_the_files_or_follow_the_texture() {
+    let more = r#", "materials": [{"doubleSided": true, "normalTexture": {"index": 0, "scale": 0.5}, "extensions": {
+        "KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": 1.5707963267948966, "anisotropyTexture": {"index": 1}},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 1}}}]"#;
+    let all = r#", "NORMAL": 1, "TANGENT": 2, "TEXCOORD_0": 3"#;
+    let loaded = load(&dressed(all, more));
+    assert!(!loaded.warnings.to_string().contains("materials[0]"), "{}", loaded.warnings);
+    assert_eq!(mesh(&loaded).tangents, [[0.0, 1.0, 0.0, -1.0]; 3]);
+    let m = material(&loaded);
+    assert!((m.anisotropy_rotation - 90.0).abs() < 1e-9 && m.anisotropy_direction.is_some());
+    // The coat is smooth, where it doesn't name the same map.
+    assert_eq!(m.clearcoat_normal, CoatNormal::Surface);
+    for (normals, want) in [(r#"{"index": 0, "scale": 0.5}"#, false), (r#"{"index": 0, "scale": 2}"#, true)] {
+        let coat = format!(r#""clearcoatFactor": 1, "clearcoatNormalTexture": {normals}"#);
+        let loaded = load(&dressed(all, &more.replace(r#""clearcoatFactor": 1"#, &coat)));
+        let coat = &material(&loaded).clearcoat_normal;
+        assert_eq!(matches!(coat, CoatNormal::Map(map) if map.strength == 2.0), want, "{coat:?}");
+        assert_eq!(*coat == CoatNormal::Base, !want);
+    }
+    // Without tangents they follow u, which rises along y: v falls in the file along x.
+    let loaded = load(&dressed(r#", "NORMAL": 1, "TEXCOORD_0": 3"#, more));
+    for [x, y, z, side] in &mesh(&loaded).tangents {
+        assert!(x.abs() < 1e-6 && (y - 1.0).abs() < 1e-6 && z.abs() < 1e-6 && *side == 1.0);
+    }
+    assert_eq!(mesh(&loaded).tangents.len(), 3);
+    // Flat faces and plain materials need none.
+    assert!(mesh(&load(&dressed(r#", "TANGENT": 2, "TEXCOORD_0": 3"#, more))).tangents.is_empty());
+    assert!(mesh(&load(&dressed(all, r#", "materials": [{}]"#))).tangents.is_empty());
+}
+
+#[test]
+fn unlit_surfaces_shine_in_the_colours_of_their_vertices() {
+    let more = r#", "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1]},
+        "extensions": {"KHR_materials_unlit": {}}}]"#;
+    let loaded = load(&dressed(r#", "COLOR_0": 4"#, more));
+    assert!(!loaded.warnings.to_string().contains("unlit"), "{}", loaded.warnings);
+    let picture = &loaded.assets.bitmaps.iter().next().expect("a picture").texels;
+    assert_eq!((picture.width(), picture.height()), (2, 2));
+    assert_eq!(picture.numbers(1, 0), [0.0, 1.0, 0.0, 1.0]);
+    let mut emission = None;
+    loaded.scene.visit(|node| {
+        if let Node::Mesh(m) = node {
+            emission = m.surface.emission.clone();
+        }
+    });
+    let Some(Varying::Texture(texture)) = emission else { panic!("{emission:?}") };
+    let TextureOf::Inline(Texture::Scale(scale)) = &*texture else { panic!("{texture:?}") };
+    assert_eq!(scale.of.constant().unwrap().rgb().unwrap().0, [0.5, 1.0, 1.0]);
+    // With a picture besides it is lit.
+    let textured = more.replace("[0.5, 1, 1, 1]", r#"[1, 1, 1, 1], "baseColorTexture": {"index": 0}"#);
+    let loaded = load(&dressed(r#", "COLOR_0": 4, "TEXCOORD_0": 3"#, &textured));
+    assert!(loaded.warnings.to_string().contains("what should be unlit is lit"), "{}", loaded.warnings);
 }
 
 /// A picture of one texel.

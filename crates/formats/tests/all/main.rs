@@ -12,5 +12,6 @@ mod obj;
 mod ply;
 mod scenes;
 mod schema;
+mod strips;
 mod usd;
 mod windows;

@@ -29,6 +29,7 @@ mod moving;
 mod orthographic;
 mod panorama;
 mod perspective;
+mod realistic;
 mod stereo;
 #[cfg(test)]
 mod tests;
@@ -44,6 +45,7 @@ pub use moving::{Moving, Stand};
 pub use orthographic::Orthographic;
 pub use panorama::{Panorama, Rows};
 pub use perspective::{Perspective, Window};
+pub use realistic::Realistic;
 pub use stereo::{Eyes, Stereo, StereoLayout};
 pub use thin_lens::ThinLens;
 pub use view::View;
@@ -196,6 +198,8 @@ list::cameras! {
     Orthographic of Orthographic,
     /// The angle to the view depends on the distance from the middle.
     Fisheye of Fisheye,
+    /// Through a lens of glass.
+    Realistic of Realistic,
     /// Longitude and latitude.
     Panorama of Panorama,
     /// Six faces.

@@ -2,6 +2,7 @@
 
 use super::Detail;
 use super::build::{Build, Place};
+use super::place::drawn;
 use super::solids::height_field;
 use crate::shape::mesh::Between;
 use crate::shape::subdivision::{Subdivided, subdivide};
@@ -19,6 +20,7 @@ use straal_scene::{Mesh, Part, PartMaterial};
 
 impl<'a> Build<'a> {
     pub(super) fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) {
+        let drawn = drawn(&m.light_sampling);
         if let MeshSource::Asset(asset) = m.source() {
             let asset = self.assets.mesh(asset.handle);
             let has_own = m.surface.material.is_some();
@@ -28,12 +30,13 @@ impl<'a> Build<'a> {
                 let start = |i: usize| starts.get(i).copied().unwrap_or(0) as usize;
                 let mut parts = asset.mesh.parts.clone();
                 parts.iter_mut().for_each(|p| p.triangles = start(p.triangles.start)..start(p.triangles.end));
-                let mesh = shaded(mesh, &m.shading);
+                let mesh = shaded(TriangleMesh { drawn, ..mesh }, &m.shading);
                 let runs = runs(&mesh.indices, &parts, &asset.materials, has_own);
                 return self.mesh(mesh, &runs, &m.surface, place);
             }
             let attributes = self.materials.attributes(&asset.mesh);
-            let mesh = shaded(TriangleMesh { attributes, ..TriangleMesh::from(&*asset.mesh) }, &m.shading);
+            let mesh =
+                shaded(TriangleMesh { attributes, drawn, ..TriangleMesh::from(&*asset.mesh) }, &m.shading);
             let runs = runs(&mesh.indices, &asset.mesh.parts, &asset.materials, has_own);
             return self.mesh(mesh, &runs, &m.surface, place);
         }
@@ -41,6 +44,7 @@ impl<'a> Build<'a> {
             positions: m.positions.iter().map(|p| p.as_vec3().to_array()).collect(),
             normals: m.normals.iter().map(|n| n.as_vec3().to_array()).collect(),
             uvs: m.uvs.iter().map(|uv| uv.map(|v| v as f32)).collect(),
+            tangents: m.tangents.iter().map(|t| t.map(|v| v as f32)).collect(),
             triangles: m.triangles.clone(),
             ..Mesh::default()
         };
@@ -48,7 +52,7 @@ impl<'a> Build<'a> {
         if let Some(how) = &m.subdivide {
             mesh = self.subdivided(&mesh, &[], how).mesh;
         }
-        self.whole_mesh(shaded(mesh, &m.shading), &m.surface, place)
+        self.whole_mesh(shaded(TriangleMesh { drawn, ..mesh }, &m.shading), &m.surface, place)
     }
 
     /// A control cage as a smooth surface; as coarse as it is seen in a draft.
@@ -104,6 +108,7 @@ impl<'a> Build<'a> {
         if surface.flip {
             mesh.flip = !mesh.flip;
             mesh.normals.iter_mut().for_each(|n| *n = -*n);
+            mesh.tangents.iter_mut().for_each(|t| t[3] = -t[3]);
         }
         let default = self.materials.of(surface.material.as_ref(), place.material);
         let own_glow = surface.emission.as_ref().map(|e| self.materials.emission(e));
@@ -215,6 +220,7 @@ fn part(mesh: &TriangleMesh, run: &Run<'_>, known: &mut Vec<u32>) -> TriangleMes
         indices,
         normals: used().filter_map(|i| mesh.normals.get(i).copied()).collect(),
         uvs: used().filter_map(|i| mesh.uvs.get(i).copied()).collect(),
+        tangents: used().filter_map(|i| mesh.tangents.get(i).copied()).collect(),
         attributes: mesh
             .attributes
             .iter()
@@ -225,6 +231,7 @@ fn part(mesh: &TriangleMesh, run: &Run<'_>, known: &mut Vec<u32>) -> TriangleMes
             .collect(),
         flip: mesh.flip,
         between: mesh.between,
+        drawn: mesh.drawn,
     }
 }
 

@@ -4,7 +4,7 @@ use super::build::{Build, Place};
 use super::meshes::{bezier_mesh, shaded};
 use super::round::standing;
 use super::{Custom, Detail};
-use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
+use crate::shape::{Cylinder, Disc, Drawn, Ellipsoid, Parallelogram, Plane, Shape, Sphere, TriangleMesh};
 use crate::world::INHERIT;
 use straal_accel as accel;
 use straal_math::{Affine, DVec3, Motion, Transform};
@@ -185,6 +185,7 @@ impl<'a> Build<'a> {
                     (a, b) = (b, a);
                 }
                 let disc = Disc::new(m.point(s.center).as_vec3(), a.as_vec3(), b.as_vec3());
+                let disc = disc.drawn(drawn(&s.light_sampling));
                 self.shape(&s.surface, place, Shape::Disc(Box::new(disc)), false)
             }
             Node::Rectangle(s) => {
@@ -194,8 +195,7 @@ impl<'a> Build<'a> {
                 }
                 let corner = m.point(s.corner).as_vec3();
                 let r = Parallelogram::new(corner, a.as_vec3(), b.as_vec3());
-                let by_solid_angle = s.light_sampling == desc::LightSampling::SolidAngle;
-                let r = if by_solid_angle { r.by_solid_angle() } else { r };
+                let r = r.drawn(drawn(&s.light_sampling));
                 self.shape(&s.surface, place, Shape::Parallelogram(Box::new(r)), false)
             }
             Node::Cylinder(s) => self.cylinder(s, place),
@@ -212,7 +212,8 @@ impl<'a> Build<'a> {
             Node::Triangle(s) => {
                 let positions = s.vertices.map(|v| v.as_vec3().to_array()).to_vec();
                 let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
-                self.whole_mesh(TriangleMesh::from(&mesh), &s.surface, place)
+                let drawn = drawn(&s.light_sampling);
+                self.whole_mesh(TriangleMesh { drawn, ..TriangleMesh::from(&mesh) }, &s.surface, place)
             }
             Node::Bilinear(s) => self.bilinear(s, place),
             Node::HeightField(s) => self.height_field(s, place),
@@ -286,6 +287,15 @@ impl<'a> Build<'a> {
             self.cap(&s.surface, place, [s.from, b, a]);
             self.cap(&s.surface, place, [s.to, a, b]);
         }
+    }
+}
+
+/// How points of a lamp are drawn.
+pub(super) fn drawn(said: &desc::LightSampling) -> Drawn {
+    match said {
+        desc::LightSampling::Area => Drawn::ByArea,
+        desc::LightSampling::SolidAngle => Drawn::BySolidAngle,
+        desc::LightSampling::ProjectedSolidAngle => Drawn::ByProjectedSolidAngle,
     }
 }
 

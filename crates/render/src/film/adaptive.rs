@@ -22,7 +22,7 @@ use crate::film::Region;
 pub const BLOCK: u32 = 8;
 
 /// Blocks from one side of a tile to the other.
-pub(super) const ACROSS: u32 = TILE / BLOCK;
+const ACROSS: u32 = TILE / BLOCK;
 
 /// Radiance below which a block's noise is not measured against its own brightness but against this.
 pub const DARK: f64 = 0.01;
@@ -213,14 +213,20 @@ impl Film {
         self.tiles.iter_mut().for_each(|tile| tile.adapt(by_batches));
     }
 
+    /// How many times as many pixels there are as still take samples, 1 to 1024.
+    pub fn sparsity(&self) -> u32 {
+        let all: usize = self.tiles.iter().map(|tile| tile.pixels.len()).sum();
+        let open: usize = self.tiles.iter().map(FilmTile::open_pixels).sum();
+        (all / open.max(1)).clamp(1, 1024) as u32
+    }
+
     /// Takes no further samples of the blocks that are told by their first pixel.
     pub(crate) fn end_blocks(&mut self, is_done: impl Fn([u32; 2]) -> bool) {
         for tile in &mut self.tiles {
-            let corner = tile.region.min.map(|v| v / TILE * TILE);
-            for block in 0..ACROSS * ACROSS {
-                let first = [corner[0] + block % ACROSS * BLOCK, corner[1] + block / ACROSS * BLOCK];
-                if is_done(first) {
-                    tile.end_block(block as usize, 3);
+            let mut done = [None; (ACROSS * ACROSS) as usize];
+            for pixel in tile.places() {
+                if *done[block_of(pixel)].get_or_insert_with(|| is_done(pixel.map(|v| v / BLOCK * BLOCK))) {
+                    tile.end_halves(pixel, 3);
                 }
             }
         }
@@ -228,27 +234,41 @@ impl Film {
 }
 
 /// Block of a tile, row by row, that a pixel belongs to.
-pub(super) fn block_of([x, y]: [u32; 2]) -> usize {
+fn block_of([x, y]: [u32; 2]) -> usize {
     ((y % TILE / BLOCK) * ACROSS + x % TILE / BLOCK) as usize
 }
 
-/// The samples of a tile that are still wanted: all but the halves of blocks whose bit is set.
+/// Place of a pixel in its tile, of 256.
+fn place([x, y]: [u32; 2]) -> usize {
+    (y % TILE * TILE + x % TILE) as usize
+}
+
+/// The samples of a tile that are still wanted: all but the halves of pixels whose bit is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Sampled {
-    ended: u8,
+    ended: [[u64; (TILE * TILE / 64) as usize]; 2],
+    /// Whether any bit is.
+    any: bool,
 }
 
 impl Sampled {
+    /// Whether a half of a pixel of the tile is.
+    #[inline]
+    fn has_half(&self, pixel: [u32; 2], half: usize) -> bool {
+        let place = place(pixel);
+        self.ended[half][place / 64] >> (place % 64) & 1 == 0
+    }
+
     /// Whether a sample of a pixel of the tile is.
     #[inline]
-    pub(crate) fn contains(self, pixel: [u32; 2], index: u32) -> bool {
-        self.ended == 0 || self.ended >> (2 * block_of(pixel) + half_of(index)) & 1 == 0
+    pub(crate) fn contains(&self, pixel: [u32; 2], index: u32) -> bool {
+        !self.any || self.has_half(pixel, half_of(index))
     }
 
     /// Whether any sample of a pixel is.
     #[inline]
-    pub(crate) fn is_open(self, pixel: [u32; 2]) -> bool {
-        self.ended >> (2 * block_of(pixel)) & 3 != 3
+    pub(crate) fn is_open(&self, pixel: [u32; 2]) -> bool {
+        !self.any || self.has_half(pixel, 0) || self.has_half(pixel, 1)
     }
 }
 
@@ -258,26 +278,29 @@ impl FilmTile {
         self.sampled
     }
 
-    /// Which halves of the block that a pixel belongs to take no further samples: a bit for each.
+    /// Which halves of a pixel take no further samples: a bit for each.
     pub(super) fn ended(&self, pixel: [u32; 2]) -> u8 {
-        self.sampled.ended >> (2 * block_of(pixel)) & 3
+        [0, 1].map(|half| u8::from(!self.sampled.has_half(pixel, half)) << half).iter().sum()
     }
 
-    /// Takes no further samples of these halves of a block, by its place in the tile: a bit for each.
-    pub(super) fn end_block(&mut self, block: usize, halves: u8) {
-        self.sampled.ended |= (halves & 3) << (2 * block);
-    }
-
-    /// Takes no further samples of these halves.
+    /// Takes no further samples of these halves of a pixel: a bit for each.
     pub(super) fn end_halves(&mut self, pixel: [u32; 2], halves: u8) {
-        self.end_block(block_of(pixel), halves);
+        let place = place(pixel);
+        for (half, ended) in self.sampled.ended.iter_mut().enumerate() {
+            ended[place / 64] |= u64::from(halves >> half & 1) << (place % 64);
+        }
+        self.sampled.any |= halves & 3 != 0;
+    }
+
+    /// Its pixels.
+    fn places(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+        let Region { min, max } = self.region;
+        (min[1]..max[1]).flat_map(move |y| (min[0]..max[0]).map(move |x| [x, y]))
     }
 
     /// Index of the next sample of what is open: it has all samples before, all of it.
     pub(crate) fn next_sample(&self) -> u32 {
-        let Region { min, max } = self.region;
-        let mut pixels = (min[1]..max[1]).flat_map(|y| (min[0]..max[0]).map(move |x| [x, y]));
-        let Some(open) = pixels.find(|p| self.sampled.is_open(*p)) else { return self.first };
+        let Some(open) = self.places().find(|p| self.sampled.is_open(*p)) else { return self.first };
         let k = self.index(open);
         let count = self.pixels[k].count;
         match (self.ended(open), self.halves.get(k)) {
@@ -289,14 +312,21 @@ impl FilmTile {
 
     /// Whether there are any.
     pub(crate) fn is_open(&self) -> bool {
-        self.open_blocks() > 0
+        !self.sampled.any || self.places().any(|p| self.sampled.is_open(p))
+    }
+
+    /// Pixels of which further samples are wanted.
+    fn open_pixels(&self) -> usize {
+        if self.sampled.any {
+            self.places().filter(|p| self.sampled.is_open(*p)).count()
+        } else {
+            self.pixels.len()
+        }
     }
 
     /// Blocks of which further samples are wanted.
     pub(crate) fn open_blocks(&self) -> u32 {
-        let Region { min, max } = self.region;
-        let pixels = (min[1]..max[1]).flat_map(|y| (min[0]..max[0]).map(move |x| [x, y]));
-        let open = pixels.filter(|p| self.sampled.is_open(*p));
+        let open = self.places().filter(|p| self.sampled.is_open(*p));
         open.fold(0_u32, |blocks, p| blocks | 1 << block_of(p)).count_ones()
     }
 }

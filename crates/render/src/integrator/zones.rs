@@ -174,6 +174,9 @@ impl Integrator for ShadowZones {
 
     fn step<L: Lanes>(&self, world: &World, queue: &Queue<'_, L>, out: &mut Out<'_, L>) {
         let Some(lamp) = self.lamp(world) else { return };
+        let of_rim =
+            if world.emitters[lamp.0 as usize].has_rim(&world.geometry) { 4 * self.across } else { 0 };
+        let points = u64::from(self.across * self.across + of_rim);
         for Arrival { path, ray, hit } in queue.arrivals() {
             if !hit.is_hit() {
                 continue;
@@ -184,6 +187,7 @@ impl Integrator for ShadowZones {
             let colour = if vertex.surface.emitter == Some(lamp.0) {
                 LIT
             } else {
+                out.stopwatch.times.shadow_rays += points;
                 self.look(world, lamp, (&vertex, ray), lanes).colour(self.show)
             };
             out.add(Contribution::own(path, lanes.radiance_of_rgb(&world.tables, Light::rgb(colour))));

@@ -10,9 +10,7 @@ use super::copies::Stand;
 use super::reach::Lamp;
 use super::{Ball, Emitted, Extent, LightSample, Reach, Receiver, Shine, Shows, strength};
 use crate::material::Material;
-use crate::shape::{
-    AreaSample, DirSample, DirSamples, Geometry, Shape, SurfacePoint, by_solid_angle, solid_angle_pdf,
-};
+use crate::shape::{AreaSample, DirSample, Geometry, Shape, SurfacePoint};
 
 /// A surface that sends the same radiance in every direction on its lit side, or less towards its horizon.
 #[derive(Clone, Debug)]
@@ -167,27 +165,26 @@ impl AreaLight {
                 |i| {
                     let u = [u[0].lane(i), u[1].lane(i)];
                     let part = part.map(|part| Ord::min(part.lane(i), last));
-                    self.sample_textured(geometry, (at.p.lane(i), u), part, &readings.of(i))
+                    let at = Receiver { p: at.p.lane(i), n: at.n.lane(i) };
+                    self.sample_textured(geometry, (&at, u), part, &readings.of(i))
                 },
             );
         };
         let s = match &self.surface {
-            LitSurface::Shape(shape) => geometry.sample_from_many(*shape, at.p, u),
+            LitSurface::Shape(shape) => geometry.sample_lit_many(*shape, (at.p, at.n), u),
             LitSurface::Mesh { mesh, triangles: Some(triangles), .. } => {
                 let mesh = &geometry.meshes[*mesh as usize];
-                let (end, pdf) = match part {
+                match part {
                     Some(part) => {
                         // Lanes that picked another lamp have numbers of that.
                         let last = F::Uint::splat(mesh.indices.len() as u32 - 1);
-                        mesh.sample_triangles(part.min(last), u)
+                        mesh.sample_triangles_from((part.min(last), F::ONE), at.p, u)
                     }
                     None => {
                         let choice = triangles.samples(u[0]);
-                        let (end, pdf) = mesh.sample_triangles(choice.index, [choice.rest, u[1]]);
-                        (end, pdf * choice.pmf)
+                        mesh.sample_triangles_from((choice.index, choice.pmf), at.p, [choice.rest, u[1]])
                     }
-                };
-                DirSamples::by_area(at.p, end, pdf)
+                }
             }
             LitSurface::Mesh { triangles: None, .. } => return LightSample::none(),
         };
@@ -212,20 +209,26 @@ impl AreaLight {
         if self.radiance.most() == 0.0 || !self.sides.lit(hit.ng, p - hit.p) {
             return 0.0;
         }
-        let area = geometry.meshes[*mesh as usize].triangle_area(primitive);
-        solid_angle_pdf(p, hit, (1.0 / area) as f32)
+        geometry.meshes[*mesh as usize].pdf_triangle_from((primitive, 1.0), p, hit)
     }
 
     /// A point of the surface for a point of its own space, of the triangle with this number where one was picked already.
     fn sample_own(
         &self,
         geometry: &Geometry,
-        (p, u): (Vec3, [f32; 2]),
+        (at, u): (&Receiver, [f32; 2]),
         part: Option<u32>,
     ) -> Option<DirSample> {
         match &self.surface {
-            LitSurface::Shape(shape) => geometry.sample_from(*shape, p, u),
-            LitSurface::Mesh { .. } => by_solid_angle(p, self.sample_area(geometry, u, part)?),
+            LitSurface::Shape(shape) => geometry.sample_lit(*shape, (at.p, at.n), u),
+            LitSurface::Mesh { mesh, triangles, .. } => {
+                let mesh = &geometry.meshes[*mesh as usize];
+                if let Some(part) = part {
+                    return mesh.sample_triangle_from((part, 1.0), at.p, u);
+                }
+                let choice = triangles.as_ref()?.sample(u[0]);
+                mesh.sample_triangle_from((choice.index as u32, choice.pmf), at.p, [choice.rest, u[1]])
+            }
         }
     }
 
@@ -251,14 +254,14 @@ impl AreaLight {
     fn sample_textured<L: Lanes>(
         &self,
         geometry: &Geometry,
-        (p, u): (Vec3, [f32; 2]),
+        from: (&Receiver, [f32; 2]),
         part: Option<u32>,
         reading: &Reading<'_, L>,
     ) -> Option<LightSample> {
         if self.radiance.most() == 0.0 {
             return None;
         }
-        let s = self.sample_own(geometry, (p, u), part)?;
+        let s = self.sample_own(geometry, from, part)?;
         self.arriving(&s, &s.point, reading)
     }
 
@@ -274,7 +277,7 @@ impl AreaLight {
         if self.radiance.most() == 0.0 {
             return None;
         }
-        let own = self.sample_own(geometry, (stand.receiver(at).p, u), part)?;
+        let own = self.sample_own(geometry, (&stand.receiver(at), u), part)?;
         let point = stand.outwards(&own.point);
         let wi = (point.p - at.p).try_normalize()?;
         let pdf = own.pdf * stand.widening(wi);
@@ -465,17 +468,15 @@ impl Shine for AreaLight {
         self.radiance_of(hit, wo, || *hit, reading)
     }
 
-    fn pdf_at(&self, geometry: &Geometry, p: Vec3, (primitive, hit): (u32, &SurfacePoint)) -> f32 {
-        if self.radiance.most() == 0.0 || !self.sides.lit(hit.ng, p - hit.p) {
+    fn pdf_at(&self, geometry: &Geometry, at: &Receiver, (primitive, hit): (u32, &SurfacePoint)) -> f32 {
+        if self.radiance.most() == 0.0 || !self.sides.lit(hit.ng, at.p - hit.p) {
             return 0.0;
         }
         match &self.surface {
-            LitSurface::Shape(shape) => geometry.pdf_from(*shape, p, hit),
+            LitSurface::Shape(shape) => geometry.pdf_lit(*shape, (at.p, at.n), hit),
             LitSurface::Mesh { mesh, triangles, .. } => {
                 let chosen = triangles.as_ref().map_or(0.0, |t| t.pmf(primitive as usize));
-                let area = geometry.meshes[*mesh as usize].triangle_area(primitive);
-                // Grouped as in `sample`, for the same bits.
-                solid_angle_pdf(p, hit, (1.0 / area) as f32 * chosen)
+                geometry.meshes[*mesh as usize].pdf_triangle_from((primitive, chosen), at.p, hit)
             }
         }
     }
@@ -509,7 +510,7 @@ impl Shine for AreaLight {
     #[cfg(test)]
     fn examples() -> Vec<super::tests::Example> {
         use super::tests::{mesh, narrowed, shape, turned};
-        use crate::shape::{Cylinder, Disc, Ellipsoid, Parallelogram, Shape, Sphere, TriangleMesh};
+        use crate::shape::{Cylinder, Disc, Drawn, Ellipsoid, Parallelogram, Shape, Sphere, TriangleMesh};
         use straal_math::{Affine, DVec3};
         let squash = Affine::scale(DVec3::new(1.0, 0.3, 0.6)).then(&turned());
         let sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.3), radius: 0.7 };
@@ -517,8 +518,19 @@ impl Shine for AreaLight {
         let flat = Parallelogram::new(Vec3::new(-0.7, -0.6, 0.5), a, b);
         // At right angles.
         let upright = Vec3::new(-0.12, 0.9, 0.7);
-        let rectangle = Parallelogram::new(Vec3::new(-0.7, -0.6, -0.3), a, upright).by_solid_angle();
-        let disc = Disc::new(Vec3::new(0.2, 0.1, 0.0), a, b);
+        let rectangle = Parallelogram::new(Vec3::new(-0.7, -0.6, -0.3), a, upright);
+        let rectangle = |drawn| Shape::Parallelogram(Box::new(rectangle.drawn(drawn)));
+        let middle = Vec3::new(0.2, 0.1, 0.0);
+        let disc = Disc::new(middle, a, b);
+        let across = a.cross(upright).normalize();
+        let across = across.cross(a.normalize()) * a.length();
+        let round = Shape::Disc(Box::new(Disc::new(middle, a, across).drawn(Drawn::BySolidAngle)));
+        let as_seen = |mesh: TriangleMesh| TriangleMesh { drawn: Drawn::BySolidAngle, ..mesh };
+        let triangle = as_seen(TriangleMesh {
+            positions: [[-0.9, 0.1, -0.6], [1.1, 0.1, -0.5], [0.2, 0.0, 1.2]].map(Vec3::from_array).into(),
+            indices: [[0, 1, 2]].into(),
+            ..TriangleMesh::default()
+        });
         let tube = Cylinder::between(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.9, 0.4, 0.2), 0.3).unwrap();
         let cuboid = TriangleMesh::cuboid(Vec3::new(-0.5, -0.2, -0.8), Vec3::new(0.6, 0.3, 0.7));
         vec![
@@ -527,7 +539,11 @@ impl Shine for AreaLight {
             shape("ellipsoid", Shape::Ellipsoid(Box::new(Ellipsoid::new(squash).unwrap())), Sides::Both),
             shape("disc", Shape::Disc(Box::new(disc)), Sides::Front),
             shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
-            shape("rectangle by solid angle", Shape::Parallelogram(Box::new(rectangle)), Sides::Both),
+            shape("rectangle by solid angle", rectangle(Drawn::BySolidAngle), Sides::Both),
+            shape("rectangle by projected", rectangle(Drawn::ByProjectedSolidAngle), Sides::Both),
+            shape("disc by solid angle", round, Sides::Both),
+            mesh("triangle by solid angle", triangle, Sides::Both),
+            mesh("cuboid by solid angle", as_seen(cuboid.clone()), Sides::Front),
             shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
             shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
             narrowed("disc, narrow", shape("", Shape::Disc(Box::new(disc)), Sides::Both), 80.0),

@@ -111,6 +111,13 @@ impl Linked {
 }
 
 impl Links {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let numbers = (self.geometries.len() + self.instances.len() + self.classes.len()) * size_of::<u64>();
+        let lamps = self.lamps.len() * size_of::<Receivers>();
+        numbers + lamps + self.tables.iter().map(LightTable::bytes).sum::<usize>()
+    }
+
     /// Of lamps that say whom they light, by emitter, in a world.
     pub fn new(
         lamps: Vec<Receivers>,

@@ -82,11 +82,11 @@ macro_rules! emitters {
                 match self { $( Self::$Kind(l) => Shine::radiance_at(l, hit, wo, reading), )+ }
             }
 
-            /// The density by solid angle with which [`Emitter::sample`] at `p` gives the direction to `hit`, a point of
+            /// The density by solid angle with which [`Emitter::sample`] at a place gives the direction to `hit`, a point of
             /// this emitting surface (on triangle `primitive`, when that is a mesh); 0 for all other lights.
             #[inline]
-            pub fn pdf_at(&self, geometry: &Geometry, p: Vec3, primitive: u32, hit: &SurfacePoint) -> f32 {
-                match self { $( Self::$Kind(l) => Shine::pdf_at(l, geometry, p, (primitive, hit)), )+ }
+            pub fn pdf_at(&self, geometry: &Geometry, at: &Receiver, primitive: u32, hit: &SurfacePoint) -> f32 {
+                match self { $( Self::$Kind(l) => Shine::pdf_at(l, geometry, at, (primitive, hit)), )+ }
             }
 
             /// The radiance that arrives from the unit direction `wi`, from beyond everything; 0 but for environments.

@@ -153,7 +153,7 @@ trait Shine {
 
     /// See [`Emitter::pdf_at`]: of a point of the surface, on this triangle.
     #[inline]
-    fn pdf_at(&self, _geometry: &Geometry, _p: Vec3, _hit: (u32, &SurfacePoint)) -> f32 {
+    fn pdf_at(&self, _geometry: &Geometry, _at: &Receiver, _hit: (u32, &SurfacePoint)) -> f32 {
         0.0
     }
 
@@ -388,16 +388,16 @@ impl Emitter {
         &self,
         geometry: &Geometry,
         stand: &Stand<'_>,
-        p: Vec3,
+        at: &Receiver,
         (primitive, hit): (u32, &SurfacePoint),
         is_picked: bool,
     ) -> f32 {
-        let Some(wi) = (hit.p - p).try_normalize() else { return 0.0 };
-        let (from, own) = (stand.receiver(&Receiver::anywhere(p)).p, stand.inwards(hit));
+        let Some(wi) = (hit.p - at.p).try_normalize() else { return 0.0 };
+        let (from, own) = (stand.receiver(at), stand.inwards(hit));
         let pdf = if is_picked {
-            self.pdf_of_part(geometry, from, primitive, &own)
+            self.pdf_of_part(geometry, from.p, primitive, &own)
         } else {
-            self.pdf_at(geometry, from, primitive, &own)
+            self.pdf_at(geometry, &from, primitive, &own)
         };
         let pdf = pdf * stand.widening(wi);
         if pdf.is_finite() { pdf } else { 0.0 }

@@ -191,7 +191,7 @@ impl Example {
         let round = matches!(self.geometry.shapes.first(), Some(Shape::Sphere(_) | Shape::Ellipsoid(_)));
         let inside = crossings.first().is_some_and(|(_, s)| s.ng.dot(w) > 0.0);
         let points = if round && !inside && !crossings.is_empty() { &crossings[..1] } else { &crossings };
-        let of = |(i, s): &(u32, SurfacePoint)| self.emitter.pdf_at(&self.geometry, p, *i, s);
+        let of = |(i, s): &(u32, SurfacePoint)| self.emitter.pdf_at(&self.geometry, at, *i, s);
         self.emitter.pdf_from(at, w) + points.iter().map(of).sum::<f32>()
     }
 }

@@ -16,12 +16,14 @@
 //! | transmission without volume: thin, tinted by the base's colour | the same as a thin wall |
 //! | transmission with volume: refracted, absorbed by colour and distance | the same |
 //! | iridescence by Belcour and Barla in RGB | Airy's sum at 620, 540 and 450 nm, or at the path's wavelengths |
-//! | anisotropy: alpha towards 1 along the tangent by strength² | exact, in steps of half a percent; the rotation isn't |
+//! | anisotropy: alpha towards 1 along the tangent by strength² | exact, in steps of half a percent, with its rotation and a texture's directions |
+//! | the clearcoat's own normals | the same; where they tell of what is below the surface, light is lost |
 //! | diffuse transmission | the same for a thin wall; inside a volume it sends light back, as there are no media |
 //! | emission, below the clearcoat | the same |
 //! | double-sided or culled | both sides, or black from behind |
 
 use straal_color::Light;
+use straal_math::Vec3;
 use straal_scene::desc;
 
 use super::interior::Absorption;
@@ -29,6 +31,7 @@ use super::open_pbr::{OpenPbr, Params, film_presence, nanometres};
 use super::{Bsdf, Emission, Interior, Recipe, Wants};
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
+use crate::relief::{Brushing, CoatNormals};
 use crate::texture::{Reading, ShadingPoint, Value};
 
 /// glTF's parameters.
@@ -58,6 +61,9 @@ pub struct GltfMaterial {
     /// In nm.
     pub iridescence_thickness: Value<f32>,
     pub anisotropy: Value<f32>,
+    /// Along which it is rougher.
+    pub brushing: Brushing,
+    pub clearcoat_normal: CoatNormals,
     /// 20 over Abbe's number.
     pub dispersion: f32,
     pub diffuse_transmission: Value<f32>,
@@ -97,6 +103,8 @@ impl Recipe for GltfMaterial {
             iridescence_ior: d.iridescence_ior as f32,
             iridescence_thickness: paint.number(&d.iridescence_thickness),
             anisotropy: paint.number(&d.anisotropy),
+            brushing: Brushing::of(d.anisotropy_direction.as_ref(), d.anisotropy_rotation, paint),
+            clearcoat_normal: CoatNormals::of(&d.clearcoat_normal, paint),
             dispersion: d.dispersion as f32,
             diffuse_transmission: paint.number(&d.diffuse_transmission),
             diffuse_transmission_color: paint.reflectance(&d.diffuse_transmission_color),
@@ -130,7 +138,7 @@ impl Recipe for GltfMaterial {
         let colours =
             [&self.base_color, &self.specular_color, &self.sheen_color, &self.diffuse_transmission_color];
         let varies = numbers.iter().any(|v| v.varies()) || colours.iter().any(|v| v.varies());
-        let tangent = self.anisotropy.most() > 0.0;
+        let tangent = self.anisotropy.most() > 0.0 || self.leans();
         Wants { point: varies || tangent, tangent }
     }
 
@@ -172,6 +180,8 @@ impl Recipe for GltfMaterial {
                 iridescence_ior: 1.3,
                 iridescence_thickness: 400.0.into(),
                 anisotropy: zero(),
+                brushing: Brushing::STRAIGHT,
+                clearcoat_normal: CoatNormals::Base,
                 dispersion: 0.0,
                 diffuse_transmission: zero(),
                 diffuse_transmission_color: Light::rgb([1.0; 3]).into(),
@@ -183,6 +193,11 @@ impl Recipe for GltfMaterial {
 }
 
 impl GltfMaterial {
+    /// Whether the coat has a normal of its own.
+    fn leans(&self) -> bool {
+        self.clearcoat.most() > 0.0 && self.clearcoat_normal != CoatNormals::Base
+    }
+
     fn layers<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> OpenPbr {
         let number = |v: &Value<f32>| reading.eval(v, at);
         let base = reading.eval(&self.base_color, at);
@@ -193,7 +208,11 @@ impl GltfMaterial {
         let [roughness, anisotropy] = stretched(number(&self.roughness), number(&self.anisotropy));
         let diffuse = number(&self.diffuse_transmission);
         let full = reading.lanes.full();
-        OpenPbr::new(&Params {
+        let params = Params {
+            along: [1.0, 0.0],
+            coat_normal: Vec3::Z,
+            turned: false,
+            leans: false,
             base,
             specular: reading.eval(&self.specular_color, at),
             transmission: base,
@@ -227,7 +246,9 @@ impl GltfMaterial {
             rgb: reading.lanes.bins().is_none(),
             parted,
             reciprocal: false,
-        })
+        };
+        let brushing = if anisotropy > 0.0 { self.brushing.at(at, reading) } else { [1.0, 0.0] };
+        OpenPbr::new(&params.turned_to(brushing, self.clearcoat_normal.at(at, reading)))
     }
 }
 

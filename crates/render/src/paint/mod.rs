@@ -18,7 +18,7 @@ use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
 use crate::light::goniometric::Distribution;
 use crate::material::Bands;
 use crate::texture::{
-    Maker, Mapping, Meaning, MeshAttribute, Pyramid, Texture, TextureKind, TextureRef, Use, Value,
+    Maker, Mapping, Meaning, MeshAttribute, Pyramid, Solid, Texture, TextureKind, TextureRef, Use, Value,
 };
 
 /// Turns what the scene says of colours into what paths read, in the scene's work space or by wavelengths.
@@ -97,6 +97,10 @@ impl Maker for PartsOf<'_, '_> {
     fn mapping(&mut self, said: &desc::Mapping) -> Mapping {
         let centre = self.paint.centre;
         Mapping::of(said, centre, |name| self.paint.attribute(name))
+    }
+
+    fn solid(&mut self, space: &desc::MappingSpace, transform: &desc::Transform) -> Solid {
+        Solid::of(space, transform, self.paint.centre)
     }
 
     fn colour(&mut self, s: &desc::Spectrum) -> Colour {

@@ -6,7 +6,11 @@ use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 use super::exact::{outward, size};
 use super::offset::End;
 use super::patch::{Level, Patch};
-use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents, sampling};
+use super::spherical_ellipse::SphericalEllipse;
+use super::{
+    Analytic, AreaSample, DirSample, DirSamples, Drawn, Form, ShapeHit, SurfacePoint, Tangents,
+    by_solid_angle, sampling, solid_angle_pdf,
+};
 
 /// A disc, or an ellipse: center + x a + y b for x² + y² <= 1. Its normal is a × b.
 ///
@@ -15,13 +19,24 @@ use super::{Analytic, AreaSample, DirSamples, Form, ShapeHit, SurfacePoint, Tang
 pub struct Disc {
     patch: Patch,
     pdf_area: f32,
+    /// Whether its points are drawn nearly evenly as seen from a point, where it is seen large.
+    by_solid_angle: bool,
 }
 
 impl Disc {
     /// By its center and two half-axes (or any conjugate radii) that aren't parallel (nothing hits it if they are).
     pub fn new(center: Vec3, a: Vec3, b: Vec3) -> Self {
         let patch = Patch::new(center, a, b);
-        Self { patch, pdf_area: (1.0 / (std::f64::consts::PI * patch.area())) as f32 }
+        Self { patch, pdf_area: (1.0 / (std::f64::consts::PI * patch.area())) as f32, by_solid_angle: false }
+    }
+
+    /// The same, whose points are drawn in another way where it is seen large, if it is round.
+    pub fn drawn(self, drawn: Drawn) -> Self {
+        let Patch { a, b, .. } = self.patch;
+        let (aa, bb) = (a.length_squared(), b.length_squared());
+        let is_round = a.dot(b).abs() <= 1e-6 * aa && (aa - bb).abs() <= 1e-6 * aa;
+        let by_solid_angle = drawn != Drawn::ByArea && is_round && self.pdf_area.is_finite();
+        Self { by_solid_angle, ..self }
     }
 
     /// The round disc about `center` that faces along `normal`; `None` when that has no direction.
@@ -116,7 +131,42 @@ impl Form for Disc {
 
     #[inline(always)]
     fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
-        DirSamples::by_area(p, self.patch.end_at(warp::concentric_disc(u)), F::splat(self.pdf_area))
+        let by_area =
+            DirSamples::by_area(p, self.patch.end_at(warp::concentric_disc(u)), F::splat(self.pdf_area));
+        if !self.by_solid_angle {
+            return by_area;
+        }
+        let seen = SphericalEllipse::new(&self.patch, p);
+        let (xy, pdf) = seen.sample(&self.patch, u);
+        let end = self.patch.end_at(xy);
+        let (wi, there) = (end.p - p).normalize_checked();
+        let pdf = F::select(there, pdf, F::ZERO);
+        DirSamples::select(seen.is_large(), DirSamples { end, wi, pdf }, by_area)
+    }
+
+    #[inline]
+    fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
+        if self.by_solid_angle {
+            let seen = SphericalEllipse::new(&self.patch, p);
+            if seen.is_large() {
+                let (xy, pdf) = seen.sample(&self.patch, u);
+                let point = with_texture(self.patch.point_at(xy));
+                let wi = (point.p - p).try_normalize()?;
+                return Some(DirSample { point, wi, pdf });
+            }
+        }
+        by_solid_angle(p, Disc::sample_area(self, u))
+    }
+
+    #[inline]
+    fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
+        if self.by_solid_angle {
+            let seen = SphericalEllipse::new(&self.patch, p);
+            if seen.is_large() {
+                return seen.pdf(hit.p - p);
+            }
+        }
+        solid_angle_pdf(p, hit, self.pdf_area)
     }
 
     #[inline]
@@ -129,7 +179,13 @@ impl Form for Disc {
         use super::tests::Example;
         let super::tests::Setting { center, a, b, .. } = *stand;
         let n = a.as_dvec3().cross(b.as_dvec3());
-        vec![Example::flat("disc", super::Shape::Disc(Box::new(Self::new(center, a, b))), center, n)]
+        let c = n.cross(a.as_dvec3()).normalize().as_vec3() * a.length();
+        let (round, across) =
+            (Self::new(center, a, c).drawn(Drawn::BySolidAngle), a.as_dvec3().cross(c.as_dvec3()));
+        vec![
+            Example::flat("disc", super::Shape::Disc(Box::new(Self::new(center, a, b))), center, n),
+            Example::flat("disc by solid angle", super::Shape::Disc(Box::new(round)), center, across),
+        ]
     }
 }
 

@@ -93,12 +93,30 @@ macro_rules! shapes {
                 }
             }
 
-            /// [`Geometry::sample_from`] for many side by side.
-            #[inline(always)]
-            pub(crate) fn sample_from_many<F: Float>(&self, shape: u32, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+            /// [`Geometry::sample_from`] for a surface at `p` of a unit normal, zero where light from all around counts alike: shapes may draw more of what falls
+            /// on it steeply.
+            #[inline]
+            pub fn sample_lit(&self, shape: u32, at: (Vec3, Vec3), u: [f32; 2]) -> Option<DirSample> {
                 match &self.shapes[shape as usize] {
-                    $( Shape::$Kind(s) => <$Kind as Form>::sample_from_many(s, p, u), )+
+                    $( Shape::$Kind(s) => <$Kind as Form>::sample_lit(s, at, u), )+
+                    Shape::Custom(_) => None,
+                }
+            }
+
+            /// [`Geometry::sample_lit`] for many side by side.
+            #[inline(always)]
+            pub(crate) fn sample_lit_many<F: Float>(&self, shape: u32, at: (Vec3<F>, Vec3<F>), u: [F; 2]) -> DirSamples<F> {
+                match &self.shapes[shape as usize] {
+                    $( Shape::$Kind(s) => <$Kind as Form>::sample_lit_many(s, at, u), )+
                     Shape::Custom(_) => DirSamples::one_by_one(F::Mask::splat(false), |_| None),
+                }
+            }
+
+            /// The density of [`Geometry::sample_lit`], as [`Geometry::pdf_from`].
+            pub fn pdf_lit(&self, shape: u32, at: (Vec3, Vec3), hit: &SurfacePoint) -> f32 {
+                match &self.shapes[shape as usize] {
+                    $( Shape::$Kind(s) => <$Kind as Form>::pdf_lit(s, at, hit), )+
+                    Shape::Custom(_) => 0.0,
                 }
             }
 

@@ -7,8 +7,11 @@ use straal_math::{Affine, DVec3, Vec3, warp};
 
 use super::exact::{HALF_ULP, SUBNORMAL, bound, unit_or};
 use super::offset::End;
+use super::spherical_triangle::SphericalTriangle;
 use super::tangents::unit_change;
-use super::{AreaSample, SurfacePoint, Tangents};
+use super::{
+    AreaSample, DirSample, DirSamples, Drawn, SurfacePoint, Tangents, by_solid_angle, solid_angle_pdf,
+};
 use crate::texture::MeshAttribute;
 
 /// An indexed triangle mesh. Every index is in range, and `normals` and `uvs` are empty or as long as `positions`:
@@ -26,12 +29,16 @@ pub struct TriangleMesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex; empty when there are none, and then (u, v) of the hit stands in.
     pub uvs: Vec<[f32; 2]>,
+    /// Directions that brushed surfaces and maps of normals follow, one a vertex, with a side, as [`straal_scene::Mesh::tangents`]; empty without.
+    pub tangents: Vec<[f32; 4]>,
     /// What vertices or triangles have besides, as far as textures read it.
     pub attributes: Vec<MeshAttribute>,
     /// Whether the geometric normal is turned round: set when the mesh was mirrored.
     pub flip: bool,
     /// What is made of the normals.
     pub between: Between,
+    /// How points of its triangles are drawn, where it shines; by projected solid angle they aren't.
+    pub drawn: Drawn,
 }
 
 /// What is interpolated between the vertices of a mesh that has shading normals.
@@ -54,6 +61,7 @@ impl From<&straal_scene::Mesh> for TriangleMesh {
             indices: m.triangles.as_slice().into(),
             normals: m.normals.iter().map(unit).collect(),
             uvs: m.uvs.clone(),
+            tangents: m.tangents.clone(),
             ..Self::default()
         }
     }
@@ -95,14 +103,24 @@ impl TriangleMesh {
         let normal = |n: &Vec3| {
             inverse.normal_by_inverse(n.as_dvec3()).try_normalize().unwrap_or(DVec3::ZERO).as_vec3()
         };
+        let mirrors = m.determinant() < 0.0;
+        let side = if mirrors { -1.0 } else { 1.0 };
+        let tangent = |t: &[f32; 4]| {
+            let [x, y, z, w] = *t;
+            let along = m.vector(Vec3::new(x, y, z).as_dvec3());
+            let [x, y, z] = along.try_normalize().unwrap_or(DVec3::ZERO).as_vec3().to_array();
+            [x, y, z, w * side]
+        };
         Some(Self {
             positions: self.positions.iter().map(|p| m.point(p.as_dvec3()).as_vec3()).collect(),
             indices: self.indices.clone(),
             normals: self.normals.iter().map(normal).collect(),
             uvs: self.uvs.clone(),
+            tangents: self.tangents.iter().map(tangent).collect(),
             attributes: self.attributes.clone(),
-            flip: self.flip != (m.determinant() < 0.0),
+            flip: self.flip != mirrors,
             between: self.between,
+            drawn: self.drawn,
         })
     }
 
@@ -112,6 +130,7 @@ impl TriangleMesh {
         self.indices.iter().flatten().all(|&i| (i as usize) < n)
             && (self.normals.is_empty() || self.normals.len() == n)
             && (self.uvs.is_empty() || self.uvs.len() == n)
+            && (self.tangents.is_empty() || self.tangents.len() == n)
     }
 
     /// The corners of a triangle.
@@ -200,6 +219,26 @@ impl TriangleMesh {
         found.unwrap_or_else(|| Tangents::about(self.surface(primitive, u, v).ng))
     }
 
+    /// The mesh's own tangent at a point of a triangle, and what lies across it, both along the surface as it is shaded and of any length; `None`
+    /// where it has none.
+    pub(crate) fn own_tangent(&self, primitive: u32, [u, v]: [f32; 2]) -> Option<[Vec3; 2]> {
+        if self.tangents.is_empty() {
+            return None;
+        }
+        let index = self.indices[primitive as usize];
+        let mut along = Vec3::ZERO;
+        let mut side = 0.0;
+        for (i, weight) in index.into_iter().zip([1.0 - u - v, u, v]) {
+            let [x, y, z, w] = self.tangents[i as usize];
+            along += Vec3::new(x, y, z) * weight;
+            side += w * weight;
+        }
+        let n = self.surface(primitive, u, v).n;
+        let across = n.cross(along) * if side < 0.0 { -1.0 } else { 1.0 };
+        let is_sound = across.is_finite() && across.length_squared() > 1e-12 * along.length_squared();
+        is_sound.then_some([along, across])
+    }
+
     /// Two numbers that the corners of a triangle have, by the attribute's number; `None` where there are none.
     pub(crate) fn coordinates(&self, attribute: u32, primitive: u32) -> Option<[[f32; 2]; 3]> {
         let found = self.attributes.iter().find(|a| a.id == attribute && a.channels >= 2)?;
@@ -228,9 +267,49 @@ impl TriangleMesh {
         AreaSample { point: self.surface(primitive, b1, b2), pdf_area: (1.0 / area) as f32 }
     }
 
-    /// [`Self::sample_triangle`] for many side by side, without what only shading wants.
+    /// A direction from `p` towards a triangle that was picked with the probability `pmf`, which counts in its density.
+    pub fn sample_triangle_from(
+        &self,
+        (primitive, pmf): (u32, f32),
+        p: Vec3,
+        u: [f32; 2],
+    ) -> Option<DirSample> {
+        if let Some(seen) = self.seen(primitive, p) {
+            let solid_angle = seen.solid_angle();
+            let [b1, b2] = seen.sample(solid_angle, u);
+            let point = self.surface(primitive, b1, b2);
+            let wi = (point.p - p).try_normalize()?;
+            return Some(DirSample { point, wi, pdf: pmf / solid_angle });
+        }
+        let AreaSample { point, pdf_area } = self.sample_triangle(primitive, u);
+        by_solid_angle(p, AreaSample { point, pdf_area: pdf_area * pmf })
+    }
+
+    /// The density of [`Self::sample_triangle_from`] at a point of the triangle.
+    pub fn pdf_triangle_from(&self, (primitive, pmf): (u32, f32), p: Vec3, hit: &SurfacePoint) -> f32 {
+        match self.seen(primitive, p) {
+            Some(seen) => pmf / seen.solid_angle(),
+            None => solid_angle_pdf(p, hit, (1.0 / self.triangle_area(primitive)) as f32 * pmf),
+        }
+    }
+
+    /// A triangle about a point, where it is drawn as it is seen from there.
+    #[inline]
+    fn seen(&self, primitive: u32, p: Vec3) -> Option<SphericalTriangle<f32>> {
+        let by_solid_angle = self.drawn != Drawn::ByArea;
+        by_solid_angle
+            .then(|| SphericalTriangle::new(self.corners(primitive), p))
+            .filter(|seen| seen.is_large())
+    }
+
+    /// [`Self::sample_triangle_from`] for many side by side, without what only shading wants.
     #[inline(always)]
-    pub(crate) fn sample_triangles<F: Float>(&self, primitive: F::Uint, u: [F; 2]) -> (End<F>, F) {
+    pub(crate) fn sample_triangles_from<F: Float>(
+        &self,
+        (primitive, pmf): (F::Uint, F),
+        p: Vec3<F>,
+        u: [F; 2],
+    ) -> DirSamples<F> {
         let mut rows = [[Vec3::ZERO; 3]; BLOCK];
         for (i, corners) in rows.iter_mut().enumerate().take(F::WIDTH) {
             *corners = self.corners(primitive.lane(i));
@@ -240,8 +319,22 @@ impl TriangleMesh {
         let (e1, e2) = (p1.to_double() - p0.to_double(), p2.to_double() - p0.to_double());
         let area: F::Double = e1.cross(e2).length() * 0.5;
         let area = F::Double::select(area.lt(F::Double::splat(f64::INFINITY)), area, F::Double::ZERO);
-        let end = end(corners, warp::uniform_triangle(u), F::Mask::splat(self.flip));
-        (end, F::from_double(F::Double::ONE / area))
+        let flip = F::Mask::splat(self.flip);
+        let end_by_area = end(corners, warp::uniform_triangle(u), flip);
+        let by_area = DirSamples::by_area(p, end_by_area, F::from_double(F::Double::ONE / area) * pmf);
+        if self.drawn == Drawn::ByArea {
+            return by_area;
+        }
+        let seen = SphericalTriangle::new(corners, p);
+        let large = seen.is_large();
+        if !large.any() {
+            return by_area;
+        }
+        let solid_angle = seen.solid_angle();
+        let end = end(corners, seen.sample(solid_angle, u), flip);
+        let (wi, there) = (end.p - p).normalize_checked();
+        let pdf = F::select(there, pmf / solid_angle, F::ZERO);
+        DirSamples::select(large, DirSamples { end, wi, pdf }, by_area)
     }
 }
 

@@ -55,6 +55,8 @@ mod sampling;
 pub(crate) mod smooth;
 pub mod sphere;
 mod spherical;
+mod spherical_ellipse;
+mod spherical_triangle;
 pub mod subdivision;
 mod tangents;
 
@@ -168,6 +170,24 @@ trait Form {
         solid_angle_pdf(p, hit, self.pdf_area(hit))
     }
 
+    /// See [`Geometry::sample_lit`]: [`Self::sample_from`], unless it says otherwise.
+    #[inline]
+    fn sample_lit(&self, (p, _): (Vec3, Vec3), u: [f32; 2]) -> Option<DirSample> {
+        self.sample_from(p, u)
+    }
+
+    /// [`Self::sample_lit`] for many side by side.
+    #[inline(always)]
+    fn sample_lit_many<F: Float>(&self, (p, _): (Vec3<F>, Vec3<F>), u: [F; 2]) -> DirSamples<F> {
+        self.sample_from_many(p, u)
+    }
+
+    /// See [`Geometry::pdf_lit`].
+    #[inline]
+    fn pdf_lit(&self, (p, _): (Vec3, Vec3), hit: &SurfacePoint) -> f32 {
+        self.pdf_from(p, hit)
+    }
+
     /// Some for the tests of the contract, each with the equation of its surface.
     #[cfg(test)]
     fn examples(stand: &tests::Setting) -> Vec<tests::Example>;
@@ -189,6 +209,18 @@ pub trait CustomShape: fmt::Debug + Send + Sync {
     }
     /// A number that differs when the shape does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
+}
+
+/// How points of a surface that shines are drawn for one that it lights.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drawn {
+    /// Evenly by area.
+    #[default]
+    ByArea,
+    /// Evenly by solid angle, where it is seen large.
+    BySolidAngle,
+    /// By solid angle and, nearly, the cosine to the normal of the surface that is lit.
+    ByProjectedSolidAngle,
 }
 
 /// A point of a surface and its neighbourhood.

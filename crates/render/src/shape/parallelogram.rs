@@ -6,10 +6,10 @@ use straal_math::{Bounds, DVec3, Ray, Vec3};
 use super::exact::{outward, size};
 use super::offset::End;
 use super::patch::{Level, Patch};
-use super::spherical::SphericalRectangle;
+use super::spherical::{Corners, SphericalRectangle};
 use super::{
-    Analytic, AreaSample, DirSample, DirSamples, Form, ShapeHit, SurfacePoint, Tangents, by_solid_angle,
-    solid_angle_pdf,
+    Analytic, AreaSample, DirSample, DirSamples, Drawn, Form, ShapeHit, SurfacePoint, Tangents,
+    by_solid_angle, solid_angle_pdf,
 };
 
 /// A rectangle, or any parallelogram: corner + x a + y b for x and y in [0, 1]. Its normal is a × b.
@@ -19,22 +19,28 @@ use super::{
 pub struct Parallelogram {
     patch: Patch,
     pdf_area: f32,
-    /// Whether its points are drawn evenly as seen from a point, rather than evenly by area.
-    by_solid_angle: bool,
+    drawn: Drawn,
 }
 
 impl Parallelogram {
     /// By a corner and two edges that aren't parallel (nothing hits it if they are).
     pub fn new(corner: Vec3, a: Vec3, b: Vec3) -> Self {
         let patch = Patch::new(corner, a, b);
-        Self { patch, pdf_area: (1.0 / patch.area()) as f32, by_solid_angle: false }
+        Self { patch, pdf_area: (1.0 / patch.area()) as f32, drawn: Drawn::ByArea }
     }
 
-    /// The same, whose points are drawn evenly by solid angle where it is seen large, if it is a rectangle.
-    pub fn by_solid_angle(self) -> Self {
+    /// The same, whose points are drawn in another way where it is seen large, if it is a rectangle.
+    pub fn drawn(self, drawn: Drawn) -> Self {
         let Patch { a, b, .. } = self.patch;
         let is_rectangle = a.dot(b).abs() <= 1e-6 * a.length() * b.length() && self.pdf_area.is_finite();
-        Self { by_solid_angle: is_rectangle, ..self }
+        Self { drawn: if is_rectangle { drawn } else { Drawn::ByArea }, ..self }
+    }
+
+    /// What a surface of this normal at `p` sees of it, and how it is drawn there if not evenly.
+    #[inline(always)]
+    fn seen<F: Float>(&self, (p, n): (Vec3<F>, Vec3<F>)) -> (SphericalRectangle<F>, Option<Corners<F>>) {
+        let by_cosine = self.drawn == Drawn::ByProjectedSolidAngle;
+        (SphericalRectangle::new(&self.patch, p), by_cosine.then(|| Corners::new(&self.patch, (p, n))))
     }
 
     /// What it shares with other flat shapes.
@@ -120,41 +126,72 @@ impl Form for Parallelogram {
         Some(Parallelogram::sample_area(self, u))
     }
 
-    #[inline(always)]
-    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
-        let by_area = DirSamples::by_area(p, self.patch.end_at(u), F::splat(self.pdf_area));
-        if !self.by_solid_angle {
-            return by_area;
-        }
-        let seen = SphericalRectangle::new(&self.patch, p);
-        let end = self.patch.end_at(seen.sample(u));
-        let (wi, there) = (end.p - p).normalize_checked();
-        let pdf = F::select(there, F::ONE / seen.solid_angle, F::ZERO);
-        DirSamples::select(seen.is_large(), DirSamples { end, wi, pdf }, by_area)
-    }
-
     #[inline]
     fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
-        if self.by_solid_angle {
-            let seen = SphericalRectangle::new(&self.patch, p);
-            if seen.is_large() {
-                let point = self.patch.point_at(seen.sample(u));
-                let wi = (point.p - p).try_normalize()?;
-                return Some(DirSample { point, wi, pdf: 1.0 / seen.solid_angle });
-            }
-        }
-        by_solid_angle(p, Parallelogram::sample_area(self, u))
+        self.sample_lit((p, Vec3::ZERO), u)
+    }
+
+    #[inline(always)]
+    fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
+        self.sample_lit_many((p, Vec3::splat(F::ZERO)), u)
     }
 
     #[inline]
     fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
-        if self.by_solid_angle {
-            let seen = SphericalRectangle::new(&self.patch, p);
+        self.pdf_lit((p, Vec3::ZERO), hit)
+    }
+
+    #[inline(always)]
+    fn sample_lit_many<F: Float>(&self, at: (Vec3<F>, Vec3<F>), u: [F; 2]) -> DirSamples<F> {
+        let p = at.0;
+        let by_area = DirSamples::by_area(p, self.patch.end_at(u), F::splat(self.pdf_area));
+        if self.drawn == Drawn::ByArea {
+            return by_area;
+        }
+        let (seen, corners) = self.seen(at);
+        let (u, part) = match corners {
+            Some(corners) => {
+                let u = corners.sample(u);
+                (u, corners.pdf(u))
+            }
+            None => (u, F::ONE),
+        };
+        let end = self.patch.end_at(seen.sample(u));
+        let (wi, there) = (end.p - p).normalize_checked();
+        let pdf = F::select(there, part / seen.solid_angle, F::ZERO);
+        DirSamples::select(seen.is_large(), DirSamples { end, wi, pdf }, by_area)
+    }
+
+    #[inline]
+    fn sample_lit(&self, at: (Vec3, Vec3), u: [f32; 2]) -> Option<DirSample> {
+        if self.drawn != Drawn::ByArea {
+            let (seen, corners) = self.seen(at);
             if seen.is_large() {
-                return 1.0 / seen.solid_angle;
+                let (u, part) = corners.map_or((u, 1.0), |corners| {
+                    let u = corners.sample(u);
+                    (u, corners.pdf(u))
+                });
+                let point = self.patch.point_at(seen.sample(u));
+                let wi = (point.p - at.0).try_normalize()?;
+                return Some(DirSample { point, wi, pdf: part / seen.solid_angle });
             }
         }
-        solid_angle_pdf(p, hit, self.pdf_area)
+        by_solid_angle(at.0, Parallelogram::sample_area(self, u))
+    }
+
+    #[inline]
+    fn pdf_lit(&self, at: (Vec3, Vec3), hit: &SurfacePoint) -> f32 {
+        if self.drawn != Drawn::ByArea {
+            let (seen, corners) = self.seen(at);
+            if seen.is_large() {
+                let part = corners.map_or(1.0, |corners| {
+                    let place = self.patch.coordinates(hit.p);
+                    corners.pdf(seen.numbers(place))
+                });
+                return part / seen.solid_angle;
+            }
+        }
+        solid_angle_pdf(at.0, hit, self.pdf_area)
     }
 
     #[inline]
@@ -171,11 +208,13 @@ impl Form for Parallelogram {
         let corner = center - a * 0.5 - b * 0.5;
         let level = shape(center, Vec3::Z * stand.scale, Vec3::X * stand.scale);
         let c = n.cross(a.as_dvec3()).normalize().as_vec3() * (0.7 * stand.scale);
-        let rectangle = super::Shape::Parallelogram(Box::new(Self::new(corner, a, c).by_solid_angle()));
+        let drawn = |drawn| super::Shape::Parallelogram(Box::new(Self::new(corner, a, c).drawn(drawn)));
+        let across = a.as_dvec3().cross(c.as_dvec3());
         vec![
             Example::flat("parallelogram", shape(corner, a, b), corner, n),
             Example::flat("level", level, center, DVec3::Y),
-            Example::flat("rectangle by solid angle", rectangle, corner, a.as_dvec3().cross(c.as_dvec3())),
+            Example::flat("rectangle by solid angle", drawn(Drawn::BySolidAngle), corner, across),
+            Example::flat("rectangle by projected", drawn(Drawn::ByProjectedSolidAngle), corner, across),
         ]
     }
 }

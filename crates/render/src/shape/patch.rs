@@ -19,7 +19,7 @@ pub(crate) struct Patch {
     /// Second axis.
     pub b: DVec3,
     /// Unit normal along a × b.
-    n: DVec3,
+    pub n: DVec3,
     /// The scalar product of r = x a + y b with the first is x, with the second y. Not finite when the axes are parallel.
     dual: [DVec3; 2],
     /// For [`bound`].
@@ -63,6 +63,13 @@ impl Patch {
         let (a, b) = (DVec3::uniform(self.a), DVec3::uniform(self.b));
         let q = DVec3::uniform(self.origin) + a * x.to_double() + b * y.to_double();
         Level::uniform(self).end(q)
+    }
+
+    /// The coordinates of a point of its plane.
+    #[inline(always)]
+    pub fn coordinates(&self, p: Vec3) -> [f32; 2] {
+        let r = p.as_dvec3() - self.origin;
+        self.dual.map(|dual| r.dot(dual) as f32)
     }
 
     /// The plane that it lies in.

@@ -70,6 +70,8 @@ pub fn smooth(mut mesh: TriangleMesh, crease: f64) -> TriangleMesh {
             let uvs: Vec<_> = copied.iter().map(|v| mesh.uvs[of(v)]).collect();
             mesh.uvs.extend(uvs);
         }
+        let tangents: Vec<_> = copied.iter().filter_map(|v| mesh.tangents.get(of(v)).copied()).collect();
+        mesh.tangents.extend(tangents);
         for attribute in mesh.attributes.iter_mut().filter(|a| a.per == Per::Vertex) {
             let more = attribute.of(copied.iter().map(|v| *v as usize));
             attribute.values.extend(more.values);

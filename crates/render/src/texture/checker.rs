@@ -53,7 +53,7 @@ impl Checker {
 }
 
 /// How much of what lies no further than `reach` from `x` is between an odd number and the next.
-fn odd(x: f32, reach: f32) -> f32 {
+pub(super) fn odd(x: f32, reach: f32) -> f32 {
     // From 0 up to a number.
     let up_to = |x: f32| {
         let pairs = (0.5 * x).floor();

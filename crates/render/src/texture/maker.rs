@@ -5,6 +5,7 @@ use std::sync::Arc;
 use straal_scene::value::Asset;
 use straal_scene::{Bitmap, desc};
 
+use super::solid::Solid;
 use super::{Mapping, Meaning, Pyramid, Value};
 use crate::lanes::Colour;
 
@@ -24,6 +25,9 @@ pub(crate) trait Maker {
 
     /// How it lies on a surface.
     fn mapping(&mut self, said: &desc::Mapping) -> Mapping;
+
+    /// Where a pattern of space lies.
+    fn solid(&mut self, space: &desc::MappingSpace, transform: &desc::Transform) -> Solid;
 
     /// A colour, or of what is read as a number, its numbers.
     fn colour(&mut self, s: &desc::Spectrum) -> Colour;

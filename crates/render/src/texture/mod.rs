@@ -22,26 +22,39 @@ use straal_scene::desc;
 
 mod attribute;
 mod checker;
+mod corners;
+mod cubes;
+mod dots;
+mod facing;
 mod graph;
 mod image;
 mod list;
 mod maker;
 mod mapping;
+mod noise;
+mod perlin;
 mod ramp;
 mod reading;
+mod solid;
 #[cfg(test)]
 mod tests;
 
 pub use attribute::{Attribute, MeshAttribute};
 pub use checker::Checker;
+pub use corners::Corners;
+pub use cubes::Cubes;
+pub use dots::Dots;
+pub use facing::Facing;
 pub use graph::{Add, Invert, Mix, Remap, Scale};
 pub(crate) use image::Meaning;
 pub use image::{Channel, ImageTexture, Pyramid, Sampling, Spot};
 pub(crate) use maker::Maker;
 pub use mapping::{InSpace, Mapping};
+pub use noise::Noise;
 pub use ramp::{Between, Ramp};
 pub(crate) use reading::Readings;
 pub use reading::{ReadRgb, Reading};
+pub use solid::Solid;
 
 /// A place, and how it moves on the surface from one pixel to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,8 +87,14 @@ pub struct ShadingPoint {
     pub dpdu: Vec3,
     /// How the point moves with v, in the world.
     pub dpdv: Vec3,
-    /// About the shading normal; its first tangent follows `dpdu`.
+    /// The direction that brushed surfaces and maps of normals follow, in the world: `dpdu`, or the mesh's own tangent.
+    pub along: Vec3,
+    /// What lies across it, on the side of rising v.
+    pub across: Vec3,
+    /// About the shading normal; its first tangent follows `along`.
     pub frame: Frame,
+    /// The frame in which a material scatters that [wants a tangent](crate::material::Wants): the same, about the normal that a relief pretends.
+    pub scatters: Frame,
     /// Where it is on a mesh, if it is on one.
     pub on_mesh: Option<OnMesh>,
     /// Two random numbers in [0, 1) by which textures may take one texel for the mean of many; without them they take the mean.
@@ -109,7 +128,10 @@ impl ShadingPoint {
             duvdy: [0.0; 2],
             dpdu: Vec3::X,
             dpdv: Vec3::Y,
+            along: Vec3::X,
+            across: Vec3::Y,
             frame: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
+            scatters: Frame { s: Vec3::X, t: Vec3::Y, n: Vec3::Z },
             on_mesh: None,
             lot: None,
         }
@@ -309,6 +331,16 @@ list::textures! {
     Remap(Remap),
     /// A colour for each number.
     Ramp(Ramp),
+    /// Sums of noises.
+    Noise(Noise),
+    /// Cubes of two colours in turn.
+    Cubes(Cubes),
+    /// Discs of one colour on another.
+    Dots(Dots),
+    /// Between four colours.
+    Corners(Corners),
+    /// Two colours by the way that a surface faces.
+    Facing(Facing),
 }
 
 /// What a kind of texture has where, by [the contract](self).

@@ -9,7 +9,9 @@ fn numbers(i: u32) -> [f32; 4] {
 }
 
 fn at(uv: [f32; 2], duvdx: [f32; 2], duvdy: [f32; 2]) -> ShadingPoint {
-    ShadingPoint { duvdx, duvdy, ..ShadingPoint::of(uv, Vec3::new(uv[0], uv[1], 0.0)) }
+    let flat = |[x, y]: [f32; 2]| Vec3::new(x, y, 0.0);
+    let place = Place { p: flat(uv), dpdx: flat(duvdx), dpdy: flat(duvdy) };
+    ShadingPoint { duvdx, duvdy, world: place, object: place, ..ShadingPoint::of(uv, place.p) }
 }
 
 #[test]

@@ -18,6 +18,8 @@ describe! {
         "orthographic" => Orthographic(Orthographic),
         /// A circular picture of up to all directions.
         "fisheye" => Fisheye(Fisheye),
+        /// Through a lens of glass, surface by surface.
+        "realistic" => Realistic(Realistic),
         /// All directions by longitude and latitude, as pictures of surroundings are kept.
         "panorama" => Panorama(Panorama),
         /// All directions on the six faces of a cube.
@@ -309,6 +311,68 @@ describe! {
         "orthographic" => Orthographic,
         /// r as tan(a/2): small circles stay circles; below 360 degrees.
         "stereographic" => Stereographic,
+    }
+}
+
+describe! {
+    /// A camera whose rays are followed through a lens of glass: what it distorts, blurs and darkens is what such a lens does.
+    pub struct Realistic [check::realistic] {
+        /// The lens, surface by surface from the front, each as four numbers: its radius of curvature (above 0 where it bulges forwards, 0 for the stop), the way to the
+        /// next surface (that from the last to the film follows from `focus_distance`), the index of refraction behind it, and its diameter; lengths in millimetres.
+        elements: Vec<[f64; 4]>,
+        /// Diameter of the stop in millimetres, if it isn't wide open.
+        aperture: Option<f64> [Limit::POSITIVE] = None,
+        /// The film's diagonal in millimetres.
+        film_diagonal: f64 [Limit::POSITIVE] = 35.0,
+        /// Distance from the film to what is sharp, in metres.
+        focus_distance: f64 [Limit::POSITIVE] = 10.0,
+        /// What a pixel's number is.
+        exposure: LensExposure = LensExposure::Even,
+    }
+    with observer: Observer
+}
+
+describe! {
+    /// What the number of a pixel behind a lens of glass is.
+    pub enum LensExposure {
+        /// The radiance that arrives in the middle of the picture; less towards its edges, as the lens has it.
+        "even" => Even,
+        /// The light that falls on the film there: radiance times the solid angle of the lens' opening, as seen from there.
+        "film" => Film,
+    }
+}
+
+impl Realistic {
+    /// The last surface's distance from the film in millimetres by which things at `focus_distance` are sharp, by Gaussian optics; `None` where there is none.
+    pub fn back_focus(&self) -> Option<f64> {
+        let far = 1e3 * self.focus_distance;
+        let inside: f64 = self.elements.iter().rev().skip(1).map(|e| e[1]).sum();
+        let mut back = 0.0;
+        // The lens is next to nothing as against the distance, by which this comes to rest at once.
+        for _ in 0..64 {
+            back = self.image_of(far - inside - back)?;
+        }
+        let is_sound = back > 0.0 && inside + back < far && back < 1e5;
+        is_sound.then_some(back)
+    }
+
+    /// How far behind the last surface a point on the axis is sharp that is so far in front of the first.
+    fn image_of(&self, far: f64) -> Option<f64> {
+        // A ray that leaves the point: height and slope times index.
+        let (mut y, mut slope, mut before) = (1.0, 1.0 / far, 1.0);
+        let last = self.elements.len().checked_sub(1)?;
+        for (i, [radius, thickness, index, _]) in self.elements.iter().enumerate() {
+            if *radius != 0.0 {
+                let behind = if *index > 0.0 { *index } else { 1.0 };
+                slope -= (behind - before) / radius * y;
+                before = behind;
+            }
+            if i < last {
+                y += slope / before * thickness;
+            }
+        }
+        let back = -y * before / slope;
+        back.is_finite().then_some(back)
     }
 }
 

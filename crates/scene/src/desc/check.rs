@@ -12,11 +12,11 @@ use crate::desc::{
     CoatedConductor, ColorIn, Combination, Conductor, Cone, CubeMap, Cuboid, CurveBasis, CurveForm, Curves,
     Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
     Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
-    Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, Measured, Moved,
-    Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective, Plane, Portal,
-    Principled, Projector, RampTexture, Rectangle, RemapTexture, Sky, SpectralChannels, Spectrum, Sphere,
-    SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle, TriangleMesh, Varying, Viewpoint,
-    When,
+    Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, LightSampling,
+    Measured, Moved, Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective,
+    Plane, Portal, Principled, Projector, RampTexture, Realistic, Rectangle, RemapTexture, Sky,
+    SpectralChannels, Spectrum, Sphere, SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle,
+    TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -115,6 +115,29 @@ pub(super) fn lens(l: &Lens, keys: &Keys<'_>, d: &mut Decoder) {
 
 pub(super) fn orthographic(c: &Orthographic, keys: &Keys<'_>, d: &mut Decoder) {
     observer(&c.observer, keys, d);
+}
+
+pub(super) fn realistic(c: &Realistic, keys: &Keys<'_>, d: &mut Decoder) {
+    let span = keys.span("elements");
+    let is_sound = |[radius, thickness, index, diameter]: &[f64; 4]| {
+        let is_stop = *radius == 0.0;
+        radius.abs() < 1e6
+            && (0.0..1e4).contains(thickness)
+            && (is_stop || *index == 0.0 || (1.0..5.0).contains(index))
+            && *diameter > 0.0
+            && *diameter < 1e4
+            && (is_stop || *diameter <= 2.0 * radius.abs())
+    };
+    if c.elements.len() > 100 {
+        d.push(Diagnostic::error(span, "a lens has at most 100 surfaces"));
+    } else if let Some(i) = c.elements.iter().position(|e| !is_sound(e)) {
+        let message = format!("surface {i} of the lens isn't one: {:?}", c.elements[i]);
+        let help = "radius of curvature, way to the next surface, index behind it, diameter; no wider than the ball that it is a part of";
+        d.push(Diagnostic::error(span, message).help(help));
+    } else if c.back_focus().is_none() {
+        let message = format!("this lens makes no picture of what is {} m away", c.focus_distance);
+        d.push(Diagnostic::error(span, message));
+    }
 }
 
 pub(super) fn fisheye(c: &Fisheye, keys: &Keys<'_>, d: &mut Decoder) {
@@ -662,6 +685,18 @@ pub(super) fn plane(s: &Plane, keys: &Keys<'_>, d: &mut Decoder) {
 
 pub(super) fn disc(s: &Disc, keys: &Keys<'_>, d: &mut Decoder) {
     direction(s.normal, "normal", keys, d);
+    light_sampling("disc", &s.light_sampling, keys, d);
+}
+
+/// Complains of what only rectangles can do.
+fn light_sampling(what: &str, said: &LightSampling, keys: &Keys<'_>, d: &mut Decoder) {
+    if *said == LightSampling::ProjectedSolidAngle {
+        let message = format!(
+            "points on a {what} can't be drawn by projected solid angle: only those on a rectangle can"
+        );
+        let help = "`solid_angle` draws them as they are seen";
+        d.push(Diagnostic::error(keys.span("light_sampling"), message).help(help));
+    }
 }
 
 pub(super) fn rectangle(s: &Rectangle, keys: &Keys<'_>, d: &mut Decoder) {
@@ -976,6 +1011,7 @@ pub(super) fn triangle(s: &Triangle, keys: &Keys<'_>, d: &mut Decoder) {
         let message = "this triangle has no area: its corners are on one line";
         d.push(Diagnostic::error(keys.span("vertices"), message));
     }
+    light_sampling("triangle", &s.light_sampling, keys, d);
 }
 
 /// Complains of the first index that is out of range.
@@ -987,6 +1023,7 @@ fn indices(key: &str, all: impl Iterator<Item = u32>, count: usize, keys: &Keys<
 }
 
 pub(super) fn mesh(m: &TriangleMesh, keys: &Keys<'_>, d: &mut Decoder) {
+    light_sampling("mesh", &m.light_sampling, keys, d);
     let inline = !m.positions.is_empty() || !m.triangles.is_empty();
     if !one_of("mesh", ("file", m.file.is_some()), ("positions", inline), keys, d) || !inline {
         return;
@@ -996,7 +1033,7 @@ pub(super) fn mesh(m: &TriangleMesh, keys: &Keys<'_>, d: &mut Decoder) {
         d.push(Diagnostic::error(keys.owner(), "this mesh is empty: it has no triangles").help(help));
     }
     indices("triangles", m.triangles.iter().flatten().copied(), m.positions.len(), keys, d);
-    for (key, count) in [("normals", m.normals.len()), ("uvs", m.uvs.len())] {
+    for (key, count) in [("normals", m.normals.len()), ("uvs", m.uvs.len()), ("tangents", m.tangents.len())] {
         if count != 0 && count != m.positions.len() {
             let message = format!("`{key}` lists {count} for the {} of `positions`", m.positions.len());
             d.push(Diagnostic::error(keys.key_span(key), message));

@@ -6,7 +6,7 @@ use crate::decode::Describe;
 use crate::desc::check;
 use crate::desc::lamp::LightGroup;
 use crate::desc::spectrum::{Index, Spectrum};
-use crate::desc::texture::{Relief, Varying};
+use crate::desc::texture::{GreenAxis, Relief, TextureOf, Varying};
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::{Known, LinearRgb, Link};
@@ -155,6 +155,12 @@ describe! {
             geometry_opacity: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
             /// Whether the surface is a wall without thickness, such as a pane or a leaf: light goes straight on.
             geometry_thin_walled: bool = false,
+            /// Which normals the coat has.
+            geometry_coat_normal: CoatNormal = CoatNormal::Base,
+            /// A texture whose red and green from 0 to 1 are, from -1 to 1, the direction along which base and coat are rougher: along the texture's u and v.
+            geometry_tangent: Option<TextureOf> = None,
+            /// Degrees by which that direction, or u, is turned further, counter-clockwise.
+            geometry_tangent_rotation: f64 = 0.0,
             /// Whether coat and fuzz take what they reflect from the light on its way in *and* out: the same from both ends, and darker.
             reciprocal: bool = false,
             /// Whether the back of what is opaque looks like the front; else it is black.
@@ -187,6 +193,8 @@ describe! {
             clearcoat: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Roughness of the coat.
             clearcoat_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// Which normals the coat has.
+            clearcoat_normal: CoatNormal = CoatNormal::Base,
             /// Colour and strength of sheen (`KHR_materials_sheen`).
             sheen_color: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.0)),
             /// Roughness of the sheen.
@@ -209,6 +217,10 @@ describe! {
             iridescence_thickness: Varying<f64> [Limit::within(0.0, 6500.0)] = Varying::Constant(400.0),
             /// How much rougher it is along the texture's u (`KHR_materials_anisotropy`).
             anisotropy: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
+            /// A texture whose red and green from 0 to 1 are, from -1 to 1, the direction along which it is rougher: along the texture's u and v.
+            anisotropy_direction: Option<TextureOf> = None,
+            /// Degrees by which that direction, or u, is turned further, counter-clockwise.
+            anisotropy_rotation: f64 = 0.0,
             /// Which part of what is diffuse goes through, where it is a thin wall (`KHR_materials_diffuse_transmission`).
             diffuse_transmission: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// The colour of what goes through so.
@@ -569,5 +581,29 @@ impl MaterialRef {
                 material.parts().into_iter().for_each(|part| part.names_from(depth + 1, f));
             }
         }
+    }
+}
+
+describe! {
+    /// Which normals a coat has.
+    pub enum CoatNormal {
+        /// Those of what lies below, with its relief.
+        "base" => Base,
+        /// Those of the surface: a coat that is smooth over what isn't.
+        "surface" => Surface,
+        /// Those that a map of its own tells, in the surface's axes.
+        "map" => Map(CoatMap),
+    }
+}
+
+describe! {
+    /// The normals of a coat.
+    pub struct CoatMap {
+        /// The texture, whose red, green and blue from 0 to 1 are x, y and z from -1 to 1; a picture's numbers are taken as they stand.
+        texture: TextureOf,
+        /// Which way green points.
+        green: GreenAxis = GreenAxis::Up,
+        /// What the slopes are multiplied by; 0 is flat.
+        strength: f64 [Limit::within(-100.0, 100.0)] = 1.0,
     }
 }

@@ -27,8 +27,9 @@ pub use accel::{
 };
 pub use animation::Animation;
 pub use camera::{
-    Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensProfile,
-    Observer, Orthographic, Panorama, PanoramaRows, Perspective, Stereo, StereoLayout,
+    Camera, CubeLayout, CubeMap, Fisheye, FisheyeProjection, FovAxis, GaussianProfile, Lens, LensExposure,
+    LensProfile, Observer, Orthographic, Panorama, PanoramaRows, Perspective, Realistic, Stereo,
+    StereoLayout,
 };
 pub use check::even_scale;
 pub use color::{ColorIn, ColorSettings, WhitePoint, WorkSpace};

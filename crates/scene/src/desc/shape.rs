@@ -72,6 +72,8 @@ describe! {
         normal: DVec3 = DVec3::Z,
         /// Its radius.
         radius: f64 [Limit::POSITIVE] = 1.0,
+        /// If it glows: how points on it are drawn.
+        light_sampling: LightSampling = LightSampling::Area,
     } with surface: Surface
 }
 
@@ -92,8 +94,10 @@ describe! {
     pub enum LightSampling {
         /// Evenly by area.
         "area" => Area,
-        /// Evenly as seen from the point that is lit, where the lamp is seen large: less noise close to it. Only rectangles, not slanted parallelograms.
+        /// Evenly as seen from the point that is lit, where the lamp is seen large: less noise close to it. Not slanted parallelograms and discs that a transform made ellipses.
         "solid_angle" => SolidAngle,
+        /// The same, and more of what falls steeply on the surface that is lit. Only rectangles.
+        "projected_solid_angle" => ProjectedSolidAngle,
     }
 }
 
@@ -128,6 +132,8 @@ describe! {
     pub struct Triangle [check::triangle] {
         /// Its corners.
         vertices: [DVec3; 3],
+        /// If it glows: how points on it are drawn.
+        light_sampling: LightSampling = LightSampling::Area,
     } with surface: Surface
 }
 
@@ -190,10 +196,15 @@ describe! {
         normals: Vec<DVec3> = Vec::new(),
         /// Texture coordinates for each of `positions`.
         uvs: Vec<[f64; 2]> = Vec::new(),
+        /// For each of `positions` the direction that brushed surfaces and maps of normals follow, as x, y, z, and 1 or -1: which way what is across it goes.
+        /// Without them they follow the texture's u.
+        tangents: Vec<[f64; 4]> = Vec::new(),
         /// Which normals it is shaded with.
         shading: Shading = Shading::Auto,
         /// Smooths it: its faces, as its file has them, are a control cage.
         subdivide: Option<Subdivide> = None,
+        /// If it glows: how points on each of its triangles are drawn.
+        light_sampling: LightSampling = LightSampling::Area,
     } with surface: Surface
 }
 

@@ -109,6 +109,79 @@ describe! {
             /// What lies between two stops.
             interpolation: RampInterpolation = RampInterpolation::Linear,
         }),
+        /// Sums of Perlin's noise, each finer and lower than the one before: a number for each place in space.
+        "noise" => Noise(struct NoiseTexture {
+            /// What is made of it.
+            form: NoiseForm = NoiseForm::Fbm,
+            /// How many noises there are.
+            octaves: u32 [Limit::within(1.0, 16.0)] = 8,
+            /// By how much each is lower than the one before.
+            roughness: f64 [Limit::UNIT] = 0.5,
+            /// Of marble: how far its layers are bent.
+            variation: f64 [Limit::within(-1e3, 1e3)] = 0.2,
+            /// Whose places they are.
+            space: MappingSpace = MappingSpace::Object,
+            /// Where it lies; the coarsest features are as large as 1.
+            transform: Transform = Transform::default(),
+        }),
+        /// Cubes of two colours in turn, as if the thing were cut from them.
+        "cubes" => Cubes(struct CubesTexture {
+            /// The colour of the cube from 0 to 1, and of every other.
+            first: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.2)),
+            /// The colour of the rest.
+            second: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.8)),
+            /// Whose places they are.
+            space: MappingSpace = MappingSpace::Object,
+            /// Where they lie; a cube's side is 1.
+            transform: Transform = Transform::default(),
+        }),
+        /// Discs of one colour on another, in about half of the squares of a grid.
+        "dots" => Dots(struct DotsTexture {
+            /// The colour of the discs.
+            inside: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.2)),
+            /// The colour around them.
+            outside: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.8)),
+            /// How the grid, whose squares are of side 1, lies on the surface.
+            mapping: Mapping = Mapping::default(),
+        }),
+        /// Four colours at the corners of a square, and what lies between them.
+        "corners" => Corners(struct CornersTexture {
+            /// The colour at u = 0, v = 0.
+            v00: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// The colour at u = 1, v = 0.
+            v10: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
+            /// The colour at u = 0, v = 1.
+            v01: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(1.0)),
+            /// The colour at u = 1, v = 1.
+            v11: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(1.0)),
+            /// How it lies on the surface.
+            mapping: Mapping = Mapping::default(),
+        }),
+        /// One colour where the surface lies across a direction, another where it lies along it, and what is between.
+        "facing" => Facing(struct FacingTexture {
+            /// The colour where the normal is along `direction`.
+            first: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.8)),
+            /// The colour where it is across.
+            second: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.2)),
+            /// The direction.
+            direction: DVec3 = DVec3::Y,
+            /// Whose direction it is.
+            space: MappingSpace = MappingSpace::World,
+        }),
+    }
+}
+
+describe! {
+    /// What is made of noises.
+    pub enum NoiseForm {
+        /// Their sum, which may be below 0: clouds.
+        "fbm" => Fbm,
+        /// Their sum without signs: creases.
+        "wrinkled" => Wrinkled,
+        /// Waves of water, which are higher where the wind is: its octaves and roughness are its own.
+        "windy" => Windy,
+        /// Layers along y that noise bends, from 0 to 1: for a `ramp`.
+        "marble" => Marble,
     }
 }
 

@@ -18,6 +18,7 @@ use straal_formats::load::Loaded;
 use straal_render::driver::thread_bytes;
 use straal_render::film::Film;
 use straal_render::light::ImageEnvironment;
+use straal_render::settings::Settings;
 use straal_render::texture::Pyramid;
 use straal_scene::count::{self, Contents};
 use straal_scene::memory::{PROGRAM, Shortage};
@@ -68,7 +69,8 @@ const THREAD: u64 = 100_000;
 impl Forecast {
     pub(crate) fn of(loaded: &Loaded, plan: &Plan) -> Self {
         let contents = count::count(&loaded.scene, &loaded.assets);
-        let world::Cost { geometry, lights, making } = world::cost(&contents.kept);
+        let world::Cost { geometry, lights, making } =
+            world::cost(&contents.kept, world::choices(&loaded.scene));
         let (search, building) = search_of(&contents, &plan.structure);
         let pixels: u64 = contents.surroundings.iter().sum();
         let large = contents.surroundings.iter().filter(|pixels| **pixels > 500).count() as u64;
@@ -84,6 +86,8 @@ impl Forecast {
             plan.settings.threads
         };
         let denoising = plan.denoise.as_ref().map_or(0, |how| how.bytes(plan.settings.crop));
+        // Samples under way have a sum for each part of the light as well, what `clamp` takes away among them.
+        let under_way = Settings { light_groups: extent.light_groups, ..plan.settings.clone() };
         // Of samples that others come before, batches are kept exact, which takes as much again.
         let is_later = plan.first > 0 && extent.batches;
         let later =
@@ -104,7 +108,7 @@ impl Forecast {
             textures: textures.kept,
             film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
             layers: crop.saturating_mul(each).saturating_add(denoising),
-            threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&plan.settings)),
+            threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&under_way)),
             peak: 0,
         };
         let sum = |parts: &[u64]| parts.iter().fold(0, |sum: u64, part| sum.saturating_add(*part));

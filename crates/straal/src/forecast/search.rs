@@ -32,7 +32,12 @@ pub(super) fn needs(structure: &Structure, space: &Space) -> Needs {
     // What is kept of a primitive; and what is held while the structure is built, by the size of a primitive in the list that it is
     // built from.
     let (each, building) = match structure {
-        Structure::Brute => (of(1.0, sizes::PLAIN_REFERENCE), 0.0),
+        // Triangles are runs of numbers, and asked for no boxes.
+        Structure::Brute => {
+            let objects = n - counts[0];
+            let bytes = |each: usize| of(objects, each) as u64;
+            return Needs { kept: bytes(sizes::REFERENCE), building: bytes(sizes::PRIMITIVE) };
+        }
         Structure::Volumes(_) => (of(1.0, sizes::REFERENCE), 0.0),
         Structure::Bvh(p) => {
             let mean = |each: [f64; 4]| {
@@ -44,7 +49,8 @@ pub(super) fn needs(structure: &Structure, space: &Space) -> Needs {
             let building = [wide.building(), spheres.building, shapes.building, instance_building()];
             (
                 mean([wide.kept(p), spheres.kept, shapes.kept, INSTANCE]),
-                mean(building) / of(1.0, sizes::PRIMITIVE),
+                // What it is built from takes the place of the list of primitives.
+                mean(building) / of(1.0, sizes::PRIMITIVE) - 1.0,
             )
         }
         Structure::Bvh2(p) => (binary(p), 1.6),

@@ -9,6 +9,7 @@ use straal_render::shape::{
 };
 use straal_render::world::GEOMETRY_BYTES;
 use straal_scene::count::Tally;
+use straal_scene::desc::Scene;
 
 /// Bytes that a world takes, besides its search structures' trees.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,8 +31,19 @@ const COUNTS: usize = 2 * size_of::<usize>();
 /// What lists that grow leave behind for each surface that glows: measured on 248,832 lights.
 const HOLES: usize = 224;
 
-/// What a tally takes.
-pub(super) fn cost(t: &Tally) -> Cost {
+/// Choices of light that a world has at most: one of all lamps, and one for each thing that goes by the name of what some lamps light alone.
+pub(super) fn choices(scene: &Scene) -> u64 {
+    let names = scene.linked_names();
+    let mut things = 0;
+    if !names.is_empty() {
+        scene.visit(|node| things += u64::from(names.iter().any(|name| node.goes_by(name))));
+    }
+    // Of so few names there are no more kinds of things.
+    1 + things.min((1_u64 << names.len().min(16)) - 1)
+}
+
+/// What a tally takes; so often the choice of light is kept.
+pub(super) fn cost(t: &Tally, choices: u64) -> Cost {
     let of = |count: u64, each: usize| count.saturating_mul(each as u64);
     let sum = |parts: &[u64]| parts.iter().fold(0, |sum: u64, v| sum.saturating_add(*v));
     // Its number stands in its group, and in another list while that is built.
@@ -56,9 +68,9 @@ pub(super) fn cost(t: &Tally) -> Cost {
             of(t.instances, instance + accel::sizes::OBJECT),
         ]),
         lights: sum(&[
-            of(t.lights, size_of::<Emitter>() + LightTable::BYTES),
-            of(t.lit_triangles, LightTable::BYTES),
-            of(t.lit_instances, LightTable::BYTES + Copies::BYTES),
+            of(t.lights, size_of::<Emitter>()),
+            of(t.lit_instances, Copies::BYTES),
+            of(sum(&[t.lights, t.lit_triangles, t.lit_instances]), LightTable::BYTES).saturating_mul(choices),
         ]),
         making: sum(&[
             of(t.shapes.saturating_add(t.meshes), size_of::<u32>()),

@@ -193,6 +193,8 @@ impl Job {
             if render.is_settled() {
                 0
             } else {
+                // Where few pixels are left, a pass takes more of each: going through the picture costs as much as some samples.
+                let most = most.saturating_mul(if adapts { render.film().sparsity() } else { 1 });
                 look.pass(most, render.samples_done()).min(end - render.samples_done())
             }
         };

@@ -87,6 +87,40 @@ fn instances_count() {
     }
 }
 
+/// Lamps that light some things only have a choice of light for each, and what `clamp` takes away has a sum in each sample under way.
+#[test]
+fn choices_of_light_and_what_is_taken_away_count() {
+    let scene = |linked: &str| {
+        let mut text =
+            String::from("camera: { perspective: { eye: [0, 0, 5], look_at: [0, 0, 0] } }\nworld:\n");
+        for i in 0..400 {
+            let name = ["a", "b", "c"][i % 3];
+            text += &format!(
+                "  - sphere: {{ center: [{i}, 0, 0], radius: 0.1, name: {name}, emission: 1{linked} }}\n"
+            );
+        }
+        text.replacen("name: a, emission: 1", "name: a, emission: 1, lights_all_but: [c]", 1)
+    };
+    let load =
+        |text: &str| straal::load_str("scene.yaml", text, Path::new(""), &LoadOptions::default()).unwrap();
+    let one = load(&scene(""));
+    let several = load(&scene(", lights_only: [a, b]").replace(", lights_all_but: [c]", ""));
+    let kept = |loaded: &straal_formats::load::Loaded| {
+        let forecast = straal::forecast(loaded, &Overrides::default()).unwrap();
+        let truth = Job::new(loaded.clone(), Overrides::default()).unwrap().world.light_bytes();
+        (forecast.lights, truth as f64)
+    };
+    for (lights, truth) in [kept(&one), kept(&several)] {
+        let ratio = truth / lights as f64;
+        assert!((0.5..=2.0).contains(&ratio), "{truth} bytes, {lights} forecast");
+    }
+    let threads = |clamp| {
+        let wish = Overrides { clamp, threads: Some(1), ..Overrides::default() };
+        straal::forecast(&one, &wish).unwrap().threads
+    };
+    assert!(threads(Some(1.0)) > threads(None));
+}
+
 /// The film's sums, and the layers that they become: 56 bytes a pixel, and 4 for each band.
 #[test]
 fn films_take_what_was_said() {

@@ -27,7 +27,7 @@ const MAX_COMPRESSION: u64 = 2048;
 
 /// What of a file is read.
 #[derive(Clone, Copy)]
-enum Wanted<'a> {
+pub(super) enum Wanted<'a> {
     All,
     /// What is the picture, or the layer of that name.
     Picture(Option<&'a str>),
@@ -68,10 +68,10 @@ pub fn header(bytes: &[u8], limits: &Limits) -> Result<image::Header, ReadError>
 }
 
 /// What is read of a file, and what that takes.
-struct Plan {
+pub(super) struct Plan {
     display: Window,
     /// The parts that are read lie in it.
-    window: Window,
+    pub window: Window,
     /// The layer and channel that each channel of each part becomes; `None` of those that are not read.
     channels: Vec<Vec<Option<(String, String)>>>,
     /// Which of it is the picture, where only that is read.
@@ -81,11 +81,10 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(headers: &[Header], limits: &Limits, wanted: Wanted<'_>) -> Result<Self, ReadError> {
+    pub fn new(headers: &[Header], limits: &Limits, wanted: Wanted<'_>) -> Result<Self, ReadError> {
         let first = headers.first().ok_or_else(|| ReadError::file("the file has no part"))?;
         let display = bounds(first.shared_attributes.display_window);
-        let names: Vec<Vec<(String, String)>> =
-            headers.iter().map(|header| channel_names(header, headers.len() > 1)).collect();
+        let names = names(headers);
         let (choice, is_read): (_, Vec<Vec<bool>>) = match wanted {
             Wanted::All => (None, names.iter().map(|part| vec![true; part.len()]).collect()),
             Wanted::Picture(layer) => {
@@ -127,10 +126,33 @@ impl Plan {
         let bytes = pixels.saturating_mul(PIXEL).saturating_add(planes.max(whole));
         Ok(Self { display, window, channels, choice, bytes })
     }
+
+    /// The picture without layers.
+    pub fn empty(&self, headers: &[Header]) -> Layered {
+        let first = headers.first();
+        let told = first.and_then(|header| header.shared_attributes.chromaticities);
+        let mut picture = Layered {
+            display_window: self.display,
+            data_window: self.window,
+            space: told.and_then(space),
+            layers: Vec::new(),
+            metadata: first.map(metadata).unwrap_or_default(),
+            notes: Vec::new(),
+        };
+        if told.is_some() && picture.space.is_none() {
+            picture.notes.push("its `chromaticities` make no sense: the primaries of sRGB are taken".into());
+        }
+        picture
+    }
+}
+
+/// The layer and the name of each channel of each part.
+pub(super) fn names(headers: &[Header]) -> Vec<Vec<(String, String)>> {
+    headers.iter().map(|header| channel_names(header, headers.len() > 1)).collect()
 }
 
 /// Which of the channels of each part are the picture.
-fn picture_of(
+pub(super) fn picture_of(
     parts: &[Vec<(String, String)>],
     layer: Option<&str>,
 ) -> Result<(Choice, Vec<Vec<bool>>), ReadError> {
@@ -195,7 +217,7 @@ fn prepare(bytes: &[u8], limits: &Limits, wanted: Wanted<'_>) -> Result<(Plan, M
     check_kinds(&meta.headers)?;
     let plan = Plan::new(&meta.headers, limits, wanted)?;
     limits.check_decoded(plan.bytes)?;
-    check_promises(&meta.headers, bytes.len(), limits)?;
+    check_promises(&meta.headers, bytes.len() as u64, limits)?;
     check_chunks(&meta, bytes, cursor.position() as usize)?;
     Ok((plan, meta))
 }
@@ -203,7 +225,6 @@ fn prepare(bytes: &[u8], limits: &Limits, wanted: Wanted<'_>) -> Result<(Plan, M
 /// Reads what is planned.
 fn decode(bytes: &[u8], plan: &Plan, meta: &MetaData) -> Result<Layered, ReadError> {
     let headers = meta.headers.as_slice();
-    let first = headers.first().ok_or_else(|| ReadError::file("the file has no part"))?;
     let size = plan.window.width * plan.window.height; // checked against the limits
     let plane = |name: &Option<_>| name.as_ref().map(|_| vec![0.0; size]);
     let mut planes: Vec<Vec<Option<Vec<f32>>>> =
@@ -221,17 +242,7 @@ fn decode(bytes: &[u8], plan: &Plan, meta: &MetaData) -> Result<Layered, ReadErr
             copy_block(header, &block, plan.window, &mut planes[block.index.layer])?;
         }
     }
-    let mut picture = Layered {
-        display_window: plan.display,
-        data_window: plan.window,
-        space: first.shared_attributes.chromaticities.and_then(space),
-        layers: Vec::new(),
-        metadata: metadata(first),
-        notes: Vec::new(),
-    };
-    if first.shared_attributes.chromaticities.is_some() && picture.space.is_none() {
-        picture.notes.push("its `chromaticities` make no sense: the primaries of sRGB are taken".into());
-    }
+    let mut picture = plan.empty(headers);
     for (names, planes) in plan.channels.iter().zip(planes) {
         add_layers(names, planes, &mut picture.layers);
     }
@@ -246,7 +257,7 @@ fn space(told: Chromaticities) -> Option<RgbSpace> {
 }
 
 /// Refuses kinds of files that can't be decoded.
-fn check_kinds(headers: &[Header]) -> Result<(), ReadError> {
+pub(super) fn check_kinds(headers: &[Header]) -> Result<(), ReadError> {
     for header in headers {
         if header.deep {
             return Err(ReadError::file("deep pictures are not supported"));
@@ -281,8 +292,7 @@ fn check_kinds(headers: &[Header]) -> Result<(), ReadError> {
 }
 
 /// Refuses what is beyond what the bytes of the file can hold, before any pixel is allocated.
-fn check_promises(headers: &[Header], file_size: usize, limits: &Limits) -> Result<(), ReadError> {
-    let file_size = file_size as u64;
+pub(super) fn check_promises(headers: &[Header], file_size: u64, limits: &Limits) -> Result<(), ReadError> {
     let mut bytes = 0u64;
     let mut chunks = 0u64;
     for header in headers {
@@ -338,7 +348,7 @@ fn check_chunks(meta: &MetaData, bytes: &[u8], start: usize) -> Result<(), ReadE
 }
 
 /// Copies a block of a part into its planes, which cover `window`.
-fn copy_block(
+pub(super) fn copy_block(
     header: &Header,
     block: &UncompressedBlock,
     window: Window,
@@ -408,7 +418,11 @@ fn half_to_float(half: u16) -> f32 {
 }
 
 /// Sorts the channels of a part into layers.
-fn add_layers(names: &[Option<(String, String)>], planes: Vec<Option<Vec<f32>>>, layers: &mut Vec<Layer>) {
+pub(super) fn add_layers(
+    names: &[Option<(String, String)>],
+    planes: Vec<Option<Vec<f32>>>,
+    layers: &mut Vec<Layer>,
+) {
     let start = layers.len();
     for (name, samples) in names.iter().zip(planes) {
         let Some(((layer, name), samples)) = name.as_ref().zip(samples) else { continue };
@@ -440,7 +454,7 @@ fn utf8(text: &Text) -> String {
     String::from_utf8_lossy(text.as_slice()).into_owned()
 }
 
-fn told(error: &Error) -> ReadError {
+pub(super) fn told(error: &Error) -> ReadError {
     match error {
         Error::NotSupported(what) => ReadError::file(format!("this kind of EXR is not supported: {what}")),
         Error::Invalid(what) => ReadError::file(format!("the EXR file is damaged: {what}")),

@@ -3,7 +3,8 @@
 //! Written out here, after the OpenEXR file layout document, rather than by the `exr` crate, because that keeps
 //! attributes in a hash map with a random order: the same picture must give the same file.
 
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::ops::Range;
 
 use super::{Layered, Window};
 use straal_color::RgbSpace;
@@ -12,21 +13,24 @@ use straal_color::RgbSpace;
 const LINES_PER_CHUNK: usize = 16;
 
 /// Writes a picture. Attributes come in the order of `metadata`, after those that the format asks for.
-pub fn write<W: Write>(mut writer: W, picture: &Layered) -> io::Result<()> {
+pub fn write<W: Write>(writer: W, picture: &Layered) -> io::Result<()> {
+    write_with(writer, picture, &picture.metadata)
+}
+
+/// Writes a picture with these metadata in place of its own.
+pub fn write_with<W: Write>(
+    mut writer: W,
+    picture: &Layered,
+    metadata: &[(String, String)],
+) -> io::Result<()> {
     let channels = sorted_channels(picture)?;
-    let header = header(picture, &channels)?;
+    let header = header(picture, &channels, metadata)?;
     let Window { y: top, width, height, .. } = picture.data_window;
     // Each chunk is preceded by its row and its size; the table of their positions comes before the first.
     let mut chunks = Vec::with_capacity(height.div_ceil(LINES_PER_CHUNK));
     for first in (0..height).step_by(LINES_PER_CHUNK) {
         let rows = first..height.min(first + LINES_PER_CHUNK);
-        let mut raw = Vec::with_capacity(rows.len() * width * channels.len() * 4);
-        for row in rows {
-            for (_, samples) in &channels {
-                raw.extend(samples[row * width..][..width].iter().flat_map(|sample| sample.to_le_bytes()));
-            }
-        }
-        chunks.push((top.wrapping_add(first as i32), compress(raw)));
+        chunks.push((top.wrapping_add(first as i32), chunk(&channels, width, rows)));
     }
     writer.write_all(&header)?;
     let mut position = header.len() + 8 * chunks.len();
@@ -35,12 +39,90 @@ pub fn write<W: Write>(mut writer: W, picture: &Layered) -> io::Result<()> {
         position += 8 + chunk.len();
     }
     for (row, chunk) in &chunks {
-        writer.write_all(&row.to_le_bytes())?;
-        let size = i32::try_from(chunk.len()).map_err(|_| wrong("the picture is too wide"))?;
-        writer.write_all(&size.to_le_bytes())?;
-        writer.write_all(chunk)?;
+        put_chunk(&mut writer, *row, chunk)?;
     }
     Ok(())
+}
+
+/// Writes a picture of which only a strip of rows is there at a time. The file is the one that [`write()`] makes of the whole.
+pub struct StripWriter<W> {
+    writer: W,
+    /// Of the whole picture.
+    window: Window,
+    /// Names of all channels in the order of the file.
+    names: Vec<String>,
+    /// Where the table of positions lies.
+    table: u64,
+    /// Of the chunks that are written.
+    positions: Vec<u64>,
+}
+
+impl<W: Write + Seek> StripWriter<W> {
+    /// Rows of a strip, of which the last one may have fewer.
+    pub const ROWS: usize = LINES_PER_CHUNK;
+
+    /// Begins a picture with the layers of its first strip, whose window is that of the whole.
+    pub fn new(mut writer: W, window: Window, first: &Layered) -> io::Result<Self> {
+        let channels = sorted_channels(first)?;
+        let whole = Layered { data_window: window, layers: Vec::new(), ..first.clone() };
+        writer.write_all(&header(&whole, &channels, &whole.metadata)?)?;
+        let table = writer.stream_position()?;
+        let count = window.height.div_ceil(LINES_PER_CHUNK);
+        for _ in 0..count {
+            writer.write_all(&[0; 8])?;
+        }
+        let names = channels.into_iter().map(|(name, _)| name).collect();
+        Ok(Self { writer, window, names, table, positions: Vec::with_capacity(count) })
+    }
+
+    /// Writes the next rows, with the channels that the first ones had.
+    pub fn strip(&mut self, strip: &Layered) -> io::Result<()> {
+        let channels = sorted_channels(strip)?;
+        let done = self.positions.len() * LINES_PER_CHUNK;
+        let rows = strip.data_window.height;
+        let is_next = rows == LINES_PER_CHUNK.min(self.window.height.saturating_sub(done));
+        if !is_next || strip.data_window.width != self.window.width {
+            return Err(wrong("these aren't the rows that come next"));
+        }
+        if !channels.iter().map(|(name, _)| name).eq(&self.names) {
+            return Err(wrong("these rows have other channels than those before"));
+        }
+        self.positions.push(self.writer.stream_position()?);
+        let chunk = chunk(&channels, self.window.width, 0..rows);
+        put_chunk(&mut self.writer, self.window.y.wrapping_add(done as i32), &chunk)
+    }
+
+    /// Ends the file.
+    pub fn end(mut self) -> io::Result<()> {
+        if self.positions.len() != self.window.height.div_ceil(LINES_PER_CHUNK) {
+            return Err(wrong("rows are missing"));
+        }
+        let end = self.writer.stream_position()?;
+        self.writer.seek(SeekFrom::Start(self.table))?;
+        for position in &self.positions {
+            self.writer.write_all(&position.to_le_bytes())?;
+        }
+        self.writer.seek(SeekFrom::Start(end))?;
+        Ok(())
+    }
+}
+
+/// Rows of all channels, compressed.
+fn chunk(channels: &[(String, &[f32])], width: usize, rows: Range<usize>) -> Vec<u8> {
+    let mut raw = Vec::with_capacity(rows.len() * width * channels.len() * 4);
+    for row in rows {
+        for (_, samples) in channels {
+            raw.extend(samples[row * width..][..width].iter().flat_map(|sample| sample.to_le_bytes()));
+        }
+    }
+    compress(raw)
+}
+
+fn put_chunk(writer: &mut impl Write, row: i32, chunk: &[u8]) -> io::Result<()> {
+    writer.write_all(&row.to_le_bytes())?;
+    let size = i32::try_from(chunk.len()).map_err(|_| wrong("the picture is too wide"))?;
+    writer.write_all(&size.to_le_bytes())?;
+    writer.write_all(chunk)
 }
 
 fn wrong(problem: impl Into<String>) -> io::Error {
@@ -77,7 +159,11 @@ fn sorted_channels(picture: &Layered) -> io::Result<Vec<(String, &[f32])>> {
 }
 
 /// The magic number, the version and the attributes.
-fn header(picture: &Layered, channels: &[(String, &[f32])]) -> io::Result<Vec<u8>> {
+fn header(
+    picture: &Layered,
+    channels: &[(String, &[f32])],
+    metadata: &[(String, String)],
+) -> io::Result<Vec<u8>> {
     let mut list = Vec::new();
     for (name, _) in channels {
         put_name(&mut list, name)?;
@@ -88,7 +174,7 @@ fn header(picture: &Layered, channels: &[(String, &[f32])]) -> io::Result<Vec<u8
     }
     list.push(0);
 
-    let names = channels.iter().map(|(name, _)| name).chain(picture.metadata.iter().map(|(name, _)| name));
+    let names = channels.iter().map(|(name, _)| name).chain(metadata.iter().map(|(name, _)| name));
     let long_names = if names.clone().any(|name| name.len() > 31) { 0x400 } else { 0 };
     let mut header = vec![0x76, 0x2f, 0x31, 0x01];
     header.extend((2i32 | long_names).to_le_bytes());
@@ -112,8 +198,8 @@ fn header(picture: &Layered, channels: &[(String, &[f32])]) -> io::Result<Vec<u8
             put(&mut header, "adoptedNeutral", "v2f", &bytes)?;
         }
     }
-    for (i, (name, value)) in picture.metadata.iter().enumerate() {
-        if STANDARD.contains(&name.as_str()) || picture.metadata[..i].iter().any(|(other, _)| other == name) {
+    for (i, (name, value)) in metadata.iter().enumerate() {
+        if STANDARD.contains(&name.as_str()) || metadata[..i].iter().any(|(other, _)| other == name) {
             return Err(wrong(format!("two attributes are called {name}")));
         }
         put(&mut header, name, "string", value.as_bytes())?;

@@ -44,6 +44,9 @@ pub fn write<W: Write>(mut out: W, mesh: &Mesh) -> io::Result<()> {
     if !mesh.uvs.is_empty() {
         floats.extend(["u", "v"]);
     }
+    if !mesh.tangents.is_empty() {
+        floats.extend(["tangent_x", "tangent_y", "tangent_z", "tangent_side"]);
+    }
     floats.iter().for_each(|name| head += &format!("property float {name}\n"));
     let declare = |head: &mut String, attributes: &[(&Attribute, Vec<String>)]| {
         for (attribute, names) in attributes {
@@ -68,7 +71,8 @@ pub fn write<W: Write>(mut out: W, mesh: &Mesh) -> io::Result<()> {
         record.clear();
         let normal = mesh.normals.get(i).map_or(&[][..], |n| n.as_slice());
         let uv = mesh.uvs.get(i).map_or(&[][..], |uv| uv.as_slice());
-        position.iter().chain(normal).chain(uv).for_each(|v| record.extend(v.to_le_bytes()));
+        let tangent = mesh.tangents.get(i).map_or(&[][..], |t| t.as_slice());
+        position.iter().chain(normal).chain(uv).chain(tangent).for_each(|v| record.extend(v.to_le_bytes()));
         attributes(&mut record, &of_vertices, i);
         out.write_all(&record)?;
     }
@@ -101,6 +105,7 @@ mod tests {
             positions: vec![[0.1, -0.0, 1e-30], [1.0, 0.0, 0.0], [0.0, 3e7, 0.5]],
             normals: vec![[0.0, 0.0, 1.0], [0.6, 0.8, 0.0], [0.0, 1.0, 0.0]],
             uvs: vec![[0.25, 0.5], [2.0, -1.0], [0.0, 0.1]],
+            tangents: vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, -1.0], [0.5, 0.0, 0.5, 1.0]],
             triangles: vec![[0, 1, 2], [2, 1, 0]],
             attributes: vec![
                 attribute(
@@ -121,7 +126,13 @@ mod tests {
         let back = ply::read_with(&bytes, &Limits::default(), &|_| true).unwrap();
         assert_eq!(back.mesh, mesh);
         assert!(back.warnings.is_empty());
-        let bare = Mesh { normals: Vec::new(), uvs: Vec::new(), attributes: Vec::new(), ..mesh };
+        let bare = Mesh {
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            tangents: Vec::new(),
+            attributes: Vec::new(),
+            ..mesh
+        };
         bytes.clear();
         write(&mut bytes, &bare).unwrap();
         assert_eq!(ply::read(&bytes, &Limits::default()).unwrap().mesh, bare);

@@ -19,6 +19,8 @@ pub(super) struct Shape<'s> {
     pub weights: &'s [f64],
     /// Which set of texture coordinates is the mesh's own, by which it can shine.
     pub primary: usize,
+    /// By which set of texture coordinates directions of the surface are told, where its material asks for them.
+    pub directions: Option<usize>,
     /// From each joint's bind pose to where it is, if the mesh follows a skeleton.
     pub joints: Option<&'s [Affine]>,
 }
@@ -141,6 +143,9 @@ pub(super) fn read(
     let vertices = positions.len();
     check(primitive, "vertices", vertices, limits.max_vertices)?;
     let mut normals = columns.lists::<3>("NORMAL")?;
+    // Without normals faces are flat, and tangents are passed over.
+    let told = shape.directions.filter(|_| !normals.is_empty());
+    let mut tangents = if told.is_some() { columns.lists::<4>("TANGENT")? } else { Vec::new() };
     let mut sets = Vec::new();
     for set in 0..SETS {
         sets.push(columns.lists::<2>(&format!("TEXCOORD_{set}"))?);
@@ -165,6 +170,12 @@ pub(super) fn read(
         };
         add(&mut positions, &target.lists("POSITION")?, weight);
         add(&mut normals, &target.lists("NORMAL")?, weight);
+        if !tangents.is_empty() {
+            // What is added has no side.
+            let more: Vec<[f32; 3]> = target.lists("TANGENT")?;
+            let pairs = tangents.iter_mut().zip(&more);
+            pairs.for_each(|(to, more)| (0..3).for_each(|k| to[k] += weight as f32 * more[k]));
+        }
         for (set, coordinates) in sets.iter_mut().enumerate().filter(|(_, c)| !c.is_empty()) {
             add(coordinates, &target.lists(&format!("TEXCOORD_{set}"))?, weight);
         }
@@ -176,7 +187,7 @@ pub(super) fn read(
         }
     }
     if let Some((joints, influences)) = skin {
-        follow(&mut positions, &mut normals, joints, &influences);
+        follow([&mut positions, &mut normals], &mut tangents, joints, &influences);
     }
 
     let order = match (packed_order, primitive.get("indices")) {
@@ -196,7 +207,7 @@ pub(super) fn read(
 
     // The first row of a picture is at v = 0 in glTF, and at v = 1 here.
     sets.iter_mut().flatten().for_each(|uv| uv[1] = 1.0 - uv[1]);
-    let mut mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
+    let mut mesh = Mesh { positions, normals, triangles, tangents, ..Mesh::default() };
     for (set, coordinates) in sets.into_iter().enumerate().filter(|(_, c)| !c.is_empty()) {
         if set == shape.primary {
             mesh.uvs = coordinates;
@@ -215,6 +226,9 @@ pub(super) fn read(
         values.iter_mut().for_each(|v| *v = if *v > 0.0 { if *v < 1.0 { *v } else { 1.0 } } else { 0.0 });
         let name = "color".to_owned();
         mesh.attributes.push(Attribute { name, per: Per::Vertex, channels, is_code: false, values });
+    }
+    if let Some(set) = told.filter(|_| mesh.tangents.is_empty()) {
+        super::tangents::make(&mut mesh, set, shape.primary, limits.max_vertices);
     }
     let has_normals = !mesh.normals.is_empty();
     Ok(Made { mesh, has_normals, notes })
@@ -252,7 +266,12 @@ fn influences(columns: &mut Columns<'_, '_>) -> Result<Vec<Influence>> {
 }
 
 /// Moves vertices with the joints that they follow.
-fn follow(positions: &mut [[f32; 3]], normals: &mut [[f32; 3]], joints: &[Affine], influences: &[Influence]) {
+fn follow(
+    [positions, normals]: [&mut Vec<[f32; 3]>; 2],
+    tangents: &mut [[f32; 4]],
+    joints: &[Affine],
+    influences: &[Influence],
+) {
     if influences.is_empty() {
         return;
     }
@@ -274,6 +293,10 @@ fn follow(positions: &mut [[f32; 3]], normals: &mut [[f32; 3]], joints: &[Affine
         sum.rows.as_flattened_mut().iter_mut().for_each(|v| *v /= all);
         let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         positions[i] = sum.point(double(positions[i])).to_array().map(|v| v as f32);
+        if let Some([x, y, z, _]) = tangents.get_mut(i) {
+            let along = sum.vector(double([*x, *y, *z]));
+            [*x, *y, *z] = along.to_array().map(|v| v as f32);
+        }
         if let Some(normal) = normals.get_mut(i) {
             let n = double(*normal);
             let moved = sum.inverse().map_or_else(|| sum.vector(n), |inverse| inverse.normal_by_inverse(n));
@@ -334,11 +357,13 @@ mod tests {
     #[test]
     fn vertices_move_with_the_mean_of_their_joints() {
         let joints = [Affine::IDENTITY, Affine::translate(DVec3::new(0.0, 2.0, 0.0))];
-        let mut positions = [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]];
-        let mut normals = [[1.0, 0.0, 0.0]; 3];
+        let mut positions = vec![[1.0, 0.0, 0.0]; 3];
+        let mut normals = vec![[1.0, 0.0, 0.0]; 3];
         let which = vec![[0.0, 1.0, 9.0, 0.0]; 3];
         let shares = vec![[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0], [0.0; 4]];
-        follow(&mut positions, &mut normals, &joints, &[(which, shares)]);
+        let mut tangents = [[0.0, 0.0, 2.0, -1.0]; 3];
+        follow([&mut positions, &mut normals], &mut tangents, &joints, &[(which, shares)]);
+        assert_eq!(tangents, [[0.0, 0.0, 2.0, -1.0]; 3]);
         assert_eq!(positions, [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]]);
         assert_eq!(normals, [[1.0, 0.0, 0.0]; 3]);
     }

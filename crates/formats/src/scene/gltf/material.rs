@@ -1,9 +1,9 @@
 //! Materials: metallic and rough, with all ratified extensions, as straal's own material of that name.
 
 use straal_scene::desc::{
-    AttributeName, AttributePer, AttributeTexture, Diffuse, Gltf, GreenAxis, ImageTexture, Mask, Material,
-    MaterialRef, NormalMap, NormalSpace, Relief, RemapTexture, ScaleTexture, Spectrum, Texture,
-    TextureChannel, TextureOf, TextureSpace, TwoFaces, Varying,
+    AttributeName, AttributePer, AttributeTexture, CoatMap, CoatNormal, Diffuse, Gltf, GreenAxis,
+    ImageTexture, Mask, Material, MaterialRef, NormalMap, NormalSpace, Relief, RemapTexture, ScaleTexture,
+    Spectrum, Texture, TextureChannel, TextureOf, TextureSpace, TwoFaces, Varying,
 };
 use straal_scene::value::{LinearRgb, Link};
 
@@ -22,6 +22,8 @@ pub(super) struct Has {
     pub primary: usize,
     /// Numbers of its vertices' colours: 0, 3 or 4.
     pub colours: usize,
+    /// Whether these are in a picture of the mesh.
+    pub painted: bool,
     /// Whether backs of its triangles can be seen that aren't to be.
     pub shows_backs: bool,
 }
@@ -81,6 +83,19 @@ impl<'a> Translation<'a, '_> {
         Ok(info.map_or(Ok(0), set_of)?.min(SETS - 1))
     }
 
+    /// The set of texture coordinates along which a material tells directions of its surface, if it tells any: normals, or the way that it is brushed.
+    pub fn direction_set(&self, at: Option<&'a Json>) -> Result<Option<usize>> {
+        let Some(at) = at else { return Ok(None) };
+        let (_, said) = self.document.item("materials", at)?;
+        let coat = said.extension("KHR_materials_clearcoat").and_then(|c| c.get("clearcoatNormalTexture"));
+        let brushed = said.extension("KHR_materials_anisotropy");
+        let info = said.get("normalTexture").or(coat).or(brushed.and_then(|b| b.get("anisotropyTexture")));
+        match info {
+            Some(info) => Ok(Some(set_of(info)?.min(SETS - 1))),
+            None => Ok(brushed.map(|_| 0)),
+        }
+    }
+
     /// Whether the backs of what has that material are seen.
     pub fn is_double_sided(&self, at: Option<&'a Json>) -> Result<bool> {
         at.map_or(Ok(false), |at| flag(self.document.item("materials", at)?.1, "doubleSided"))
@@ -101,12 +116,12 @@ impl<'a> Translation<'a, '_> {
     fn material(&mut self, said: &'a Json, has: Has) -> Result<(Material, Option<Varying<Spectrum>>, bool)> {
         let base = Base::of(self, said, has)?;
         if said.extension("KHR_materials_unlit").is_some() {
-            if has.colours == 0 {
+            if has.colours == 0 || has.painted {
                 let black =
                     Diffuse { reflectance: Varying::Constant(Spectrum::grey(0.0)), ..Diffuse::default() };
                 return Ok((masked(Material::Diffuse(black), base.alpha), Some(base.colour), true));
             }
-            self.warn(said, "vertices have colours, by which nothing can shine: what should be unlit is lit");
+            self.warn(said, "vertices have colours besides a picture, by which nothing can shine: what should be unlit is lit");
         }
         // Backs that aren't to be seen are holes, where any can be seen.
         let mut material = Gltf { base_color: base.colour, double_sided: true, ..Gltf::default() };
@@ -124,7 +139,7 @@ impl<'a> Translation<'a, '_> {
             }
             shines = material.emissive_strength > 0.0;
         }
-        material.relief = self.relief(said, has)?;
+        material.relief.normal_map = self.normal_map(said, "normalTexture", has)?;
         self.layers(&mut material, said, has)?;
         self.inside(&mut material, said, has)?;
         if shines && base.alpha != Varying::Constant(1.0) {
@@ -183,16 +198,16 @@ impl<'a> Translation<'a, '_> {
         Ok(())
     }
 
-    fn relief(&mut self, said: &'a Json, has: Has) -> Result<Relief> {
-        let map = self.map(said, "normalTexture", has)?;
-        let strength = said.get("normalTexture").map_or(Ok(1.0), |info| number_or(info, "scale", 1.0))?;
-        let normal_map = map.map(|map| NormalMap {
+    /// A map of normals under some name.
+    fn normal_map(&mut self, said: &'a Json, key: &'static str, has: Has) -> Result<Option<NormalMap>> {
+        let map = self.map(said, key, has)?;
+        let strength = said.get(key).map_or(Ok(1.0), |info| number_or(info, "scale", 1.0))?;
+        Ok(map.map(|map| NormalMap {
             texture: TextureOf::Inline(Texture::Image(map.number(TextureChannel::Luminance))),
             space: NormalSpace::Tangent,
             green: GreenAxis::Up,
             strength: strength.within(-100.0, 100.0),
-        });
-        Ok(Relief { normal_map, bump: None })
+        }))
     }
 
     /// What lies on the base: specular, clearcoat, sheen, iridescence, anisotropy.
@@ -217,22 +232,16 @@ impl<'a> Translation<'a, '_> {
             let map = self.map(more, "clearcoatRoughnessTexture", has)?;
             let rough = share(number_or(more, "clearcoatRoughnessFactor", 0.0)?);
             material.clearcoat_roughness = amount(map.as_ref(), TextureChannel::Green, rough);
-            if let Some(normals) = more.get("clearcoatNormalTexture").filter(|_| factor > 0.0) {
-                let is_same = said.get("normalTexture").is_some_and(|n| {
-                    n.get("index").map(|i| &i.value) == normals.get("index").map(|i| &i.value)
-                });
-                if !is_same {
-                    self.warn(
-                        normals,
-                        "the clear coat has the normals of what lies below, not of a texture of its own",
-                    );
+            material.clearcoat_normal = match self.normal_map(more, "clearcoatNormalTexture", has)? {
+                _ if factor == 0.0 => CoatNormal::Base,
+                // As the base, whose map is the same.
+                Some(map) if material.relief.normal_map.as_ref() == Some(&map) => CoatNormal::Base,
+                Some(NormalMap { texture, green, strength, .. }) => {
+                    CoatNormal::Map(CoatMap { texture, green, strength })
                 }
-            } else if factor > 0.0 && said.get("normalTexture").is_some() {
-                self.warn(
-                    more,
-                    "the clear coat has the normals of what lies below: it isn't smooth where these aren't",
-                );
-            }
+                None if material.relief.normal_map.is_some() => CoatNormal::Surface,
+                None => CoatNormal::Base,
+            };
         }
         if let Some(more) = said.extension("KHR_materials_sheen") {
             let map = self.map(more, "sheenColorTexture", has)?;
@@ -261,11 +270,10 @@ impl<'a> Translation<'a, '_> {
             let map = self.map(more, "anisotropyTexture", has)?;
             let factor = share(number_or(more, "anisotropyStrength", 0.0)?);
             material.anisotropy = amount(map.as_ref(), TextureChannel::Blue, factor);
-            if factor > 0.0 && (number_or(more, "anisotropyRotation", 0.0)? != 0.0 || map.is_some()) {
-                self.warn(
-                    more,
-                    "highlights are stretched along the texture's u: their own direction isn't followed",
-                );
+            if factor > 0.0 {
+                material.anisotropy_rotation = number_or(more, "anisotropyRotation", 0.0)?.to_degrees();
+                material.anisotropy_direction =
+                    map.map(|map| TextureOf::Inline(Texture::Image(map.number(TextureChannel::Luminance))));
             }
         }
         Ok(())
@@ -328,7 +336,7 @@ impl<'a> Base<'a> {
         };
         let [r, g, b, a] = vector_or(of, factor, [1.0; 4])?.map(share);
         let map = t.map(of, texture, has)?;
-        let painted = (has.colours > 0).then(|| vertices(TextureChannel::Luminance));
+        let painted = (has.colours > 0 && !has.painted).then(|| vertices(TextureChannel::Luminance));
         let colour = match painted {
             None => colour(map.as_ref(), [r, g, b]),
             // The vertices' colours times the rest.
@@ -394,7 +402,7 @@ fn vertices(channel: TextureChannel) -> Texture {
     })
 }
 
-fn scaled(of: Varying<Spectrum>, by: Varying<f64>, tint: Varying<Spectrum>) -> Varying<Spectrum> {
+pub(super) fn scaled(of: Varying<Spectrum>, by: Varying<f64>, tint: Varying<Spectrum>) -> Varying<Spectrum> {
     of_texture(Texture::Scale(ScaleTexture { of, by, tint }))
 }
 

@@ -24,8 +24,10 @@ mod json;
 mod lights;
 mod material;
 mod meshopt;
+mod tangents;
 mod textures;
 mod tree;
+mod unlit;
 mod view;
 mod world;
 

@@ -17,11 +17,11 @@ use super::tree::{self, Tree};
 /// A primitive as it was read, for others that show the same.
 #[derive(Clone)]
 pub(super) struct Known {
-    asset: Asset<Mesh>,
-    has: Has,
-    has_normals: bool,
+    pub asset: Asset<Mesh>,
+    pub has: Has,
+    pub has_normals: bool,
     /// The box around it.
-    bounds: Option<[DVec3; 2]>,
+    pub bounds: Option<[DVec3; 2]>,
 }
 
 /// The name of one of the scene's objects, and the box around it.
@@ -101,12 +101,15 @@ impl<'a> Translation<'a, '_> {
         if let Some(skin) = said.get("skin") {
             // What follows a skeleton stands where its joints are, wherever its node is.
             let joints = self.joints(tree, skin)?;
-            let shown = self.mesh(mesh, Shape { weights: &weights, joints: Some(&joints), primary: 0 })?;
+            let shown = self.mesh(
+                mesh,
+                Shape { weights: &weights, joints: Some(&joints), primary: 0, directions: None },
+            )?;
             self.reach(&shown, &Affine::IDENTITY);
             self.skinned.extend(shown.nodes);
             return Ok(Vec::new());
         }
-        let shape = Shape { weights: &weights, joints: None, primary: 0 };
+        let shape = Shape { weights: &weights, joints: None, primary: 0, directions: None };
         let instances = said.extension("EXT_mesh_gpu_instancing");
         if instances.is_none() && !is_shared {
             let shown = self.mesh(mesh, shape)?;
@@ -183,13 +186,24 @@ impl<'a> Translation<'a, '_> {
         let mut shown = Shown { nodes: Vec::new(), bounds: None };
         for primitive in required(mesh, "primitives")?.items() {
             let material = self.material_of(primitive)?;
-            let shape = Shape { primary: self.shining_set(material)?, ..shape };
+            let (primary, directions) = (self.shining_set(material)?, self.direction_set(material)?);
+            let shape = Shape { primary, directions, ..shape };
             let Some(mut known) = self.primitive(primitive, shape)? else { continue };
             if !self.is_double_sided(material)? {
                 known.has.shows_backs = geometry::is_open(&self.made.assets.mesh(known.asset.handle).mesh);
             }
             shown.bounds = union(shown.bounds, known.bounds);
-            let look = self.look(material, known.has)?;
+            let mut painted = None;
+            if known.has.colours > 0 && self.shows_vertices(material)? {
+                let picture;
+                (known, picture) = self.painted(primitive, &known)?;
+                painted = Some(picture);
+            }
+            let mut look = self.look(material, known.has)?;
+            if let Some(picture) = painted {
+                let factor = look.emission.take();
+                look.emission = factor.map(|factor| material::scaled(factor, 1.0.into(), picture));
+            }
             let surface = Surface {
                 material: Some(material::named(&look)),
                 two_sided_emission: look.both_sides,
@@ -246,7 +260,8 @@ impl<'a> Translation<'a, '_> {
         }
         let is_plain =
             shape.joints.is_none() && (shape.weights.is_empty() || primitive.get("targets").is_none());
-        let key = is_plain.then(|| format!("{} {}", shape.primary, self.key(primitive, mode)));
+        let key = is_plain
+            .then(|| format!("{} {:?} {}", shape.primary, shape.directions, self.key(primitive, mode)));
         if let Some(known) = key.as_ref().and_then(|key| self.primitives.get(key)) {
             return Ok(Some(known.clone()));
         }

@@ -94,6 +94,22 @@ impl Out<'_> {
             let normals: Vec<[f32; 3]> = normals.into_iter().map(|n| unit(n).map(|v| v * sign)).collect();
             out.insert("NORMAL".to_owned(), json!(self.buffer.floats(&normals, false)));
         }
+        // The side across them stays where it is: normals that are turned round turn it as well.
+        if form.normals == Normals::Own
+            && mesh.normals.len() == mesh.tangents.len()
+            && !mesh.tangents.is_empty()
+        {
+            let sign = if form.flip { -1.0 } else { 1.0 };
+            let tangents: Vec<[f32; 4]> = mesh
+                .tangents
+                .iter()
+                .map(|[x, y, z, w]| {
+                    let [x, y, z] = unit([*x, *y, *z]);
+                    [x, y, z, if *w < 0.0 { -sign } else { sign }]
+                })
+                .collect();
+            out.insert("TANGENT".to_owned(), json!(self.buffer.floats(&tangents, false)));
+        }
         for (set, coordinates) in sets(mesh).into_iter().enumerate() {
             // The first row of a picture is at v = 1 here, and at v = 0 in glTF.
             let turned: Vec<[f32; 2]> =

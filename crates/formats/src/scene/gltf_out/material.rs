@@ -3,8 +3,8 @@
 use serde_json::{Map, Value as Json, json};
 use straal_color::spectrum::Quantity;
 use straal_scene::desc::{
-    Gltf, GreenAxis, Material, NormalSpace, Relief, Spectrum, Surface, Texture, TextureChannel, TextureOf,
-    Varying,
+    CoatNormal, Gltf, GreenAxis, Material, NormalSpace, Relief, Spectrum, Surface, Texture, TextureChannel,
+    TextureOf, Varying,
 };
 
 use super::Out;
@@ -186,20 +186,30 @@ impl Out<'_> {
             self.tell("bumps by height are left out: glTF has maps of normals");
         }
         let Some(map) = &relief.normal_map else { return };
-        if map.space != NormalSpace::Tangent || map.green != GreenAxis::Up {
+        if map.space != NormalSpace::Tangent {
             self.tell("maps of normals in other axes than glTF's are left out");
             return;
         }
-        let texture = Varying::<f64>::Texture(Box::new(map.texture.clone()));
-        let Some(image) = self.amount(&texture).image else { return };
-        let of = |channel| Slot::Of(straal_scene::desc::ImageTexture { channel, ..image.clone() });
-        let slots = [of(TextureChannel::Red), of(TextureChannel::Green), of(TextureChannel::Blue), Slot::Any];
-        if let Some(mut info) = self.picture(slots) {
-            if map.strength != 1.0 {
-                info["scale"] = json!(map.strength);
-            }
+        if let Some(info) = self.normals(&map.texture, &map.green, map.strength) {
             out.insert("normalTexture".to_owned(), info);
         }
+    }
+
+    /// A map of normals in the axes of the surface.
+    fn normals(&mut self, texture: &TextureOf, green: &GreenAxis, strength: f64) -> Option<Json> {
+        if *green != GreenAxis::Up {
+            self.tell("maps of normals in other axes than glTF's are left out");
+            return None;
+        }
+        let texture = Varying::<f64>::Texture(Box::new(texture.clone()));
+        let image = self.amount(&texture).image?;
+        let of = |channel| Slot::Of(straal_scene::desc::ImageTexture { channel, ..image.clone() });
+        let slots = [of(TextureChannel::Red), of(TextureChannel::Green), of(TextureChannel::Blue), Slot::Any];
+        let mut info = self.picture(slots)?;
+        if strength != 1.0 {
+            info["scale"] = json!(strength);
+        }
+        Some(info)
     }
 
     /// What lies on the base: index, specular, clearcoat, sheen, iridescence, anisotropy.
@@ -228,10 +238,12 @@ impl Out<'_> {
         let slots = [Slot::Any, channel_or_any(&rough), Slot::Any, Slot::Any];
         put(&mut said, "clearcoatRoughnessTexture", self.picture(slots));
         if coat.number() > 0.0 {
-            // The coat has the normals of what lies below.
-            if let Some(normals) = out.get("normalTexture") {
-                said.insert("clearcoatNormalTexture".to_owned(), normals.clone());
-            }
+            let normals = match &m.clearcoat_normal {
+                CoatNormal::Base => out.get("normalTexture").cloned(),
+                CoatNormal::Surface => None,
+                CoatNormal::Map(map) => self.normals(&map.texture, &map.green, map.strength),
+            };
+            put(&mut said, "clearcoatNormalTexture", normals);
             self.put_extension(out, "KHR_materials_clearcoat", said);
         }
 
@@ -262,10 +274,22 @@ impl Out<'_> {
         if stretched.number() > 0.0 {
             let mut said = Object::new();
             put_number(&mut said, "anisotropyStrength", stretched.number(), 0.0);
-            if stretched.image.is_some() {
-                // Its red and green would be a direction, which the scene doesn't say.
-                self.tell("textures of anisotropy are left out");
-            }
+            put_number(&mut said, "anisotropyRotation", m.anisotropy_rotation.to_radians(), 0.0);
+            let direction = m
+                .anisotropy_direction
+                .as_ref()
+                .and_then(|texture| self.amount(&Varying::<f64>::Texture(Box::new(texture.clone()))).image);
+            let [along, across] = match direction {
+                Some(image) => [TextureChannel::Red, TextureChannel::Green]
+                    .map(|channel| Slot::Of(straal_scene::desc::ImageTexture { channel, ..image.clone() })),
+                // Along u.
+                None => [Slot::One, Slot::Half],
+            };
+            let strength = match &stretched.image {
+                Some(_) => channel_or_any(&stretched),
+                None => Slot::One,
+            };
+            put(&mut said, "anisotropyTexture", self.picture([along, across, strength, Slot::Any]));
             self.put_extension(out, "KHR_materials_anisotropy", said);
         }
     }

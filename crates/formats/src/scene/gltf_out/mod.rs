@@ -3,7 +3,8 @@
 //! | file | what |
 //! |---|---|
 //! | `buffer.rs` | the buffer, its views and accessors; the chunks of a .glb |
-//! | `geometry.rs`, `shapes.rs` | meshes as primitives; formulas as meshes |
+//! | `geometry.rs` | meshes as primitives |
+//! | `shapes.rs`, `pieces.rs` | formulas as meshes |
 //! | `tree.rs` | nodes, and which mesh with which materials they show |
 //! | `likeness.rs` | other materials as the material `gltf` |
 //! | `material.rs` | that material with its extensions |
@@ -18,6 +19,7 @@ mod geometry;
 mod lights;
 mod likeness;
 mod material;
+mod pieces;
 mod shapes;
 mod textures;
 mod tree;

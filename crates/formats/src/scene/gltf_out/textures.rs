@@ -46,6 +46,8 @@ pub(super) enum Slot {
     Any,
     /// 1 all over.
     One,
+    /// A half all over.
+    Half,
     /// The channel that a texture says.
     Of(ImageTexture),
 }
@@ -194,6 +196,9 @@ impl Out<'_> {
         for (i, slot) in slots.iter().enumerate() {
             let Slot::Of(image) = slot else {
                 is_as_it_is &= matches!(slot, Slot::Any);
+                if matches!(slot, Slot::Half) {
+                    key[i] = Some((usize::MAX, 0));
+                }
                 continue;
             };
             if !lies_like(image) {
@@ -251,7 +256,8 @@ impl Out<'_> {
         }
         for y in 0..height {
             for x in 0..width {
-                let mut out = [255.0; 4];
+                let mut out =
+                    [0, 1, 2, 3].map(|i| if matches!(slots[i], Slot::Half) { 128.0 } else { 255.0 });
                 for (to, (bitmap, channel)) in
                     out.iter_mut().zip(&sources).filter_map(|(to, s)| Some((to, s.as_ref()?)))
                 {

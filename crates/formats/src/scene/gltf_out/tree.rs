@@ -206,6 +206,7 @@ fn inline(described: &TriangleMesh) -> Mesh {
         positions: described.positions.iter().map(single).collect(),
         normals: described.normals.iter().map(single).collect(),
         uvs: described.uvs.iter().map(|uv| uv.map(|v| v as f32)).collect(),
+        tangents: described.tangents.iter().map(|t| t.map(|v| v as f32)).collect(),
         triangles: described.triangles.clone(),
         ..Mesh::default()
     }

@@ -188,7 +188,7 @@ impl<'o> Translator<'o, '_, '_> {
         let at = self.placed(o, &Affine::IDENTITY);
         let flip = self.flips(o);
         let surface = self.surface(o, &at, Uv::Disc, flip);
-        Some(Node::Disc(Disc { center: DVec3::ZERO, normal: DVec3::Z, radius: 1.0, surface }))
+        Some(Node::Disc(Disc { surface, ..Disc::default() }))
     }
 
     fn rectangle(&mut self, o: &'o Object) -> Option<Node> {

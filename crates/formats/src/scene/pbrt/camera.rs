@@ -6,7 +6,8 @@
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::Span;
 use straal_scene::desc::{
-    Camera, FovAxis, Lens, LensProfile, Observer, Orthographic, Panorama, PanoramaRows, Perspective,
+    Camera, FovAxis, Lens, LensExposure, LensProfile, Observer, Orthographic, Panorama, PanoramaRows,
+    Perspective, Realistic,
 };
 
 use super::params::Params;
@@ -172,9 +173,12 @@ impl Reader<'_, '_> {
         });
     }
 
-    /// A lens system, as a thin lens of the same focal length.
+    /// A lens system.
     fn realistic(&mut self, params: &Params, s: &Stand) {
-        params.pass_over(&["aperture", "simpleweighting"]);
+        params.pass_over(&["simpleweighting"]);
+        if let Some(shape) = params.string("aperture") {
+            self.warn(shape.span, "the stop of a lens is round here, whatever shape `aperture` gives it");
+        }
         let Some(file) = params.string("lensfile").cloned() else {
             return self.error(params.span, "a realistic camera needs a `lensfile`");
         };
@@ -187,32 +191,37 @@ impl Reader<'_, '_> {
         let lines = text.lines().map(|line| line.split('#').next().unwrap_or(""));
         let numbers: Vec<f64> =
             lines.flat_map(str::split_whitespace).filter_map(crate::number::double).collect();
-        let elements: Vec<[f64; 4]> = numbers.chunks_exact(4).filter_map(|c| c.try_into().ok()).collect();
-        let Some(focal) = focal_length(&elements) else {
-            let message =
-                "this is no description of a lens: rows of curvature, thickness, index and aperture in mm";
-            return self.error(file.span, message);
-        };
-        self.warn(
-            file.span,
-            format!("the lens is approximated by a thin one with the same focal length of {focal:.1} mm"),
-        );
-        let [w, h] = self.scene.film.size.map(f64::from);
-        let diagonal = self.options.film.as_ref().map_or(35.0, |film| film.params.float("diagonal", 35.0));
-        let sensor = diagonal * w / (w * w + h * h).sqrt();
-        let angle = 2.0 * ops::atan2_d(0.5 * sensor, focal).to_degrees();
-        if !(angle > 1e-3 && angle < 179.0) {
-            return self.error(file.span, "this lens sees no angle between 0 and 180 degrees");
-        }
+        // What the camera's transform makes larger.
         let scale = s.forward.length();
-        let radius = 0.5e-3 * params.float("aperturediameter", 1.0) * scale;
-        let observer = s.observer(s.eye, s.is_mirrored());
-        self.scene.camera = Camera::Perspective(Perspective {
-            fov: Some(angle),
-            fov_axis: FovAxis::X,
-            lens: lens(radius, params.float("focusdistance", 10.0) * scale),
-            ..with(observer)
-        });
+        let surface = |c: &[f64]| Some([c[0] * scale, c[1] * scale, c[2], c[3] * scale]);
+        let mut elements: Vec<[f64; 4]> = numbers.chunks_exact(4).filter_map(surface).collect();
+        let stop = params.float("aperturediameter", 1.0) * scale;
+        for element in elements.iter_mut().filter(|e| e[0] == 0.0) {
+            if stop > element[3] && element[3] > 0.0 {
+                self.warn(params.span, "`aperturediameter` is wider than the lens' stop, which is taken");
+            } else if stop > 0.0 {
+                element[3] = stop;
+            }
+        }
+        let film = self.options.film.as_ref();
+        let diagonal = film.map_or(35.0, |film| film.params.float("diagonal", 35.0));
+        let camera = Realistic {
+            elements,
+            aperture: None,
+            film_diagonal: diagonal * scale,
+            focus_distance: params.float("focusdistance", 10.0) * scale,
+            exposure: LensExposure::Film,
+            observer: s.observer(s.eye, s.is_mirrored()),
+        };
+        let is_positive = |v: f64| v > 0.0 && v.is_finite();
+        if !is_positive(camera.film_diagonal)
+            || !is_positive(camera.focus_distance)
+            || camera.back_focus().is_none()
+        {
+            let message = "this is no lens that makes a picture: rows of curvature, thickness, index and aperture in mm";
+            return self.error(file.span, message);
+        }
+        self.scene.camera = Camera::Realistic(camera);
     }
 }
 
@@ -276,36 +285,9 @@ impl Stand {
     }
 }
 
-/// The focal length of a lens system in mm, by two matrices for each surface (Gaussian optics); rows are from the front.
-fn focal_length(elements: &[[f64; 4]]) -> Option<f64> {
-    // A ray parallel to the axis: its height, and its slope.
-    let (mut y, mut slope) = (1.0, 0.0);
-    let mut before = 1.0;
-    for [radius, thickness, index, _] in elements {
-        // The stop bends nothing.
-        if *radius != 0.0 && *index > 0.0 {
-            let power = (index - before) / radius;
-            slope = (before * slope - power * y) / index;
-            before = *index;
-        }
-        y += slope * thickness;
-    }
-    let focal = -1.0 / (before * slope);
-    (slope != 0.0 && focal.is_finite() && focal > 1e-3 && focal < 1e6).then_some(focal)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_single_lens_has_the_lensmakers_focal_length() {
-        // 1/f = (n - 1) (1/R1 - 1/R2) for one without thickness.
-        let f = focal_length(&[[50.0, 0.0, 1.5, 10.0], [-50.0, 0.0, 1.0, 10.0]]).unwrap();
-        assert!((f - 50.0).abs() < 1e-9, "{f}");
-        assert_eq!(focal_length(&[]), None);
-        assert_eq!(focal_length(&[[0.0, 1.0, 0.0, 5.0]]), None);
-    }
 
     #[test]
     fn the_shorter_side_is_from_minus_one_to_one() {

@@ -4,10 +4,11 @@ use std::rc::Rc;
 
 use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
-    Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, ImageTexture, Lamp, Light, Mapping,
-    PointLight, Portal, Projector, Spectrum, SpotLight, Texture, TextureChannel, TextureFilter, TextureOf,
-    TextureSpace, UvMapping, Varying, Wrap, Wraps,
+    Decay, DirectionalLight, Environment, EnvironmentLayout, Falloff, Goniometric, ImageTexture, Lamp, Light,
+    Mapping, PointLight, Portal, Projector, Spectrum, SpotLight, Texture, TextureChannel, TextureFilter,
+    TextureOf, TextureSpace, UvMapping, Varying, Wrap, Wraps,
 };
+use straal_scene::photometry::{Photometry, Planes};
 use straal_scene::{Bitmap, Image, Span, Spanned};
 
 use super::params::{Params, Type};
@@ -41,7 +42,7 @@ impl Reader<'_, '_> {
             "spot" => self.spot(&params, &map),
             "distant" => self.distant(&params, &map),
             "infinite" => self.infinite(&params, &map),
-            "goniometric" => self.goniometric(&kind, &params, &map),
+            "goniometric" => self.goniometric(&params, &map),
             "projection" => self.projection(&kind, &params, &map),
             "exinfinite" => {
                 self.warn(kind.span, "`exinfinite` of pbrt-v3 is taken for `infinite`");
@@ -277,29 +278,46 @@ impl Reader<'_, '_> {
     }
 
     /// A lamp with a picture of its directions: evenly by its mean.
-    fn goniometric(&mut self, kind: &Spanned<String>, params: &Params, map: &Affine) {
-        let file = params.string("filename").or(params.string("mapname")).cloned();
-        let mut mean = 1.0;
-        if let Some(file) = file {
-            let Some(image) = self.read_picture(&file) else { return };
-            let sum: f64 =
-                image.pixels.iter().map(|p| p.iter().map(|v| f64::from(*v)).sum::<f64>() / 3.0).sum();
-            mean = sum / image.pixels.len() as f64;
-        }
-        self.warn(
-            kind.span,
-            "`goniometric` is approximated: the lamp shines evenly, by the mean of its picture",
-        );
-        let mut intensity = self.strength(params, "I");
-        intensity = match params.maybe_float("power").filter(|v| *v > 0.0) {
-            Some(power) => times(&intensity, power / (4.0 * std::f64::consts::PI)),
-            None => times(&intensity, positive(mean)),
+    fn goniometric(&mut self, params: &Params, map: &Affine) {
+        let Some(file) = params.string("filename").or(params.string("mapname")).cloned() else {
+            // As bright in all directions.
+            return self.point(params, map);
         };
-        let position = map.point(DVec3::ZERO);
-        self.scene.lights.push(Light::Point(PointLight {
-            position,
-            intensity,
-            decay: Decay::InverseSquare,
+        let Some(image) = self.read_picture(&file) else { return };
+        if image.width != image.height {
+            self.warn(
+                file.span,
+                "a picture of a `goniometric` light is square: this one is taken as if it were",
+            );
+        }
+        let grey = |p: &[f32; 3]| p.iter().map(|v| f64::from(*v)).sum::<f64>() / 3.0;
+        let mean = image.pixels.iter().map(grey).sum::<f64>() / image.pixels.len() as f64;
+        let mut scale = self.scale(params) * self.light_scale;
+        if let Some(power) = params.maybe_float("power").filter(|v| *v > 0.0) {
+            scale *= if mean > 0.0 { power / (4.0 * std::f64::consts::PI * mean) } else { 0.0 };
+        }
+        // The colour is told by itself; that of spectra counts as 1, as in pbrt.
+        let own = self.spectrum(params, "I", Role::Illuminant).unwrap_or(Self::white());
+        if let Some(rgb) = own.rgb() {
+            scale *= f64::from(straal_color::luminance(rgb.0.map(|v| v as f32)));
+        }
+        let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| map.vector(axis));
+        let is_mirrored = x.cross(y).dot(z) < 0.0;
+        if !(mean > 0.0 && scale > 0.0 && (scale as f32).is_finite()) || z.try_normalize().is_none() {
+            return self.warn(params.span, "this light sends out nothing: it is left out");
+        }
+        let lamp = lamp_of(&image, is_mirrored, grey);
+        let name = format!("{}#lamp {}", file.value, self.scene.lights.len());
+        let file = self.made.photometry(Spanned::new(name, file.span), std::sync::Arc::new(lamp));
+        self.scene.lights.push(Light::Goniometric(Goniometric {
+            position: map.point(DVec3::ZERO),
+            file,
+            direction: Some(z),
+            look_at: None,
+            zero: x,
+            color: own,
+            efficacy: CANDELA,
+            scale,
             lamp: Lamp::default(),
         }));
     }
@@ -415,6 +433,42 @@ impl Reader<'_, '_> {
     }
 }
 
+/// Candela that stand for 1 of a picture's numbers, and lumens for a watt.
+const CANDELA: f64 = 683.0;
+
+/// What a picture of all directions in equal areas says of a lamp whose axis is its z.
+fn lamp_of(image: &Image, is_mirrored: bool, grey: impl Fn(&[f32; 3]) -> f64) -> Photometry {
+    let planes: Vec<f64> = (0..=180).map(|i| 2.0 * f64::from(i)).collect();
+    let angles: Vec<f64> = (0..=180).map(f64::from).collect();
+    let mut candela = Vec::with_capacity(planes.len() * angles.len());
+    for plane in &planes {
+        let (s, c) = ops::sin_cos_degrees(if is_mirrored { -*plane } else { *plane });
+        for angle in &angles {
+            let (sin, cos) = ops::sin_cos_degrees(*angle);
+            let [u, v] = place_of(DVec3::new(sin * c, sin * s, cos));
+            let at = |share: f64, size: usize| ((share * size as f64) as usize).min(size - 1);
+            let pixel = image.pixels[at(v, image.height) * image.width + at(u, image.width)];
+            candela.push((grey(&pixel) * CANDELA) as f32);
+        }
+    }
+    candela.iter_mut().for_each(|v| *v = if v.is_finite() && *v > 0.0 { *v } else { 0.0 });
+    Photometry { system: Planes::C, planes, angles, candela }
+}
+
+/// Where a picture of equal areas shows a unit vector (Clarberg 2008, as pbrt-v4 has it).
+fn place_of(d: DVec3) -> [f64; 2] {
+    let [x, y, z] = [d.x.abs(), d.y.abs(), d.z.abs()];
+    let r = if z < 1.0 { (1.0 - z).sqrt() } else { 0.0 };
+    let part = if x == 0.0 && y == 0.0 { 0.0 } else { ops::atan2_d(y, x) * std::f64::consts::FRAC_2_PI };
+    let mut v = part * r;
+    let mut u = r - v;
+    if d.z < 0.0 {
+        (u, v) = (1.0 - v, 1.0 - u);
+    }
+    let sign = |part: f64, of: f64| if of < 0.0 { -part } else { part };
+    [0.5 * (sign(u, d.x) + 1.0), 0.5 * (sign(v, d.y) + 1.0)]
+}
+
 /// What of a number is above 0.
 fn positive(v: f64) -> f64 {
     if v > 0.0 { v } else { 0.0 }
@@ -426,4 +480,36 @@ fn height_of([u, v]: [f64; 2]) -> f64 {
     let r = 1.0 - far.abs();
     let z = 1.0 - r * r;
     if far < 0.0 { -z } else { z }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A picture that is bright where +x is lights +x, whichever way the axes are turned.
+    #[test]
+    fn a_picture_becomes_a_lamps_directions() {
+        let side = 64;
+        let mut image = Image { width: side, height: side, pixels: vec![[0.25; 3]; side * side] };
+        // The right middle of the square is +x, the lower middle +y.
+        for j in 24..40 {
+            (52..64).for_each(|i| image.pixels[j * side + i] = [2.0; 3]);
+        }
+        let grey = |p: &[f32; 3]| f64::from(p[0]);
+        for is_mirrored in [false, true] {
+            let lamp = lamp_of(&image, is_mirrored, grey);
+            assert!(lamp.is_whole());
+            assert_eq!((lamp.at(0.0, 90.0), lamp.at(180.0, 90.0)), (2.0 * CANDELA, 0.25 * CANDELA));
+            assert_eq!((lamp.at(90.0, 90.0), lamp.at(0.0, 0.0)), (0.25 * CANDELA, 0.25 * CANDELA));
+        }
+        image.pixels = vec![[0.25; 3]; side * side];
+        for j in 52..64 {
+            (24..40).for_each(|i| image.pixels[j * side + i] = [2.0; 3]);
+        }
+        let bright = |is_mirrored| {
+            let lamp = lamp_of(&image, is_mirrored, grey);
+            [90.0, 270.0].map(|plane| lamp.at(plane, 90.0) / CANDELA)
+        };
+        assert_eq!((bright(false), bright(true)), ([2.0, 0.25], [0.25, 2.0]));
+    }
 }

@@ -149,7 +149,7 @@ impl Reader<'_, '_> {
             let phi = [0.0, phi];
             Node::Annulus(Annulus { center, normal, radius, inner_radius: inner, phi, surface })
         } else {
-            Node::Disc(Disc { center, normal, radius, surface })
+            Node::Disc(Disc { center, normal, radius, surface, ..Disc::default() })
         });
     }
 

@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{
-    Checker, CylindricalMapping, ImageTexture, InvertTexture, Mapping, MappingSpace, MixTexture,
-    PlanarMapping, RemapTexture, ScaleTexture, Spectrum, SphericalMapping, Texture, TextureChannel,
-    TextureFilter, TextureOf, TextureSpace, TriplanarMapping, UvMapping, Varying, Wrap, Wraps,
+    Checker, CornersTexture, CubesTexture, CylindricalMapping, DotsTexture, FacingTexture, ImageTexture,
+    InvertTexture, Mapping, MappingSpace, MixTexture, NoiseForm, NoiseTexture, PlanarMapping,
+    RampInterpolation, RampStop, RampTexture, RemapTexture, ScaleTexture, Spectrum, SphericalMapping,
+    Texture, TextureChannel, TextureFilter, TextureOf, TextureSpace, Transform, UvMapping, Varying, Wrap,
+    Wraps,
 };
 use straal_scene::value::{LinearRgb, Link};
 use straal_scene::{Bitmap, Spanned, suggest};
@@ -104,68 +106,42 @@ impl Reader<'_, '_> {
             "mix" | "directionmix" => {
                 let first = self.value(params, "tex1", of).unwrap_or_else(zero);
                 let second = self.value(params, "tex2", of).unwrap_or_else(one);
-                let amount = if kind.as_str() == "mix" {
-                    self.number(params, "amount").unwrap_or(Varying::Constant(0.5))
-                } else {
-                    params.pass_over(&["dir"]);
-                    self.warn(
-                        kind.span,
-                        "a texture `directionmix` is half of both, wherever the surface faces",
-                    );
-                    Varying::Constant(0.5)
-                };
+                if kind.as_str() == "directionmix" {
+                    let direction = self.state.transform().vector(params.vector("dir").unwrap_or(DVec3::Y));
+                    let space = MappingSpace::World;
+                    return inline(Texture::Facing(FacingTexture { first, second, direction, space }));
+                }
+                let amount = self.number(params, "amount").unwrap_or(Varying::Constant(0.5));
                 inline(Texture::Mix(MixTexture { first, second, amount: share(amount) }))
             }
             "checkerboard" => {
                 let first = self.value(params, "tex1", of).unwrap_or_else(one);
                 let second = self.value(params, "tex2", of).unwrap_or_else(zero);
-                let mapping = if params.integer("dimension", 2) == 3 {
-                    self.warn(kind.span, "a checkerboard in space lies on surfaces along x, y and z");
-                    params.pass_over(&["mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2"]);
-                    let transform = as_transform(self.state.transform(), params.span);
-                    let (space, uv) = (MappingSpace::World, UvMapping::default());
-                    Mapping::Triplanar(TriplanarMapping { space, uv, sharpness: 100.0, transform })
-                } else {
-                    self.mapping(params)
-                };
+                if params.integer("dimension", 2) == 3 {
+                    params.pass_over(&[
+                        "mapping", "uscale", "vscale", "udelta", "vdelta", "v1", "v2", "aamode",
+                    ]);
+                    let (space, transform) = (MappingSpace::World, self.solid(params));
+                    return inline(Texture::Cubes(CubesTexture { first, second, space, transform }));
+                }
+                let mapping = self.mapping(params);
                 params.pass_over(&["aamode"]);
                 let squares = [1.0, 1.0];
                 inline(Texture::Checker(Checker { first, second, squares, averaged: true, mapping }))
             }
             "bilerp" => {
-                let mut sum = [0.0; 3];
-                for name in ["v00", "v01", "v10", "v11"] {
-                    let corner = self.value(params, name, of);
-                    let absent = if name.ends_with('1') { 1.0 } else { 0.0 };
-                    let rgb = corner.as_ref().and_then(Varying::constant).and_then(Spectrum::rgb);
-                    let LinearRgb(rgb) = rgb.unwrap_or(LinearRgb::grey(absent));
-                    for (sum, v) in sum.iter_mut().zip(rgb) {
-                        *sum += 0.25 * v;
-                    }
-                }
-                self.flat(kind, params);
-                Varying::Constant(Spectrum::Rgb(LinearRgb(sum)))
+                let [v00, v10] = ["v00", "v10"].map(|name| self.value(params, name, of).unwrap_or_else(zero));
+                let [v01, v11] = ["v01", "v11"].map(|name| self.value(params, name, of).unwrap_or_else(one));
+                let mapping = self.mapping(params);
+                inline(Texture::Corners(CornersTexture { v00, v10, v01, v11, mapping }))
             }
             "dots" => {
-                let inside = self.value(params, "inside", of);
+                let inside = self.value(params, "inside", of).unwrap_or_else(one);
                 let outside = self.value(params, "outside", of).unwrap_or_else(zero);
-                self.flat(kind, params);
-                // A third of the plane is within a dot.
-                let amount = Varying::Constant(0.7);
-                inline(Texture::Mix(MixTexture {
-                    first: inside.unwrap_or_else(one),
-                    second: outside,
-                    amount,
-                }))
+                let mapping = self.mapping(params);
+                inline(Texture::Dots(DotsTexture { inside, outside, mapping }))
             }
-            "fbm" | "wrinkled" | "windy" => {
-                self.flat(kind, params);
-                half()
-            }
-            "marble" => {
-                self.flat(kind, params);
-                Varying::Constant(Spectrum::Rgb(LinearRgb([0.41, 0.35, 0.32])))
-            }
+            "fbm" | "wrinkled" | "windy" | "marble" => self.noise(kind, params),
             "ptex" => {
                 params.pass_over(&["filename", "gamma", "scale", "encoding"]);
                 self.warn(kind.span, "textures in Ptex can't be read: it is grey, 0.5");
@@ -196,23 +172,51 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Of a pattern that straal doesn't have.
-    fn flat(&mut self, kind: &Spanned<String>, params: &Params) {
-        params.pass_over(&[
-            "octaves",
-            "roughness",
-            "scale",
-            "variation",
-            "mapping",
-            "uscale",
-            "vscale",
-            "udelta",
-            "vdelta",
-            "v1",
-            "v2",
-        ]);
-        let message = format!("the pattern `{}` is not supported yet: it is flat, of its mean", kind.value);
-        self.warn(kind.span, message);
+    /// Where a pattern of space lies, by the transform that is in force.
+    fn solid(&mut self, params: &Params) -> Transform {
+        let map = *self.state.transform();
+        if straal_math::Transform::new(&map).is_none() {
+            self.warn(params.span, "the texture's transform is singular: the world's places are taken");
+            return Transform::default();
+        }
+        as_transform(&map, params.span)
+    }
+
+    fn noise(&mut self, kind: &Spanned<String>, params: &Params) -> Varying<Spectrum> {
+        let form = match kind.as_str() {
+            "fbm" => NoiseForm::Fbm,
+            "wrinkled" => NoiseForm::Wrinkled,
+            "windy" => NoiseForm::Windy,
+            _ => NoiseForm::Marble,
+        };
+        let is_marble = form == NoiseForm::Marble;
+        let mut noise = NoiseTexture { form, space: MappingSpace::World, ..NoiseTexture::default() };
+        noise.transform = self.solid(params);
+        if noise.form != NoiseForm::Windy {
+            let octaves = params.integer("octaves", 8);
+            noise.octaves = octaves.clamp(1, 16) as u32;
+            let roughness = params.float("roughness", 0.5);
+            noise.roughness =
+                if roughness > 0.0 { if roughness < 1.0 { roughness } else { 1.0 } } else { 0.0 };
+            if i64::from(noise.octaves) != i64::from(octaves) || noise.roughness != roughness {
+                self.warn(params.span, "`octaves` are kept from 1 to 16 here, `roughness` from 0 to 1");
+            }
+        }
+        if !is_marble {
+            return inline(Texture::Noise(noise));
+        }
+        let scale = params.float("scale", 1.0);
+        let variation = params.float("variation", 0.2);
+        noise.variation = if variation.abs() <= 1e3 { variation } else { 0.2 };
+        let larger = Affine::scale(DVec3::splat(1.0 / scale)).then(self.state.transform());
+        if scale != 1.0 && straal_math::Transform::new(&larger).is_some() {
+            noise.transform = as_transform(&larger, params.span);
+        }
+        inline(Texture::Ramp(RampTexture {
+            of: Varying::Texture(Box::new(TextureOf::Inline(Texture::Noise(noise)))),
+            stops: marble(),
+            interpolation: RampInterpolation::Linear,
+        }))
     }
 
     fn image_map(&mut self, params: &Params) -> Varying<Spectrum> {
@@ -384,6 +388,32 @@ impl Reader<'_, '_> {
     }
 }
 
+/// The colours of pbrt's marble from 0 to 1: six curves of third degree (Bézier), each of four of nine colours, one on from the curve before. So the curves don't
+/// meet. A curve is told by so many straight pieces that no colour is off by more than a thousandth.
+fn marble() -> Vec<RampStop> {
+    const LIGHT: [f64; 3] = [0.58, 0.58, 0.6];
+    const COLOURS: [[f64; 3]; 9] =
+        [LIGHT, LIGHT, LIGHT, [0.5; 3], [0.6, 0.59, 0.58], LIGHT, LIGHT, [0.2, 0.2, 0.33], LIGHT];
+    const PIECES: u32 = 16;
+    let mut stops = Vec::new();
+    for (curve, points) in COLOURS.windows(4).enumerate() {
+        for i in 0..=PIECES {
+            let t = f64::from(i) / f64::from(PIECES);
+            let s = 1.0 - t;
+            let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+            let colour = [0, 1, 2].map(|k| {
+                let mean: f64 = (0..4).map(|j| weights[j] * points[j][k]).sum();
+                1.5 * mean
+            });
+            stops.push(RampStop {
+                at: (curve as f64 + t) / (COLOURS.len() - 3) as f64,
+                color: Spectrum::Rgb(LinearRgb(colour)),
+            });
+        }
+    }
+    stops
+}
+
 /// A texture where it is used.
 pub(super) fn inline(texture: Texture) -> Varying<Spectrum> {
     Varying::Texture(Box::new(TextureOf::Inline(texture)))
@@ -436,4 +466,20 @@ pub(super) fn scaled(of: Varying<Spectrum>, by: Varying<Spectrum>) -> Varying<Sp
         (None, by) => ScaleTexture { of, by: Varying::Constant(1.0), tint: by },
     };
     inline(Texture::Scale(scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marble_has_the_colours_of_its_curves() {
+        let stops = marble();
+        assert!(stops.windows(2).all(|pair| pair[0].at <= pair[1].at));
+        assert_eq!((stops[0].at, stops[stops.len() - 1].at), (0.0, 1.0));
+        // All lie between the darkest and the lightest, and the first is the first colour.
+        let rgb = |stop: &RampStop| stop.color.rgb().unwrap().0;
+        assert!((rgb(&stops[0])[2] - 0.9).abs() < 1e-12);
+        assert!(stops.iter().flat_map(rgb).all(|v| (0.3..=0.9 + 1e-12).contains(&v)));
+    }
 }

@@ -85,7 +85,7 @@ fn pdf(entry: &Example, stand: &Stand<'_>, at: &Receiver, w: Vec3) -> f32 {
     let inside = crossings.first().is_some_and(|(_, s)| s.ng.dot(own) > 0.0);
     let points = if round && !inside && !crossings.is_empty() { &crossings[..1] } else { &crossings };
     let of = |(i, s): &(u32, SurfacePoint)| {
-        entry.emitter.pdf_of_copy(&entry.geometry, stand, at.p, (*i, &stand.outwards(s)), false)
+        entry.emitter.pdf_of_copy(&entry.geometry, stand, at, (*i, &stand.outwards(s)), false)
     };
     points.iter().map(of).sum()
 }
@@ -154,7 +154,7 @@ fn what_is_sampled_of_a_copy_is_what_is_hit() {
                 assert!(((hit.p - at.p).normalize() - s.wi).length() < 1e-5);
                 // The way back to the object rounds the point, which counts where it is seen edge-on.
                 let part = (0..entry.geometry.meshes.first().map_or(1, |m| m.indices.len() as u32))
-                    .map(|i| entry.emitter.pdf_of_copy(&entry.geometry, &stand, at.p, (i, &hit), false));
+                    .map(|i| entry.emitter.pdf_of_copy(&entry.geometry, &stand, &at, (i, &hit), false));
                 let told = part.fold(f32::INFINITY, |best, pdf| {
                     if (pdf - s.pdf).abs() < (best - s.pdf).abs() { pdf } else { best }
                 });

@@ -8,7 +8,7 @@ use straal_math::Vec3;
 #[test]
 fn directions_have_the_density_that_is_told() {
     let registry = registry();
-    let tests = registry.len() * VIEWS.len();
+    let tests = registry.len() * (VIEWS.len() + 1);
     for entry in registry {
         let mut lit = 0;
         // Surroundings look the same from everywhere, but not to every surface.
@@ -17,7 +17,9 @@ fn directions_have_the_density_that_is_told() {
         let views = if entry.emitter.is_environment() {
             around.to_vec()
         } else {
-            VIEWS.map(Receiver::anywhere).to_vec()
+            // As everything sees it, and as a surface does on which some of it falls steeply.
+            let steep = Receiver { p: VIEWS[0], n: (tilted - VIEWS[0]).normalize() };
+            VIEWS.map(Receiver::anywhere).into_iter().chain([steep]).collect()
         };
         for (i, at) in views.iter().enumerate() {
             let p = at.p;

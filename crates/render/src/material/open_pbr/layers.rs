@@ -6,7 +6,7 @@
 
 use straal_color::Light;
 use straal_math::simd::{Float, Mask};
-use straal_math::{Vec3, ops};
+use straal_math::{Frame, Vec3, ops};
 
 use super::energy::Rough;
 use super::film::{self, Film};
@@ -14,6 +14,7 @@ use super::fuzz::Fibres;
 use super::params::{LEAST_INDEX, Params, SMOOTH, lerp};
 use super::{ggx, interface, is_any};
 use crate::material::microfacet::Facets;
+use crate::material::shaded::shading_normals;
 
 /// Facets as smooth as this lose no light to speak of between them.
 const LOSSLESS: f32 = 0.04 * 0.04;
@@ -110,6 +111,13 @@ pub(super) struct Coat<F: Float> {
     pub tint: Light<F>,
     /// What it lets through on the way in, darkened.
     pub lets_in: Light<F>,
+    /// Where its normal isn't that of the base, and its frame there.
+    pub leans: F::Mask,
+    pub frame: Frame<F>,
+    /// The direction to the viewer in that.
+    pub wo: Vec3<F>,
+    /// What it reflects as a mirror of its own.
+    pub mirrored: Light<F>,
 }
 
 /// With which probability each lobe is drawn from.
@@ -144,7 +152,7 @@ impl<F: Float> Layers<F> {
         let ior_air = one;
         let behind = wo.z.lt(zero);
         let side = F::select(behind, -one, one);
-        let wo = Vec3::new(wo.x, wo.y, wo.z * side);
+        let wo = turned(&p, Vec3::new(wo.x, wo.y, wo.z * side));
         let live = Light([one, one, one, F::select(p.rgb, zero, one)]);
 
         // How much there is of each part of the base.
@@ -309,9 +317,19 @@ impl<F: Float> Layers<F> {
         let [along, across] = alphas(coat_alpha, p.coat_anisotropy);
         let coat_facets = ggx([along, across]);
         let coat_weight = F::select(coated, p.coat_weight, zero);
+        let leans = p.leans & coated;
+        let (mut coat_frame, mut coat_wo) = (Frame::from_normal(Vec3::new(zero, zero, one)), wo);
+        if leans.any() {
+            coat_frame = leaning(&p, wo);
+            coat_wo = Vec3::select(leans, coat_frame.to_local(wo), wo);
+        }
         let mut coat = Coat {
+            leans,
+            frame: coat_frame,
+            wo: coat_wo,
+            mirrored: Light::splat(F::ZERO),
             facets: coat_facets,
-            bound: coat_facets.bound(wo),
+            bound: coat_facets.bound(coat_wo),
             smooth: coat_alpha.lt(F::splat(SMOOTH)),
             presence: p.coat_weight,
             weight: coat_weight,
@@ -322,7 +340,7 @@ impl<F: Float> Layers<F> {
         };
         let mut coat_back = zero;
         if coated.any() {
-            coat_back = coat.weight * coat.reflects(wo.z);
+            coat_back = coat.weight * coat.reflects(coat.wo.z);
             let mean = interface::mean(eta_coat);
             let within = one - (one - mean) / (eta_coat * eta_coat);
             let share_opaque = interface::mean(eta_opaque);
@@ -338,7 +356,7 @@ impl<F: Float> Layers<F> {
                 #[inline(always)]
                 |e| lerp(F::ONE, (F::ONE - k) / (F::ONE - e * k), darkening),
             );
-            let lets_in = coat.passage(wo.z) * dark * (one - coat_back);
+            let lets_in = coat.passage(coat.wo.z) * dark * (one - coat_back);
             coat.lets_in = Light::select(coated, lets_in, Light::splat(F::ONE));
         }
 
@@ -387,14 +405,18 @@ impl<F: Float> Layers<F> {
         let (back, through) = (back * live, through * live);
 
         let mut mirrored = Light::splat(F::ZERO);
+        let mut own_mirror = mirrored;
         let both_ways = F::select(self.p.reciprocal, self.under, F::ONE);
         let is_smooth_coat = coat.smooth & coat.weight.gt(zero);
         if is_smooth_coat.any() {
-            let share = coat.weight * interface::dielectric(self.wo.z, coat.eta);
-            mirrored = (live * (share * self.under * both_ways)).only(is_smooth_coat);
+            let share = coat.weight * interface::dielectric(coat.wo.z, coat.eta);
+            let all = (live * (share * self.under * both_ways)).only(is_smooth_coat);
+            mirrored = all.only(!coat.leans);
+            own_mirror = all.only(coat.leans);
         }
         if base.smooth.any() {
-            let way_out = self.way_out(self.wo.z, F::Mask::splat(true));
+            let out = coat.cos(Vec3::new(-self.wo.x, -self.wo.y, self.wo.z));
+            let way_out = self.way_out(out, F::Mask::splat(true));
             mirrored += (back * coat.lets_in * way_out * (self.under * both_ways)).only(base.smooth);
         }
         let mut passes = Light::splat(F::ZERO);
@@ -423,7 +445,7 @@ impl<F: Float> Layers<F> {
             thin: F::select(rough & self.p.thin, let_in * (base.thin_passes * live).max_lane(), zero),
             even_up: let_in * ((base.diffuse * live).max_lane() * opaque_share + lost_back),
             even_down: let_in * ((base.thin_diffuse * live).max_lane() * opaque_share + lost_through),
-            coat: F::select(coat.smooth, zero, self.under * coat_back),
+            coat: F::select(coat.smooth, own_mirror.max_lane(), self.under * coat_back),
             fuzz: fuzz_back * (self.p.fuzz * live).max_lane(),
         };
         let sum = c.through + c.mirrored + c.facets + c.thin + c.even_up + c.even_down + c.coat + c.fuzz;
@@ -438,10 +460,69 @@ impl<F: Float> Layers<F> {
             coat: c.coat * by,
             fuzz: c.fuzz * by,
         };
+        self.coat.mirrored = own_mirror;
     }
 }
 
+/// A direction in the frame that is brushed along its first tangent.
+#[inline(always)]
+pub(super) fn turned<F: Float>(p: &Params<F>, w: Vec3<F>) -> Vec3<F> {
+    if !p.turned.any() {
+        return w;
+    }
+    let [c, s] = p.along;
+    Vec3::select(p.turned, Vec3::new(w.x * c + w.y * s, w.y * c - w.x * s, w.z), w)
+}
+
+/// From that frame.
+#[inline(always)]
+pub(super) fn turned_back<F: Float>(p: &Params<F>, w: Vec3<F>) -> Vec3<F> {
+    if !p.turned.any() {
+        return w;
+    }
+    let [c, s] = p.along;
+    Vec3::select(p.turned, Vec3::new(w.x * c - w.y * s, w.y * c + w.x * s, w.z), w)
+}
+
+/// The frame of a coat whose normal isn't that of the base; bent where the viewer would see it from behind, as shading normals are.
+#[inline(always)]
+fn leaning<F: Float>(p: &Params<F>, wo: Vec3<F>) -> Frame<F> {
+    let up = Vec3::new(F::ZERO, F::ZERO, F::ONE);
+    let (n, _) = shading_normals(turned(p, p.coat_normal), up, wo);
+    let (s, there) = (Vec3::new(F::ONE, F::ZERO, F::ZERO) - n * n.x).normalize_checked();
+    let any = Frame::from_normal(n);
+    let s = Vec3::select(there, s, any.s);
+    Frame { s, t: n.cross(s), n }
+}
+
 impl<F: Float> Coat<F> {
+    /// A direction in its frame.
+    #[inline(always)]
+    pub fn local(&self, w: Vec3<F>) -> Vec3<F> {
+        if !self.leans.any() {
+            return w;
+        }
+        Vec3::select(self.leans, self.frame.to_local(w), w)
+    }
+
+    /// From its frame.
+    #[inline(always)]
+    pub fn above(&self, w: Vec3<F>) -> Vec3<F> {
+        if !self.leans.any() {
+            return w;
+        }
+        Vec3::select(self.leans, self.frame.to_world(w), w)
+    }
+
+    /// The cosine of a direction to its normal, 0 below it.
+    #[inline(always)]
+    pub fn cos(&self, w: Vec3<F>) -> F {
+        if !self.leans.any() {
+            return w.z;
+        }
+        F::select(self.leans, self.frame.n.dot(w).max(F::ZERO), w.z)
+    }
+
     /// What it reflects of light at a cosine.
     #[inline(always)]
     pub fn reflects(&self, cos: F) -> F {

@@ -36,6 +36,7 @@ use super::microfacet::Facets;
 use super::{Bsdf, BsdfSample, Emission, Recipe, Scatter, Transport, Wants};
 use crate::lanes::{Carried, Colour, Lanes};
 use crate::paint::Paint;
+use crate::relief::{Brushing, CoatNormals};
 use crate::texture::{Reading, ShadingPoint, Value};
 
 pub mod energy;
@@ -126,6 +127,9 @@ pub struct OpenPbrMaterial {
     pub emission_luminance: Value<f32>,
     pub geometry_opacity: Value<f32>,
     pub geometry_thin_walled: bool,
+    pub geometry_coat_normal: CoatNormals,
+    /// Along which base and coat are rougher.
+    pub brushing: Brushing,
     /// What dims light on its way through a body of it.
     pub filling: Option<super::Interior>,
     /// Coat and fuzz take away what they reflect on both sides: reciprocal, and darker.
@@ -164,6 +168,16 @@ impl OpenPbrMaterial {
         ]
     }
 
+    /// Whether the coat has a normal of its own.
+    fn leans(&self) -> bool {
+        self.coat_weight.most() > 0.0 && self.geometry_coat_normal != CoatNormals::Base
+    }
+
+    /// Whether it asks the point for directions other than the tangent and the normal.
+    fn is_turned(&self) -> bool {
+        self.leans() || self.brushing != Brushing::STRAIGHT
+    }
+
     fn colours(&self) -> [&Value<Colour>; 6] {
         [
             &self.base_color,
@@ -186,7 +200,11 @@ impl OpenPbrMaterial {
         let scale = number(&self.transmission_dispersion_scale);
         let thickness = number(&self.thin_film_thickness) * 1000.0;
         let (nm, parted) = nanometres(reading.lanes);
-        Params {
+        let params = Params {
+            along: [1.0, 0.0],
+            coat_normal: Vec3::Z,
+            turned: false,
+            leans: false,
             base: reading.eval(&self.base_color, at) * number(&self.base_weight),
             specular: tint(&self.specular_color),
             transmission: if is_tinted { tint(&self.transmission_color) } else { Light::ONE },
@@ -219,7 +237,11 @@ impl OpenPbrMaterial {
             rgb: reading.lanes.bins().is_none(),
             parted,
             reciprocal: self.reciprocal,
+        };
+        if !self.is_turned() {
+            return params;
         }
+        params.turned_to(self.brushing.at(at, reading), self.geometry_coat_normal.at(at, reading))
     }
 
     /// What dims light in a body of it, whose colour and depth are the same everywhere. What would be scattered is absorbed as well.
@@ -291,6 +313,8 @@ impl Recipe for OpenPbrMaterial {
             thin_film_ior: paint.number(&d.thin_film_ior),
             geometry_opacity: paint.number(&d.geometry_opacity),
             geometry_thin_walled: d.geometry_thin_walled,
+            geometry_coat_normal: CoatNormals::of(&d.geometry_coat_normal, paint),
+            brushing: Brushing::of(d.geometry_tangent.as_ref(), d.geometry_tangent_rotation, paint),
             filling: None,
             reciprocal: d.reciprocal,
             two_sided: d.two_sided,
@@ -326,7 +350,8 @@ impl Recipe for OpenPbrMaterial {
             || self.colours().iter().any(|v| v.varies())
             || self.geometry_opacity.varies();
         let tangent = self.specular_roughness_anisotropy.most() > 0.0
-            || (self.coat_weight.most() > 0.0 && self.coat_roughness_anisotropy.most() > 0.0);
+            || (self.coat_weight.most() > 0.0 && self.coat_roughness_anisotropy.most() > 0.0)
+            || self.leans();
         Wants { point: varies || tangent, tangent }
     }
 
@@ -433,7 +458,10 @@ impl Scatter for OpenPbr {
         if transport == Transport::Importance && there {
             if !sample.delta {
                 sample.weight = self.adjoint(wo, sample.wi) * (1.0 / sample.pdf);
-            } else if sample.transmitted {
+            } else if !sample.transmitted {
+                // A coat that leans is a mirror about another normal.
+                sample.weight *= (sample.wi.z / wo.z).abs();
+            } else {
                 // The way back of the radiance that comes from there; lanes that have ended stay so.
                 let back = self
                     .layers(sample.wi)

@@ -1,6 +1,7 @@
 //! The parameters of OpenPBR at a point, for one vertex or many side by side.
 
 use straal_color::Light;
+use straal_math::Vec3;
 use straal_math::simd::Float;
 
 use super::fuzz;
@@ -41,6 +42,14 @@ pub(in super::super) struct Params<F: Float> {
     pub coat_anisotropy: F,
     pub coat_darkening: F,
     pub subsurface_anisotropy: F,
+    /// Where brushed facets are rougher: a unit vector along the tangent and across it.
+    pub along: [F; 2],
+    /// The coat's unit normal.
+    pub coat_normal: Vec3<F>,
+    /// Whether `along` isn't the tangent.
+    pub turned: F::Mask,
+    /// Whether the coat's normal isn't that of the base.
+    pub leans: F::Mask,
     /// A wall without thickness.
     pub thin: F::Mask,
     /// Whether the back of what is opaque is black; else it looks like the front.
@@ -84,6 +93,10 @@ impl Params<f32> {
         coat_anisotropy: 0.0,
         coat_darkening: 1.0,
         subsurface_anisotropy: 0.0,
+        along: [1.0, 0.0],
+        coat_normal: Vec3::Z,
+        turned: false,
+        leans: false,
         thin: false,
         one_sided: false,
         rgb: true,
@@ -93,6 +106,18 @@ impl Params<f32> {
 }
 
 impl Params<f32> {
+    /// Brushed in a direction of the frame, with a coat that has a normal of its own, if it has.
+    pub fn turned_to(self, along: [f32; 2], coat_normal: Option<Vec3>) -> Self {
+        let coat_normal = coat_normal.filter(|_| self.coat_weight > 0.0);
+        Self {
+            along,
+            turned: along != [1.0, 0.0],
+            coat_normal: coat_normal.unwrap_or(Vec3::Z),
+            leans: coat_normal.is_some(),
+            ..self
+        }
+    }
+
     /// Whether there is nothing but delta lobes, whatever the direction.
     pub fn is_delta(&self) -> bool {
         let dielectric = 1.0 - self.metalness;

@@ -1,7 +1,8 @@
 //! What a material of OpenPBR has at a point, packed: some forty numbers, of which every vertex of a path carries a copy.
 
 use straal_color::Light;
-use straal_math::simd::{Float, Uint};
+use straal_math::Vec3;
+use straal_math::simd::{Float, Mask, Uint};
 
 use super::params::Params;
 
@@ -22,8 +23,14 @@ const COUNT: usize = 47;
 /// | 43 | dispersion | 1/20000 | 3.2 |
 /// | 44, 45 | anisotropy, of the coat; coat darkening, subsurface anisotropy: 8 bits each | 1/200; the last 1/100 | 1 |
 /// | 46 | flags | | |
+///
+/// Beside these stand two directions, which few materials have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Record([u16; COUNT]);
+pub(super) struct Record {
+    numbers: [u16; COUNT],
+    /// Two unit vectors' x and y in steps of 1/32000 about 32768: where it is brushed, and the coat's normal. Read where a flag says so.
+    vectors: [u16; 4],
+}
 
 const UNIT: f32 = 65000.0;
 const INDEX: f32 = 12800.0;
@@ -43,6 +50,15 @@ const RGB: u16 = 4;
 const PARTED: u16 = 8;
 /// Coat and fuzz take away what they reflect on both sides.
 const RECIPROCAL: u16 = 16;
+
+/// Brushed in another direction than along the tangent.
+const TURNED: u16 = 32;
+/// The coat has a normal of its own.
+const LEANS: u16 = 64;
+
+/// Steps of a direction's coordinates, and the middle of them.
+const DIRECTION: f32 = 32000.0;
+const MIDDLE: f32 = 32768.0;
 
 /// To the nearest step; what is beyond ends at the last.
 fn steps(v: f32, per_one: f32) -> u16 {
@@ -93,9 +109,13 @@ impl Record {
             (p.rgb, RGB),
             (p.parted, PARTED),
             (p.reciprocal, RECIPROCAL),
+            (p.turned, TURNED),
+            (p.leans, LEANS),
         ];
         out[46] = flags.iter().filter(|(yes, _)| *yes).map(|(_, flag)| flag).sum();
-        Self(out)
+        let step = |v: f32| (v * DIRECTION + MIDDLE + 0.5) as u16;
+        let vectors = [p.along[0], p.along[1], p.coat_normal.x, p.coat_normal.y].map(step);
+        Self { numbers: out, vectors }
     }
 
     /// Four pairs of numbers.
@@ -106,8 +126,8 @@ impl Record {
 
     #[inline(always)]
     fn pair(&self, i: usize) -> f32 {
-        let high = if i + 1 < COUNT { self.0[i + 1] } else { 0 };
-        f32::from_bits(u32::from(self.0[i]) | u32::from(high) << 16)
+        let high = if i + 1 < COUNT { self.numbers[i + 1] } else { 0 };
+        f32::from_bits(u32::from(self.numbers[i]) | u32::from(high) << 16)
     }
 
     /// As many records as there are lanes, side by side.
@@ -125,7 +145,25 @@ impl Record {
             n.pairs[4 * group + 2] = c.to_bits();
             n.pairs[4 * group + 3] = d.to_bits();
         }
+        let (turned, leans): (F::Mask, F::Mask) = (n.flag(TURNED), n.flag(LEANS));
+        let (mut along, mut coat_normal) = ([F::ONE, F::ZERO], Vec3::new(F::ZERO, F::ZERO, F::ONE));
+        if (turned | leans).any() {
+            let [c, s, x, y] = F::from_rows(
+                #[inline(always)]
+                |i| record(i).vectors.map(|v| (f32::from(v) - MIDDLE) / DIRECTION),
+            );
+            let by = F::ONE / (c * c + s * s).sqrt();
+            along = [F::select(turned, c * by, F::ONE), F::select(turned, s * by, F::ZERO)];
+            let z = (F::ONE - x * x - y * y).max(F::ZERO).sqrt();
+            let zero = F::ZERO;
+            coat_normal =
+                Vec3::new(F::select(leans, x, zero), F::select(leans, y, zero), F::select(leans, z, F::ONE));
+        }
         Params {
+            along,
+            coat_normal,
+            turned,
+            leans,
             base: n.tint(0),
             specular: n.tint(1),
             transmission: n.tint(2),
@@ -165,7 +203,7 @@ impl Record {
     #[inline]
     pub fn transmits(&self) -> bool {
         // The weight of what is clear, and a thin wall.
-        self.0[30] > 0 || self.0[46] & THIN != 0
+        self.numbers[30] > 0 || self.numbers[46] & THIN != 0
     }
 
     /// One, as plain numbers.

@@ -6,7 +6,7 @@ use straal_color::Light;
 use straal_math::simd::{Float, Mask};
 use straal_math::{Vec3, warp};
 
-use super::layers::Layers;
+use super::layers::{Layers, turned, turned_back};
 use super::{fuzz, interface, is_any};
 use crate::material::RoughDiffuse;
 
@@ -55,7 +55,7 @@ impl<F: Float> Layers<F> {
     #[inline(always)]
     fn eval_here(&self, wi: Vec3<F>) -> (Light<F>, F) {
         let (base, coat, chances) = (&self.base, &self.coat, &self.chances);
-        let wi = Vec3::new(wi.x, wi.y, wi.z * self.side);
+        let wi = turned(&self.p, Vec3::new(wi.x, wi.y, wi.z * self.side));
         let up = wi.z.gt(F::ZERO) & self.seen;
         let down = wi.z.lt(F::ZERO) & self.seen;
         // What goes through a thin wall is a mirror image of what is reflected.
@@ -95,14 +95,15 @@ impl<F: Float> Layers<F> {
         pdf += F::select(up | down, drawn, F::ZERO);
 
         // Up through the layers.
-        value *= coat.lets_in * self.way_out(cos, up);
+        value *= coat.lets_in * self.way_out(coat.cos(mirrored), up);
         if (up & coat.weight.gt(F::ZERO) & !coat.smooth).any() {
-            let on = up & has_half & coat.weight.gt(F::ZERO) & !coat.smooth;
+            let (own_wi, h) = (coat.local(mirrored), coat.local(h));
+            let on = up & has_half & coat.weight.gt(F::ZERO) & !coat.smooth & own_wi.z.gt(F::ZERO);
             let density = coat.facets.density(h);
-            let shape = density * coat.facets.reflects_within(self.wo, F::ONE) * coat.facets.seen(mirrored);
+            let shape = density * coat.facets.reflects_within(coat.wo, F::ONE) * coat.facets.seen(own_wi);
             let share = coat.weight * interface::dielectric(cos_half, coat.eta);
             value += Light::splat(F::select(on, shape * share, F::ZERO));
-            let drawn = density * coat.facets.reflects_within(self.wo, coat.bound);
+            let drawn = density * coat.facets.reflects_within(coat.wo, coat.bound);
             pdf += F::select(on, chances.coat * drawn, F::ZERO);
         }
         if self.p.fuzz_weight.gt(F::ZERO).any() {
@@ -282,10 +283,18 @@ impl<F: Float> Layers<F> {
             any = any | (even_up | even_down) & d.z.ne(F::ZERO);
         }
         if coat.any() {
-            let m = self.coat.facets.sample_within(self.wo, u, self.coat.bound);
-            let reflected = m * (self.wo.dot(m) * 2.0) - self.wo;
-            wi = Vec3::select(coat, reflected, wi);
-            any = any | coat & reflected.z.gt(F::ZERO);
+            let own = &self.coat;
+            let mirrors = coat & own.smooth;
+            let up = Vec3::new(F::ZERO, F::ZERO, F::ONE);
+            let m = Vec3::select(own.smooth, up, own.facets.sample_within(own.wo, u, own.bound));
+            let reflected = m * (own.wo.dot(m) * 2.0) - own.wo;
+            let out = own.above(reflected);
+            wi = Vec3::select(coat, out, wi);
+            any = any | coat & reflected.z.gt(F::ZERO) & out.z.gt(F::ZERO);
+            delta = delta | mirrors;
+            let by = F::ONE / F::select(mirrors, c.coat, F::ONE);
+            weight = Light::select(mirrors, own.mirrored * by, weight);
+            chance = F::select(mirrors, c.coat, chance);
         }
         if fuzz.any() {
             let d = self.fibres.draw(u);
@@ -293,6 +302,7 @@ impl<F: Float> Layers<F> {
             any = any | fuzz & d.z.gt(F::ZERO);
         }
         let transmitted = wi.z.lt(F::ZERO);
+        let wi = turned_back(&self.p, wi);
         Drawn { wi: Vec3::new(wi.x, wi.y, wi.z * self.side), any, delta, transmitted, weight, chance, nm }
     }
 

@@ -48,6 +48,8 @@ pub(super) fn material() -> OpenPbrMaterial {
         geometry_opacity: n(1.0),
         geometry_thin_walled: false,
         filling: None,
+        geometry_coat_normal: CoatNormals::Base,
+        brushing: Brushing::STRAIGHT,
         reciprocal: false,
         two_sided: true,
     }
@@ -55,6 +57,10 @@ pub(super) fn material() -> OpenPbrMaterial {
 
 fn white() -> Params<f32> {
     Params { base: Light([1.0, 1.0, 1.0, 0.0]), ..Params::BLANK }
+}
+
+fn lacquer(coat_roughness: f32) -> Params<f32> {
+    Params { coat_weight: 1.0, coat_roughness, roughness: 0.5, ..white() }
 }
 
 fn layered(p: Params<f32>) -> Bsdf<'static> {
@@ -97,6 +103,14 @@ pub(super) fn examples() -> Vec<Example> {
             "open_pbr, rough lacquer",
             Params { coat_weight: 0.6, coat_roughness: 0.5, coat: red, roughness: 0.5, ..white() },
         ),
+        way("open_pbr, lacquer that leans", lacquer(0.0).turned_to([1.0, 0.0], Some(slanted(20.0)))),
+        way("open_pbr, rough lacquer that leans", lacquer(0.4).turned_to([0.6, 0.8], Some(slanted(-30.0)))),
+        one(
+            "open_pbr, brushed metal, turned",
+            Params { metalness: 1.0, roughness: 0.5, anisotropy: 0.7, ..white() }
+                .turned_to([0.28, -0.96], None),
+        )
+        .gain(0.04),
         way("open_pbr, velvet", Params { fuzz_weight: 1.0, fuzz_roughness: 0.4, ..white() }),
         way(
             "open_pbr, all",

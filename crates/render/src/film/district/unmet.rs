@@ -1,0 +1,106 @@
+//! What may be there though no sample has met it.
+//!
+//! Beside a pixel in which a lamp shines lies one of which the lamp's edge covers a part in a hundred. Its first samples are all black, like those of its neighbours that the lamp
+//! doesn't reach, and if it is black around as well, that part is most of its block's light. After n samples without an event, a part of 1 / n can't be ruled
+//! out, and the chance that an edge leaves so little of a pixel falls as its root. So the pixels around what is bright are taken to have a variance of
+//! 2 B² / (n + 1)^1.5, where B is the light of single samples there: the mean of their squares over their mean, which is the lamp's own radiance
+//! however little of the pixel it covers. A block has one such edge more often than two: all of its pixels together count for the one that may be worst.
+
+use super::{ALL, BLOCK, DISTRICT, Half, PIXELS, place};
+
+/// So many pixels around may hide a part of what a pixel shows.
+const REACH: usize = 2;
+
+/// By what the chance is scaled; tried on reference scenes.
+const CHANCE: f64 = 2.0;
+
+/// The variance of single samples that `count` of them without an event of brightness `bright` leave possible.
+fn possible(bright: f64, count: f64) -> f64 {
+    let n = count + 1.0;
+    CHANCE * bright * bright / (n * n.sqrt())
+}
+
+/// The greatest of the numbers on a line within [`REACH`] of each place.
+fn greatest_along(line: &[f64], out: &mut [f64]) {
+    for (i, out) in out.iter_mut().enumerate() {
+        let near = &line[i.saturating_sub(REACH)..(i + REACH + 1).min(line.len())];
+        *out = near.iter().fold(0.0, |most, v| if *v > most { *v } else { most });
+    }
+}
+
+/// The variance of single samples that each pixel of a district may have by what is around.
+pub(super) fn variances(shown: &[Half]) -> Vec<f64> {
+    let side = DISTRICT as usize;
+    let mut bright = vec![0.0; ALL];
+    for y in 0..side {
+        for x in 0..side {
+            let half = &shown[place([x, y])];
+            if half.brightness > 0.0 {
+                bright[y * side + x] = half.brightness + half.variance / half.brightness;
+            }
+        }
+    }
+    let mut along_rows = vec![0.0; ALL];
+    for (row, out) in bright.chunks(side).zip(along_rows.chunks_mut(side)) {
+        greatest_along(row, out);
+    }
+    let mut out = vec![0.0; ALL];
+    let (mut column, mut greatest) = (vec![0.0; side], vec![0.0; side]);
+    for x in 0..side {
+        column.iter_mut().enumerate().for_each(|(y, v)| *v = along_rows[y * side + x]);
+        greatest_along(&column, &mut greatest);
+        for (y, bright) in greatest.iter().enumerate() {
+            let place = place([x, y]);
+            if shown[place].count > 0.0 {
+                out[place] = possible(*bright, shown[place].count);
+            }
+        }
+    }
+    for block in out.chunks_mut(PIXELS) {
+        let (sum, most) =
+            block.iter().fold((0.0, 0.0), |(sum, most), v| (sum + v, if *v > most { *v } else { most }));
+        if sum > 0.0 {
+            block.iter_mut().for_each(|v| *v *= most / sum);
+        }
+    }
+    debug_assert_eq!(side % BLOCK as usize, 0);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lamp that covers a quarter of a pixel: its neighbours within two pixels may have a part of it, and count as one in each block.
+    #[test]
+    fn what_lies_beside_a_lamp_may_hide_a_part_of_it() {
+        let mut shown = vec![Half { count: 15.0, brightness: 0.01, variance: 0.0, is_open: true }; ALL];
+        // Radiance 4: mean 1, variance 3.
+        shown[place([8, 20])] = Half { count: 15.0, brightness: 1.0, variance: 3.0, is_open: true };
+        let got = variances(&shown);
+        let one = CHANCE * 16.0 / 64.0;
+        let sum = |x: usize| got[place([x, 16])..][..PIXELS].iter().sum::<f64>();
+        assert!((sum(8) - one).abs() < 1e-12 && (sum(0) - one).abs() < 1e-12, "{} {}", sum(8), sum(0));
+        let dark = CHANCE * 0.01 * 0.01 / 64.0;
+        assert!((sum(16) - dark).abs() < 1e-12, "{}", sum(16));
+        // Three columns of five rows of the lamp's own block, and two of the one beside it.
+        let lit = |x: usize, y: usize| got[place([x, y])] > 0.01;
+        for (x, y, is_lit) in [(10, 22, true), (11, 20, false), (6, 18, true), (5, 20, false), (8, 23, false)]
+        {
+            assert_eq!(lit(x, y), is_lit, "{x} {y}");
+        }
+        assert!(
+            (got[place([8, 20])] - one / 15.0).abs() < 1e-3
+                && (got[place([7, 20])] - one / 10.0).abs() < 1e-3
+        );
+    }
+
+    #[test]
+    fn nothing_lies_outside_of_the_picture() {
+        let mut shown = vec![Half::default(); ALL];
+        shown[0] = Half { count: 4.0, brightness: 1.0, variance: 1.0, is_open: true };
+        let got = variances(&shown);
+        assert_eq!(got[0], possible(2.0, 4.0));
+        assert_eq!(got.iter().filter(|v| **v != 0.0).count(), 1);
+    }
+}
