@@ -20,6 +20,9 @@ pub(super) struct Needs {
     pub building: u64,
 }
 
+/// Bytes of a run of triangles: its first and last number, and where their mesh is found.
+const RUN: u64 = 20;
+
 /// So many of a part.
 fn of(count: f64, bytes: usize) -> f64 {
     count * bytes as f64
@@ -36,7 +39,8 @@ pub(super) fn needs(structure: &Structure, space: &Space) -> Needs {
         Structure::Brute => {
             let objects = n - counts[0];
             let bytes = |each: usize| of(objects, each) as u64;
-            return Needs { kept: bytes(sizes::REFERENCE), building: bytes(sizes::PRIMITIVE) };
+            let runs = if counts[0] > 0.0 { RUN } else { 0 };
+            return Needs { kept: bytes(sizes::REFERENCE) + runs, building: bytes(sizes::PRIMITIVE) };
         }
         Structure::Volumes(_) => (of(1.0, sizes::REFERENCE), 0.0),
         Structure::Bvh(p) => {
