@@ -9,23 +9,23 @@ pub enum Weights {
     Guided,
     /// The same by a third of the arithmetic.
     GuidedFast,
-    /// Light alone.
+    /// Light with albedo and normals that have no noise.
+    CleanGuided,
+    /// Light alone, by a third of the arithmetic.
     Light,
-    /// Light with albedo and normals that have no noise, by a third of the arithmetic.
-    CleanGuidedFast,
 }
 
 impl Weights {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Guided, Self::GuidedFast, Self::Light, Self::CleanGuidedFast];
+    pub const ALL: [Self; 4] = [Self::Guided, Self::GuidedFast, Self::CleanGuided, Self::Light];
 
     /// Its name in Open Image Denoise, which is the name of its file.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Guided => "rt_hdr_alb_nrm",
             Self::GuidedFast => "rt_hdr_alb_nrm_small",
-            Self::Light => "rt_hdr",
-            Self::CleanGuidedFast => "rt_hdr_calb_cnrm_small",
+            Self::CleanGuided => "rt_hdr_calb_cnrm",
+            Self::Light => "rt_hdr_small",
         }
     }
 
@@ -34,8 +34,8 @@ impl Weights {
         match self {
             Self::Guided => include_bytes!("../data/rt_hdr_alb_nrm.tza"),
             Self::GuidedFast => include_bytes!("../data/rt_hdr_alb_nrm_small.tza"),
-            Self::Light => include_bytes!("../data/rt_hdr.tza"),
-            Self::CleanGuidedFast => include_bytes!("../data/rt_hdr_calb_cnrm_small.tza"),
+            Self::CleanGuided => include_bytes!("../data/rt_hdr_calb_cnrm.tza"),
+            Self::Light => include_bytes!("../data/rt_hdr_small.tza"),
         }
     }
 

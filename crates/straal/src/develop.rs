@@ -217,7 +217,7 @@ impl PictureFile {
     ) -> io::Result<()> {
         let mut metadata = with_development(&self.picture.metadata, development);
         if format == Format::Exr {
-            return exr::write(out, &exr::Layered { metadata, ..self.picture.clone() });
+            return exr::write_with(out, &self.picture, &metadata);
         }
         let (pixels, [width, height], at) = self.shown();
         if format == Format::Png {

@@ -113,7 +113,7 @@ impl Picture {
             Format::Exr => {
                 let picture = self.to_exr();
                 let metadata = with_development(&picture.metadata, development);
-                exr::write(out, &exr::Layered { metadata, ..picture })
+                exr::write_with(out, &picture, &metadata)
             }
             Format::Png => {
                 let undeveloped = Undeveloped {

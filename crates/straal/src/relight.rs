@@ -257,7 +257,8 @@ impl PictureFile {
             }
         }
         let light: Vec<[f32; 3]> = light.into_iter().map(|pixel| pixel.map(|v| v as f32)).collect();
-        if self.picture.layer(denoise::NOISY).is_some() {
+        let are_noisy = self.told(denoise::GROUPS_DENOISED).is_none();
+        if are_noisy && self.picture.layer(denoise::NOISY).is_some() {
             let note = "the picture was denoised, and its groups of lights weren't: relit it has their noise (relight first, and denoise what comes of it)";
             self.photo.notes.push(note.into());
         }

@@ -1,15 +1,15 @@
 //! `straal denoise`
 
-use super::{Writing, not_read, print, read_picture};
+use super::{Writing, not_read, print, standard_input};
 use crate::args::DenoiseArgs;
 use crate::exit::{Exit, Failure};
 use crate::out;
-use crate::places::{check_pictures, refuse_inputs, refuse_twins};
+use crate::places::{check_pictures, is_stream, refuse_inputs, refuse_twins};
 use serde_json::json;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use straal::denoise::{Denoised, Denoising, Network, NoDenoise, Signal};
-use straal::develop::PictureFile;
-use straal_formats::files;
+use straal::denoise::{Denoised, Denoising, Network, NoDenoise, NoisyFile, Signal};
+use straal_formats::{Limits, files, image};
 
 /// A network, its name, and those that prefilter its guides.
 type Own = ((String, Network), [Option<Network>; 2]);
@@ -49,7 +49,7 @@ fn network(path: &Path, signal: Signal) -> Result<(String, Network), Failure> {
 }
 
 /// What a person should know of the picture and of what was done.
-fn tell(args: &DenoiseArgs, picture_file: &PictureFile, denoised: &Denoised, bad: [Option<String>; 2]) {
+fn tell(args: &DenoiseArgs, picture_file: &NoisyFile, denoised: &Denoised, bad: [Option<String>; 2]) {
     let name = args.picture.display();
     for note in picture_file.notes().iter().chain(&denoised.notes).chain(bad.iter().flatten()) {
         out::say(&format!("warning: {name}: {note}\n"));
@@ -66,9 +66,14 @@ pub fn run(args: &DenoiseArgs) -> Result<Exit, Failure> {
     refuse_twins(outputs())?;
     refuse_inputs(outputs(), std::slice::from_ref(&args.picture))?;
     let name = args.picture.display();
-    let bytes = read_picture(&args.picture)?;
-    let picture_file = PictureFile::read(&bytes, &super::picture_limits());
-    drop(bytes);
+    let limits = super::picture_limits();
+    let picture_file = if is_stream(&args.picture) {
+        NoisyFile::open(Cursor::new(standard_input()?), &limits)
+    } else {
+        let opened = image::open(&args.picture, &Limits::default());
+        let (file, _) = opened.map_err(|refusal| not_read(&args.picture, refusal))?;
+        NoisyFile::open(file, &limits)
+    };
     let mut picture_file = picture_file.map_err(|e| Failure::input(format!("can't read {name}: {e}")))?;
     let faults = picture_file.faults();
     let bad = [
@@ -105,11 +110,13 @@ pub fn run(args: &DenoiseArgs) -> Result<Exit, Failure> {
     let development = args.development.over(picture_file.development());
     let mut writing = Writing::default();
     for path in &args.output {
-        writing.picture(
-            path,
-            |to| picture_file.write(to, stream, &development),
-            |path| picture_file.save(path, &development),
-        );
+        let done = if is_stream(path) {
+            let written = out::picture(|to| picture_file.write(to, stream, &development));
+            written.map_err(|e| format!("can't write to standard output: {e}"))
+        } else {
+            picture_file.save(path, &development).map_err(|e| e.to_string())
+        };
+        writing.note(path, done);
     }
     writing.end()?;
     if !args.quiet {

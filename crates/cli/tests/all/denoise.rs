@@ -61,7 +61,7 @@ fn alpha_stays_and_what_is_no_light_is_told() {
     picture.layers.push(Layer::from_rgb("albedo", &[[0.5; 3]; 6]));
     write(&folder, "a.exr", &picture);
     let report = folder.json("denoise a.exr -o b.exr --fireflies 10");
-    assert_eq!(report["weights"], "rt_hdr");
+    assert_eq!(report["weights"], "rt_hdr_small");
     assert_eq!(report["fireflies"]["pixels"], 0);
     let notes = report["notes"].to_string();
     assert!(notes.contains("albedo without normals"), "{notes}");
@@ -106,7 +106,11 @@ fn a_render_is_denoised_with_its_error_and_the_same_bits() {
     folder.straal("render scene.yaml -o plain.exr -q");
     let run = folder.straal("render scene.yaml -o clean.exr --denoise best --threads 1");
     assert_eq!(run.code, Some(0), "{}", run.err);
-    assert!(run.err.contains("denoised by rt_hdr_alb_nrm (albedo, normal), "), "{}", run.err);
+    assert!(
+        run.err.contains("denoised by rt_hdr_calb_cnrm and rt_hdr_alb_nrm (albedo, normal), "),
+        "{}",
+        run.err
+    );
     assert!(run.err.contains("of the truth, by its own estimate\n"), "{}", run.err);
     let (plain, clean) = (read(&folder, "plain.exr"), read(&folder, "clean.exr"));
     // The samples are the same; what the error is of has changed.

@@ -13,9 +13,14 @@ pub struct Guides {
     pub albedo_name: String,
     /// The layer of the normals.
     pub normal_name: String,
+    /// Pixels whose albedo, and whose normal, is no number.
+    pub bad: [usize; 2],
     /// What a person should know of how they were found, each a sentence without a full stop.
     pub notes: Vec<String>,
 }
+
+/// What the guides are called in messages.
+const WHAT: [&str; 2] = ["albedo", "normals"];
 
 /// What renderers call the albedo, spaces and the like left out, the best first: Blender's is smoothed where the surface is a mirror, for denoisers.
 const ALBEDO: [&str; 7] =
@@ -37,26 +42,25 @@ const NORMAL: [&str; 12] = [
     "nrm",
 ];
 
+/// Those of both.
+const NAMES: [&[&str]; 2] = [&ALBEDO, &NORMAL];
+
 impl Guides {
     /// The guides of a picture whose light is the layer `light`.
     pub fn of(picture: &Layered, light: &str) -> Self {
         let mut guides = Self::default();
         let pixels = picture.data_window.width * picture.data_window.height;
-        for (names, is_albedo) in [(&ALBEDO[..], true), (&NORMAL[..], false)] {
+        for (k, names) in NAMES.into_iter().enumerate() {
+            let is_albedo = k == 0;
             let Some(layer) = find(picture, light, names) else { continue };
             let channels = if is_albedo {
                 [["R", "G", "B"], ["X", "Y", "Z"]]
             } else {
                 [["X", "Y", "Z"], ["R", "G", "B"]]
             };
-            let what = if is_albedo { "albedo" } else { "normals" };
             match triples(layer, channels).filter(|values| values.len() == pixels) {
                 Some(values) => {
-                    let bad = values.iter().filter(|v| v.iter().any(|v| !v.is_finite())).count();
-                    if bad > 0 {
-                        let place = if bad == 1 { "1 pixel".to_owned() } else { format!("{bad} pixels") };
-                        guides.notes.push(format!("{what} of {place} are no numbers and count as 0"));
-                    }
+                    guides.bad[k] = values.iter().filter(|v| v.iter().any(|v| !v.is_finite())).count();
                     let name = layer.name.clone();
                     if is_albedo {
                         (guides.albedo, guides.albedo_name) = (Some(values), name);
@@ -65,12 +69,32 @@ impl Guides {
                     }
                 }
                 None => guides.notes.push(format!(
-                    "the layer `{}` should be the {what}, but hasn't three channels that say so",
-                    layer.name
+                    "the layer `{}` should be the {}, but hasn't three channels that say so",
+                    layer.name, WHAT[k]
                 )),
             }
         }
         guides
+    }
+
+    /// The names of the layers that would be taken for albedo and normals.
+    pub(crate) fn names(picture: &Layered, light: &str) -> [Option<String>; 2] {
+        NAMES.map(|names| find(picture, light, names).map(|layer| layer.name.clone()))
+    }
+
+    /// Albedo and normals, where both are there.
+    pub(crate) fn both(&self) -> Option<[&[[f32; 3]]; 2]> {
+        Some([self.albedo.as_deref()?, self.normal.as_deref()?])
+    }
+
+    /// The notes, with that of pixels which are no numbers.
+    pub(crate) fn told(&self) -> Vec<String> {
+        let mut notes = self.notes.clone();
+        for (bad, what) in self.bad.iter().zip(WHAT).filter(|(bad, _)| **bad > 0) {
+            let place = if *bad == 1 { "1 pixel".to_owned() } else { format!("{bad} pixels") };
+            notes.push(format!("{what} of {place} are no numbers and count as 0"));
+        }
+        notes
     }
 }
 

@@ -3,21 +3,26 @@
 //! The network of [`straal_denoise`] sees the picture's light and, where they are there, albedo and normal of what each pixel shows.
 
 mod blend;
+mod edges;
+mod file;
 mod fireflies;
+mod groups;
 mod guides;
 
+pub use file::{NoisyFile, Source};
 pub use fireflies::Fireflies;
 pub use guides::Guides;
 pub use straal_denoise::{Network, Signal, Weights, WeightsError};
 
-use crate::develop::PictureFile;
-use crate::job::SeenLight;
+use crate::job::{Seen, SeenLight};
 use crate::picture::Picture;
+use edges::Edges;
 use std::fmt;
 use straal_denoise::{DenoiseError, Settings};
+use straal_formats::ReadError;
 use straal_math::simd::{Isa, Simd};
 use straal_render::film::channel::{self, Channel};
-use straal_render::film::{BLOCK, DARK, HalfPictures, Region};
+use straal_render::film::{BLOCK, CLAMPED, DARK, HalfPictures, Region};
 
 /// How much work the network does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -41,9 +46,10 @@ impl Effort {
         }
     }
 
-    /// The weights for pictures with all guides, or with none.
-    fn weights(self, is_guided: bool) -> Weights {
+    /// The weights for pictures with all guides, which have no noise or some, or with none.
+    fn weights(self, is_guided: bool, is_clean: bool) -> Weights {
         match (is_guided, self) {
+            (true, Self::Best) if is_clean => Weights::CleanGuided,
             (true, Self::Best) => Weights::Guided,
             (true, Self::Fast) => Weights::GuidedFast,
             (false, _) => Weights::Light,
@@ -111,6 +117,9 @@ pub enum NoDenoise {
     /// The picture and the network don't fit.
     #[error(transparent)]
     Network(#[from] DenoiseError),
+    /// The picture can't be read to its end.
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// The weights are none.
     #[error("the weights can't be read: {0}")]
     Weights(#[from] WeightsError),
@@ -124,6 +133,9 @@ pub enum NoDenoise {
 
 /// The key of the metadata under which a denoised picture tells by which weights and guides.
 pub const DENOISED: &str = "straal.denoised";
+
+/// The key under which it tells that its groups of lights are clean as well.
+pub(crate) const GROUPS_DENOISED: &str = "straal.denoised_groups";
 
 /// The layer that keeps the noisy light.
 pub const NOISY: &str = "noisy";
@@ -142,6 +154,8 @@ pub struct Noisy<'a> {
 /// A network that is ready, with what it is to see.
 pub(crate) struct Ready {
     pub network: Network,
+    /// Another that was trained for the same, whose mistakes are others.
+    pub second: Option<Network>,
     pub settings: Settings,
     pool: rayon::ThreadPool,
     /// Name of the weights.
@@ -152,15 +166,18 @@ pub(crate) struct Ready {
 }
 
 impl Denoising {
-    /// The network for a picture with these guides.
-    pub(crate) fn ready(&self, guides: &Guides) -> Result<Ready, NoDenoise> {
+    /// The network for a picture with these guides, which are as good as without noise or not.
+    pub(crate) fn ready(&self, guides: &Guides, is_clean: bool) -> Result<Ready, NoDenoise> {
         let (has_albedo, has_normal) = (guides.albedo.is_some(), guides.normal.is_some());
         let mut notes = Vec::new();
-        let (name, network) = match &self.network {
-            Some((name, network)) => (name.clone(), network.clone()),
+        let (name, network, second) = match &self.network {
+            Some((name, network)) => (name.clone(), network.clone(), None),
             None => {
-                let weights = self.effort.weights(has_albedo && has_normal);
-                (weights.name().to_owned(), weights.network()?)
+                let weights = self.effort.weights(has_albedo && has_normal, is_clean);
+                let second = if weights == Weights::CleanGuided { Some(Weights::Guided) } else { None };
+                let names = [Some(weights), second].into_iter().flatten().map(Weights::name);
+                let name = names.collect::<Vec<_>>().join(" and ");
+                (name, weights.network()?, second.map(Weights::network).transpose()?)
             }
         };
         let sees = [network.inputs() >= 2, network.inputs() >= 3];
@@ -186,13 +203,28 @@ impl Denoising {
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0)).build()?;
         let settings = pool.install(|| Settings { simd, ..Settings::default() });
-        Ok(Ready { network, settings, pool, name, sees, notes })
+        Ok(Ready { network, second, settings, pool, name, sees, notes })
     }
 }
 
 impl Ready {
-    /// Clean light.
+    /// Clean light, as the mean of all that the networks make of it.
+    pub fn run_all(&self, noisy: &Noisy<'_>) -> Result<Vec<[f32; 3]>, NoDenoise> {
+        let mut clean = self.run(noisy)?;
+        if let Some(second) = &self.second {
+            let other = self.run_by(second, noisy)?;
+            let both = clean.iter_mut().flatten().zip(other.iter().flatten());
+            both.for_each(|(v, other)| *v = 0.5 * (*v + other));
+        }
+        Ok(clean)
+    }
+
+    /// Clean light of one network.
     pub fn run(&self, noisy: &Noisy<'_>) -> Result<Vec<[f32; 3]>, NoDenoise> {
+        self.run_by(&self.network, noisy)
+    }
+
+    fn run_by(&self, network: &Network, noisy: &Noisy<'_>) -> Result<Vec<[f32; 3]>, NoDenoise> {
         let [albedo, normal] = [&noisy.guides.albedo, &noisy.guides.normal];
         let picture = straal_denoise::Picture {
             width: noisy.width,
@@ -201,7 +233,7 @@ impl Ready {
             albedo: albedo.as_deref().filter(|_| self.sees[0]),
             normal: normal.as_deref().filter(|_| self.sees[1]),
         };
-        let run = || straal_denoise::denoise(&self.network, &picture, &self.settings);
+        let run = || straal_denoise::denoise(network, &picture, &self.settings);
         Ok(self.pool.install(run)?)
     }
 
@@ -227,6 +259,13 @@ impl Ready {
     /// Does something on the threads.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
+    }
+
+    /// What a picture tells of it: the weights, and what they saw.
+    pub fn told(&self, guides: &Guides) -> String {
+        let guides = self.guides(guides);
+        let told = [self.name.as_str()].into_iter().chain(guides.iter().map(String::as_str));
+        told.collect::<Vec<_>>().join(", ")
     }
 
     /// Names of the guides that the network sees.
@@ -259,10 +298,13 @@ impl Denoised {
 }
 
 impl Denoising {
-    /// Bytes that denoising a rendered picture takes besides the film and its layers: two halves and three results, guides, what camera rays see of
-    /// all of it and of the halves, and what the weights are found by; and the network's rows.
+    /// Bytes of a pixel that denoising takes while the film is there: two halves, and the share of one.
+    pub(crate) const BYTES_WITH_FILM: u64 = 2 * 12 + 4;
+
+    /// Bytes that denoising a rendered picture takes besides its layers, when the film is gone: light and two halves, noisy and clean, guides, what camera rays see of lamps, and what the
+    /// weights are found by; and the network's rows.
     pub(crate) fn bytes(&self, crop: Region) -> u64 {
-        const A_PIXEL: u64 = 5 * 12 + 2 * 12 + 6 * 12 + 9 * 4;
+        const A_PIXEL: u64 = 7 * 12 + 2 * 12 + 12 + 3 * 12 + 7 * 4;
         // Measured, with twice the rows for many threads.
         const A_COLUMN: u64 = 70_000;
         (crop.area() as u64).saturating_mul(A_PIXEL).saturating_add(u64::from(crop.width()) * A_COLUMN)
@@ -273,70 +315,95 @@ impl Picture {
     /// Denoises a rendered picture. Where it is known as two halves, these are denoised as well: what they differ by tells how far the result is from the truth, which becomes
     /// the layer `error`, and in which share the noisy light is nearer to it, which is blended back.
     pub fn denoise(&mut self, how: &Denoising, halves: Option<&HalfPictures>) -> Result<Denoised, NoDenoise> {
-        self.denoise_apart(how, halves, None)
+        self.denoise_apart(how, halves.cloned(), None)
     }
 
-    /// The same with the light that camera rays see themselves apart.
+    /// The same with what camera rays tell by themselves.
     pub(crate) fn denoise_apart(
         &mut self,
         how: &Denoising,
-        halves: Option<&HalfPictures>,
-        seen: Option<&SeenLight>,
+        halves: Option<HalfPictures>,
+        seen: Option<Seen>,
     ) -> Result<Denoised, NoDenoise> {
         if self.noisy.is_some() {
             return Err(NoDenoise::Twice(self.tells("denoised").unwrap_or_default().to_owned()));
         }
-        let guide = |channel: &'static Channel| {
-            let layer = self.layers.channel(channel)?;
-            let values = layer.values.as_chunks::<3>().0.to_vec();
+        let own = |channel: &'static Channel| {
+            let values = self.layers.channel(channel)?.values.as_chunks::<3>().0;
             (values.len() == self.layers.rgb.len()).then_some(values)
         };
+        let own = [own(&channel::ALBEDO), own(&channel::NORMAL)];
         let name = |channel: &Channel| channel.layer.to_owned();
+        let is_clean = seen.is_some();
+        let (mut light, [albedo, normal]) = match seen {
+            Some(seen) => (seen.light, seen.guides.map(Some)),
+            None => (None, own.map(|own| own.map(<[_]>::to_vec))),
+        };
         let guides = Guides {
-            albedo: guide(&channel::ALBEDO),
-            normal: guide(&channel::NORMAL),
+            albedo,
+            normal,
             albedo_name: name(&channel::ALBEDO),
             normal_name: name(&channel::NORMAL),
-            notes: Vec::new(),
+            ..Guides::default()
         };
-        let ready = how.ready(&guides)?;
+        let ready = how.ready(&guides, is_clean)?;
         let width = self.layers.width;
         let guides = ready.prefiltered(how, guides, width)?;
-        let tamed = |rgb: &[[f32; 3]]| {
-            let mut rgb = rgb.to_vec();
+        // What the network sees, in place of light that camera rays see by its own samples.
+        let shown = |mut rgb: Vec<[f32; 3]>, own: Option<Vec<[f32; 3]>>, light: &Option<SeenLight>| {
+            if let (Some(light), Some(own)) = (light, own) {
+                add(&mut rgb, &own, -1.0);
+                if !light.is_apart {
+                    add(&mut rgb, &light.more, 1.0);
+                }
+            }
             let found = how.fireflies.map(|times| fireflies::remove(width, &mut rgb, times));
             (rgb, found)
         };
-        let with = |rgb: Vec<[f32; 3]>| match seen {
-            Some(seen) if seen.is_apart => each(&rgb, &seen.more, |a, b| a + b),
-            _ => rgb,
+        let run = |rgb: &[[f32; 3]]| ready.run(&Noisy { width, rgb, guides: &guides });
+        let own_light = light.as_mut().map(|light| std::mem::take(&mut light.own));
+        let (mut noisy, fireflies) = shown(self.layers.rgb.clone(), own_light, &light);
+        let halves = halves.filter(|halves| halves.share.len() == noisy.len());
+        let (shares, parts) = match halves {
+            Some(HalfPictures { rgb: [a, b], share }) => {
+                let [of_a, of_b] = match light.as_mut().map(|light| std::mem::take(&mut light.halves)) {
+                    Some(own) => own.map(Some),
+                    None => [None, None],
+                };
+                (Some(share), Some([shown(a, of_a, &light).0, shown(b, of_b, &light).0]))
+            }
+            None => (None, None),
         };
-        // What the network sees, in place of light that camera rays see by its own samples.
-        let shown = |rgb: &[[f32; 3]], own: Option<&Vec<[f32; 3]>>| match (seen, own) {
-            (Some(seen), Some(own)) if seen.is_apart => each(rgb, own, |a, b| a - b),
-            (Some(seen), Some(own)) => each(&each(rgb, own, |a, b| a - b), &seen.more, |a, b| a + b),
-            _ => rgb.to_vec(),
+        let lamps = light.filter(|light| light.is_apart).map(|light| light.more);
+        let with = |mut rgb: Vec<[f32; 3]>| {
+            if let Some(lamps) = &lamps {
+                add(&mut rgb, lamps, 1.0);
+            }
+            rgb
         };
-        let (noisy, fireflies) = tamed(&shown(&self.layers.rgb, seen.map(|seen| &seen.own)));
-        let run = |rgb: &[[f32; 3]]| -> Result<_, NoDenoise> {
-            Ok(with(ready.run(&Noisy { width, rgb, guides: &guides })?))
+        let denoised = match &parts {
+            Some([a, b]) => Some([run(a)?, run(b)?]),
+            None => None,
         };
-        let (clean, noisy) = (run(&noisy)?, with(noisy));
+        if let ([Some(albedo), Some(normal)], Some(more), true) = (own, guides.both(), is_clean) {
+            let first = match (&shares, &denoised) {
+                (Some(shares), Some([a, b])) => blend::mean(shares, a, b),
+                _ => run(&noisy)?,
+            };
+            let edges = Edges { width, own: [albedo, normal], more };
+            ready.install(|| edges.correct(&mut noisy, &first));
+        }
+        let clean = with(ready.run_all(&Noisy { width, rgb: &noisy, guides: &guides })?);
+        let noisy = with(noisy);
         let mut notes = ready.notes.clone();
         let (mut noise, mut weight) = (Vec::new(), None);
-        let rgb = match halves.filter(|halves| halves.share.len() == noisy.len()) {
-            Some(halves) => {
-                let part = |half: usize| {
-                    let own = seen.map(|seen| &seen.halves[half]);
-                    tamed(&shown(&halves.rgb[half], own)).0
-                };
-                let parts = [part(0), part(1)];
-                let denoised = [run(&parts[0])?, run(&parts[1])?];
-                let parts = parts.map(with);
+        let rgb = match (shares, parts, denoised) {
+            (Some(share), Some(parts), Some(denoised)) => {
+                let (parts, denoised) = (parts.map(with), denoised.map(with));
                 let of = blend::Halves {
                     width,
                     noisy: [&parts[0], &parts[1]],
-                    share: &halves.share,
+                    share: &share,
                     clean: [&denoised[0], &denoised[1]],
                 };
                 let blended = ready.install(|| blend::blend(&of, &noisy, &clean));
@@ -348,7 +415,7 @@ impl Picture {
                 }
                 blended.rgb
             }
-            None => {
+            _ => {
                 let why = "its error isn't known, and nothing is blended back: that takes two samples at least of each pixel, and none \
                            that counts in several";
                 notes.push(why.to_owned());
@@ -356,14 +423,17 @@ impl Picture {
                 clean
             }
         };
+        if self.layers.groups.iter().any(|group| group.name != CLAMPED) {
+            groups::denoise(&mut self.layers.groups, &ready, &guides, width, &rgb)?;
+            self.metadata.push((GROUPS_DENOISED.into(), "yes".into()));
+        }
         if self.layers.bands.take().is_some() {
             notes.push("light by wavelengths isn't denoised and is left out".into());
         }
         self.noisy = Some(std::mem::replace(&mut self.layers.rgb, rgb));
-        let seen = ready.guides(&guides);
-        let told = [ready.name.as_str()].into_iter().chain(seen.iter().map(String::as_str));
-        self.metadata.push((DENOISED.into(), told.collect::<Vec<_>>().join(", ")));
-        Ok(Denoised { weights: ready.name, guides: seen, fireflies, noise, weight, notes })
+        self.metadata.push((DENOISED.into(), ready.told(&guides)));
+        let guides = ready.guides(&guides);
+        Ok(Denoised { weights: ready.name, guides, fireflies, noise, weight, notes })
     }
 
     /// The root mean square of the error over the mean brightness of each block, which is aligned to the whole picture.
@@ -390,35 +460,8 @@ impl Picture {
     }
 }
 
-/// Two pictures, number by number.
-fn each(a: &[[f32; 3]], b: &[[f32; 3]], f: impl Fn(f32, f32) -> f32) -> Vec<[f32; 3]> {
-    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|c| f(a[c], b[c]))).collect()
-}
-
-impl PictureFile {
-    /// Denoises the picture. Guides are the layers that are called so by straal and other renderers (`albedo`, `normal`, `Denoising
-    /// Albedo`, `N`, ...). The light as it was stays as the layer `noisy`; alpha and all other layers stay, but for the variance,
-    /// the error and wavelengths of what the picture no longer is.
-    pub fn denoise(&mut self, how: &Denoising) -> Result<Denoised, NoDenoise> {
-        if let Some(told) = self.told(DENOISED) {
-            return Err(NoDenoise::Twice(told.to_owned()));
-        }
-        let guides = Guides::of(&self.picture, &self.photo.layer);
-        let ready = how.ready(&guides)?;
-        let noisy = self.photo.pixels.clone();
-        let width = self.photo.part.width;
-        let guides = ready.prefiltered(how, guides, width)?;
-        let fireflies = how.fireflies.map(|times| fireflies::remove(width, &mut self.photo.pixels, times));
-        let clean = ready.run(&Noisy { width, rgb: &self.photo.pixels, guides: &guides })?;
-        let mut notes = ready.notes.clone();
-        notes.extend(guides.notes.iter().cloned());
-        if self.replace_light(clean, &noisy) {
-            notes.push("light by wavelengths isn't denoised and is left out".into());
-        }
-        let guides = ready.guides(&guides);
-        let told = [ready.name.as_str()].into_iter().chain(guides.iter().map(String::as_str));
-        let told = told.collect::<Vec<_>>().join(", ");
-        self.picture.metadata.push((DENOISED.into(), told));
-        Ok(Denoised { weights: ready.name, guides, fireflies, noise: Vec::new(), weight: None, notes })
-    }
+/// Adds a picture times a factor of 1 or -1.
+fn add(to: &mut [[f32; 3]], what: &[[f32; 3]], factor: f32) {
+    let both = to.as_flattened_mut().iter_mut().zip(what.as_flattened());
+    both.for_each(|(to, what)| *to += factor * what);
 }

@@ -11,6 +11,7 @@ mod world;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use crate::denoise::Denoising;
 use crate::resolve::{Error, Overrides, Plan};
 use straal_accel::Structure;
 use straal_color::spectrum::uplift::UpliftTable;
@@ -85,13 +86,18 @@ impl Forecast {
         } else {
             plan.settings.threads
         };
-        let denoising = plan.denoise.as_ref().map_or(0, |how| how.bytes(plan.settings.crop));
         // Samples under way have a sum for each part of the light as well, what `clamp` takes away among them.
         let under_way = Settings { light_groups: extent.light_groups, ..plan.settings.clone() };
         // Of samples that others come before, batches are kept exact, which takes as much again.
         let is_later = plan.first > 0 && extent.batches;
         let later =
             if is_later { (Film::BATCH_BYTES as u64).saturating_mul(region.area() as u64) } else { 0 };
+        let film = Film::bytes(&extent, region, plan.settings.size).saturating_add(later);
+        // A picture is denoised in the place of the film.
+        let denoising = plan.denoise.as_ref().map_or(0, |how| {
+            let halves = crop.saturating_mul(Denoising::BYTES_WITH_FILM);
+            halves.max(how.bytes(plan.settings.crop).saturating_sub(film))
+        });
         let mut f = Self {
             triangles: contents.kept.triangles,
             vertices: contents.kept.vertices,
@@ -106,7 +112,7 @@ impl Forecast {
                 .saturating_mul(ImageEnvironment::BYTES_A_PIXEL as u64)
                 .saturating_add(large.saturating_mul(ImageEnvironment::BYTES as u64)),
             textures: textures.kept,
-            film: Film::bytes(&extent, region, plan.settings.size).saturating_add(later),
+            film,
             layers: crop.saturating_mul(each).saturating_add(denoising),
             threads: (threads as u64).saturating_mul(THREAD + thread_bytes(&under_way)),
             peak: 0,

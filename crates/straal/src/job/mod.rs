@@ -6,7 +6,7 @@ mod seen;
 
 pub use keep::Snapshot;
 pub use run::{Blocks, Control, Outcome, Progress, Verdict};
-pub(crate) use seen::SeenLight;
+pub(crate) use seen::{Seen, SeenLight};
 
 use crate::denoise::Denoising;
 use crate::development::Development;

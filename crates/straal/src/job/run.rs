@@ -133,10 +133,15 @@ impl Job {
         picture.metadata = self.metadata(run.samples);
         picture.metadata.push(("straal.passes".into(), run.passes.to_string()));
         let clamped = picture.layers.clamped();
+        let (mean_samples, dropped) = (run.film.mean_samples(), run.film.dropped());
+        let noisy_blocks = self.noisy_blocks(&run.film);
         let denoised = match &self.denoise {
             Some(how) => {
-                let seen = self.seen_light(&run.film)?;
-                Some(picture.denoise_apart(how, run.film.halves().as_ref(), seen.as_ref())?)
+                let halves = run.film.halves();
+                // Sums are larger than the picture, and all that denoising takes wants their place.
+                drop(run.film);
+                let seen = self.seen(&picture.layers)?;
+                Some(picture.denoise_apart(how, halves, seen)?)
             }
             None => None,
         };
@@ -144,18 +149,18 @@ impl Job {
         Ok(Outcome {
             picture,
             samples: run.samples,
-            mean_samples: run.film.mean_samples(),
+            mean_samples,
             passes: run.passes,
             complete: control.open_ended || run.complete,
             noisy_blocks: match (&denoised, self.denoised_noise) {
                 (Some(denoised), Some(target)) => denoised.blocks_noisier_than(target),
-                _ => self.noisy_blocks(&run.film),
+                _ => noisy_blocks,
             },
             denoised,
             clamped,
             times: run.times,
             threads: run.threads,
-            dropped: run.film.dropped(),
+            dropped,
         })
     }
 
@@ -262,8 +267,10 @@ impl Look {
         self.next = self.next.saturating_mul(2);
         let film = render.film();
         let mut picture = Picture::new(film, film.layers(), job.film_space());
-        let seen = job.seen_light(film)?;
-        let denoised = picture.denoise_apart(how, film.halves().as_ref(), seen.as_ref())?;
+        // Groups of lights are for the finished picture.
+        picture.layers.groups.clear();
+        let seen = job.seen(&picture.layers)?;
+        let denoised = picture.denoise_apart(how, film.halves(), seen)?;
         let crop = job.settings.crop;
         render.end_blocks(|first| denoised.noise_at(crop, first).is_some_and(|noise| noise <= target));
         Ok(())

@@ -1,25 +1,46 @@
-//! The light that camera rays see themselves: lamps and surroundings.
+//! What camera rays tell by themselves: the light of lamps and surroundings, and the guides.
 //!
-//! A pixel on a lamp's edge is as bright as its samples have met the lamp, and a network can't know how much of the pixel it really fills: it keeps what the samples say, and
-//! smears a hundred times the wall's light over its neighbours. But this part of the light needs no paths. Camera rays alone find it, so that it is
-//! taken off the picture, sample by sample the same, and what four times as many camera rays see of it is put in its place
-//! (a control variate; Glasserman 2003, "Monte Carlo Methods in Financial Engineering", section 4.1). Where it is even, or samples are many, it is put back as it was.
+//! A pixel on an edge shows as much of either side as its few samples have met of it. A network can't know how much that really is: it keeps what the samples say, and of a lamp it
+//! smears a hundred times the wall's light over its neighbours. But this needs no paths. Eight times as many camera rays are sent where there are edges, and nothing is computed
+//! along them but what they meet.
 //!
-//! Lamps are put back after the network, which never sees them. Where surroundings shine, they are much of the picture, and no brighter than the rest; measured, the network
-//! does better by seeing them.
+//! - Light that they see is taken off the picture, sample by sample the same, and what more rays see of it is put in its place (a control variate; Glasserman 2003,
+//!   "Monte Carlo Methods in Financial Engineering", section 4.1). Lamps are put back after the network, which never sees them. Where surroundings shine,
+//!   they are much of the picture, and no brighter than the rest; measured, the network does better by seeing them.
+//! - Albedo and normals of these rays are as good as without noise, and guide a network that was trained with such guides: it takes edges from them rather than from the light.
+//!
+//! Films of these rays are a strip of rows at a time.
 
 use super::Job;
 use crate::resolve::Error;
 use straal_render::driver::Render;
-use straal_render::film::{BLOCK, FIRST_CHECK, Film, HalfPictures, Layers};
+use straal_render::film::channel::{self, Channel};
+use straal_render::film::{BLOCK, FIRST_CHECK, Film, HalfPictures, Layers, Region};
 use straal_render::integrator::{AnyIntegrator, PathTracer};
 use straal_render::settings::Settings;
 
 /// Camera rays of a pixel, from which on its own are enough.
 const ENOUGH: u32 = 256;
 
-/// By how much neighbours differ where more rays are sent, relative to the brighter one.
+/// How many times as many camera rays are sent where there are edges.
+const MANY: u32 = 8;
+
+/// By how much light of neighbours differs where more rays are sent, relative to the brighter one.
 const EDGE: f32 = 0.02;
+
+/// By how much an albedo or a coordinate of a normal differs there. Measured, a fifth of it sends rays to half as many blocks again and changes nothing.
+const GUIDE_EDGE: f32 = 0.1;
+
+/// Rows of a strip, a multiple of [`BLOCK`].
+const STRIP: u32 = 32 * BLOCK;
+
+/// What camera rays tell of a picture.
+pub(crate) struct Seen {
+    /// Light, where they may see any.
+    pub light: Option<SeenLight>,
+    /// Albedo and normals, by more rays where they have edges.
+    pub guides: [Vec<[f32; 3]>; 2],
+}
 
 /// Light that camera rays see, by rows from the top left.
 pub(crate) struct SeenLight {
@@ -34,51 +55,121 @@ pub(crate) struct SeenLight {
 }
 
 impl Job {
-    /// What camera rays see of the light in a film of this job's own samples, if its integrator adds that up and its samples can be taken again.
-    pub(super) fn seen_light(&self, of: &Film) -> Result<Option<SeenLight>, Error> {
-        // The others show lamps in ways of their own, or none.
-        let path = match &self.integrator {
-            AnyIntegrator::Path(path) => *path,
-            AnyIntegrator::Direct(_) => PathTracer::default(),
-            _ => return Ok(None),
-        };
-        if self.settings.splat || self.first > 0 || !self.world.shows_lights() {
+    /// What camera rays tell of a film of this job's own samples, whose layers these are; nothing where samples aren't a pixel's own, or can't be taken again.
+    pub(super) fn seen(&self, layers: &Layers) -> Result<Option<Seen>, Error> {
+        if self.settings.splat || self.first > 0 {
             return Ok(None);
         }
-        let path = PathTracer { max_depth: 1, ..path };
-        let counts = Counts::of(&of.layers(), self.settings.crop.min);
+        let counts = Counts::of(layers, self.settings.crop.min);
+        let guide = |channel: &'static Channel| {
+            let values = layers.channel(channel)?.values.as_chunks::<3>().0;
+            (values.len() == layers.rgb.len()).then(|| values.to_vec())
+        };
+        let (Some(albedo), Some(normal)) = (guide(&channel::ALBEDO), guide(&channel::NORMAL)) else {
+            return Ok(None);
+        };
         if counts.most == 0 {
             return Ok(None);
         }
-        let plain = Settings { cost: false, ..self.settings.clone() };
-        let own = film(self, path, plain.clone(), &counts.capped())?;
-        let rgb = own.layers().rgb;
-        let halves = own.halves().map_or_else(|| [rgb.clone(), rgb.clone()], |HalfPictures { rgb, .. }| rgb);
-        // What has more samples than were taken again has seen it well enough.
-        let halves = halves.map(|mut half| {
-            for (k, v) in half.iter_mut().enumerate() {
-                if counts.at[k] > ENOUGH {
-                    *v = rgb[k];
+        let mut guides = [albedo, normal];
+        let mut light = self.own_light(&counts)?;
+        let mut edges = counts.edges(&guides[0], |a, b| differ(a, b, GUIDE_EDGE));
+        let more_edges = counts.edges(&guides[1], |a, b| differ(a, b, GUIDE_EDGE));
+        edges.iter_mut().zip(more_edges).for_each(|(edge, more)| *edge |= more);
+        if let Some(light) = &light {
+            let more = counts.edges(&light.own, differ_in_part);
+            edges.iter_mut().zip(more).for_each(|(edge, more)| *edge |= more);
+        }
+        let ends = counts.further(&edges);
+        let plain = Settings { blocks: true, halves: false, error: false, layers: true, ..self.lean() };
+        let path = self.seeing().unwrap_or(PathTracer { max_depth: 1, ..PathTracer::default() });
+        self.strips(path, &plain, &ends, |at, film| {
+            let layers = film.layers();
+            let take = |to: &mut [[f32; 3]], from: &[[f32; 3]]| {
+                let places = ends.at[at.clone()].iter().zip(to[at.clone()].iter_mut().zip(from));
+                places.filter(|(n, _)| **n > 0).for_each(|(_, (to, from))| *to = *from);
+            };
+            for (guide, channel) in guides.iter_mut().zip([&channel::ALBEDO, &channel::NORMAL]) {
+                if let Some(layer) = layers.channel(channel) {
+                    take(guide, layer.values.as_chunks::<3>().0);
                 }
             }
-            half
-        });
-        let ends = counts.further(&rgb);
-        let more = if ends.most == 0 {
-            rgb.clone()
-        } else {
-            let lean = Settings { blocks: true, halves: false, error: false, layers: false, ..plain };
-            let more = film(self, path, lean, &ends)?;
-            let mut more = more.layers().rgb;
-            for (k, v) in more.iter_mut().enumerate() {
-                if ends.at[k] == 0 {
-                    *v = rgb[k];
-                }
+            if let Some(light) = &mut light {
+                take(&mut light.more, &layers.rgb);
             }
-            more
-        };
-        Ok(Some(SeenLight { own: rgb, halves, more, is_apart: !self.world.has_environment() }))
+        })?;
+        Ok(Some(Seen { light, guides }))
     }
+
+    /// What the samples of a film have seen of the light, if its integrator adds that up.
+    fn own_light(&self, counts: &Counts) -> Result<Option<SeenLight>, Error> {
+        let Some(path) = self.seeing().filter(|_| self.world.shows_lights()) else { return Ok(None) };
+        let nothing = || vec![[0.0; 3]; counts.at.len()];
+        let (mut own, mut halves) = (nothing(), [nothing(), nothing()]);
+        self.strips(path, &self.lean(), &counts.capped(), |at, film| {
+            let rgb = film.layers().rgb;
+            let parts =
+                film.halves().map_or_else(|| [rgb.clone(), rgb.clone()], |HalfPictures { rgb, .. }| rgb);
+            for (half, part) in halves.iter_mut().zip(parts) {
+                for (k, v) in part.into_iter().enumerate() {
+                    // What has more samples than were taken again has seen it well enough.
+                    half[at.start + k] = if counts.at[at.start + k] > ENOUGH { rgb[k] } else { v };
+                }
+            }
+            own[at].copy_from_slice(&rgb);
+        })?;
+        let more = own.clone();
+        Ok(Some(SeenLight { own, halves, more, is_apart: !self.world.has_environment() }))
+    }
+
+    /// What adds up the light that camera rays see as the job's integrator does. The others show lamps in ways of their own, or none.
+    fn seeing(&self) -> Option<PathTracer> {
+        let path = match &self.integrator {
+            AnyIntegrator::Path(path) => *path,
+            AnyIntegrator::Direct(_) => PathTracer::default(),
+            _ => return None,
+        };
+        Some(PathTracer { max_depth: 1, ..path })
+    }
+
+    /// Settings of the job's samples, of which light alone is kept.
+    fn lean(&self) -> Settings {
+        Settings { cost: false, layers: false, light_groups: 0, ..self.settings.clone() }
+    }
+
+    /// Films with so many samples, a strip at a time: `take` is told which pixels they are of.
+    fn strips(
+        &self,
+        path: PathTracer,
+        settings: &Settings,
+        counts: &Counts,
+        mut take: impl FnMut(std::ops::Range<usize>, &Film),
+    ) -> Result<(), Error> {
+        let Region { min, max } = settings.crop;
+        let mut top = min[1];
+        while top < max[1] {
+            let bottom = (top / STRIP + 1).saturating_mul(STRIP).min(max[1]);
+            let pixels = (top - min[1]) as usize * counts.width..(bottom - min[1]) as usize * counts.width;
+            let own = counts.rows(pixels.clone(), [min[0], top]);
+            if own.most > 0 {
+                let crop = Region { min: [min[0], top], max: [max[0], bottom] };
+                let settings = Settings { crop, ..settings.clone() };
+                take(pixels, &film(self, path, settings, &own)?);
+            }
+            top = bottom;
+        }
+        Ok(())
+    }
+}
+
+/// Whether three numbers differ by more than that.
+fn differ(a: &[f32; 3], b: &[f32; 3], by: f32) -> bool {
+    a.iter().zip(b).any(|(a, b)| (a - b).abs() > by)
+}
+
+/// Whether light differs by a part of it.
+fn differ_in_part(a: &[f32; 3], b: &[f32; 3]) -> bool {
+    a.iter().zip(b).any(|(a, b)| (a - b).abs() > EDGE * if a > b { *a } else { *b })
 }
 
 /// How many samples each pixel of a crop has, or is to have: the same in all of a block, where they differ.
@@ -123,23 +214,32 @@ impl Counts {
         self.map(|k, _| most[block(k)])
     }
 
-    /// How many camera rays are sent in all where light that they see has edges; 0 elsewhere.
-    fn further(&self, rgb: &[[f32; 3]]) -> Self {
-        let differ = |a: &[f32; 3], b: &[f32; 3]| {
-            a.iter().zip(b).any(|(a, b)| (a - b).abs() > EDGE * if a > b { *a } else { *b })
-        };
-        let is_edge = |k: usize| {
-            let right = !(k + 1).is_multiple_of(self.width) && differ(&rgb[k], &rgb[k + 1]);
-            right || rgb.get(k + self.width).is_some_and(|below| differ(&rgb[k], below))
-        };
-        let edges: Vec<bool> = (0..rgb.len()).map(is_edge).collect();
-        // An edge between two pixels is one of both.
-        let touches = |k: usize| {
-            let left = !k.is_multiple_of(self.width) && edges[k - 1];
-            edges[k] || left || k.checked_sub(self.width).is_some_and(|above| edges[above])
-        };
-        let wanted = |n: u32| n.saturating_mul(4).next_power_of_two().clamp(2 * FIRST_CHECK, ENOUGH.max(n));
-        self.map(|k, n| if n < ENOUGH && touches(k) { wanted(n) } else { 0 }).by_blocks()
+    /// Some of the rows, the first pixel of which lies there.
+    fn rows(&self, pixels: std::ops::Range<usize>, min: [u32; 2]) -> Self {
+        let at = self.at[pixels].to_vec();
+        Self { most: at.iter().copied().max().unwrap_or(0), at, min, width: self.width }
+    }
+
+    /// Pixels that differ from a neighbour.
+    fn edges(&self, of: &[[f32; 3]], differ: impl Fn(&[f32; 3], &[f32; 3]) -> bool) -> Vec<bool> {
+        let mut edges = vec![false; of.len()];
+        for k in 0..of.len() {
+            let right = Some(k + 1).filter(|right| !right.is_multiple_of(self.width));
+            for other in [right, Some(k + self.width)].into_iter().flatten().filter(|k| *k < of.len()) {
+                // An edge between two pixels is one of both.
+                if differ(&of[k], &of[other]) {
+                    (edges[k], edges[other]) = (true, true);
+                }
+            }
+        }
+        edges
+    }
+
+    /// How many camera rays are sent in all where there are edges; 0 elsewhere.
+    fn further(&self, edges: &[bool]) -> Self {
+        let wanted =
+            |n: u32| n.saturating_mul(MANY).next_power_of_two().clamp(2 * FIRST_CHECK, ENOUGH.max(n));
+        self.map(|k, n| if n < ENOUGH && edges[k] { wanted(n) } else { 0 }).by_blocks()
     }
 
     /// The number at a pixel of the whole picture.
@@ -176,19 +276,19 @@ mod tests {
         // 20 x 9 pixels from (4, 4) on: columns of blocks begin at 0, 4 and 12, rows at 0 and 4.
         let few = counts(vec![16; 180], 20, [4, 4]);
         let mut rgb = vec![[1.0; 3]; 180];
-        assert_eq!(few.further(&rgb).most, 0);
+        assert_eq!(few.further(&few.edges(&rgb, differ_in_part)).most, 0);
         rgb[5 * 20 + 14] = [1.0, 3.0, 1.0];
-        let more = few.further(&rgb);
+        let more = few.further(&few.edges(&rgb, differ_in_part));
         for (k, n) in more.at.iter().enumerate() {
             let [x, y] = [k % 20, k / 20];
-            assert_eq!(*n, if (12..20).contains(&x) && y >= 4 { 64 } else { 0 }, "{x} {y}");
+            assert_eq!(*n, if (12..20).contains(&x) && y >= 4 { 128 } else { 0 }, "{x} {y}");
         }
         assert_eq!(
             (more.near([16, 8]), more.near([0, 0]), more.near([24, 8]), more.near([64, 64])),
-            (64, 0, 0, 0)
+            (128, 0, 0, 0)
         );
         // Those that have many need none.
-        assert_eq!(counts(vec![256; 180], 20, [4, 4]).further(&rgb).most, 0);
-        assert_eq!(counts(vec![100; 180], 20, [4, 4]).further(&rgb).most, 256);
+        assert_eq!(counts(vec![256; 180], 20, [4, 4]).further(&few.edges(&rgb, differ_in_part)).most, 0);
+        assert_eq!(counts(vec![100; 180], 20, [4, 4]).further(&few.edges(&rgb, differ_in_part)).most, 256);
     }
 }

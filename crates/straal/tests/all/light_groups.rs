@@ -10,7 +10,7 @@ use straal::{
 use straal_color::spectrum::Bands;
 use straal_formats::Limits;
 use straal_formats::image::exr;
-use straal_scene::desc::Integrator;
+use straal_scene::desc::{Denoise, Integrator};
 
 /// Lamps of every kind, each of which can be left out.
 const LAMPS: [(&str, &str, &str); 6] = [
@@ -213,6 +213,33 @@ fn replicates_have_groups() {
         job(&text(&LAMPS, ""), small()).render_replicates(3, &mut Control::to_the_end()).expect("a picture");
     assert_eq!(outcome.picture.layers.groups.len(), 5);
     adds_up(&outcome.picture, "replicates");
+}
+
+/// Groups of a denoised picture add up to it, and each has lost its noise.
+#[test]
+fn denoised_groups_make_the_clean_whole() {
+    let scene = text(&LAMPS, "");
+    let plain = render(&scene, small());
+    let clean = render(&scene, Overrides { denoise: Some(Denoise::Fast), ..small() });
+    adds_up(&clean, "denoised");
+    let roughness = |rgb: &[[f32; 3]]| {
+        let pairs = rgb.chunks(20).flat_map(|row| row.windows(2));
+        let differences = pairs.map(|p| f64::from(p[0][1] - p[1][1]));
+        differences.map(|d| d * d).sum::<f64>()
+    };
+    for (plain, clean) in plain.layers.groups.iter().zip(&clean.layers.groups) {
+        assert_eq!(plain.name, clean.name);
+        // Lamps that are seen keep their edges: the ball is one of them.
+        if ["sun", "rest", "sky"].contains(&plain.name.as_str()) {
+            let (noisy, left) = (roughness(&plain.rgb), roughness(&clean.rgb));
+            assert!(left < 0.9 * noisy, "{}: {noisy} {left}", plain.name);
+        }
+    }
+    // What is relit needs no warning.
+    let mut file = PictureFile::from(&clean);
+    let change: Relight = "sun=0.5".parse().expect("a change");
+    file.relight(&[change]).expect("relit");
+    assert!(file.notes().is_empty(), "{:?}", file.notes());
 }
 
 /// A picture of colours alone holds no groups, and integrators that know no lamps say so.
