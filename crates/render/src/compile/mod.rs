@@ -169,6 +169,7 @@ fn compile_about(
         lights: lights.table,
         light_groups: lights.groups,
         links: lights.links,
+        ears: None,
         copies: lights.copies,
         geometries,
         placements,
