@@ -4,6 +4,7 @@ use crate::camera::{Camera, OutOfFocus};
 use crate::film::Sensor;
 use crate::filter::Filter;
 use crate::footprint::{Bend, PackedFootprint};
+use crate::integrator::{AnyIntegrator, Ears, Roulette};
 use crate::lanes::{Lanes, Rgb, SpectralTables};
 use crate::light::links::{Class, Links};
 use crate::light::table::Picks;
@@ -110,6 +111,8 @@ pub struct World {
     pub light_groups: Groups,
     /// What lights what, where that isn't all.
     pub(crate) links: Links,
+    /// What ways on from its surfaces bring and cost, where an integrator asks for it: see [`World::learn`].
+    pub(crate) ears: Option<Ears>,
     /// Which emitters stand in objects, and shine wherever these do.
     pub copies: Copies,
     /// By geometry of the search structure.
@@ -147,6 +150,16 @@ impl World {
     /// By which instruction set shading works: the one that search was told to.
     pub fn simd(&self) -> Simd {
         Simd::new(self.accel.isa()).unwrap_or(Simd::PLAIN)
+    }
+
+    /// Learns what an integrator must know of it besides, for a picture of that size: by paths of its own, the same whatever the picture's seed and samples.
+    pub fn learn(&mut self, integrator: &AnyIntegrator, size: [u32; 2]) {
+        self.ears = match integrator {
+            AnyIntegrator::Path(path) if path.roulette == Roulette::Ears => {
+                Some(Ears::learn(self, path, size))
+            }
+            _ => None,
+        };
     }
 
     /// What each ray hits first.

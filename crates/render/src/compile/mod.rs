@@ -175,6 +175,7 @@ fn compile_about(
         lights: lights.table,
         light_groups: lights.groups,
         links: lights.links,
+        ears: None,
         copies: lights.copies,
         geometries,
         placements,

@@ -244,7 +244,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             // Where nothing is seen there is no path, and the sample is black.
             let camera_ray = starting.ray(i);
             let (size, pattern) = (settings.size, settings.pattern);
-            let start = Start { world, size, pattern, name, lanes, camera_ray, footprint };
+            let start = Start { world, size, pixel, pattern, name, lanes, camera_ray, footprint };
             if let Some((ray, state)) = self.integrator.start(&start) {
                 self.rays.push(ray);
                 self.paths.push(Path { name, sample, state });

@@ -64,7 +64,7 @@ impl LightTracer {
         match self.roulette {
             _ if !plays => 1.0,
             Roulette::Throughput => ops::min(carried, 0.95),
-            Roulette::Root | Roulette::Off => ops::min(carried.sqrt(), 0.95),
+            Roulette::Root | Roulette::Off | Roulette::Ears => ops::min(carried.sqrt(), 0.95),
         }
     }
 }

@@ -10,6 +10,7 @@
 
 mod ambient_occlusion;
 mod direct;
+mod ears;
 mod hemisphere;
 mod leaving;
 mod light_tracing;
@@ -29,6 +30,7 @@ mod zones;
 
 pub use ambient_occlusion::{AmbientOcclusion, Falloff, Warp};
 pub use direct::DirectLight;
+pub use ears::Ears;
 pub use hemisphere::Directions;
 pub use light_tracing::LightTracer;
 pub use out::{Contribution, Out, Target};
@@ -136,6 +138,8 @@ pub struct Start<'a, L> {
     pub world: &'a World,
     /// Width and height of the whole picture in pixels.
     pub size: [u32; 2],
+    /// The sample's pixel.
+    pub pixel: [u32; 2],
     /// Source of random numbers.
     pub pattern: Pattern,
     /// Names the random numbers of the path's first node.

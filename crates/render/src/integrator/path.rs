@@ -8,7 +8,7 @@ use super::scattering::{Behind, Onward, Roulette, SendOn};
 use super::technique::Technique;
 use super::vertex::left_on_way;
 use super::vertices::{BLOCK, Bits, Few, ROOM, Vertices};
-use super::{Arrival, Contribution, Integrator, Kind, Out, Path, Queue, Start};
+use super::{Arrival, Contribution, Ears, Integrator, Kind, Out, Path, Queue, Start};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::links::{ALL, Class};
@@ -26,6 +26,9 @@ use straal_scene::value::Depth;
 
 /// Edges after which roulette is played whatever the settings: a path between perfect mirrors must end.
 const PATIENCE: u32 = 1000;
+
+/// Where the names of the numbers begin that draw the second and further directions of a vertex: apart from those of its branches.
+const PARTS: u32 = 1 << 16;
 
 /// The path tracer's settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +97,8 @@ pub struct State<L> {
     inside: Inside,
     /// By which lamps the previous vertex is lit.
     class: Class,
+    /// One over the brightness of the picture about its pixel, where roulette asks for it.
+    per_brightness: f32,
 }
 
 impl Integrator for PathTracer {
@@ -134,6 +139,7 @@ impl Integrator for PathTracer {
             depth: 1,
             inside: Inside::default(),
             class: ALL,
+            per_brightness: self.ears(start.world).map_or(0.0, |ears| ears.per_brightness(start.pixel)),
         };
         start.camera_ray.map(|ray| (ray, state))
     }
@@ -205,7 +211,14 @@ impl PathTracer {
     /// Whether a path of so many edges may be ended by chance.
     #[inline(always)]
     fn plays_roulette(&self, depth: u32) -> bool {
-        depth >= self.roulette_depth && self.roulette != Roulette::Off || depth >= PATIENCE
+        let is_usual = !matches!(self.roulette, Roulette::Off | Roulette::Ears);
+        depth >= self.roulette_depth && is_usual || depth >= PATIENCE
+    }
+
+    /// What is known of what ways on bring and cost, where paths go by it.
+    #[inline(always)]
+    fn ears<'w>(&self, world: &'w World) -> Option<&'w Ears> {
+        world.ears.as_ref().filter(|_| self.roulette == Roulette::Ears)
     }
 
     /// The vertices of a block: the surfaces from which paths may go on, and how they scatter.
@@ -552,16 +565,84 @@ impl PathTracer {
         world: &World,
         queue: &Queue<'_, State<L>>,
         block: Block<'_, '_, L>,
-        Scratch { surfaces, interior, classes, numbers, onward, .. }: &mut Scratch,
+        scratch: &mut Scratch,
         out: &mut Out<'_, State<L>>,
     ) {
-        let (vertices, simd) = (block.vertices, queue.simd);
+        let vertices = block.vertices;
         if !vertices.goes_on.any() {
             return;
         }
+        if let Some(ears) = self.ears(world) {
+            return self.scatter_by_worth(world, ears, queue, block, scratch, out);
+        }
+        self.send_on((queue, block), vertices.goes_on, scratch);
+        self.go_on(world, (queue, block), (0, None), scratch, out);
+    }
+
+    /// The same where paths end, or split, by what they bring for what they cost.
+    #[cold]
+    fn scatter_by_worth<L: Lanes>(
+        &self,
+        world: &World,
+        ears: &Ears,
+        queue: &Queue<'_, State<L>>,
+        block: Block<'_, '_, L>,
+        scratch: &mut Scratch,
+        out: &mut Out<'_, State<L>>,
+    ) {
+        let Block { paths, names, vertices, .. } = block;
+        let (mut counts, mut scales, mut most) = ([0_u32; BLOCK], [1.0_f32; BLOCK], 0);
+        for i in vertices.goes_on.each() {
+            let State { beta, behind, per_brightness, .. } = queue.paths[paths[i] as usize].state;
+            let carried = beta.max_lane() * behind.eta_squared() * per_brightness;
+            let rays = ears.rays_from(scratch.surfaces.p.at(i), carried);
+            // Whole numbers whose mean it is.
+            let u = queue.pattern.d1(&names[i], Purpose::Roulette);
+            counts[i] = (rays + u) as u32;
+            scales[i] = 1.0 / rays;
+            most = counts[i].max(most);
+        }
+        for branch in 0..most {
+            let mut some = Bits::default();
+            for i in vertices.goes_on.each() {
+                some.set(i, counts[i] > branch);
+            }
+            if branch > 0 {
+                // The first has its vertex's own numbers.
+                let mut others = [names[0]; BLOCK];
+                for (other, name) in others.iter_mut().zip(names) {
+                    *other = name.child(PARTS + branch);
+                }
+                draw_numbers(queue, Block { names: &others[..names.len()], ..block }, &mut scratch.numbers);
+            }
+            self.send_on((queue, block), some, scratch);
+            self.go_on(world, (queue, block), (branch, Some(&scales)), scratch, out);
+        }
+    }
+
+    /// Draws directions for some vertices of a block.
+    fn send_on<L: Lanes>(
+        &self,
+        (queue, block): (&Queue<'_, State<L>>, Block<'_, '_, L>),
+        goes_on: Bits,
+        Scratch { surfaces, numbers, onward, .. }: &mut Scratch,
+    ) {
+        let (vertices, simd) = (block.vertices, queue.simd);
         let (directions, roulette) = (self.directions, self.roulette);
-        vertices
-            .by_kind(simd, SendOn { simd, surfaces, vertices, numbers, directions, roulette, out: onward });
+        let send = SendOn { simd, surfaces, vertices, numbers, goes_on, directions, roulette, out: onward };
+        vertices.by_kind(simd, send);
+    }
+
+    /// Emits the rays that were drawn, as a branch of their paths, of which each counts so much.
+    #[inline]
+    fn go_on<L: Lanes>(
+        &self,
+        world: &World,
+        (queue, block): (&Queue<'_, State<L>>, Block<'_, '_, L>),
+        (branch, scales): (u32, Option<&[f32; BLOCK]>),
+        Scratch { surfaces, interior, classes, numbers, onward, .. }: &mut Scratch,
+        out: &mut Out<'_, State<L>>,
+    ) {
         let alive = Few::of(onward.alive);
         let alive = alive.list();
         out.rays.extend(alive.iter().map(|&i| {
@@ -571,11 +652,13 @@ impl PathTracer {
         out.next.extend(alive.iter().map(|&i| {
             let i = usize::from(i);
             let path = &queue.paths[block.paths[i] as usize];
+            let name = if branch == 0 { numbers.next(i, &block.names[i]) } else { path.name.child(branch) };
+            let beta = onward.beta(i);
             Path {
-                name: numbers.next(i, &block.names[i]),
+                name,
                 sample: path.sample,
                 state: State {
-                    beta: onward.beta(i),
+                    beta: scales.map_or(beta, |scales| beta * scales[i]),
                     behind: onward.behind(i),
                     delta: onward.delta(i),
                     depth: path.state.depth + 1,

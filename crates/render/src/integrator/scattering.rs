@@ -22,6 +22,8 @@ pub enum Roulette {
     Throughput,
     /// It isn't played before a path has 1000 edges.
     Off,
+    /// What it brings for what it costs, as [`Ears`](super::Ears) knows it of the world; paths split as well.
+    Ears,
 }
 
 impl Roulette {
@@ -30,6 +32,7 @@ impl Roulette {
             desc::Roulette::Root => Self::Root,
             desc::Roulette::Throughput => Self::Throughput,
             desc::Roulette::Off => Self::Off,
+            desc::Roulette::Ears => Self::Ears,
         }
     }
 }
@@ -152,6 +155,8 @@ pub(super) struct SendOn<'a, 'w> {
     pub surfaces: &'a Surfaces,
     pub vertices: &'a Vertices<'w>,
     pub numbers: &'a Numbers,
+    /// The vertices from which paths may go on.
+    pub goes_on: Bits,
     pub directions: Directions,
     pub roulette: Roulette,
     pub out: &'a mut Onward,
@@ -178,10 +183,10 @@ impl<'w, K: OfKind<'w>> Kernel for SendOnBy<'_, 'w, K> {
         if F::WIDTH == 1 && !K::IS_ANY {
             return;
         }
-        let SendOn { surfaces, vertices, numbers, directions, roulette, out, .. } = self.of;
+        let SendOn { surfaces, vertices, numbers, goes_on, directions, roulette, out, .. } = self.of;
         (out.alive, out.delta, out.transmitted, out.parted) = Default::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
-            let alive = vertices.goes_on.load::<F>(first);
+            let alive = goes_on.load::<F>(first);
             let Some(bsdfs) = vertices.bsdfs::<K>(first) else { break };
             if !alive.any() {
                 continue;

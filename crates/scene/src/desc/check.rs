@@ -13,10 +13,10 @@ use crate::desc::{
     Cylinder, CylinderDistance, Dielectric, DiffuseTransmission, DirectionalLight, Disc, DistanceField,
     Environment, EnvironmentLayout, Film, Fisheye, FisheyeProjection, Formula, Fresnel, Gaussian,
     Goniometric, GridDistance, HeightField, Hyperboloid, Index, Interior, Lens, LensProfile, LightSampling,
-    Measured, Moved, Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid, Perspective,
-    Plane, Portal, Principled, Projector, RampTexture, Realistic, Rectangle, RemapTexture, Sky,
-    SpectralChannels, Spectrum, Sphere, SpotLight, Surface, Texture, ThinFilm, Torus, Transparent, Triangle,
-    TriangleMesh, Varying, Viewpoint, When,
+    LightTracer, Measured, Moved, Node, Observer, OcclusionFalloff, Orthographic, Panorama, Paraboloid,
+    Perspective, Plane, Portal, Principled, Projector, RampTexture, Realistic, Rectangle, RemapTexture,
+    Roulette, Sky, SpectralChannels, Spectrum, Sphere, SpotLight, Surface, Texture, ThinFilm, Torus,
+    Transparent, Triangle, TriangleMesh, Varying, Viewpoint, When,
 };
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -696,6 +696,14 @@ fn light_sampling(what: &str, said: &LightSampling, keys: &Keys<'_>, d: &mut Dec
         );
         let help = "`solid_angle` draws them as they are seen";
         d.push(Diagnostic::error(keys.span("light_sampling"), message).help(help));
+    }
+}
+
+pub(super) fn light_tracer(s: &LightTracer, keys: &Keys<'_>, d: &mut Decoder) {
+    if s.roulette == Roulette::Ears {
+        let message = "`light` has no roulette by `ears`: that is learnt of paths from the camera";
+        let help = "`root` is the usual one; `path` has `ears`";
+        d.push(Diagnostic::error(keys.span("roulette"), message).help(help));
     }
 }
 

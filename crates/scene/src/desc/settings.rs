@@ -265,7 +265,7 @@ describe! {
 
 describe! {
     /// A tracer of rays from lamps.
-    pub struct LightTracer {
+    pub struct LightTracer [check::light_tracer] {
         /// Most edges a path may have, the camera's included: 1 sees emitters, 2 is direct light; or `unlimited`.
         max_depth: Depth = Depth::Unlimited,
         /// Number of edges after which Russian roulette may end a path.
@@ -308,6 +308,8 @@ describe! {
         "throughput" => Throughput,
         /// None: a path goes on until it leaves, is absorbed or is too long, or has 1000 edges.
         "off" => Off,
+        /// What going on brings for what it costs, at any number of edges (Rath and others 2022): paths that bring much split into several. Learnt before the render. Of `path` only.
+        "ears" => Ears,
     }
 }
 

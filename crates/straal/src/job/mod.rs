@@ -121,6 +121,7 @@ impl Job {
         if let Some(why) = plan.integrator.misfit(&world) {
             return Err(Error::Request(why));
         }
+        world.learn(&plan.integrator, settings.size);
         Ok(Self {
             world,
             settings,

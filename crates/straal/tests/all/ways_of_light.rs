@@ -95,10 +95,35 @@ lights:
 
 #[test]
 fn roulette_leaves_the_mean() {
-    let root = mean(SCENE, "{ path: { roulette_depth: 2 } }", 64, 1);
+    let by = |roulette: &str, seed| {
+        mean(SCENE, &format!("{{ path: {{ roulette_depth: 2, roulette: {roulette} }} }}"), 64, seed)
+    };
+    let (root, ears) = (by("root", 1), by("ears", 3));
     for roulette in ["throughput", "off"] {
-        let other = mean(SCENE, &format!("{{ path: {{ roulette_depth: 2, roulette: {roulette} }} }}"), 64, 2);
+        let other = by(roulette, 2);
         assert!(agree(root, other), "{roulette}: {root:?} {other:?}");
+        assert!(agree(ears, other), "ears, {roulette}: {ears:?} {other:?}");
+    }
+}
+
+/// Paths that split have names of their own: the picture is the same whatever the threads and batches.
+#[test]
+fn paths_that_split_have_the_same_bits() {
+    let render = |roulette: &str, threads, batch| {
+        let text = format!("{SCENE}integrator: {{ path: {{ roulette: {roulette} }} }}\n");
+        let loaded = straal::load_str("test.yaml", &text, Path::new(""), &LoadOptions::default());
+        let (spp, threads, batch) = (Some(4), Some(threads), Some(batch));
+        let wish = Overrides { spp, threads, batch, ..Overrides::default() };
+        let job = Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), wish).unwrap();
+        job.render(&mut Control::to_the_end()).unwrap()
+    };
+    let (one, other) = (render("ears", 1, 1024), render("ears", 3, 7));
+    assert_eq!(one.picture.layers.rgb, other.picture.layers.rgb);
+    assert_eq!(one.times.rays, other.times.rays);
+    assert_eq!(one.picture.tells("roulette"), Some("ears"));
+    // It is no other rule under another name.
+    for usual in ["root", "off"] {
+        assert_ne!(one.times.rays, render(usual, 1, 1024).times.rays, "{usual}");
     }
 }
 
