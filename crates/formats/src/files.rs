@@ -129,7 +129,7 @@ pub(crate) struct Opened {
 
 impl Opened {
     /// The file from its start, for who reads it bit by bit.
-    pub fn from_start(self) -> Result<File, Refusal> {
+    pub fn into_whole(self) -> Result<File, Refusal> {
         let mut file = self.rest.into_inner();
         file.rewind().map_err(|e| Refusal::new(reason(&e)))?;
         Ok(file)

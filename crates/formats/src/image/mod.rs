@@ -46,7 +46,7 @@ pub fn open(path: &Path, limits: &Limits) -> Result<(File, Format), Refusal> {
         format = Format::of(head).map_err(|e| Refusal::new(e.to_string()));
         Ok(())
     })?;
-    Ok((opened.from_start()?, format?))
+    Ok((opened.into_whole()?, format?))
 }
 
 /// The bytes of a file that begins as a picture does; of any other no more than its beginning is read.

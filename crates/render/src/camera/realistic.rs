@@ -177,7 +177,9 @@ impl Realistic {
                 let t = if (s.radius > 0.0) == (d.z > 0.0) { along + root } else { along - root };
                 o += d * t;
             }
-            if !(o.x * o.x + o.y * o.y <= s.reach) || d.z <= 0.0 {
+            // What is no number is outside as well.
+            let within = o.x * o.x + o.y * o.y <= s.reach;
+            if !within || d.z <= 0.0 {
                 return None;
             }
             if s.radius != 0.0 && s.eta != 1.0 {

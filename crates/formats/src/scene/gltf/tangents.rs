@@ -57,14 +57,9 @@ pub(super) fn make(mesh: &mut Mesh, set: usize, primary: usize, most: u64) {
             let sum = sums.entry(key(t[k], mirrored)).or_insert(DVec3::ZERO);
             if let (Some(along), Some((e, f)), true) = (flat(along), edges, area != 0.0) {
                 let cos = e.dot(f);
-                *sum += along
-                    * ops::acos_d(if cos < -1.0 {
-                        -1.0
-                    } else if cos > 1.0 {
-                        1.0
-                    } else {
-                        cos
-                    });
+                // A last bit beyond 1 is none.
+                let cos = if cos < -1.0 { -1.0 } else { cos };
+                *sum += along * ops::acos_d(if cos > 1.0 { 1.0 } else { cos });
             }
         }
     }
