@@ -13,7 +13,7 @@ use crate::light::{
     Pick, Receiver, Within,
 };
 use crate::material::shaded::shading_normal;
-use crate::material::{Bsdf, BsdfSample, Materials};
+use crate::material::{Bsdf, BsdfSample, Material, Materials};
 use crate::relief::Ways;
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Alike, Surface, frame_along};
@@ -160,6 +160,12 @@ impl World {
             }
             _ => None,
         };
+    }
+
+    /// Puts another material in the place of one that is there.
+    pub fn replace_material(&mut self, index: u32, material: Material) {
+        self.materials.replace(index, material);
+        Alike::tell(&mut self.geometries, &self.geometry, &self.materials);
     }
 
     /// What each ray hits first.

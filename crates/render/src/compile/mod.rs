@@ -25,7 +25,7 @@ use crate::material::CustomMaterial;
 use crate::shape::CustomShape;
 use crate::surface::Alike;
 use crate::texture::Texture;
-use crate::world::{INHERIT, World};
+use crate::world::World;
 use std::sync::Arc;
 use straal_accel::{self as accel, BuildError};
 use straal_math::DVec3;
@@ -154,11 +154,7 @@ fn compile_about(
         light_groups,
         (&names, linked),
     );
-    for record in &mut geometries {
-        // Outside of instances, what has no material of its own has the first.
-        let material = if record.material == INHERIT { 0 } else { record.material };
-        record.alike = Alike::of(record, &geometry, materials.wants(material).point);
-    }
+    Alike::tell(&mut geometries, &geometry, &materials);
     let sensor = Sensor::new(recording, scene.color.space.space(), &paint.spectra);
     Ok(World {
         camera,

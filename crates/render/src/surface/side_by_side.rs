@@ -6,13 +6,14 @@
 use super::Surface;
 use super::columns::{BLOCK, ROOM, Vectors};
 use crate::footprint::PackedFootprint;
+use crate::material::Materials;
 use crate::material::shaded::shading_normals;
 use crate::shape::mesh::Between;
 use crate::shape::offset::End;
 use crate::shape::patch::{Level, Patch};
 use crate::shape::{Geometry, Shape, SurfacePoint, TriangleMesh, exact, mesh, sphere};
 use crate::texture::ShadingPoint;
-use crate::world::{GeometryRecord, Kind, World};
+use crate::world::{GeometryRecord, INHERIT, Kind, World};
 use std::ops::Range;
 use straal_accel::Hit;
 use straal_math::simd::{Double, Float, Kernel, Mask, Simd};
@@ -280,8 +281,17 @@ struct Seen<F> {
 }
 
 impl Alike {
+    /// Tells it of all geometries, whose materials are known.
+    pub(crate) fn tell(records: &mut [GeometryRecord], geometry: &Geometry, materials: &Materials) {
+        for record in records {
+            // Outside of instances, what has no material of its own has the first.
+            let material = if record.material == INHERIT { 0 } else { record.material };
+            record.alike = Self::of(record, geometry, materials.wants(material).point);
+        }
+    }
+
     /// With which others surfaces of a geometry may be computed; `wants_point` says whether its material asks for more.
-    pub(crate) fn of(record: &GeometryRecord, geometry: &Geometry, wants_point: bool) -> Self {
+    fn of(record: &GeometryRecord, geometry: &Geometry, wants_point: bool) -> Self {
         match record.kind {
             _ if record.emission_varies || record.colours_at_corners || wants_point => Self::Apart,
             Kind::Mesh(_) => Self::Triangles,

@@ -76,7 +76,7 @@ pub(super) const KINDS: &[Table] = &[(
     "perspective",
     &[
         (
-            "pinhole thinlens realistic perspectivecamera projective persp persppinhole camera thinlenscamera perspectivepinhole",
+            "pinhole thinlens perspectivecamera projective persp persppinhole camera thinlenscamera perspectivepinhole",
             Called("perspective"),
         ),
         ("ortho orthographiccamera parallel thinlensortho", Called("orthographic")),

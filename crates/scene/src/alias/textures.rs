@@ -92,8 +92,15 @@ pub(super) const KINDS: &[Table] = &[
                 Write("the colour alone, without a texture: `reflectance: [0.8, 0.2, 0.2]`"),
             ),
             (
-                "noise perlin fbm turbulence marble wood wrinkled windy clouds voronoi worley brick bricks dots polkadot wave waves musgrave cells stripes grid granite leopard crackle gradient bilerp noisetexture noisetex stucci magic directionmix volume",
-                NotYet("patterns that are computed, but for `checker`"),
+                "perlin fbm turbulence marble wrinkled windy clouds granite noisetexture noisetex",
+                Called("noise"),
+            ),
+            ("polkadot", Called("dots")),
+            ("bilerp", Called("corners")),
+            ("directionmix", Called("facing")),
+            (
+                "wood voronoi worley brick bricks wave waves musgrave cells stripes grid leopard crackle gradient stucci magic volume",
+                NotYet("patterns that are computed, but for `checker`, `noise`, `cubes` and `dots`"),
             ),
             ("ptex", NotYet("Ptex")),
             ("uv texcoord position normal", NotYet("textures that show coordinates")),

@@ -58,7 +58,7 @@ describe! {
     pub enum Denoise {
         /// It stays as it is.
         "off" => Off,
-        /// By Open Image Denoise's usual network.
+        /// By Open Image Denoise's usual network, and of a render by that for guides without noise as well.
         "best" => Best,
         /// By a smaller one: a third of the work, a little less clean.
         "fast" => Fast,

@@ -6,9 +6,9 @@ use straal::{Control, Overrides, PatternKind, Picture, Verdict};
 
 const SCENE: &str = "scenes/reference/box-diffuse.yaml";
 
-/// 40 x 37 pixels whose blocks get from 32 to 256 samples.
+/// 40 x 37 pixels whose blocks get from 48 to 256 samples.
 fn wish() -> Overrides {
-    Overrides { size: Some([40, 37]), spp: Some(256), noise: Some(0.08), ..Overrides::default() }
+    Overrides { size: Some([40, 37]), spp: Some(256), noise: Some(0.12), ..Overrides::default() }
 }
 
 fn bits(p: &Picture, [x, y]: [u32; 2]) -> ([u32; 3], [u32; 3], u32) {
@@ -37,7 +37,7 @@ fn threads_tiles_batches_and_passes_change_nothing() {
     ] {
         assert_eq!(common::render(SCENE, other).picture.layers, plain.layers);
     }
-    let sobol = || Overrides { pattern: Some(PatternKind::Sobol), noise: Some(0.05), ..wish() };
+    let sobol = || Overrides { pattern: Some(PatternKind::Sobol), noise: Some(0.1), ..wish() };
     let one = common::render(SCENE, Overrides { threads: Some(1), ..sobol() }).picture;
     let [least, most] = range(&one);
     assert!(least <= 64 && most >= 128, "{least} to {most} Sobol points");
@@ -175,7 +175,7 @@ fn noise_of_well_spread_samples_is_told_as_it_is() {
     assert!((0.9..1.7).contains(&told), "the layer `error` tells {told} of the truth");
     let (sobol, random) =
         (samples(&runs[0]), samples(&common::render(SCENE, wish(PatternKind::Random, 0)).picture));
-    assert!(sobol < 0.7 * random, "{sobol} Sobol points, {random} independent ones");
+    assert!(sobol < 0.9 * random, "{sobol} Sobol points, {random} independent ones");
 }
 
 /// Lamps in the dark, seen from straight ahead by four blocks of pixels of one unit. What each block shows is known: the area of its lamps. One has

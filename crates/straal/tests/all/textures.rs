@@ -44,9 +44,10 @@ fn textured(job: &mut Job, rgb: [f32; 3]) -> Arc<Plain> {
     world.textures.push(Texture::new(TextureKind::Custom(texture.clone()), Use::Reflectance));
     let most = rgb.into_iter().fold(0.0, |a: f32, b| if b > a { b } else { a });
     let reflectance = Value::Texture(TextureRef { id, most });
-    world
-        .materials
-        .replace(1, Material::Diffuse(DiffuseMaterial { reflectance, ..DiffuseMaterial::default() }));
+    world.replace_material(
+        1,
+        Material::Diffuse(DiffuseMaterial { reflectance, ..DiffuseMaterial::default() }),
+    );
     texture
 }
 

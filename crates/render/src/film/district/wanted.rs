@@ -128,13 +128,18 @@ fn share_out(blocks: &mut [Block], ended: Ended) {
     let first = first.fold(f64::INFINITY, |least, v| if v < least { v } else { least });
     // By an eighth more each time; what is spent goes up with it as soon as a block has an error.
     let raises = std::iter::successors(Some(first), |raise| Some(raise * 1.125)).take(TRIES);
-    let mut taken = 0.0;
+    // Where only those are left that have most already, none is raised: it would make it worse.
+    let mut taken = (0.0, unevenness(0.0));
     for raise in raises.take_while(|raise| raise.is_finite() && spent(*raise) <= most) {
-        taken = raise;
-        if unevenness(raise) <= 1.0 {
+        let left = unevenness(raise);
+        if left < taken.1 {
+            taken = (raise, left);
+        }
+        if left <= 1.0 {
             break;
         }
     }
+    let (taken, _) = taken;
     let shares: Vec<f64> = blocks.iter().map(|b| if b.open > 0.0 { at(b, taken) } else { 0.0 }).collect();
     for (block, share) in blocks.iter_mut().zip(shares) {
         block.wants = share;
@@ -368,6 +373,10 @@ mod tests {
         let mut blocks = [block(64.0); 4];
         share_out(&mut blocks, Ended::default());
         assert!(blocks.iter().all(|b| b.wants == 100.0));
+        // Those that are left have more than the others had: more still would be no gain.
+        let before = Ended { pixels: 640.0, samples: 640.0 * 10.0, error: 640.0, left: 64.0 };
+        share_out(&mut blocks, before);
+        assert!(blocks.iter().all(|b| b.wants == 100.0), "{}", blocks[0].wants);
         // One block has spent a hundred times as many: the others go up, by a half of all at most.
         let ended = Ended { pixels: 64.0, samples: 64.0 * 1e4, error: 64.0, left: 64.0 / 1e4 };
         share_out(&mut blocks, ended);
