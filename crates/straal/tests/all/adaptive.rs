@@ -111,7 +111,9 @@ fn a_sliver_of_a_lamp_is_not_missed() {
 #[test]
 fn it_ends_by_itself_and_keeps_its_word() {
     let target = 0.08;
-    let outcome = common::render(SCENE, Overrides { size: Some([32, 32]), spp: Some(100_000), ..wish() });
+    let wish =
+        Overrides { size: Some([32, 32]), spp: Some(100_000), noise: Some(target), ..Overrides::default() };
+    let outcome = common::render(SCENE, wish);
     assert!(outcome.complete && outcome.samples < 4096, "{} samples", outcome.samples);
     // The noise of each block as it is told by the layer `variance`, the halves of a block together.
     let layers = &outcome.picture.layers;
