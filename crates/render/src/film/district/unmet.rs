@@ -6,7 +6,7 @@
 //! 2 B² / (n + 1)^1.5, where B is the light of single samples there: the mean of their squares over their mean, which is the lamp's own radiance
 //! however little of the pixel it covers. A block has one such edge more often than two: all of its pixels together count for the one that may be worst.
 
-use super::{ALL, BLOCK, DISTRICT, Half, PIXELS, place};
+use super::{ALL, DISTRICT, Half, PIXELS, place};
 
 /// So many pixels around may hide a part of what a pixel shows.
 const REACH: usize = 2;
@@ -63,7 +63,6 @@ pub(super) fn variances(shown: &[Half]) -> Vec<f64> {
             block.iter_mut().for_each(|v| *v *= most / sum);
         }
     }
-    debug_assert_eq!(side % BLOCK as usize, 0);
     out
 }
 

@@ -11,8 +11,8 @@
 //!
 //! What has ended keeps the noise that it ended with, and what is open makes up for it as far as that takes no more than twice the samples.
 
+use super::super::DARK;
 use super::super::adaptive::FIRST_CHECK;
-use super::super::{BLOCK, DARK};
 use super::known::{Blocks, Shown, drawn_together};
 use super::unmet;
 use super::{ALL, Half, PIXELS, SIDE, at_least};
@@ -239,7 +239,6 @@ pub(super) fn ending(
             take_apart((block, raised, known[b].1), halves, samples, &mut ends[part(b)]);
         }
     }
-    debug_assert_eq!(PIXELS, (BLOCK * BLOCK) as usize);
     ends
 }
 
