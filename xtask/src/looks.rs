@@ -156,6 +156,14 @@ fn by_each_integrator() -> Result<(), Failure> {
     Ok(())
 }
 
+/// Renders a job to a picture of the book.
+fn draw(job: &Job, file: &str) -> Result<(), Failure> {
+    let picture = job.render(&mut Control::to_the_end())?.picture;
+    picture.save(&root().join(file), &job.development())?;
+    println!("{file}");
+    Ok(())
+}
+
 /// A hundred shadow rays of one sample of the pixel, and one of a hundred; the two forms of direct light.
 fn by_rays_and_samples() -> Result<(), Failure> {
     let loaded = straal::load(&root().join(WAYS), &LoadOptions::default())
@@ -170,10 +178,7 @@ fn by_rays_and_samples() -> Result<(), Failure> {
         let integrator = Integrator::Direct(integrator);
         let (size, spp, integrator) = (Some(RAYS_SIZE), Some(spp), Some(integrator));
         let job = Job::new(loaded.clone(), Overrides { size, spp, integrator, ..Overrides::default() })?;
-        let picture = job.render(&mut Control::to_the_end())?.picture;
-        let file = format!("{FOLDER}/{name}.png");
-        picture.save(&root().join(&file), &job.development())?;
-        println!("{file}");
+        draw(&job, &format!("{FOLDER}/{name}.png"))?;
     }
     Ok(())
 }
@@ -226,10 +231,7 @@ fn denoised() -> Result<(), Failure> {
     for (name, spp, denoise) in DENOISINGS {
         let (size, spp, denoise) = (Some(DENOISED_SIZE), Some(spp), Some(denoise));
         let job = Job::new(loaded.clone(), Overrides { size, spp, denoise, ..Overrides::default() })?;
-        let picture = job.render(&mut Control::to_the_end())?.picture;
-        let file = format!("{FOLDER}/denoise-{name}.png");
-        picture.save(&root().join(&file), &job.development())?;
-        println!("{file}");
+        draw(&job, &format!("{FOLDER}/denoise-{name}.png"))?;
     }
     Ok(())
 }
@@ -242,10 +244,7 @@ fn filtered() -> Result<(), Failure> {
     for (name, splat) in [("drawn", false), ("splatted", true)] {
         let (size, spp, splat) = (Some(SIZE), Some(4), Some(splat));
         let job = Job::new(loaded.clone(), Overrides { size, spp, splat, ..Overrides::default() })?;
-        let picture = job.render(&mut Control::to_the_end())?.picture;
-        let file = format!("{FOLDER}/filter-{name}.png");
-        picture.save(&root().join(&file), &job.development())?;
-        println!("{file}");
+        draw(&job, &format!("{FOLDER}/filter-{name}.png"))?;
     }
     Ok(())
 }

@@ -3,14 +3,14 @@
 //! Blocks of 8 x 8 pixels, aligned to the whole picture, are looked at when their pixels have 32, 48, 64, 96, 128, ...
 //! samples. A rule that ends sampling by the very samples that it keeps prefers pictures that happen to look clean,
 //! which are too dark: they have missed what is rare and bright. So every pixel's samples are dealt out to two halves, and each half
-//! of a block ends by what the other half shows, which knows nothing of its own luck (after Kirk and Arvo 1991, "Unbiased
+//! ends by what the other halves of the pixels around show, which knows nothing of its own luck (after Kirk and Arvo 1991, "Unbiased
 //! Sampling Techniques for Image Synthesis"). A pixel's value is the mean of its two halves' means, whatever their numbers: weighed by
 //! these, the darker half would count for more.
 //!
 //! Between one check and the next the first of the samples go to one half and the rest to the other, so that each of both is well spread
 //! where the whole is.
 //!
-//! [`super::error_estimate`] tells how noisy a half of a pixel is, and [`super::district`] how noisy a half of a block.
+//! [`super::error_estimate`] tells how noisy a half of a pixel is, and [`super::district`] which need no further samples.
 
 use super::control::Control;
 use super::error_estimate::BatchSums;

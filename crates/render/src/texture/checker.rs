@@ -8,7 +8,7 @@ use straal_color::Light;
 use straal_math::ops;
 use straal_scene::desc;
 
-use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use, Value};
+use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Use, Value, between};
 use crate::lanes::{Colour, Lanes};
 use crate::shape::TriangleMesh;
 
@@ -70,20 +70,15 @@ pub(super) fn odd(x: f32, reach: f32) -> f32 {
 
 impl Pattern for Checker {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, _: Use) -> Light {
-        let [first, second] = [0, 1].map(|i| reading.eval(&self.colours[i], at));
-        let share = self.share(at, reading.meshes);
-        first * (1.0 - share) + second * share
+        between::light(self.colours.each_ref(), self.share(at, reading.meshes), at, reading)
     }
 
     fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
-        let [first, second] = [0, 1].map(|i| reading.number(&self.colours[i], at));
-        let share = self.share(at, reading.meshes);
-        first * (1.0 - share) + second * share
+        between::number(self.colours.each_ref(), self.share(at, reading.meshes), at, reading)
     }
 
     fn most(&self) -> f32 {
-        let [a, b] = [0, 1].map(|i| self.colours[i].most());
-        if a > b { a } else { b }
+        between::most(&self.colours)
     }
 
     #[cfg(test)]

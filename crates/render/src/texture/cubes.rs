@@ -8,7 +8,7 @@ use straal_scene::desc;
 
 use super::checker::odd;
 use super::solid::Solid;
-use super::{Maker, Pattern, Place, Reading, ShadingPoint, Use, Value};
+use super::{Maker, Pattern, Place, Reading, ShadingPoint, Use, Value, between};
 use crate::lanes::{Colour, Lanes};
 
 /// Cubes of two colours, of side 1.
@@ -36,20 +36,15 @@ impl Cubes {
 
 impl Pattern for Cubes {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, _: Use) -> Light {
-        let [first, second] = [0, 1].map(|i| reading.eval(&self.colours[i], at));
-        let share = self.share(at);
-        first * (1.0 - share) + second * share
+        between::light(self.colours.each_ref(), self.share(at), at, reading)
     }
 
     fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
-        let [first, second] = [0, 1].map(|i| reading.number(&self.colours[i], at));
-        let share = self.share(at);
-        first * (1.0 - share) + second * share
+        between::number(self.colours.each_ref(), self.share(at), at, reading)
     }
 
     fn most(&self) -> f32 {
-        let [a, b] = [0, 1].map(|i| self.colours[i].most());
-        if a > b { a } else { b }
+        between::most(&self.colours)
     }
 
     #[cfg(test)]

@@ -10,7 +10,7 @@ use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 use super::perlin::noise;
-use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Spot, Use, Value};
+use super::{Maker, Mapping, Pattern, Reading, ShadingPoint, Spot, Use, Value, between};
 use crate::lanes::{Colour, Lanes};
 use crate::shape::TriangleMesh;
 
@@ -104,19 +104,15 @@ fn up_to([x, y]: [f32; 2]) -> f32 {
 
 impl Pattern for Dots {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, _: Use) -> Light {
-        let [inside, outside] = [0, 1].map(|i| reading.eval(&self.colours[i], at));
-        let share = self.share(at, reading.meshes);
-        outside * (1.0 - share) + inside * share
+        between::light([&self.colours[1], &self.colours[0]], self.share(at, reading.meshes), at, reading)
     }
 
     fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
-        let [inside, outside] = [0, 1].map(|i| reading.number(&self.colours[i], at));
-        let share = self.share(at, reading.meshes);
-        outside * (1.0 - share) + inside * share
+        between::number([&self.colours[1], &self.colours[0]], self.share(at, reading.meshes), at, reading)
     }
 
     fn most(&self) -> f32 {
-        ops::max(self.colours[0].most(), self.colours[1].most())
+        between::most(&self.colours)
     }
 
     #[cfg(test)]

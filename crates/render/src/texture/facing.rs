@@ -7,7 +7,7 @@ use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 use super::solid::Solid;
-use super::{Maker, Pattern, Reading, ShadingPoint, Use, Value};
+use super::{Maker, Pattern, Reading, ShadingPoint, Use, Value, between};
 use crate::lanes::{Colour, Lanes};
 
 /// Two colours by the way that a surface faces.
@@ -36,19 +36,15 @@ impl Facing {
 
 impl Pattern for Facing {
     fn light<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>, _: Use) -> Light {
-        let [first, second] = [0, 1].map(|i| reading.eval(&self.colours[i], at));
-        let share = self.share(at);
-        first * share + second * (1.0 - share)
+        between::light([&self.colours[1], &self.colours[0]], self.share(at), at, reading)
     }
 
     fn number<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
-        let [first, second] = [0, 1].map(|i| reading.number(&self.colours[i], at));
-        let share = self.share(at);
-        first * share + second * (1.0 - share)
+        between::number([&self.colours[1], &self.colours[0]], self.share(at), at, reading)
     }
 
     fn most(&self) -> f32 {
-        ops::max(self.colours[0].most(), self.colours[1].most())
+        between::most(&self.colours)
     }
 
     #[cfg(test)]

@@ -21,6 +21,7 @@ use straal_math::{Frame, Transform, Vec3, ops};
 use straal_scene::desc;
 
 mod attribute;
+mod between;
 mod checker;
 mod corners;
 mod cubes;
