@@ -759,10 +759,17 @@ impl World {
                 let at = Receiver { p: at.p.lane(first), n: at.n.lane(first) };
                 let u = [u[0].lane(first), u[1].lane(first)];
                 let part = splits.then(|| picked.part.lane(first));
-                let one = light.sample_parts::<f32, L>(&self.geometry, (&at, u), part, &readings.from(first));
+                // In a function of its own, as what follows: compiled in one piece with all who call it, sampling takes a minute.
+                let one = F::vectorize(
+                    #[inline(always)]
+                    || light.sample_parts::<f32, L>(&self.geometry, (&at, u), part, &readings.from(first)),
+                );
                 LightSample::uniform(&one)
             } else {
-                light.sample_parts(&self.geometry, (at, u), splits.then_some(picked.part), readings)
+                F::vectorize(
+                    #[inline(always)]
+                    || light.sample_parts(&self.geometry, (at, u), splits.then_some(picked.part), readings),
+                )
             };
             all = LightSample::select(these, sample, all);
             left = left & !these;

@@ -148,21 +148,27 @@ impl Bvh {
         let mut rest = 0;
         let mut start = 0;
         let (mut packets, mut failures) = (0, 0);
-        while start < rays.len() {
+        loop {
             let end = if rays.len() - start < PACKET { rays.len() } else { start + PACKET };
             let window = &rays[start..end];
-            let is_done =
-                failures * PATIENCE <= packets && self.packet::<K, ANY>(q, group, window, (out, start));
-            if is_done {
+            let is_end = window.is_empty();
+            let is_done = K::IN_PACKETS
+                && !is_end
+                && failures * PATIENCE <= packets
+                && self.packet::<K, ANY>(q, group, window, (out, start));
+            if is_done || is_end {
+                // In one place: it becomes part of this function.
                 self.one_by_one::<K, ANY>(q, group, &rays[rest..start], (out, rest));
                 rest = end;
                 packets += 1;
             } else {
                 failures += 1;
             }
+            if is_end {
+                return;
+            }
             start = end;
         }
-        self.one_by_one::<K, ANY>(q, group, &rays[rest..], (out, rest));
     }
 
     #[inline(always)]
@@ -175,6 +181,9 @@ impl Bvh {
     ) {
         if rays.is_empty() {
             return;
+        }
+        if !K::FETCHES {
+            return self.many::<K, ANY, FLIGHT, NOT>(q, group, rays, out);
         }
         match self.distance() {
             Distance::Near => self.many::<K, ANY, FLIGHT, NOT>(q, group, rays, out),

@@ -164,6 +164,12 @@ pub(crate) trait Task {
 ///
 /// A value is the proof that the processor has the instruction set: only [`Chosen::new`] makes one, after asking.
 pub(crate) trait Kernel: Wide {
+    /// Whether rays that belong together are searched as a packet.
+    const IN_PACKETS: bool = true;
+
+    /// Whether it fetches ahead from large trees.
+    const FETCHES: bool = true;
+
     /// `LocalRay::prepare`, written where the ray stays, since copying what was just written piece by piece would wait for
     /// the pieces. False, and of no use, when the ray isn't valid.
     #[inline(always)]

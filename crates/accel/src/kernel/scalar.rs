@@ -21,6 +21,10 @@ fn earliest(a: f32, b: f32) -> f32 {
 pub(crate) struct Scalar;
 
 impl Kernel for Scalar {
+    // It can do neither faster than one ray after the other, and need not be compiled for it.
+    const IN_PACKETS: bool = false;
+    const FETCHES: bool = false;
+
     #[inline(always)]
     fn chosen(self) -> super::Chosen {
         super::Chosen::Scalar(self)

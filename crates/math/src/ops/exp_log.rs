@@ -46,10 +46,16 @@ fn logarithm<F: Float>(x: F, plain: F::Double) -> F {
 /// x to the y.
 #[inline(always)]
 pub fn pow<F: Float>(x: F, y: F) -> F {
-    let infinity = F::splat(f32::INFINITY);
-    let is_plain = x.gt(F::ZERO) & x.lt(infinity) & y.abs().lt(infinity);
-    let power = F::from_double(exp2_wide(y.to_double() * log2_wide(x.to_double())));
-    patched(!is_plain, power, move |i| pow_special(x.lane(i), y.lane(i)))
+    // Some hundred instructions, in a function of its own: many who call it are compiled for each kind of surface.
+    F::vectorize(
+        #[inline(always)]
+        move || {
+            let infinity = F::splat(f32::INFINITY);
+            let is_plain = x.gt(F::ZERO) & x.lt(infinity) & y.abs().lt(infinity);
+            let power = F::from_double(exp2_wide(y.to_double() * log2_wide(x.to_double())));
+            patched(!is_plain, power, move |i| pow_special(x.lane(i), y.lane(i)))
+        },
+    )
 }
 
 /// x to a whole power, by squaring.

@@ -120,7 +120,17 @@ impl Cells {
     /// Draws directions by `u` in [0, 1)², for surfaces of unit normals, or any way where these are zero.
     #[inline(always)]
     pub fn draw<F: Float>(&self, u: [F; 2], n: Vec3<F>) -> Option<Drawn<F>> {
-        let cell = self.facing.as_ref()?.samples(u, n);
+        let facing = self.facing.as_ref()?;
+        // Compiled once, not for each way to read colours.
+        Some(F::vectorize(
+            #[inline(always)]
+            || self.draw_by(facing, u, n),
+        ))
+    }
+
+    #[inline(always)]
+    fn draw_by<F: Float>(&self, facing: &Facing, u: [F; 2], n: Vec3<F>) -> Drawn<F> {
+        let cell = facing.samples(u, n);
         let (column, row) = (cell.column, cell.row);
         let next = row.wrapping_add(F::Uint::splat(1));
         let (above, below) = (entries::<F>(&self.cosines, row), entries::<F>(&self.cosines, next));
@@ -137,7 +147,7 @@ impl Cells {
         let y = ops::clamp(F::from_double(y), F::ZERO, F::ONE);
         let place = Place { column, row, x: F::from_double(cell.across), y };
         let pdf = self.density(cell.pdf, row);
-        Some(Drawn { wi: Vec3::from_double(wi), is_direction, place, pdf })
+        Drawn { wi: Vec3::from_double(wi), is_direction, place, pdf }
     }
 
     /// The density by solid angle with which directions in these cells are drawn.
@@ -157,6 +167,14 @@ impl Cells {
     /// Where a direction lies; one below the last row as if it lay at that row's end.
     #[inline(always)]
     pub fn place<F: Float>(&self, wi: Vec3<F>) -> Place<F> {
+        F::vectorize(
+            #[inline(always)]
+            || self.place_of(wi),
+        )
+    }
+
+    #[inline(always)]
+    fn place_of<F: Float>(&self, wi: Vec3<F>) -> Place<F> {
         use std::f32::consts::FRAC_1_PI;
         let [x, y, z] = &self.axes;
         let (x, y, z) = (Vec3::uniform(*x).dot(wi), Vec3::uniform(*y).dot(wi), Vec3::uniform(*z).dot(wi));

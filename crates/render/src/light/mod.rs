@@ -362,8 +362,8 @@ impl Emitter {
         part: Option<F::Uint>,
         readings: &Readings<'_, L>,
     ) -> LightSample<F> {
-        match (self, part) {
-            (Self::Area(light), Some(part)) => light.sample_parts(geometry, (at, u), Some(part), readings),
+        match self {
+            Self::Area(light) => light.sample_parts(geometry, (at, u), part, readings),
             _ => self.sample_many(geometry, at, u, readings),
         }
     }

@@ -186,8 +186,15 @@ impl LightTable {
         match &self.way {
             Way::Nothing => Picks::whole(F::Uint::splat(0), F::ZERO, u),
             Way::Only(index) => Picks::whole(F::Uint::splat(*index), F::ONE, u),
-            Way::Few(lights) => picks_of_few(lights, u, at),
-            Way::Many(many) => many.picks(u, at, within),
+            // Compiled once each, not for each way to read colours.
+            Way::Few(lights) => F::vectorize(
+                #[inline(always)]
+                || picks_of_few(lights, u, at),
+            ),
+            Way::Many(many) => F::vectorize(
+                #[inline(always)]
+                || many.picks(u, at, within),
+            ),
         }
     }
 

@@ -173,22 +173,11 @@ impl Phong {
         )
     }
 
-    /// What x^e is multiplied by, but for k_s.
-    #[inline]
-    fn scale(&self) -> f32 {
-        let e = self.exponent;
-        match (self.form.scale, self.form.blinn) {
-            (Scale::Normalised, false) => (e + 2.0) / TAU,
-            (Scale::Normalised, true) => (e + 2.0) * (e + 4.0) / (8.0 * PI * (ops::exp2(-0.5 * e) + e)),
-            (Scale::Textbook | Scale::Classic, _) => 1.0,
-        }
-    }
-
-    /// The chance of the highlight.
-    #[inline]
-    fn chance(&self) -> f32 {
-        let (d, s) = (self.diffuse.max_lane(), self.specular.max_lane());
-        if s > 0.0 { s / (d + s) } else { 0.0 }
+    /// What x^e is multiplied by in the normalised form, but for k_s.
+    #[inline(always)]
+    fn norm<F: Float>(blinn: F::Mask, e: F) -> F {
+        let of_blinn = (e + 2.0) * (e + 4.0) / ((ops::exp2(e * -0.5) + e) * (8.0 * PI));
+        F::select(blinn, of_blinn, (e + 2.0) / TAU)
     }
 }
 
@@ -226,13 +215,19 @@ impl<F: Float> Lobe<F> for Highlight<F> {
 
     #[inline(always)]
     fn gather(these: impl These<Phong>) -> Self {
+        let diffuse: Light<F> = many::light(these, |p: &Phong| p.diffuse);
+        let specular: Light<F> = many::light(these, |p: &Phong| p.specular);
+        let exponent = many::each(these, |p: &Phong| p.exponent);
+        let blinn = many::which::<_, F>(these, |p: &Phong| p.form.blinn);
+        let normalised = many::which::<_, F>(these, |p: &Phong| p.form.scale == Scale::Normalised);
+        let (d, s) = (diffuse.max_lane(), specular.max_lane());
         Self {
-            diffuse: many::light(these, |p: &Phong| p.diffuse),
-            specular: many::light(these, |p: &Phong| p.specular),
-            scale: many::each(these, Phong::scale),
-            exponent: many::each(these, |p: &Phong| p.exponent),
-            chance: many::each(these, Phong::chance),
-            blinn: many::which::<_, F>(these, |p: &Phong| p.form.blinn),
+            diffuse,
+            specular,
+            scale: F::select(normalised, Phong::norm(blinn, exponent), F::ONE),
+            exponent,
+            chance: F::select(s.gt(F::ZERO), s / (d + s), F::ZERO),
+            blinn,
             classic: many::which::<_, F>(these, |p: &Phong| p.form.scale == Scale::Classic),
             two_sided: many::which::<_, F>(these, |p: &Phong| p.two_sided),
         }

@@ -106,10 +106,14 @@ macro_rules! shapes {
             /// [`Geometry::sample_lit`] for many side by side.
             #[inline(always)]
             pub(crate) fn sample_lit_many<F: Float>(&self, shape: u32, at: (Vec3<F>, Vec3<F>), u: [F; 2]) -> DirSamples<F> {
-                match &self.shapes[shape as usize] {
-                    $( Shape::$Kind(s) => <$Kind as Form>::sample_lit_many(s, at, u), )+
-                    Shape::Custom(_) => DirSamples::one_by_one(F::Mask::splat(false), |_| None),
-                }
+                // Compiled once, not for each way to read colours.
+                F::vectorize(
+                    #[inline(always)]
+                    || match &self.shapes[shape as usize] {
+                        $( Shape::$Kind(s) => <$Kind as Form>::sample_lit_many(s, at, u), )+
+                        Shape::Custom(_) => DirSamples::one_by_one(F::Mask::splat(false), |_| None),
+                    },
+                )
             }
 
             /// The density of [`Geometry::sample_lit`], as [`Geometry::pdf_from`].

@@ -310,6 +310,20 @@ impl TriangleMesh {
         p: Vec3<F>,
         u: [F; 2],
     ) -> DirSamples<F> {
+        // Compiled once, not for each way to read colours.
+        F::vectorize(
+            #[inline(always)]
+            || self.sample_these_from((primitive, pmf), p, u),
+        )
+    }
+
+    #[inline(always)]
+    fn sample_these_from<F: Float>(
+        &self,
+        (primitive, pmf): (F::Uint, F),
+        p: Vec3<F>,
+        u: [F; 2],
+    ) -> DirSamples<F> {
         let mut rows = [[Vec3::ZERO; 3]; BLOCK];
         for (i, corners) in rows.iter_mut().enumerate().take(F::WIDTH) {
             *corners = self.corners(primitive.lane(i));
