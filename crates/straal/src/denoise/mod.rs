@@ -8,6 +8,7 @@ mod file;
 mod fireflies;
 mod groups;
 mod guides;
+mod shares;
 
 pub use file::{NoisyFile, Source};
 pub use fireflies::Fireflies;
@@ -30,7 +31,7 @@ pub enum Effort {
     /// The usual network.
     #[default]
     Best,
-    /// A smaller network: a third of the work, a little less clean. Without guides there is none, and the usual one is taken.
+    /// A single, smaller network: a little less clean. Without guides there is none, and the usual one is taken.
     Fast,
 }
 
@@ -154,8 +155,8 @@ pub struct Noisy<'a> {
 /// A network that is ready, with what it is to see.
 pub(crate) struct Ready {
     pub network: Network,
-    /// Another that was trained for the same, whose mistakes are others.
-    pub second: Option<Network>,
+    /// Others for the same, whose mistakes are others.
+    pub others: Option<[Network; shares::NETWORKS - 1]>,
     pub settings: Settings,
     pool: rayon::ThreadPool,
     /// Name of the weights.
@@ -165,19 +166,23 @@ pub(crate) struct Ready {
     pub notes: Vec<String>,
 }
 
+/// Networks beside the one for guides without noise. The last one sees the light alone, and knows shadows best, which no guide tells.
+const OTHERS: [Weights; shares::NETWORKS - 1] = [Weights::Guided, Weights::Light];
+
 impl Denoising {
     /// The network for a picture with these guides, which are as good as without noise or not.
     pub(crate) fn ready(&self, guides: &Guides, is_clean: bool) -> Result<Ready, NoDenoise> {
         let (has_albedo, has_normal) = (guides.albedo.is_some(), guides.normal.is_some());
         let mut notes = Vec::new();
-        let (name, network, second) = match &self.network {
+        let (name, network, others) = match &self.network {
             Some((name, network)) => (name.clone(), network.clone(), None),
             None => {
                 let weights = self.effort.weights(has_albedo && has_normal, is_clean);
-                let second = if weights == Weights::CleanGuided { Some(Weights::Guided) } else { None };
-                let names = [Some(weights), second].into_iter().flatten().map(Weights::name);
-                let name = names.collect::<Vec<_>>().join(" and ");
-                (name, weights.network()?, second.map(Weights::network).transpose()?)
+                let others = match weights {
+                    Weights::CleanGuided => Some([OTHERS[0].network()?, OTHERS[1].network()?]),
+                    _ => None,
+                };
+                (weights.name().to_owned(), weights.network()?, others)
             }
         };
         let sees = [network.inputs() >= 2, network.inputs() >= 3];
@@ -203,20 +208,41 @@ impl Denoising {
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads.unwrap_or(0)).build()?;
         let settings = pool.install(|| Settings { simd, ..Settings::default() });
-        Ok(Ready { network, second, settings, pool, name, sees, notes })
+        Ok(Ready { network, others, settings, pool, name, sees, notes })
     }
 }
 
 impl Ready {
-    /// Clean light, as the mean of all that the networks make of it.
-    pub fn run_all(&self, noisy: &Noisy<'_>) -> Result<Vec<[f32; 3]>, NoDenoise> {
-        let mut clean = self.run(noisy)?;
-        if let Some(second) = &self.second {
-            let other = self.run_by(second, noisy)?;
-            let both = clean.iter_mut().flatten().zip(other.iter().flatten());
-            both.for_each(|(v, other)| *v = 0.5 * (*v + other));
-        }
-        Ok(clean)
+    /// What all networks make of some light, the first one first; nothing if there is but one.
+    fn run_all(&self, noisy: &Noisy<'_>) -> Result<Option<shares::Pictures>, NoDenoise> {
+        let Some([second, third]) = &self.others else { return Ok(None) };
+        Ok(Some([self.run(noisy)?, self.run_by(second, noisy)?, self.run_by(third, noisy)?]))
+    }
+
+    /// Clean light of both halves, as the mean of what the networks make of it, and their shares in it.
+    fn run_halves(
+        &self,
+        [a, b]: [Noisy<'_>; 2],
+    ) -> Result<([Vec<[f32; 3]>; 2], [f32; shares::NETWORKS]), NoDenoise> {
+        let (Some(of_a), Some(of_b)) = (self.run_all(&a)?, self.run_all(&b)?) else {
+            return Ok(([self.run(&a)?, self.run(&b)?], shares::USUAL));
+        };
+        let mut made = [of_a, of_b];
+        let shares = self.install(|| shares::shares(a.width, [a.rgb, b.rgb], made.each_ref()));
+        let mut mean = |half: usize| shares::mean(std::mem::take(&mut made[half]), shares);
+        Ok(([mean(0), mean(1)], shares))
+    }
+
+    /// Clean light, of several networks as the mean by such shares.
+    fn run_shared(
+        &self,
+        noisy: &Noisy<'_>,
+        shares: [f32; shares::NETWORKS],
+    ) -> Result<Vec<[f32; 3]>, NoDenoise> {
+        Ok(match self.run_all(noisy)? {
+            Some(all) => shares::mean(all, shares),
+            None => self.run(noisy)?,
+        })
     }
 
     /// Clean light of one network.
@@ -230,8 +256,8 @@ impl Ready {
             width: noisy.width,
             height: noisy.rgb.len() / if noisy.width > 0 { noisy.width } else { 1 },
             color: noisy.rgb,
-            albedo: albedo.as_deref().filter(|_| self.sees[0]),
-            normal: normal.as_deref().filter(|_| self.sees[1]),
+            albedo: albedo.as_deref().filter(|_| network.inputs() >= 2),
+            normal: normal.as_deref().filter(|_| network.inputs() >= 3),
         };
         let run = || straal_denoise::denoise(network, &picture, &self.settings);
         Ok(self.pool.install(run)?)
@@ -259,6 +285,15 @@ impl Ready {
     /// Does something on the threads.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
+    }
+
+    /// Puts the names of all networks, with their shares, in place of the first one's.
+    fn tell(&mut self, shares: [f32; shares::NETWORKS]) {
+        if self.others.is_some() {
+            let [first, second, third] = shares.map(|share| (100.0 * share).round());
+            let [more, most] = OTHERS.map(Weights::name);
+            self.name = format!("{} {first} %, {more} {second} % and {most} {third} %", self.name);
+        }
     }
 
     /// What a picture tells of it: the weights, and what they saw.
@@ -301,10 +336,10 @@ impl Denoising {
     /// Bytes of a pixel that denoising takes while the film is there: two halves, and the share of one.
     pub(crate) const BYTES_WITH_FILM: u64 = 2 * 12 + 4;
 
-    /// Bytes that denoising a rendered picture takes besides its layers, when the film is gone: light and two halves, noisy and clean, guides, what camera rays see of lamps, and what the
+    /// Bytes that denoising a rendered picture takes besides its layers, when the film is gone: light and two halves, noisy and what three networks make of them, guides, what camera rays see of lamps, and what the
     /// weights are found by; and the network's rows.
     pub(crate) fn bytes(&self, crop: Region) -> u64 {
-        const A_PIXEL: u64 = 7 * 12 + 2 * 12 + 12 + 3 * 12 + 7 * 4;
+        const A_PIXEL: u64 = 11 * 12 + 2 * 12 + 12 + 3 * 12 + 7 * 4;
         // Measured, with twice the rows for many threads.
         const A_COLUMN: u64 = 70_000;
         (crop.area() as u64).saturating_mul(A_PIXEL).saturating_add(u64::from(crop.width()) * A_COLUMN)
@@ -346,7 +381,7 @@ impl Picture {
             normal_name: name(&channel::NORMAL),
             ..Guides::default()
         };
-        let ready = how.ready(&guides, is_clean)?;
+        let mut ready = how.ready(&guides, is_clean)?;
         let width = self.layers.width;
         let guides = ready.prefiltered(how, guides, width)?;
         // What the network sees, in place of light that camera rays see by its own samples.
@@ -360,7 +395,6 @@ impl Picture {
             let found = how.fireflies.map(|times| fireflies::remove(width, &mut rgb, times));
             (rgb, found)
         };
-        let run = |rgb: &[[f32; 3]]| ready.run(&Noisy { width, rgb, guides: &guides });
         let own_light = light.as_mut().map(|light| std::mem::take(&mut light.own));
         let (mut noisy, fireflies) = shown(self.layers.rgb.clone(), own_light, &light);
         let halves = halves.filter(|halves| halves.share.len() == noisy.len());
@@ -381,19 +415,24 @@ impl Picture {
             }
             rgb
         };
-        let denoised = match &parts {
-            Some([a, b]) => Some([run(a)?, run(b)?]),
-            None => None,
+        let (denoised, of_each) = match &parts {
+            Some([a, b]) => {
+                let (denoised, of_each) =
+                    ready.run_halves([a, b].map(|rgb| Noisy { width, rgb, guides: &guides }))?;
+                (Some(denoised), of_each)
+            }
+            None => (None, shares::USUAL),
         };
         if let ([Some(albedo), Some(normal)], Some(more), true) = (own, guides.both(), is_clean) {
             let first = match (&shares, &denoised) {
                 (Some(shares), Some([a, b])) => blend::mean(shares, a, b),
-                _ => run(&noisy)?,
+                _ => ready.run(&Noisy { width, rgb: &noisy, guides: &guides })?,
             };
             let edges = Edges { width, own: [albedo, normal], more };
             ready.install(|| edges.correct(&mut noisy, &first));
         }
-        let clean = with(ready.run_all(&Noisy { width, rgb: &noisy, guides: &guides })?);
+        let clean = with(ready.run_shared(&Noisy { width, rgb: &noisy, guides: &guides }, of_each)?);
+        ready.tell(of_each);
         let noisy = with(noisy);
         let mut notes = ready.notes.clone();
         let (mut noise, mut weight) = (Vec::new(), None);
