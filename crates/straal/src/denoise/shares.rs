@@ -116,6 +116,11 @@ pub(super) fn mean(mut pictures: Pictures, shares: [f32; NETWORKS]) -> Vec<[f32;
     out
 }
 
+/// A picture as a mirror shows it, with left and right exchanged.
+pub(super) fn mirrored(width: usize, picture: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    picture.chunks(width.max(1)).flat_map(|row| row.iter().rev().copied()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,6 +184,15 @@ mod tests {
         assert_eq!(found([0.0; 3], &noisy), USUAL);
         let nothing = Pictures::default();
         assert_eq!(shares(0, [&[], &[]], [&nothing, &nothing]), USUAL);
+    }
+
+    #[test]
+    fn a_mirror_turns_rows() {
+        let picture: Vec<[f32; 3]> = (0..6).map(|v| [v as f32; 3]).collect();
+        let turned = mirrored(3, &picture);
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|k| turned[k][0]), [2.0, 1.0, 0.0, 5.0, 4.0, 3.0]);
+        assert_eq!(mirrored(3, &turned), picture);
+        assert!(mirrored(0, &[]).is_empty());
     }
 
     #[test]
