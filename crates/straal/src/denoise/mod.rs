@@ -220,10 +220,7 @@ impl Ready {
     }
 
     /// Clean light of both halves, as the mean of what the networks make of it, and their shares in it.
-    fn run_halves(
-        &self,
-        [a, b]: [Noisy<'_>; 2],
-    ) -> Result<([Vec<[f32; 3]>; 2], [f32; shares::NETWORKS]), NoDenoise> {
+    fn run_halves(&self, [a, b]: [Noisy<'_>; 2]) -> Result<([shares::Light; 2], shares::Shares), NoDenoise> {
         let (Some(of_a), Some(of_b)) = (self.run_all(&a)?, self.run_all(&b)?) else {
             return Ok(([self.run(&a)?, self.run(&b)?], shares::USUAL));
         };
@@ -235,11 +232,7 @@ impl Ready {
 
     /// Clean light, of several networks as the mean by such shares. These see the picture in a mirror as well: a network makes other mistakes there, so that the mean of both has
     /// 2 to 4 % less error on reference scenes.
-    fn run_shared(
-        &self,
-        noisy: &Noisy<'_>,
-        shares: [f32; shares::NETWORKS],
-    ) -> Result<Vec<[f32; 3]>, NoDenoise> {
+    fn run_shared(&self, noisy: &Noisy<'_>, shares: shares::Shares) -> Result<Vec<[f32; 3]>, NoDenoise> {
         let Some(all) = self.run_all(noisy)? else { return self.run(noisy) };
         let mut out = shares::mean(all, shares);
         let mirror = |rgb: &[[f32; 3]]| shares::mirrored(noisy.width, rgb);
@@ -297,7 +290,7 @@ impl Ready {
     }
 
     /// Puts the names of all networks, with their shares, in place of the first one's.
-    fn tell(&mut self, shares: [f32; shares::NETWORKS]) {
+    fn tell(&mut self, shares: shares::Shares) {
         if self.others.is_some() {
             let [first, second, third] = shares.map(|share| (100.0 * share).round());
             let [more, most] = OTHERS.map(Weights::name);
@@ -378,7 +371,7 @@ impl Picture {
         };
         let own = [own(&channel::ALBEDO), own(&channel::NORMAL)];
         let name = |channel: &Channel| channel.layer.to_owned();
-        let is_clean = seen.is_some();
+        let (is_seen, is_clean) = (seen.is_some(), seen.as_ref().is_some_and(|seen| seen.is_clean));
         let (mut light, [albedo, normal]) = match seen {
             Some(seen) => (seen.light, seen.guides.map(Some)),
             None => (None, own.map(|own| own.map(<[_]>::to_vec))),
@@ -432,7 +425,7 @@ impl Picture {
             }
             None => (None, shares::USUAL),
         };
-        if let ([Some(albedo), Some(normal)], Some(more), true) = (own, guides.both(), is_clean) {
+        if let ([Some(albedo), Some(normal)], Some(more), true) = (own, guides.both(), is_seen) {
             let first = match (&shares, &denoised) {
                 (Some(shares), Some([a, b])) => blend::mean(shares, a, b),
                 _ => ready.run(&Noisy { width, rgb: &noisy, guides: &guides })?,

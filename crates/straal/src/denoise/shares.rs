@@ -18,7 +18,7 @@ use rayon::prelude::*;
 pub(super) const NETWORKS: usize = 3;
 
 /// The shares that are taken where the halves don't tell: networks that see guides are nearer to the truth more often.
-pub(super) const USUAL: [f32; NETWORKS] = [0.4, 0.4, 0.2];
+pub(super) const USUAL: Shares = [0.4, 0.4, 0.2];
 
 /// How strongly shares are drawn to the usual ones, as a part of what the networks differ by.
 const DRAWN: f64 = 0.1;
@@ -35,11 +35,17 @@ const ROUNDS: usize = 100;
 /// Sums of products of what each pair of networks is off by.
 type Products = [[f64; NETWORKS]; NETWORKS];
 
+/// Light of a picture's pixels.
+pub(super) type Light = Vec<[f32; 3]>;
+
 /// What each of them makes of some light.
-pub(super) type Pictures = [Vec<[f32; 3]>; NETWORKS];
+pub(super) type Pictures = [Light; NETWORKS];
+
+/// How much each of them counts.
+pub(super) type Shares = [f32; NETWORKS];
 
 /// The shares of networks that make `clean` of each of the halves `noisy`.
-pub(super) fn shares(width: usize, noisy: [&[[f32; 3]]; 2], clean: [&Pictures; 2]) -> [f32; NETWORKS] {
+pub(super) fn shares(width: usize, noisy: [&[[f32; 3]]; 2], clean: [&Pictures; 2]) -> Shares {
     let count = noisy[0].len();
     // Rows are summed one after the other, so that threads don't change the sum.
     let rows: Vec<Products> = (0..count.div_ceil(width.max(1)))
@@ -107,7 +113,7 @@ fn least(products: &Products) -> [f64; NETWORKS] {
 }
 
 /// The mean of pictures of which each has a share, in the place of the first.
-pub(super) fn mean(mut pictures: Pictures, shares: [f32; NETWORKS]) -> Vec<[f32; 3]> {
+pub(super) fn mean(mut pictures: Pictures, shares: Shares) -> Vec<[f32; 3]> {
     let mut out = std::mem::take(&mut pictures[0]);
     out.as_flattened_mut().iter_mut().for_each(|v| *v *= shares[0]);
     for (more, share) in pictures.iter().zip(shares).skip(1) {
@@ -143,7 +149,7 @@ mod tests {
     }
 
     /// What networks make of a noisy grey that are off by so much, each in its own way, the same for both halves.
-    fn found(sizes: [f32; NETWORKS], noisy: &[Vec<[f32; 3]>; 2]) -> [f32; NETWORKS] {
+    fn found(sizes: [f32; NETWORKS], noisy: &[Vec<[f32; 3]>; 2]) -> Shares {
         let mut seed = 10;
         let clean = sizes.map(|size| {
             seed += 1;
