@@ -7,11 +7,11 @@ use crate::{Network, Signal, WeightsError};
 pub enum Weights {
     /// Light with noisy albedo and normals.
     Guided,
-    /// The same by a third of the arithmetic.
+    /// The same by half of the arithmetic.
     GuidedFast,
     /// Light with albedo and normals that have no noise.
     CleanGuided,
-    /// Light alone, by a third of the arithmetic.
+    /// Light alone, by half of the arithmetic.
     Light,
 }
 

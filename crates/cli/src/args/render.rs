@@ -90,7 +90,7 @@ pub struct RenderArgs {
     )]
     pub frames: Option<Frames>,
 
-    /// Denoise the picture: a clean one, and only a likely one; fast is a third of the work, off is not even what the scene says
+    /// Denoise the picture: a clean one, and only a likely one; fast is a sixth of the work, off is not even what the scene says
     ///
     /// Where the noisy light is nearer to the truth, it is blended back; an EXR tells the error that is left, and keeps the noisy light
     /// as the layer noisy. With --noise the render ends by the error of the denoised picture.

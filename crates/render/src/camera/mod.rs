@@ -178,7 +178,7 @@ fn turned(d: Vec3, across: Vec3, down: Vec3) -> [Vec3; 2] {
     [across, down].map(|change| (change - d * (d.dot(change) / square)) / length)
 }
 
-/// What a camera makes use of, known before the first ray.
+/// What a camera makes use of and takes, known before the first ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// [`FilmPoint::lens`] makes a difference.
@@ -187,6 +187,8 @@ pub struct Needs {
     pub time: bool,
     /// [`Camera::glasses`] isn't always 1.
     pub glasses: bool,
+    /// A ray takes several times as long as one of a pinhole, so that none is made that isn't worth it.
+    pub patience: bool,
 }
 
 list::cameras! {

@@ -246,7 +246,7 @@ impl Sees for Realistic {
     }
 
     fn needs(&self) -> Needs {
-        Needs { lens: true, glasses: true, ..Needs::default() }
+        Needs { lens: true, glasses: true, patience: true, ..Needs::default() }
     }
 
     /// What the light on its way weighs, the same in all colours.

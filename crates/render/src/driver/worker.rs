@@ -209,7 +209,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
     fn start(&mut self) {
         let (world, settings) = (self.world, self.settings);
         let from_camera = I::ORIGIN == Origin::Camera;
-        let Needs { lens, time, glasses } = self.needs;
+        let Needs { lens, time, glasses, .. } = self.needs;
         self.simd.run(starting::Start {
             names: &self.names,
             pattern: settings.pattern,

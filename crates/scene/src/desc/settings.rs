@@ -58,9 +58,9 @@ describe! {
     pub enum Denoise {
         /// It stays as it is.
         "off" => Off,
-        /// By Open Image Denoise's usual network, and of a render by that for guides without noise as well.
+        /// By three of Open Image Denoise's networks, each with the share in which the samples tell it to be right.
         "best" => Best,
-        /// By a smaller one: a third of the work, a little less clean.
+        /// By a single, small network: a sixth of the work, a little less clean.
         "fast" => Fast,
     }
 }

@@ -7,7 +7,8 @@
 //! - Light that they see is taken off the picture, sample by sample the same, and what more rays see of it is put in its place (a control variate; Glasserman 2003,
 //!   "Monte Carlo Methods in Financial Engineering", section 4.1). Lamps are put back after the network, which never sees them. Where surroundings shine,
 //!   they are much of the picture, and no brighter than the rest; measured, the network does better by seeing them.
-//! - Albedo and normals of these rays are as good as without noise, and guide a network that was trained with such guides: it takes edges from them rather than from the light.
+//! - Albedo and normals of these rays are as good as without noise, and guide a network that was trained with such guides: it takes edges from them rather than from the light. (Where rays take so long that few
+//!   are sent, it would take their noise for edges as well, and the usual network does without it.)
 //!
 //! Films of these rays are a strip of rows at a time.
 
@@ -25,6 +26,10 @@ const ENOUGH: u32 = 256;
 /// How many times as many camera rays are sent where there are edges.
 const MANY: u32 = 8;
 
+/// The same of a camera whose rays go through glass, surface by surface. These and their footprints take five times as long as a pinhole's, and out of focus nearly all is edges: with
+/// eight times as many, a picture of 16 samples waited five times as long for them as for its light.
+const FEW: u32 = 2;
+
 /// By how much light of neighbours differs where more rays are sent, relative to the brighter one.
 const EDGE: f32 = 0.02;
 
@@ -40,6 +45,8 @@ pub(crate) struct Seen {
     pub light: Option<SeenLight>,
     /// Albedo and normals, by more rays where they have edges.
     pub guides: [Vec<[f32; 3]>; 2],
+    /// Whether these are so many that the guides are as good as without noise.
+    pub is_clean: bool,
 }
 
 /// Light that camera rays see, by rows from the top left.
@@ -80,7 +87,8 @@ impl Job {
             let more = counts.edges(&light.own, differ_in_part);
             edges.iter_mut().zip(more).for_each(|(edge, more)| *edge |= more);
         }
-        let ends = counts.further(&edges);
+        let is_clean = !self.world.camera.needs().patience;
+        let ends = counts.further(&edges, if is_clean { MANY } else { FEW });
         let plain = Settings { blocks: true, halves: false, error: false, layers: true, ..self.lean() };
         let path = self.seeing().unwrap_or(PathTracer { max_depth: 1, ..PathTracer::default() });
         self.strips(path, &plain, &ends, |at, film| {
@@ -98,7 +106,7 @@ impl Job {
                 take(&mut light.more, &layers.rgb);
             }
         })?;
-        Ok(Some(Seen { light, guides }))
+        Ok(Some(Seen { light, guides, is_clean }))
     }
 
     /// What the samples of a film have seen of the light, if its integrator adds that up.
@@ -235,10 +243,10 @@ impl Counts {
         edges
     }
 
-    /// How many camera rays are sent in all where there are edges; 0 elsewhere.
-    fn further(&self, edges: &[bool]) -> Self {
-        let wanted =
-            |n: u32| n.saturating_mul(MANY).next_power_of_two().clamp(2 * FIRST_CHECK, ENOUGH.max(n));
+    /// How many camera rays are sent in all where there are edges, `many` times as many as there are samples; 0 elsewhere.
+    fn further(&self, edges: &[bool], many: u32) -> Self {
+        let least = FIRST_CHECK.max(many * FIRST_CHECK / 4);
+        let wanted = |n: u32| n.saturating_mul(many).next_power_of_two().clamp(least, ENOUGH.max(n));
         self.map(|k, n| if n < ENOUGH && edges[k] { wanted(n) } else { 0 }).by_blocks()
     }
 
@@ -276,9 +284,9 @@ mod tests {
         // 20 x 9 pixels from (4, 4) on: columns of blocks begin at 0, 4 and 12, rows at 0 and 4.
         let few = counts(vec![16; 180], 20, [4, 4]);
         let mut rgb = vec![[1.0; 3]; 180];
-        assert_eq!(few.further(&few.edges(&rgb, differ_in_part)).most, 0);
+        assert_eq!(few.further(&few.edges(&rgb, differ_in_part), MANY).most, 0);
         rgb[5 * 20 + 14] = [1.0, 3.0, 1.0];
-        let more = few.further(&few.edges(&rgb, differ_in_part));
+        let more = few.further(&few.edges(&rgb, differ_in_part), MANY);
         for (k, n) in more.at.iter().enumerate() {
             let [x, y] = [k % 20, k / 20];
             assert_eq!(*n, if (12..20).contains(&x) && y >= 4 { 128 } else { 0 }, "{x} {y}");
@@ -288,7 +296,19 @@ mod tests {
             (128, 0, 0, 0)
         );
         // Those that have many need none.
-        assert_eq!(counts(vec![256; 180], 20, [4, 4]).further(&few.edges(&rgb, differ_in_part)).most, 0);
-        assert_eq!(counts(vec![100; 180], 20, [4, 4]).further(&few.edges(&rgb, differ_in_part)).most, 256);
+        assert_eq!(
+            counts(vec![256; 180], 20, [4, 4]).further(&few.edges(&rgb, differ_in_part), MANY).most,
+            0
+        );
+        assert_eq!(
+            counts(vec![100; 180], 20, [4, 4]).further(&few.edges(&rgb, differ_in_part), MANY).most,
+            256
+        );
+        // A slow camera sends twice as many.
+        assert_eq!(few.further(&few.edges(&rgb, differ_in_part), FEW).most, 32);
+        assert_eq!(
+            counts(vec![200; 180], 20, [4, 4]).further(&few.edges(&rgb, differ_in_part), FEW).most,
+            256
+        );
     }
 }
