@@ -136,7 +136,7 @@ impl Probe for CostMeter {
     }
 
     fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
-        let may_pass = world.materials.any_may_pass();
+        let may_pass = world.any_may_pass();
         answer.blocked.clear();
         answer.light.clear();
         let mut last = self.now();

@@ -111,6 +111,8 @@ pub struct World {
     pub light_groups: Groups,
     /// What lights what, where that isn't all.
     pub(crate) links: Links,
+    /// The emitters that go by the name of the lamp whose zones of shadow are shown.
+    pub(crate) lamps_of_zones: Vec<u32>,
     /// What ways on from its surfaces bring and cost, where an integrator asks for it: see [`World::learn`].
     pub(crate) ears: Option<Ears>,
     /// Which emitters stand in objects, and shine wherever these do.
@@ -185,19 +187,25 @@ impl World {
     }
 
     /// The share of light that passes along each ray, in four lanes: all or nothing, since every material stops a
-    /// shadow ray, glass as well (its light is found by paths that go through it); but masks let a part of it through. Where there
-    /// are none, whether rays are blocked says all, and `out` is left empty.
+    /// shadow ray, glass as well (its light is found by paths that go through it); but masks let a part of it through, and what casts no shadow
+    /// of the lamp all of it. Where there are none, whether rays are blocked says all, and `out` is left empty.
     pub fn transmittance(&self, rays: &[Ray], blocked: &mut Vec<bool>, out: &mut Vec<Light>) {
         blocked.clear();
         blocked.resize(rays.len(), false);
         self.accel.occluded(&self.geometry, rays, blocked);
         out.clear();
-        if self.materials.any_may_pass() {
+        if self.any_may_pass() {
             out.extend(blocked.iter().map(|&b| if b { Light::ZERO } else { Light::ONE }));
             for (light, ray) in out.iter_mut().zip(rays).filter(|(light, _)| light.is_black()) {
                 *light = self.past_masks(ray, |ray| self.closest_of(ray));
             }
         }
+    }
+
+    /// Whether a shadow ray may go on behind what it meets.
+    #[inline]
+    pub(crate) fn any_may_pass(&self) -> bool {
+        self.materials.any_may_pass() || self.links.shadows_matter()
     }
 
     /// What a single ray hits first.
@@ -213,12 +221,12 @@ impl World {
         self.accel.occluded(&self.geometry, std::slice::from_ref(ray), &mut blocked);
         match blocked {
             [false] => 1.0,
-            [true] if self.materials.any_may_pass() => self.past_masks(ray, |ray| self.closest_of(ray))[0],
+            [true] if self.any_may_pass() => self.past_masks(ray, |ray| self.closest_of(ray))[0],
             [true] => 0.0,
         }
     }
 
-    /// The share of light that passes along a ray that meets something, if all that it meets are masks.
+    /// The share of light that passes along a shadow ray that meets something, if all that it meets are masks or cast no shadow of its lamp.
     #[cold]
     pub(crate) fn past_masks(&self, ray: &Ray, mut closest: impl FnMut(&Ray) -> Hit) -> Light {
         let (mut ray, mut left) = (*ray, 1.0);
@@ -227,7 +235,9 @@ impl World {
             if !hit.is_hit() {
                 return Light::splat(left);
             }
-            left *= 1.0 - self.opacity(&ray, &hit);
+            if self.links.cast(&ray, &hit) {
+                left *= 1.0 - self.opacity(&ray, &hit);
+            }
             if left <= 0.0 {
                 break;
             }

@@ -274,7 +274,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// What lamps light, or don't, must be there.
+    /// What lamps light and what casts shadows of them, or doesn't, must be there.
     fn linked(&mut self) {
         let links = self.scene.links();
         if links.is_empty() {
@@ -282,8 +282,9 @@ impl<'a> Walk<'a> {
         }
         let count = self.scene.linked_names().len();
         if count > MOST_LINKED {
-            let message =
-                format!("lamps name {count} things that they light or don't: there may be {MOST_LINKED}");
+            let message = format!(
+                "lamps name {count} things, which they light or which cast shadows of them, or don't: there may be {MOST_LINKED}"
+            );
             self.d
                 .push(Diagnostic::error(links[0].span, message).help("put things into a group with a name"));
         }

@@ -17,9 +17,9 @@ use straal_render::lanes::Rgb;
 use straal_render::testing::Shaded;
 use straal_render::texture::ShadingPoint;
 
-/// Blocks in a turn, and turns, of which the fastest count.
-const BLOCKS: usize = 1 << 11;
-const TURNS: usize = 40;
+/// A turn takes at least so many seconds, many times the ticks in which systems tell how long a thread has been computing; of so many turns the fastest count.
+const TURN: f64 = 0.04;
+const TURNS: usize = 6;
 
 const MATERIALS: [(&str, &str); 13] = [
     ("diffuse", "{ diffuse: {} }"),
@@ -47,6 +47,15 @@ fn computed(since: Instant) -> Duration {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = told.and_then(|text| text.split_whitespace().next()?.parse().ok());
     nanoseconds.map_or_else(|| since.elapsed(), Duration::from_nanos)
+}
+
+/// Seconds that so many steps take.
+fn seconds(began: Instant, steps: usize, mut step: impl FnMut()) -> f64 {
+    let start = computed(began);
+    for _ in 0..steps {
+        step();
+    }
+    (computed(began) - start).as_secs_f64()
 }
 
 fn main() {
@@ -78,18 +87,25 @@ fn main() {
     let mut plain = of(0);
     for (i, (name, _)) in MATERIALS.into_iter().enumerate() {
         let mut block = of(i);
-        let mut fastest = [f64::INFINITY; 2];
+        // Seconds a step, and how many steps make a turn.
+        let mut fastest = [(f64::INFINITY, 1 << 10); 2];
         for _ in 0..TURNS {
-            for (one, best) in [&mut plain, &mut block].into_iter().zip(&mut fastest) {
-                let start = computed(began);
-                for _ in 0..BLOCKS {
-                    black_box(one.step(widest));
+            for (one, (best, steps)) in [&mut plain, &mut block].into_iter().zip(&mut fastest) {
+                let mut turn = |steps| {
+                    seconds(began, steps, || {
+                        black_box(one.step(widest));
+                    })
+                };
+                let mut spent = turn(*steps);
+                while spent < TURN {
+                    *steps *= 2;
+                    spent = turn(*steps);
                 }
-                let spent = (computed(began) - start).as_secs_f64();
+                let spent = spent / *steps as f64;
                 *best = if spent < *best { spent } else { *best };
             }
         }
-        let [diffuse, own] = fastest;
-        println!("{name:40} {:>14.2} {:>10.2}", own * 1e9 / (BLOCKS * BLOCK) as f64, own / diffuse);
+        let [(diffuse, _), (own, _)] = fastest;
+        println!("{name:40} {:>14.2} {:>10.2}", own * 1e9 / BLOCK as f64, own / diffuse);
     }
 }

@@ -3,7 +3,7 @@
 use super::materials::Materials;
 use super::{Custom, Detail};
 use crate::lanes::Colour;
-use crate::light::links::{Linked, Names, Receivers};
+use crate::light::links::{Linked, Names, Said};
 use crate::light::{Groups, LightTable};
 use crate::material::{self, Material};
 use crate::paint::Paint;
@@ -37,7 +37,9 @@ pub(super) struct Glowing {
     pub placement: Option<Transform>,
     /// The group of lights that it belongs to, and whom it lights.
     pub light_group: u16,
-    pub receivers: Receivers,
+    pub said: Said,
+    /// Whether it goes by the name of the lamp whose zones of shadow are shown.
+    pub is_of_zones: bool,
 }
 
 /// What a surface sends out.
@@ -105,6 +107,8 @@ pub(super) struct Build<'a> {
     pub names: Names<'a>,
     pub within: u64,
     pub linked: Linked,
+    /// The bit of the lamp whose zones of shadow are shown, if that has a name.
+    pub of_zones: u64,
 }
 
 /// Lists with room for what is known to come, so that none leaves holes behind as it grows: there may be a light for each instance
@@ -159,6 +163,8 @@ impl<'a> Build<'a> {
         centre: DVec3,
     ) -> Self {
         let (geometry, input, geometries, glowing) = room(&count::count(scene, assets).kept);
+        let names = Names::of(scene);
+        let of_zones = scene.lamp_of_zones().map_or(0, |lamp| names.bits(|name| *name == **lamp));
         Self {
             detail,
             in_focus: false,
@@ -181,7 +187,8 @@ impl<'a> Build<'a> {
             named: Vec::new(),
             to_world: if centre == DVec3::ZERO { Affine::IDENTITY } else { Affine::translate(-centre) },
             placements: Vec::new(),
-            names: Names::of(scene),
+            names,
+            of_zones,
             within: 0,
             linked: Linked { instances: vec![Vec::new()], ..Linked::default() },
         }
@@ -308,7 +315,8 @@ impl<'a> Build<'a> {
             placement: glowing_place(place, &glow.radiance),
             radiance: glow.radiance,
             light_group: self.materials.group_of(surface, material),
-            receivers: self.names.receivers(&surface.lamp),
+            said: self.names.said(&surface.lamp),
+            is_of_zones: self.within & self.of_zones != 0,
         });
         (self.glowing.len() - 1) as u32
     }

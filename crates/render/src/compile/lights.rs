@@ -43,11 +43,11 @@ pub(super) fn gather(
 ) -> Lights {
     let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
-    let mut receivers = Vec::new();
+    let mut said = Vec::new();
     for g in &glowing {
         emitters.push(area(g, geometry));
         groups.belong(emitters.len(), g.light_group);
-        receivers.push(g.receivers);
+        said.push(g.said);
     }
     for light in &scene.lights {
         let emitter = Emitter::of(light, paint, centre);
@@ -57,7 +57,7 @@ pub(super) fn gather(
         }
         let group = groups.number(light.lamp().light_group.as_ref());
         groups.belong(emitters.len(), group);
-        receivers.resize(emitters.len(), names.receivers(light.lamp()));
+        said.resize(emitters.len(), names.said(light.lamp()));
     }
     let bounds = search.bounds();
     // Only for the choice of lights: how far parallel light and surroundings reach.
@@ -65,7 +65,7 @@ pub(super) fn gather(
     copies.complete(emitters.len());
     let within = Within { copies: &copies, search: Some(search) };
     let table = LightTable::within(&emitters, geometry, radius, within);
-    let links = Links::new(receivers, linked, (&emitters, geometry, radius), within);
+    let links = Links::new(&said, linked, (&emitters, geometry, radius), within);
     let environments =
         (0..emitters.len() as u32).filter(|&i| emitters[i as usize].is_environment()).collect();
     let ambient = (0..).zip(&emitters).filter_map(|(i, e)| match e {

@@ -20,7 +20,7 @@ use straal_scene::{Mesh, Part, PartMaterial};
 
 impl<'a> Build<'a> {
     pub(super) fn mesh_node(&mut self, m: &'a desc::TriangleMesh, place: Place) {
-        let drawn = drawn(&m.light_sampling);
+        let drawn = drawn(&m.light_sampling, &m.surface);
         if let MeshSource::Asset(asset) = m.source() {
             let asset = self.assets.mesh(asset.handle);
             let has_own = m.surface.material.is_some();

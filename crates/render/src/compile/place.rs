@@ -185,7 +185,7 @@ impl<'a> Build<'a> {
                     (a, b) = (b, a);
                 }
                 let disc = Disc::new(m.point(s.center).as_vec3(), a.as_vec3(), b.as_vec3());
-                let disc = disc.drawn(drawn(&s.light_sampling));
+                let disc = disc.drawn(drawn(&s.light_sampling, &s.surface));
                 self.shape(&s.surface, place, Shape::Disc(Box::new(disc)), false)
             }
             Node::Rectangle(s) => {
@@ -195,7 +195,7 @@ impl<'a> Build<'a> {
                 }
                 let corner = m.point(s.corner).as_vec3();
                 let r = Parallelogram::new(corner, a.as_vec3(), b.as_vec3());
-                let r = r.drawn(drawn(&s.light_sampling));
+                let r = r.drawn(drawn(&s.light_sampling, &s.surface));
                 self.shape(&s.surface, place, Shape::Parallelogram(Box::new(r)), false)
             }
             Node::Cylinder(s) => self.cylinder(s, place),
@@ -212,7 +212,7 @@ impl<'a> Build<'a> {
             Node::Triangle(s) => {
                 let positions = s.vertices.map(|v| v.as_vec3().to_array()).to_vec();
                 let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
-                let drawn = drawn(&s.light_sampling);
+                let drawn = drawn(&s.light_sampling, &s.surface);
                 self.whole_mesh(TriangleMesh { drawn, ..TriangleMesh::from(&mesh) }, &s.surface, place)
             }
             Node::Bilinear(s) => self.bilinear(s, place),
@@ -291,8 +291,9 @@ impl<'a> Build<'a> {
 }
 
 /// How points of a lamp are drawn.
-pub(super) fn drawn(said: &desc::LightSampling) -> Drawn {
+pub(super) fn drawn(said: &desc::LightSampling, surface: &desc::Surface) -> Drawn {
     match said {
+        desc::LightSampling::Auto => Drawn::Auto { both_sides: surface.two_sided_emission },
         desc::LightSampling::Area => Drawn::ByArea,
         desc::LightSampling::SolidAngle => Drawn::BySolidAngle,
         desc::LightSampling::ProjectedSolidAngle => Drawn::ByProjectedSolidAngle,

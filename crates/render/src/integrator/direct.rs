@@ -47,9 +47,12 @@ impl DirectLight {
     }
 
     /// The weight of light that a ray met.
-    fn weight<L>(&self, state: &State<L>, light_pdf: impl FnOnce() -> f32) -> f32 {
-        if state.delta {
-            return 1.0;
+    fn weight<L>(&self, state: &State<L>, has_casters: bool, light_pdf: impl FnOnce() -> f32) -> f32 {
+        match (state.delta, has_casters) {
+            (true, _) => return 1.0,
+            // See `PathTracer::weight`.
+            (false, true) => return 0.0,
+            (false, false) => {}
         }
         let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
         self.technique.of_bsdf(of_bsdf * state.pdf, of_light * light_pdf())
@@ -131,8 +134,8 @@ impl DirectLight {
                 world.environments().filter(|(index, _)| world.links.light(state.class, *index))
             {
                 let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
-                let weight =
-                    self.weight(state, || world.lights_of(state.class).pmf(index, &state.from) * pdf);
+                let light_pdf = || world.lights_of(state.class).pmf(index, &state.from) * pdf;
+                let weight = self.weight(state, world.links.has_casters(index), light_pdf);
                 let light = beta * radiance * weight;
                 out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
@@ -148,8 +151,8 @@ impl DirectLight {
         let emitter = vertex.surface.emitter.filter(|emitter| world.links.light(state.class, *emitter));
         if let Some(emitter) = emitter {
             let radiance = world.emitted(emitter, (ray, hit), point, state.lanes);
-            let weight =
-                self.weight(state, || world.light_pdf(emitter, (state.class, &state.from), hit, point));
+            let light_pdf = || world.light_pdf(emitter, (state.class, &state.from), hit, point);
+            let weight = self.weight(state, world.links.has_casters(emitter), light_pdf);
             let light = beta * radiance * weight;
             out.add(Contribution::own(path, light).of(world.light_groups.of(emitter)));
         }
@@ -183,14 +186,14 @@ impl DirectLight {
                     continue;
                 };
                 let (value, pdf) = vertex.scattered_by(self.directions, &light);
-                let weight = if light.delta {
+                let weight = if light.delta || world.links.has_casters(pick.index) {
                     1.0
                 } else {
                     self.technique.of_light(of_light * light.pdf, of_bsdf * pdf)
                 };
                 let brought = beta * value * (weight / of_light);
                 if !brought.is_black() {
-                    let free = vertex.shadow_ray(&light, ray);
+                    let free = vertex.shadow_ray(world, (pick.index, &light), ray);
                     let inside = vertex.towards(world, free.d, inside);
                     let left = left_on_way(world, &free, inside, state.lanes);
                     let group = world.light_groups.of(pick.index);

@@ -319,7 +319,7 @@ impl Ears {
                 for (i, emitter) in world.environments().filter(|(i, _)| world.links.light(class, *i)) {
                     let (radiance, by_light) = emitter.radiance_pdf_from(&from, ray.d, &reading);
                     let by_light = || world.lights_of(class).pmf(i, &from) * by_light;
-                    let weight = if delta { 1.0 } else { path.technique.of_bsdf(pdf, by_light()) };
+                    let weight = path.weight(delta, world.links.has_casters(i), (pdf, by_light));
                     gain(&mut whole, beta * radiance * weight);
                 }
                 break;
@@ -330,7 +330,7 @@ impl Ears {
             if let Some(emitter) = vertex.surface.emitter.filter(|e| world.links.light(class, *e)) {
                 let radiance = world.emitted(emitter, (&ray, &hit), point, lanes);
                 let by_light = || world.light_pdf(emitter, (class, &from), &hit, point);
-                let weight = if delta { 1.0 } else { path.technique.of_bsdf(pdf, by_light()) };
+                let weight = path.weight(delta, world.links.has_casters(emitter), (pdf, by_light));
                 gain(&mut whole, beta * radiance * weight);
             }
             if vertex.is_black() || depth == path.max_depth {
@@ -341,15 +341,17 @@ impl Ears {
             if !vertex.shaded.bsdf.is_delta() {
                 let lights = world.lights_of(class);
                 let [u, v] = pattern.d2(&name, Purpose::LightPoint);
-                let light = { lights.pick(u, &receiver, world.within()) }
-                    .and_then(|pick| world.sample_picked((lights, &pick), &receiver, v, lanes));
-                if let Some(light) = light {
+                let light = { lights.pick(u, &receiver, world.within()) }.and_then(|pick| {
+                    Some((pick.index, world.sample_picked((lights, &pick), &receiver, v, lanes)?))
+                });
+                if let Some((emitter, light)) = light {
                     let (value, by_bsdf) = vertex.scattered(&light);
-                    let weight = if light.delta { 1.0 } else { path.technique.of_light(light.pdf, by_bsdf) };
+                    let is_delta = light.delta || world.links.has_casters(emitter);
+                    let weight = if is_delta { 1.0 } else { path.technique.of_light(light.pdf, by_bsdf) };
                     let brought = beta * value * weight;
                     if !brought.is_black() {
                         whole.rays += 1.0;
-                        let free = world.passes(&vertex.shadow_ray(&light, &ray));
+                        let free = world.passes(&vertex.shadow_ray(world, (emitter, &light), &ray));
                         gain(&mut whole, brought * free);
                     }
                 }

@@ -114,6 +114,13 @@ impl Integrator for LightTracer {
                 "ambient light comes from nowhere, so that no rays from lamps (`integrator: light`) can bring it; `path` has it".into(),
             );
         }
+        if world.links.shadows_matter() {
+            return Some(
+                "rays from lamps (`integrator: light`) end at what they meet first, whether it casts shadows of that lamp (`shadows_only`, `shadows_all_but`) or not; \
+                 `path` lets light pass"
+                    .into(),
+            );
+        }
         let geometry = &world.geometry;
         let endless = |shape: u32| geometry.bounds(shape).is_none();
         let glows_unsampled = |e: &Emitter| match e {

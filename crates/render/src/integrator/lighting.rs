@@ -30,7 +30,7 @@ pub(super) struct Lit {
     to: Vectors,
     to_err: Vectors,
     to_ng: Vectors,
-    /// Which emitter it is on, in a world with groups of lights.
+    /// Which emitter it is on, in a world where that matters.
     emitter: Numbered,
 }
 
@@ -45,7 +45,7 @@ impl Default for Numbered {
 }
 
 impl Lit {
-    /// The emitter that vertex `i` has a sample of, in a world with groups of lights.
+    /// The emitter that vertex `i` has a sample of, in a world with groups of lights or lamps of which not everything casts shadows.
     pub fn emitter(&self, i: usize) -> u32 {
         self.emitter.0[i]
     }
@@ -97,7 +97,8 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
     fn run<F: Float>(self) {
         let Self { world, surfaces, vertices, lanes, classes, numbers, out } = self;
         (out.there, out.delta, out.far) = Default::default();
-        let (readings, groups) = (world.readings(lanes), world.light_groups.matter());
+        let (readings, casters) = (world.readings(lanes), world.links.shadows_matter());
+        let tells_emitter = casters || world.light_groups.matter();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let asks = vertices.asks_lights.load::<F>(first);
             if !asks.any() {
@@ -129,8 +130,13 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
                     break all;
                 }
             };
+            if casters {
+                let index = picked.index.to_array();
+                let found = (0..F::WIDTH).filter(|&i| world.links.has_casters(index.as_ref()[i]));
+                light.delta = light.delta | F::Mask::from_bits(found.fold(0, |bits, i| bits | 1 << i));
+            }
             out.store(first, &light, picked.pmf * light.pdf);
-            if groups {
+            if tells_emitter {
                 let to = &mut out.emitter.0[first..first + F::WIDTH];
                 to.copy_from_slice(picked.index.to_array().as_ref());
             }

@@ -393,7 +393,7 @@ impl PathTracer {
     /// Light from the surroundings, for rays that leave the scene.
     fn miss<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let Some(&first) = queue.order.first().filter(|_| world.has_environment()) else { return };
-        if world.links.matter() {
+        if world.links.matter() || world.links.shadows_matter() {
             return self.miss_one_by_one(world, queue, out);
         }
         let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
@@ -427,11 +427,27 @@ impl PathTracer {
             {
                 let (radiance, by_light) = emitter.radiance_pdf_from(from, ray.d, &world.reading(lanes));
                 let by_light = || world.lights_of(class).pmf(index, from) * by_light;
-                let weight = if delta { 1.0 } else { self.technique.of_bsdf(behind.pdf(), by_light()) };
+                let weight = self.weight(delta, world.links.has_casters(index), (behind.pdf(), by_light));
                 let light = beta * radiance * weight;
                 let contribution = Contribution::own(path, light).of(world.light_groups.of(index));
                 out.add(contribution.indirect(path.state.depth > 2));
             }
+        }
+    }
+
+    /// The weight of light that a ray met, beside what light sampling finds: by the densities of both. Where not everything casts shadows of a lamp, rays that end at what
+    /// they meet can't find its light, but where only they do.
+    #[inline(always)]
+    pub(super) fn weight(
+        &self,
+        delta: bool,
+        has_casters: bool,
+        (bsdf, by_light): (f32, impl FnOnce() -> f32),
+    ) -> f32 {
+        match (delta, has_casters) {
+            (true, _) => 1.0,
+            (false, true) => 0.0,
+            (false, false) => self.technique.of_bsdf(bsdf, by_light()),
         }
     }
 
@@ -452,13 +468,9 @@ impl PathTracer {
         if radiance.is_black() {
             return;
         }
-        let weight = if state.delta {
-            1.0
-        } else {
-            let from = state.behind.from();
-            let by_light = world.light_pdf(emitter, (state.class, &from), arrival.hit, point);
-            self.technique.of_bsdf(state.behind.pdf(), by_light)
-        };
+        let by_light = || world.light_pdf(emitter, (state.class, &state.behind.from()), arrival.hit, point);
+        let pdfs = (state.behind.pdf(), by_light);
+        let weight = self.weight(state.delta, world.links.has_casters(emitter), pdfs);
         let light = state.beta * radiance * weight;
         let contribution = Contribution::own(arrival.path, light).of(world.light_groups.of(emitter));
         out.add(contribution.indirect(state.depth > 2));
@@ -533,6 +545,12 @@ impl PathTracer {
                 let i = usize::from(i);
                 Contribution::own(&queue.paths[block.paths[i] as usize], brought.light(i))
             }));
+            if world.links.shadows_matter() {
+                let first = out.shadow_rays.len() - asking.len();
+                for (ray, &i) in out.shadow_rays[first..].iter_mut().zip(asking) {
+                    ray.mask = world.links.mask(lit.emitter(i.into()));
+                }
+            }
             if world.light_groups.matter() {
                 let first = out.shadows.len() - asking.len();
                 for (shadow, &i) in out.shadows[first..].iter_mut().zip(asking) {
@@ -550,7 +568,8 @@ impl PathTracer {
         }
         for i in asking.iter().copied().map(usize::from) {
             let path = block.paths[i] as usize;
-            let ray = brought.ray(i, &queue.rays[path]);
+            let mask = world.links.mask(lit.emitter(i));
+            let ray = Ray { mask, ..brought.ray(i, &queue.rays[path]) };
             let left = left_of_light(world, &queue.paths[path].state, (i, surfaces, interior[i]), &ray);
             let group = world.light_groups.of(lit.emitter(i));
             let path = &queue.paths[path];

@@ -113,10 +113,10 @@ impl<'w> Vertex<'w> {
         wi.z * self.wo.z > 0.0 && self.shaded.ng.is_none_or(|ng| shaded::goes_on(ng, self.wo, wi))
     }
 
-    /// The ray that must be free for the light of a sample to arrive; its time and mask are those of `like`.
-    pub fn shadow_ray(&self, light: &LightSample, like: &Ray) -> Ray {
+    /// The ray that must be free for the light of a sample of an emitter to arrive; its time is that of `like`.
+    pub fn shadow_ray(&self, world: &World, (emitter, light): (u32, &LightSample), like: &Ray) -> Ray {
         let ([o, d], t_max) = light.way_from(&self.from);
-        Ray { o, d, t_min: 0.0, t_max, ..*like }
+        Ray { o, d, t_min: 0.0, t_max, mask: world.links.mask(emitter), ..*like }
     }
 
     /// What a path is inside of that goes on in a direction of the world, where it was inside of something before.

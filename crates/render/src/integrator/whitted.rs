@@ -197,7 +197,7 @@ impl Whitted {
             if brought.is_black() {
                 continue;
             }
-            let way = self.leaving(vertex, vertex.shadow_ray(&light, ray));
+            let way = self.leaving(vertex, vertex.shadow_ray(world, (lamp.0, &light), ray));
             let brought = brought * left_on_way(world, &way, vertex.towards(world, way.d, inside), lanes);
             let contribution = Contribution::own(path, brought).of(world.light_groups.of(lamp.0));
             if self.shadows {

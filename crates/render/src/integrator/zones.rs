@@ -17,8 +17,17 @@ pub struct ShadowZones {
     pub show: Shown,
     /// Points across the lamp: the square of it over the lamp, four times it along its rim.
     pub across: u32,
-    /// Which of the lamps with a size, from 1.
-    pub lamp: u32,
+    /// Which lamp.
+    pub lamp: Which,
+}
+
+/// Which lamp's zones are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// Of those with a size, counted from 1.
+    Number(u32),
+    /// The first with a size that goes by the name that the scene says.
+    Named,
 }
 
 /// What the picture shows.
@@ -85,13 +94,19 @@ impl ShadowZones {
                 desc::ZonesShown::Share => Shown::Share,
             },
             across: said.across,
-            lamp: said.lamp,
+            lamp: match said.lamp {
+                desc::LampChoice::Number(number) => Which::Number(number),
+                desc::LampChoice::Named(_) => Which::Named,
+            },
         }
     }
 
     /// The lamp and its copy.
     fn lamp(&self, world: &World) -> Option<(u32, u32)> {
-        lamps(world).nth(self.lamp.saturating_sub(1) as usize)
+        match self.lamp {
+            Which::Number(number) => lamps(world).nth(number.saturating_sub(1) as usize),
+            Which::Named => lamps(world).find(|(emitter, _)| world.lamps_of_zones.contains(emitter)),
+        }
     }
 
     /// Middles of the cells of a grid.
@@ -129,7 +144,7 @@ impl ShadowZones {
             if !vertex.is_above(vertex.surface.frame.to_local(light.wi)) {
                 return 0.0;
             }
-            world.passes(&vertex.shadow_ray(&light, ray))
+            world.passes(&vertex.shadow_ray(world, (lamp.0, &light), ray))
         };
         let n = self.across as f32;
         let has_rim = world.emitters[lamp.0 as usize].has_rim(&world.geometry);
@@ -153,7 +168,13 @@ impl Integrator for ShadowZones {
         vec![
             ("show", format!("{:?}", self.show).to_lowercase()),
             ("across", self.across.to_string()),
-            ("lamp", self.lamp.to_string()),
+            (
+                "lamp",
+                match self.lamp {
+                    Which::Number(number) => number.to_string(),
+                    Which::Named => "by name".into(),
+                },
+            ),
         ]
     }
 
@@ -161,10 +182,19 @@ impl Integrator for ShadowZones {
         if self.lamp(world).is_some() {
             return None;
         }
+        let number = match self.lamp {
+            Which::Number(number) => number,
+            Which::Named => {
+                return Some(
+                    "nothing that goes by the name of the lamp of `integrator: zones` is a surface that glows and has a size; lamps can be counted as well, as `lamp: 1`, and so can suns"
+                        .into(),
+                );
+            }
+        };
         Some(match lamps(world).count() {
             0 => "zones of shadow (`integrator: zones`) are those of a lamp with a size, and there is none: neither a surface that glows nor a sun with an `angle`".into(),
-            1 => format!("`integrator: zones` can't show the shadow of lamp {}: there is one lamp with a size", self.lamp),
-            n => format!("`integrator: zones` can't show the shadow of lamp {}: there are {n} lamps with a size", self.lamp),
+            1 => format!("`integrator: zones` can't show the shadow of lamp {number}: there is one lamp with a size"),
+            n => format!("`integrator: zones` can't show the shadow of lamp {number}: there are {n} lamps with a size"),
         })
     }
 
@@ -221,7 +251,7 @@ mod tests {
     /// The rim's points are as many as are told, on the square's edge, each once, evenly.
     #[test]
     fn points_go_once_around() {
-        let zones = ShadowZones { show: Shown::Zones, across: 5, lamp: 1 };
+        let zones = ShadowZones { show: Shown::Zones, across: 5, lamp: Which::Number(1) };
         let points: Vec<_> = zones.around().collect();
         assert_eq!((points.len(), zones.over().count()), (20, 25));
         let side = 1.0 - 2.0 * WITHIN;

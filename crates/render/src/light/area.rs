@@ -525,6 +525,7 @@ impl Shine for AreaLight {
         let across = a.cross(upright).normalize();
         let across = across.cross(a.normalize()) * a.length();
         let round = Shape::Disc(Box::new(Disc::new(middle, a, across).drawn(Drawn::BySolidAngle)));
+        let auto = Drawn::Auto { both_sides: false };
         let as_seen = |mesh: TriangleMesh| TriangleMesh { drawn: Drawn::BySolidAngle, ..mesh };
         let triangle = as_seen(TriangleMesh {
             positions: [[-0.9, 0.1, -0.6], [1.1, 0.1, -0.5], [0.2, 0.0, 1.2]].map(Vec3::from_array).into(),
@@ -540,10 +541,12 @@ impl Shine for AreaLight {
             shape("disc", Shape::Disc(Box::new(disc)), Sides::Front),
             shape("parallelogram", Shape::Parallelogram(Box::new(flat)), Sides::Both),
             shape("rectangle by solid angle", rectangle(Drawn::BySolidAngle), Sides::Both),
+            shape("rectangle, auto", rectangle(auto), Sides::Front),
             shape("rectangle by projected", rectangle(Drawn::ByProjectedSolidAngle), Sides::Both),
             shape("disc by solid angle", round, Sides::Both),
             mesh("triangle by solid angle", triangle, Sides::Both),
             mesh("cuboid by solid angle", as_seen(cuboid.clone()), Sides::Front),
+            mesh("cuboid, auto", TriangleMesh { drawn: auto, ..cuboid.clone() }, Sides::Front),
             shape("parallelogram, back", Shape::Parallelogram(Box::new(flat)), Sides::Back),
             shape("cylinder", Shape::Cylinder(Box::new(tube)), Sides::Front),
             narrowed("disc, narrow", shape("", Shape::Disc(Box::new(disc)), Sides::Both), 80.0),

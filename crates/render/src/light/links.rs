@@ -1,25 +1,29 @@
-//! Light linking: lamps that light some things only, which light doesn't do by itself and those who light films do.
+//! Light linking: lamps that light some things only, or of which only some things cast shadows, which light doesn't do by itself and those who light films do.
 //!
 //! What a lamp says is a matter of names, and each name that any lamp says is a bit. A surface has the bits of the names that it goes by: those of the nodes
 //! that it stands in, and of the instances that show it. Surfaces of the same bits are a *class*, lit by the same lamps, and each class has a choice of light of its own: a lamp that
 //! doesn't light it is never picked there, so that its probability is 0 for multiple importance sampling as well.
+//!
+//! What casts no shadow of a lamp is passed by rays towards that lamp. No direction of a BSDF can do that, which ends at what it meets first: such a lamp is found by its own points
+//! alone, and seen where a mirror or glass shows it, as those are that no ray can hit.
 
 use super::{Emitter, LightTable, Within};
 use crate::shape::Geometry;
 use std::collections::BTreeSet;
 use straal_accel::{Hit, Input};
+use straal_math::Ray;
 use straal_scene::desc;
 
-/// Whom a lamp lights: all but some things, or some only.
+/// Which things: all but some, or some only.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Receivers {
+pub(crate) struct Which {
     /// If any bit is set, things that have one of these.
     pub only: u64,
     /// Of these, things that have none of these.
     pub all_but: u64,
 }
 
-impl Receivers {
+impl Which {
     fn has(self, bits: u64) -> bool {
         (self.only == 0 || self.only & bits != 0) && self.all_but & bits == 0
     }
@@ -30,6 +34,21 @@ pub(crate) type Class = u16;
 
 /// The class of what every lamp lights: of a world without links, and of the camera.
 pub(crate) const ALL: Class = 0;
+
+/// What a lamp says of other things.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Said {
+    /// Whom it lights.
+    pub receivers: Which,
+    /// Who casts shadows of it.
+    pub casters: Which,
+}
+
+/// The mask of a ray by all of whose lamp's light everything casts shadows, and of rays towards nothing in particular.
+const CAST_BY_ALL: u32 = u32::MAX;
+
+/// A bit that masks of other lamps have, beside the lamp's number: all surfaces show themselves to any mask that isn't 0, so that the rest is free.
+const LAMP: u32 = 1 << 31;
 
 /// The names that lamps say, a bit each.
 #[derive(Clone, Debug, Default)]
@@ -51,24 +70,31 @@ impl<'a> Names<'a> {
         (0..64).zip(&self.0).filter(|(_, name)| goes_by(name)).fold(0, |bits, (i, _)| bits | 1 << i)
     }
 
-    /// Whom a lamp lights.
-    pub fn receivers(&self, lamp: &desc::Lamp) -> Receivers {
+    /// What a lamp says of those.
+    pub fn said(&self, lamp: &desc::Lamp) -> Said {
         let bits = |said: &[straal_scene::value::Name]| self.bits(|name| said.iter().any(|n| **n == *name));
-        Receivers { only: bits(&lamp.lights_only), all_but: bits(&lamp.lights_all_but) }
+        Said {
+            receivers: Which { only: bits(&lamp.lights_only), all_but: bits(&lamp.lights_all_but) },
+            casters: Which { only: bits(&lamp.shadows_only), all_but: bits(&lamp.shadows_all_but) },
+        }
     }
 }
 
 /// What lights what.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Links {
-    /// By emitter; empty in a world without links, as is the rest.
-    lamps: Vec<Receivers>,
+    /// Whom each emitter lights; empty where all light all.
+    lamps: Vec<Which>,
+    /// Who casts shadows of each emitter; empty where everything does of all.
+    casters: Vec<Which>,
+    /// By which rays towards an emitter know it, see [`LAMP`]; as many.
+    masks: Vec<u32>,
     /// By geometry of the search structure, and by instance.
     geometries: Vec<u64>,
     instances: Vec<u64>,
     /// The bits of each class from 1 on, rising.
     classes: Vec<u64>,
-    /// Its choice of light.
+    /// Its choice of light; none where all lamps light all.
     tables: Vec<LightTable>,
 }
 
@@ -114,32 +140,82 @@ impl Links {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let numbers = (self.geometries.len() + self.instances.len() + self.classes.len()) * size_of::<u64>();
-        let lamps = self.lamps.len() * size_of::<Receivers>();
+        let lamps = (self.lamps.len() + self.casters.len()) * size_of::<Which>() + size_of_val(&*self.masks);
         numbers + lamps + self.tables.iter().map(LightTable::bytes).sum::<usize>()
     }
 
-    /// Of lamps that say whom they light, by emitter, in a world.
+    /// Of what lamps say, by emitter, in a world.
     pub fn new(
-        lamps: Vec<Receivers>,
+        said: &[Said],
         linked: Linked,
         (emitters, geometry, radius): (&[Emitter], &Geometry, f64),
         within: Within<'_>,
     ) -> Self {
-        if lamps.iter().all(|lamp| *lamp == Receivers::default()) {
+        // Light of a surface of which no points can be drawn is found by the BSDF's rays alone.
+        let casters = |(said, emitter): (&Said, &Emitter)| match emitter {
+            Emitter::Area(lamp) if !lamp.has_size(geometry) => Which::default(),
+            _ => said.casters,
+        };
+        let lamps = { said.iter().map(|said| said.receivers) }.collect();
+        let casters: Vec<Which> = said.iter().zip(emitters).map(casters).collect();
+        let [lamps, casters] = [lamps, casters].map(|all: Vec<Which>| {
+            if all.iter().all(|which| *which == Which::default()) { Vec::new() } else { all }
+        });
+        if lamps.is_empty() && casters.is_empty() {
             return Self::default();
         }
-        let table = |&bits: &u64| {
-            LightTable::of((emitters, &|i| lamps[i as usize].has(bits)), geometry, radius, within)
+        let mask = |(i, which): (u32, &Which)| {
+            // A world has fewer emitters than that.
+            if *which == Which::default() || i >= LAMP - 1 { CAST_BY_ALL } else { LAMP | i }
         };
-        let tables = linked.classes.iter().map(table).collect();
+        let masks = (0..).zip(&casters).map(mask).collect();
         let Linked { geometries, instances, classes } = linked;
-        Self { lamps, geometries, instances: instances.concat(), classes, tables }
+        let tables = if lamps.is_empty() {
+            Vec::new()
+        } else {
+            let table = |&bits: &u64| {
+                LightTable::of((emitters, &|i| lamps[i as usize].has(bits)), geometry, radius, within)
+            };
+            classes.iter().map(table).collect()
+        };
+        Self { lamps, casters, masks, geometries, instances: instances.concat(), classes, tables }
     }
 
-    /// Whether there are any.
+    /// Whether any lamp doesn't light all.
     #[inline(always)]
     pub fn matter(&self) -> bool {
         !self.lamps.is_empty()
+    }
+
+    /// Whether there is a lamp of which not everything casts shadows.
+    #[inline(always)]
+    pub fn shadows_matter(&self) -> bool {
+        !self.masks.is_empty()
+    }
+
+    /// Whether not everything casts shadows of a lamp, so that rays of BSDFs don't count for it.
+    #[inline(always)]
+    pub fn has_casters(&self, emitter: u32) -> bool {
+        self.mask(emitter) != CAST_BY_ALL
+    }
+
+    /// The mask of rays towards a lamp.
+    #[inline(always)]
+    pub fn mask(&self, emitter: u32) -> u32 {
+        self.masks.get(emitter as usize).copied().unwrap_or(CAST_BY_ALL)
+    }
+
+    /// Whether what a ray towards a lamp met casts a shadow of it.
+    pub fn cast(&self, ray: &Ray, hit: &Hit) -> bool {
+        let lamp = if ray.mask == CAST_BY_ALL { None } else { self.casters.get((ray.mask & !LAMP) as usize) };
+        lamp.is_none_or(|which| which.has(self.bits_of(hit)))
+    }
+
+    /// The bits of what a ray hit.
+    fn bits_of(&self, hit: &Hit) -> u64 {
+        let own = self.geometries.get(hit.geometry as usize).copied().unwrap_or(0);
+        let all = hit.chain.iter().filter_map(|id| self.instances.get(id as usize));
+        all.fold(own, |bits, more| bits | more)
     }
 
     /// The class of what a ray hit.
@@ -147,10 +223,7 @@ impl Links {
         if !self.matter() || !hit.is_hit() {
             return ALL;
         }
-        let own = self.geometries.get(hit.geometry as usize).copied().unwrap_or(0);
-        let all = hit.chain.iter().filter_map(|id| self.instances.get(id as usize));
-        let bits = all.fold(own, |bits, more| bits | more);
-        self.classes.binary_search(&bits).map_or(ALL, |place| place as Class + 1)
+        self.classes.binary_search(&self.bits_of(hit)).map_or(ALL, |place| place as Class + 1)
     }
 
     /// Whether a lamp lights a class.

@@ -82,7 +82,9 @@ impl Rough {
 impl Recipe for DielectricMaterial {
     type Described = desc::Dielectric;
 
-    const CLEAR: bool = true;
+    fn is_clear(&self) -> bool {
+        true
+    }
 
     fn of(d: &desc::Dielectric, paint: &mut Paint<'_>) -> Self {
         let eta = paint.index_of_refraction(&d.eta, &d.eta_outside);

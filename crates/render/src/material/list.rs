@@ -235,7 +235,7 @@ macro_rules! materials {
             /// Whether light passes through it.
             pub fn is_clear(&self) -> bool {
                 match self {
-                    $( Self::$Kind(_) => <$Recipe as Recipe>::CLEAR, )+
+                    $( Self::$Kind(m) => Recipe::is_clear(m), )+
                     Self::Custom(_) => false,
                 }
             }

@@ -203,7 +203,9 @@ pub(crate) trait Recipe: Sized {
     type Described;
 
     /// Whether light passes through it.
-    const CLEAR: bool = false;
+    fn is_clear(&self) -> bool {
+        false
+    }
 
     /// Of what a scene says.
     fn of(described: &Self::Described, paint: &mut Paint<'_>) -> Self;
@@ -278,7 +280,9 @@ pub enum Choice {
 impl<R: Recipe> Recipe for Box<R> {
     type Described = R::Described;
 
-    const CLEAR: bool = R::CLEAR;
+    fn is_clear(&self) -> bool {
+        (**self).is_clear()
+    }
 
     fn of(described: &R::Described, paint: &mut Paint<'_>) -> Self {
         Self::new(R::of(described, paint))

@@ -29,7 +29,9 @@ pub struct ThinDielectricMaterial {
 impl Recipe for ThinDielectricMaterial {
     type Described = desc::ThinDielectric;
 
-    const CLEAR: bool = true;
+    fn is_clear(&self) -> bool {
+        true
+    }
 
     fn of(d: &desc::ThinDielectric, paint: &mut Paint<'_>) -> Self {
         Self {

@@ -42,7 +42,9 @@ pub struct ThinFilmMaterial {
 impl Recipe for ThinFilmMaterial {
     type Described = desc::ThinFilm;
 
-    const CLEAR: bool = true;
+    fn is_clear(&self) -> bool {
+        self.base.is_none()
+    }
 
     fn of(d: &desc::ThinFilm, paint: &mut Paint<'_>) -> Self {
         let metal = || desc::Conductor {

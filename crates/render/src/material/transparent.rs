@@ -31,7 +31,9 @@ pub struct TransparentMaterial {
 impl Recipe for TransparentMaterial {
     type Described = desc::Transparent;
 
-    const CLEAR: bool = true;
+    fn is_clear(&self) -> bool {
+        true
+    }
 
     fn of(d: &desc::Transparent, paint: &mut Paint<'_>) -> Self {
         let [inside, outside] = [d.eta, d.eta_outside].map(desc::Index::Constant);

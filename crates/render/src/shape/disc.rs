@@ -1,8 +1,9 @@
 //! The disc.
 
-use straal_math::simd::Float;
+use straal_math::simd::{Float, Mask};
 use straal_math::{Bounds, DVec3, Ray, Vec3, warp};
 
+use super::drawn::Nearby;
 use super::exact::{outward, size};
 use super::offset::End;
 use super::patch::{Level, Patch};
@@ -19,15 +20,15 @@ use super::{
 pub struct Disc {
     patch: Patch,
     pdf_area: f32,
-    /// Whether its points are drawn nearly evenly as seen from a point, where it is seen large.
-    by_solid_angle: bool,
+    nearby: Nearby,
 }
 
 impl Disc {
     /// By its center and two half-axes (or any conjugate radii) that aren't parallel (nothing hits it if they are).
     pub fn new(center: Vec3, a: Vec3, b: Vec3) -> Self {
         let patch = Patch::new(center, a, b);
-        Self { patch, pdf_area: (1.0 / (std::f64::consts::PI * patch.area())) as f32, by_solid_angle: false }
+        let nearby = nearby(&patch, Drawn::ByArea);
+        Self { patch, pdf_area: (1.0 / (std::f64::consts::PI * patch.area())) as f32, nearby }
     }
 
     /// The same, whose points are drawn in another way where it is seen large, if it is round.
@@ -35,8 +36,8 @@ impl Disc {
         let Patch { a, b, .. } = self.patch;
         let (aa, bb) = (a.length_squared(), b.length_squared());
         let is_round = a.dot(b).abs() <= 1e-6 * aa && (aa - bb).abs() <= 1e-6 * aa;
-        let by_solid_angle = drawn != Drawn::ByArea && is_round && self.pdf_area.is_finite();
-        Self { by_solid_angle, ..self }
+        let drawn = if is_round && self.pdf_area.is_finite() { drawn } else { Drawn::ByArea };
+        Self { nearby: nearby(&self.patch, drawn), ..self }
     }
 
     /// The round disc about `center` that faces along `normal`; `None` when that has no direction.
@@ -96,6 +97,12 @@ impl Disc {
     }
 }
 
+/// From where a round disc is drawn as it is seen.
+fn nearby(patch: &Patch, drawn: Drawn) -> Nearby {
+    let Patch { origin, a, n, .. } = *patch;
+    drawn.nearby(origin.as_vec3(), a.length_squared() as f32, n.as_vec3())
+}
+
 impl Form for Disc {
     fn bounds(&self) -> Option<Bounds> {
         Some(Disc::bounds(self))
@@ -133,7 +140,8 @@ impl Form for Disc {
     fn sample_from_many<F: Float>(&self, p: Vec3<F>, u: [F; 2]) -> DirSamples<F> {
         let by_area =
             DirSamples::by_area(p, self.patch.end_at(warp::concentric_disc(u)), F::splat(self.pdf_area));
-        if !self.by_solid_angle {
+        let near = self.nearby.uniform().has(p);
+        if !near.any() {
             return by_area;
         }
         let seen = SphericalEllipse::new(&self.patch, p);
@@ -141,12 +149,12 @@ impl Form for Disc {
         let end = self.patch.end_at(xy);
         let (wi, there) = (end.p - p).normalize_checked();
         let pdf = F::select(there, pdf, F::ZERO);
-        DirSamples::select(seen.is_large(), DirSamples { end, wi, pdf }, by_area)
+        DirSamples::select(near & seen.is_large(), DirSamples { end, wi, pdf }, by_area)
     }
 
     #[inline]
     fn sample_from(&self, p: Vec3, u: [f32; 2]) -> Option<DirSample> {
-        if self.by_solid_angle {
+        if self.nearby.has(p) {
             let seen = SphericalEllipse::new(&self.patch, p);
             if seen.is_large() {
                 let (xy, pdf) = seen.sample(&self.patch, u);
@@ -160,7 +168,7 @@ impl Form for Disc {
 
     #[inline]
     fn pdf_from(&self, p: Vec3, hit: &SurfacePoint) -> f32 {
-        if self.by_solid_angle {
+        if self.nearby.has(p) {
             let seen = SphericalEllipse::new(&self.patch, p);
             if seen.is_large() {
                 return seen.pdf(hit.p - p);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use straal_math::simd::{BLOCK, Double, Float, Mask, Uint};
 use straal_math::{Affine, DVec3, Vec3, warp};
 
+use super::drawn::Nearby;
 use super::exact::{HALF_ULP, SUBNORMAL, bound, unit_or};
 use super::offset::End;
 use super::spherical_triangle::SphericalTriangle;
@@ -296,10 +297,12 @@ impl TriangleMesh {
     /// A triangle about a point, where it is drawn as it is seen from there.
     #[inline]
     fn seen(&self, primitive: u32, p: Vec3) -> Option<SphericalTriangle<f32>> {
-        let by_solid_angle = self.drawn != Drawn::ByArea;
-        by_solid_angle
-            .then(|| SphericalTriangle::new(self.corners(primitive), p))
-            .filter(|seen| seen.is_large())
+        if self.drawn == Drawn::ByArea {
+            return None;
+        }
+        let corners = self.corners(primitive);
+        let near = nearby(corners, (self.drawn, self.flip)).has(p);
+        near.then(|| SphericalTriangle::new(corners, p)).filter(|seen| seen.is_large())
     }
 
     /// [`Self::sample_triangle_from`] for many side by side, without what only shading wants.
@@ -339,8 +342,12 @@ impl TriangleMesh {
         if self.drawn == Drawn::ByArea {
             return by_area;
         }
+        let near = nearby(corners, (self.drawn, self.flip)).has(p);
+        if !near.any() {
+            return by_area;
+        }
         let seen = SphericalTriangle::new(corners, p);
-        let large = seen.is_large();
+        let large = near & seen.is_large();
         if !large.any() {
             return by_area;
         }
@@ -350,6 +357,18 @@ impl TriangleMesh {
         let pdf = F::select(there, pmf / solid_angle, F::ZERO);
         DirSamples::select(large, DirSamples { end, wi, pdf }, by_area)
     }
+}
+
+/// From where a triangle is drawn as it is seen.
+#[inline(always)]
+fn nearby<F: Float>(corners: [Vec3<F>; 3], (drawn, flip): (Drawn, bool)) -> Nearby<F> {
+    let [a, b, c] = corners;
+    let middle = (a + b + c) * F::splat(1.0 / 3.0);
+    // One by one: a map over an array of such vectors is compiled apart, without the instruction set of its caller.
+    let (da, db, dc) = (a - middle, b - middle, c - middle);
+    let rim = da.length_squared().max(db.length_squared()).max(dc.length_squared());
+    let n = (b - a).cross(c - a);
+    drawn.nearby(middle, rim, if flip { -n } else { n })
 }
 
 /// A corner of the triangle of each row.

@@ -41,6 +41,7 @@ pub mod bilinear;
 pub mod curve;
 pub mod cylinder;
 pub mod disc;
+mod drawn;
 pub mod ellipsoid;
 pub mod field;
 mod list;
@@ -64,6 +65,7 @@ pub use bilinear::Bilinear;
 pub use curve::Curve;
 pub use cylinder::Cylinder;
 pub use disc::Disc;
+pub use drawn::Drawn;
 pub use ellipsoid::Ellipsoid;
 pub use field::Field;
 pub use mesh::TriangleMesh;
@@ -209,18 +211,6 @@ pub trait CustomShape: fmt::Debug + Send + Sync {
     }
     /// A number that differs when the shape does: it goes into the scene's hash.
     fn fingerprint(&self) -> u64;
-}
-
-/// How points of a surface that shines are drawn for one that it lights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Drawn {
-    /// Evenly by area.
-    #[default]
-    ByArea,
-    /// Evenly by solid angle, where it is seen large.
-    BySolidAngle,
-    /// By solid angle and, nearly, the cosine to the normal of the surface that is lit.
-    ByProjectedSolidAngle,
 }
 
 /// A point of a surface and its neighbourhood.

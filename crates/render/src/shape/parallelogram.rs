@@ -1,8 +1,9 @@
 //! The rectangle, and any parallelogram.
 
-use straal_math::simd::Float;
+use straal_math::simd::{Float, Mask};
 use straal_math::{Bounds, DVec3, Ray, Vec3};
 
+use super::drawn::Nearby;
 use super::exact::{outward, size};
 use super::offset::End;
 use super::patch::{Level, Patch};
@@ -19,28 +20,31 @@ use super::{
 pub struct Parallelogram {
     patch: Patch,
     pdf_area: f32,
-    drawn: Drawn,
+    by_cosine: bool,
+    nearby: Nearby,
 }
 
 impl Parallelogram {
     /// By a corner and two edges that aren't parallel (nothing hits it if they are).
     pub fn new(corner: Vec3, a: Vec3, b: Vec3) -> Self {
         let patch = Patch::new(corner, a, b);
-        Self { patch, pdf_area: (1.0 / patch.area()) as f32, drawn: Drawn::ByArea }
+        let nearby = nearby(&patch, Drawn::ByArea);
+        Self { patch, pdf_area: (1.0 / patch.area()) as f32, by_cosine: false, nearby }
     }
 
     /// The same, whose points are drawn in another way where it is seen large, if it is a rectangle.
     pub fn drawn(self, drawn: Drawn) -> Self {
         let Patch { a, b, .. } = self.patch;
         let is_rectangle = a.dot(b).abs() <= 1e-6 * a.length() * b.length() && self.pdf_area.is_finite();
-        Self { drawn: if is_rectangle { drawn } else { Drawn::ByArea }, ..self }
+        let drawn = if is_rectangle { drawn } else { Drawn::ByArea };
+        let by_cosine = drawn == Drawn::ByProjectedSolidAngle;
+        Self { by_cosine, nearby: nearby(&self.patch, drawn), ..self }
     }
 
     /// What a surface of this normal at `p` sees of it, and how it is drawn there if not evenly.
     #[inline(always)]
     fn seen<F: Float>(&self, (p, n): (Vec3<F>, Vec3<F>)) -> (SphericalRectangle<F>, Option<Corners<F>>) {
-        let by_cosine = self.drawn == Drawn::ByProjectedSolidAngle;
-        (SphericalRectangle::new(&self.patch, p), by_cosine.then(|| Corners::new(&self.patch, (p, n))))
+        (SphericalRectangle::new(&self.patch, p), self.by_cosine.then(|| Corners::new(&self.patch, (p, n))))
     }
 
     /// What it shares with other flat shapes.
@@ -91,6 +95,13 @@ impl Parallelogram {
     pub fn pdf_area(&self) -> f32 {
         self.pdf_area
     }
+}
+
+/// From where a rectangle is drawn as it is seen.
+fn nearby(patch: &Patch, drawn: Drawn) -> Nearby {
+    let Patch { origin, a, b, n, .. } = *patch;
+    let radius_squared = 0.25 * (a.length_squared() + b.length_squared());
+    drawn.nearby((origin + (a + b) * 0.5).as_vec3(), radius_squared as f32, n.as_vec3())
 }
 
 impl Form for Parallelogram {
@@ -145,7 +156,8 @@ impl Form for Parallelogram {
     fn sample_lit_many<F: Float>(&self, at: (Vec3<F>, Vec3<F>), u: [F; 2]) -> DirSamples<F> {
         let p = at.0;
         let by_area = DirSamples::by_area(p, self.patch.end_at(u), F::splat(self.pdf_area));
-        if self.drawn == Drawn::ByArea {
+        let near = self.nearby.uniform().has(p);
+        if !near.any() {
             return by_area;
         }
         let (seen, corners) = self.seen(at);
@@ -159,12 +171,12 @@ impl Form for Parallelogram {
         let end = self.patch.end_at(seen.sample(u));
         let (wi, there) = (end.p - p).normalize_checked();
         let pdf = F::select(there, part / seen.solid_angle, F::ZERO);
-        DirSamples::select(seen.is_large(), DirSamples { end, wi, pdf }, by_area)
+        DirSamples::select(near & seen.is_large(), DirSamples { end, wi, pdf }, by_area)
     }
 
     #[inline]
     fn sample_lit(&self, at: (Vec3, Vec3), u: [f32; 2]) -> Option<DirSample> {
-        if self.drawn != Drawn::ByArea {
+        if self.nearby.has(at.0) {
             let (seen, corners) = self.seen(at);
             if seen.is_large() {
                 let (u, part) = corners.map_or((u, 1.0), |corners| {
@@ -181,7 +193,7 @@ impl Form for Parallelogram {
 
     #[inline]
     fn pdf_lit(&self, at: (Vec3, Vec3), hit: &SurfacePoint) -> f32 {
-        if self.drawn != Drawn::ByArea {
+        if self.nearby.has(at.0) {
             let (seen, corners) = self.seen(at);
             if seen.is_large() {
                 let part = corners.map_or(1.0, |corners| {
@@ -214,6 +226,8 @@ impl Form for Parallelogram {
             Example::flat("parallelogram", shape(corner, a, b), corner, n),
             Example::flat("level", level, center, DVec3::Y),
             Example::flat("rectangle by solid angle", drawn(Drawn::BySolidAngle), corner, across),
+            Example::flat("rectangle, auto", drawn(Drawn::Auto { both_sides: true }), corner, across),
+            Example::flat("rectangle, auto, front", drawn(Drawn::Auto { both_sides: false }), corner, across),
             Example::flat("rectangle by projected", drawn(Drawn::ByProjectedSolidAngle), corner, across),
         ]
     }

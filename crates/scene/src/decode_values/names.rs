@@ -4,7 +4,9 @@ use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 
 use crate::decode::{Decoder, Describe, Written};
-use crate::desc::{AttributeName, CoordinatesName, LightGroup, Material, MaterialRef, Texture, TextureOf};
+use crate::desc::{
+    AttributeName, CoordinatesName, LampChoice, LightGroup, Material, MaterialRef, Texture, TextureOf,
+};
 use crate::diagnostic::Diagnostic;
 use crate::handle::{Handle, Kind};
 use crate::limit::Limit;
@@ -139,6 +141,31 @@ impl Describe for LightGroup {
     }
     fn show<'a>(&'a self, _: Limit, visitor: &mut dyn Visitor<'a>) {
         visitor.light_group(&self.0);
+    }
+}
+
+impl Describe for LampChoice {
+    fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
+        match &tree.value {
+            Datum::Number(_) => Self::Number(u32::read(tree, limit, d)),
+            Datum::String(_) => Self::Named(Name::read(tree, limit, d)),
+            _ => {
+                d.expected("a number or a name", tree);
+                Self::blank()
+            }
+        }
+    }
+    fn blank() -> Self {
+        Self::Number(1)
+    }
+    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Number(number) => number.write_to(out),
+            Self::Named(name) => name.write_to(out),
+        }
+    }
+    fn schema(limit: Limit, defs: &mut Definitions) -> Json {
+        json!({ "anyOf": [u32::schema(limit, defs), Name::schema(limit, defs)] })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::decode::Describe;
-use crate::desc::{Light, Scene};
+use crate::desc::{Integrator, LampChoice, Light, Scene, ShadowZones};
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::Name;
@@ -18,6 +18,10 @@ describe! {
         lights_only: Vec<Name> = Vec::new(),
         /// Names of what it doesn't light.
         lights_all_but: Vec<Name> = Vec::new(),
+        /// Names of what casts shadows of its light, and nothing else does: its light passes all other things on its way to a surface.
+        shadows_only: Vec<Name> = Vec::new(),
+        /// Names of what casts no shadows of its light.
+        shadows_all_but: Vec<Name> = Vec::new(),
     }
 }
 
@@ -27,7 +31,7 @@ pub const REST: &str = "rest";
 /// Most groups of lights, besides [`REST`].
 pub const MOST_LIGHT_GROUPS: usize = 255;
 
-/// Most names that lamps may say in `lights_only` and `lights_all_but`.
+/// Most names that lamps may say: things that they light or don't, that cast shadows of them or don't.
 pub const MOST_LINKED: usize = 64;
 
 /// Most bytes of a group's name: it becomes part of the name of a layer.
@@ -66,12 +70,29 @@ impl Scene {
         lamps
     }
 
-    /// The names of what lamps light, or don't, with their places.
+    /// The names of what lamps light, or don't, and of what casts shadows of them, or doesn't, and of a lamp whose zones are shown, with their places.
     pub(crate) fn links(&self) -> Vec<&Name> {
         self.lamps()
             .into_iter()
-            .flat_map(|lamp| lamp.lights_only.iter().chain(&lamp.lights_all_but))
+            .flat_map(|lamp| {
+                let shadows = lamp.shadows_only.iter().chain(&lamp.shadows_all_but);
+                lamp.lights_only.iter().chain(&lamp.lights_all_but).chain(shadows)
+            })
+            .chain(self.lamp_of_zones())
             .collect()
+    }
+
+    /// The name of the lamp whose zones of shadow are shown.
+    pub fn lamp_of_zones(&self) -> Option<&Name> {
+        match &self.integrator {
+            Integrator::Zones(ShadowZones { lamp: LampChoice::Named(name), .. }) => Some(name),
+            _ => None,
+        }
+    }
+
+    /// Whether any lamp doesn't light all.
+    pub fn has_linked_lamps(&self) -> bool {
+        self.lamps().iter().any(|lamp| !lamp.lights_only.is_empty() || !lamp.lights_all_but.is_empty())
     }
 
     /// The same in order, each once.

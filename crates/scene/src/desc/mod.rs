@@ -46,8 +46,8 @@ pub use node::{Group, Instance, Instances, Node};
 pub use round::{Annulus, Capsule, Cone, Hyperboloid, Paraboloid, Torus, WHOLE_TURN};
 pub use settings::{
     AmbientOcclusion, BlackmanHarris, Channels, Denoise, DirectLight, Directions, Film, Filter, Gaussian,
-    Integrator, Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer, Roulette,
-    Sampler, SamplerKind, ShadowZones, SpectralChannels, Technique, Tent, Whitted, ZonesShown,
+    Integrator, LampChoice, Lanczos, LightTracer, Mitchell, OcclusionFalloff, OcclusionWarp, PathTracer,
+    Roulette, Sampler, SamplerKind, ShadowZones, SpectralChannels, Technique, Tent, Whitted, ZonesShown,
 };
 pub use shape::{
     Bezier, BezierPatches, Bilinear, Cuboid, Cylinder, Disc, Gouraud, HeightField, Leaving, LightSampling,

@@ -3,7 +3,7 @@
 use crate::desc::{Gamma, Gamut, Tone, check};
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::Depth;
+use crate::value::{Depth, Name};
 use straal_color::Exposure;
 use straal_color::spectrum::Bands;
 
@@ -387,6 +387,15 @@ describe! {
     }
 }
 
+/// Which lamp.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LampChoice {
+    /// Counted from 1.
+    Number(u32),
+    /// The first that goes by a name.
+    Named(Name),
+}
+
 describe! {
     /// The zones of a lamp's shadow.
     pub struct ShadowZones {
@@ -394,8 +403,8 @@ describe! {
         show: ZonesShown = ZonesShown::Zones,
         /// Points across the lamp: the square of it are spread over the lamp and four times it along its rim, and a ray asks for each whether it is seen.
         across: u32 [Limit::within(2.0, 64.0)] = 8,
-        /// Which of the lamps with a size (surfaces that glow, suns with an `angle`), counted from 1.
-        lamp: u32 [Limit::within(1.0, 1e9)] = 1,
+        /// Which of the lamps with a size (surfaces that glow, suns with an `angle`): counted from 1, or by the `name` of what glows or of a group around it.
+        lamp: LampChoice [Limit::within(1.0, 1e9)] = LampChoice::Number(1),
     }
 }
 

@@ -73,7 +73,7 @@ describe! {
         /// Its radius.
         radius: f64 [Limit::POSITIVE] = 1.0,
         /// If it glows: how points on it are drawn.
-        light_sampling: LightSampling = LightSampling::Area,
+        light_sampling: LightSampling = LightSampling::Auto,
     } with surface: Surface
 }
 
@@ -85,13 +85,15 @@ describe! {
         /// The two edges from that corner; its front is towards their cross product, first x second.
         edges: [DVec3; 2] = [DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0)],
         /// If it glows: how points on it are drawn.
-        light_sampling: LightSampling = LightSampling::Area,
+        light_sampling: LightSampling = LightSampling::Auto,
     } with surface: Surface
 }
 
 describe! {
     /// How points on a lamp are drawn.
     pub enum LightSampling {
+        /// As it is seen from near by, and evenly by area from afar.
+        "auto" => Auto,
         /// Evenly by area.
         "area" => Area,
         /// Evenly as seen from the point that is lit, where the lamp is seen large: less noise close to it. Not slanted parallelograms and discs that a transform made ellipses.
@@ -133,7 +135,7 @@ describe! {
         /// Its corners.
         vertices: [DVec3; 3],
         /// If it glows: how points on it are drawn.
-        light_sampling: LightSampling = LightSampling::Area,
+        light_sampling: LightSampling = LightSampling::Auto,
     } with surface: Surface
 }
 
@@ -204,7 +206,7 @@ describe! {
         /// Smooths it: its faces, as its file has them, are a control cage.
         subdivide: Option<Subdivide> = None,
         /// If it glows: how points on each of its triangles are drawn.
-        light_sampling: LightSampling = LightSampling::Area,
+        light_sampling: LightSampling = LightSampling::Auto,
     } with surface: Surface
 }
 

@@ -35,7 +35,7 @@ const HOLES: usize = 224;
 pub(super) fn choices(scene: &Scene) -> u64 {
     let names = scene.linked_names();
     let mut things = 0;
-    if !names.is_empty() {
+    if scene.has_linked_lamps() {
         scene.visit(|node| things += u64::from(names.iter().any(|name| node.goes_by(name))));
     }
     // Of so few names there are no more kinds of things.

@@ -37,11 +37,17 @@ fn lights_without_size_behind_glass_are_told() {
         let notes = notes(world, light);
         assert!(notes.len() == 1 && notes[0].contains("doesn't get through glass"), "{light}: {notes:?}");
     }
+    let film = "  - plane: {}\n  - box: { min: [-5, 1, -5], max: [5, 1.1, 5], material: { thin_film: { thickness: 300 } } }";
+    let light = "  - point: { position: [0, 2, 0], intensity: 1 }";
+    assert_eq!(notes(film, light).len(), 1);
+    // Metal, which no light passes, whatever lies on it.
+    let oxide = &film.replace("thickness: 300", "thickness: 300, metal: gold");
     for (world, light) in [
         // Beside a glass ball, under the slab, and lamps that have a size.
         (bulb, "  - point: { position: [3, 1, 0], intensity: 1 }"),
         (slab, "  - point: { position: [0, 0.5, 0], intensity: 1 }"),
         (slab, "  - environment: { radiance: 1 }"),
+        (oxide, "  - point: { position: [0, 2, 0], intensity: 1 }"),
         ("  - plane: {}", "  - point: { position: [0, 1, 0], intensity: 1 }"),
     ] {
         assert_eq!(notes(world, light), [""; 0], "{light}");

@@ -93,6 +93,65 @@ lights:
     );
 }
 
+/// What casts no shadows of a lamp: each way to find light finds the same, that of the scene where it isn't there.
+#[test]
+fn shadows_are_cast_by_what_is_said_to() {
+    let scene = "\
+camera: { perspective: { eye: [0, 1.5, 5], look_at: [0, 0, 0], fov: 30 } }
+film: { size: [16, 16] }
+objects:
+  sheet: { rectangle: { corner: [-2, 0, -2], edges: [[0, 0, 4], [4, 0, 0]], material: { diffuse: { reflectance: 0 } } } }
+world:
+  - plane: { name: floor }
+  - sphere: { center: [0, 0.6, 0], radius: 0.6, name: ball, material: { conductor: { metal: gold, roughness: 0.3 } } }
+  - instance: { of: sheet, name: roof, transform: [{ translate: [0, 2, 0] }] }
+  - sphere: { center: [0, 3.5, 1], radius: 0.5, emission: [6, 7, 8], shadows_all_but: [sheet] }
+  - rectangle: { corner: [1, 3, 0], edges: [[1, 0, 0], [0, 0, 1]], emission: [9, 2, 1], shadows_only: [ball], light_group: key }
+lights:
+  - environment: { radiance: [0.3, 0.4, 0.5], shadows_all_but: [roof] }
+  - point: { position: [2, 3, 3], intensity: 5, shadows_all_but: [roof] }
+";
+    let by = |integrator: &str, spp, seed| mean(scene, integrator, spp, seed);
+    let mis = by("{ path: { max_depth: 2 } }", 64, 1);
+    let others = [
+        "{ path: { max_depth: 2, technique: lights } }",
+        "{ path: { max_depth: 2, technique: bsdf } }",
+        "direct",
+        "{ direct: { light_samples: 3, technique: bsdf } }",
+    ];
+    for (other, seed) in others.into_iter().zip(2..) {
+        let found = by(other, 64, seed);
+        assert!(agree(mis, found), "{other}: {mis:?} {found:?}");
+    }
+    // Out of sight, so that it hides nothing from the camera or from light that was scattered before.
+    let linked = ["shadows_all_but: [sheet]", "shadows_only: [ball]", "shadows_all_but: [roof]"];
+    let without =
+        linked.iter().fold(scene.replace("translate: [0, 2, 0]", "translate: [0, -9, 0]"), |text, said| {
+            text.replace(said, "light_group: key")
+        });
+    let without = without.replace("light_group: key, light_group: key", "light_group: key");
+    let bare = mean(&without, "{ path: { max_depth: 2 } }", 64, 9);
+    assert!(agree(mis, bare), "{mis:?} {bare:?}");
+    // And the roof would hide most of it.
+    let all = linked.iter().fold(scene.to_owned(), |text, said| text.replace(said, "light_group: key"));
+    let dark = mean(
+        &all.replace("light_group: key, light_group: key", "light_group: key"),
+        "{ path: { max_depth: 2 } }",
+        64,
+        9,
+    );
+    assert!(mis.iter().zip(&dark).all(|(some, dark)| dark.0 < 0.8 * some.0), "{mis:?} {dark:?}");
+    // By roulette that learns, and by more than one edge.
+    let [root, ears] = ["root", "ears"].map(|roulette| {
+        by(&format!("{{ path: {{ max_depth: 4, roulette_depth: 2, roulette: {roulette} }} }}"), 64, 5)
+    });
+    assert!(agree(root, ears), "{root:?} {ears:?}");
+    let text = format!("{scene}integrator: light\n");
+    let loaded = straal::load_str("test.yaml", &text, Path::new(""), &LoadOptions::default());
+    let refused = Job::new(loaded.unwrap_or_else(|d| panic!("{d}")), Overrides::default());
+    assert!(refused.is_err_and(|e| e.to_string().contains("casts shadows of that lamp")));
+}
+
 #[test]
 fn roulette_leaves_the_mean() {
     let by = |roulette: &str, seed| {

@@ -109,6 +109,12 @@ fn suns_discs_and_meshes() {
     // The second lamp is the one that nothing hides.
     let two = format!("{rectangle}  - sphere: {{ center: [5, 5, 0], radius: 1, emission: 1 }}\n{below}");
     assert!(is(at(0.0, &two, "lamp: 2"), LIT));
+    // By name: its own, or that of what it is in.
+    let ball = "sphere: { center: [5, 5, 0], radius: 1, emission: 1 }";
+    let named = two.replace("emission: 1 }", "emission: 1, name: lamp }");
+    assert!(is(at(0.0, &named, "lamp: lamp"), ANTUMBRA));
+    let group = two.replace(ball, &format!("group: {{ name: far, children: [{{ {ball} }}] }}"));
+    assert!(is(at(0.0, &group, "lamp: far"), LIT));
 }
 
 #[test]
@@ -126,6 +132,12 @@ fn a_lamp_must_have_a_size() {
     );
     let beyond = job(&one, Overrides::default()).err().expect("one lamp");
     assert!(beyond.contains("lamp 2") && beyond.contains("one lamp"), "{beyond}");
+    let named = text("  - sphere: { name: ball }\nintegrator: { zones: { lamp: ball } }\n");
+    let dark = job(&named, Overrides::default()).err().expect("no lamp of that name");
+    assert!(dark.contains("goes by the name"), "{dark}");
+    let unknown =
+        job(&named.replace("lamp: ball", "lamp: boll"), Overrides::default()).err().expect("no such name");
+    assert!(unknown.contains("nothing is named `boll`") && unknown.contains("ball"), "{unknown}");
 }
 
 #[test]

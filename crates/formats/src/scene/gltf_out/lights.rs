@@ -77,10 +77,13 @@ impl Out<'_> {
         json!({ "type": kind, "color": color, "intensity": most })
     }
 
-    /// Tells of lamps that light some things only.
+    /// Tells of lamps that light some things only, or that cast shadows of some only.
     pub fn links(&mut self, lamp: &Lamp) {
         if !lamp.lights_only.is_empty() || !lamp.lights_all_but.is_empty() {
             self.tell("lamps light everything");
+        }
+        if !lamp.shadows_only.is_empty() || !lamp.shadows_all_but.is_empty() {
+            self.tell("everything casts shadows");
         }
         if lamp.light_group.is_some() {
             self.tell("groups of lights are left out");
