@@ -86,6 +86,10 @@ impl<'o> Translator<'o, '_, '_> {
                     self.integrator(inner);
                 }
             }
+            "volprim_rf_basic" => {
+                self.unsupported(o, "the path tracer is used, by which ellipsoids are solid");
+                self.path(o);
+            }
             _ => {
                 self.unsupported(o, "the path tracer is used");
                 self.path(o);

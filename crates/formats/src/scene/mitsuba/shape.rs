@@ -52,6 +52,8 @@ impl<'o> Translator<'o, '_, '_> {
             "serialized" => self.serialized(o),
             "bsplinecurve" | "linearcurve" | "hair" => self.curves(o),
             "sdfgrid" => self.distances(o),
+            "heightfield" => self.heights(o),
+            "ellipsoids" | "ellipsoidsmesh" => self.ellipsoids(i),
             "shapegroup" => {
                 self.group(i);
                 None
@@ -134,7 +136,7 @@ impl<'o> Translator<'o, '_, '_> {
         all
     }
 
-    fn flips(&mut self, o: &'o Object) -> bool {
+    pub(super) fn flips(&mut self, o: &'o Object) -> bool {
         self.boolean(o, "flip_normals").unwrap_or(false)
     }
 
@@ -234,7 +236,7 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// How a mesh is shaded: by its own normals or by computed ones, unless it is to be flat. Rays start from its triangles, as there.
-    fn shading(&mut self, o: &'o Object) -> Shading {
+    pub(super) fn shading(&mut self, o: &'o Object) -> Shading {
         if self.boolean(o, "face_normals").unwrap_or(false) {
             return Shading::Flat;
         }
