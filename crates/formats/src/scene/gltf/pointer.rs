@@ -3,6 +3,7 @@
 //! A frame is a file of its own: before anything else is read, the numbers that move get the values that they have at the frame. So whatever is
 //! read can move.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use straal_scene::{Diagnostics, FileId};
@@ -13,6 +14,9 @@ use super::json::{Json, Value};
 use crate::scene::Means;
 
 pub(super) const NAME: &str = "KHR_animation_pointer";
+
+/// Numbers of a value: as many as a mesh may have morph targets.
+const WIDEST: usize = 4096;
 
 /// Gives the numbers of a file the values that they have at the frame that is shown. What is wrong with an animation is told where all are read.
 pub(super) fn settle(root: &mut Json, file: FileId, binary: Option<&[u8]>, means: &mut Means<'_>) {
@@ -44,11 +48,11 @@ pub(super) fn settle(root: &mut Json, file: FileId, binary: Option<&[u8]>, means
 }
 
 /// The numbers that move, by the ways to them, of which the first that moves the same counts.
-fn values(document: &mut Document<'_>, means: &Means<'_>) -> Result<Vec<(String, Vec<f64>)>> {
+fn values(document: &mut Document<'_>, means: &Means<'_>) -> Result<BTreeMap<String, Vec<f64>>> {
     let fps = means.define.get("fps").and_then(|v| v.parse::<f64>().ok()).filter(|v| *v > 0.0);
     let time = means.frame / fps.unwrap_or(FPS);
     let wanted = means.define.get("animation");
-    let mut found: Vec<(String, Vec<f64>)> = Vec::new();
+    let mut found = BTreeMap::new();
     for (i, animation) in document.list("animations").iter().enumerate() {
         let name = animation.get("name").and_then(Json::text).unwrap_or("");
         let is_played =
@@ -60,12 +64,15 @@ fn values(document: &mut Document<'_>, means: &Means<'_>) -> Result<Vec<(String,
         for channel in required(animation, "channels")?.items() {
             let Some(said) = required(channel, "target")?.extension(NAME) else { continue };
             let path = text(required(said, "pointer")?)?;
-            if found.iter().any(|(known, _)| known == path) {
+            if found.contains_key(path) {
                 continue;
             }
             let (_, sampler) = in_list("samplers", samplers, required(channel, "sampler")?)?;
             let is_turn = path.starts_with("/nodes/") && path.ends_with("/rotation");
-            found.push((path.to_owned(), sampled(document, sampler, (time, is_turn))?));
+            let value = sampled(document, sampler, (time, is_turn))?;
+            if value.len() <= WIDEST {
+                found.insert(path.to_owned(), value);
+            }
         }
     }
     Ok(found)

@@ -34,6 +34,9 @@ pub(super) struct Look {
 /// Nodes of MaterialX within one another.
 const MOST_NODES: usize = 16;
 
+/// Nodes that are read in all: each of two others, they could be asked for endlessly.
+const MOST_COMPUTED: usize = 200_000;
+
 /// The colour of what has none (`UsdPreviewSurface`).
 const GREY: [f64; 3] = [0.18; 3];
 
@@ -189,10 +192,10 @@ impl Translation<'_, '_> {
                 )
             {
                 // Nodes that lead back to themselves.
-                if self.nested > MOST_NODES {
+                if self.nested > MOST_NODES || self.computed > MOST_COMPUTED {
                     return None;
                 }
-                self.nested += 1;
+                (self.nested, self.computed) = (self.nested + 1, self.computed + 1);
                 let found = self.computed(source, node, has);
                 self.nested -= 1;
                 return found;

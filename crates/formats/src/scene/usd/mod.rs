@@ -93,6 +93,8 @@ struct Translation<'m, 'a> {
     kept: u64,
     /// Nodes of MaterialX that one is within.
     nested: usize,
+    /// Such nodes that were read.
+    computed: usize,
     /// For how many time codes the shutter is open.
     open: f64,
     /// What is to be told, and how often.
@@ -127,6 +129,7 @@ impl<'m, 'a> Translation<'m, 'a> {
             vertices: 0,
             kept: 0,
             nested: 0,
+            computed: 0,
             open: 0.0,
             told: BTreeMap::new(),
         }

@@ -103,7 +103,8 @@ impl Translation<'_, '_> {
             self.warn(prim, "its points follow joints by the mean of matrices, not of dual quaternions");
         }
         let own: Vec<String> = self.stage.texts(prim, "skel:joints");
-        let place = |name: &String| names.iter().position(|known| known == name);
+        let places: BTreeMap<&str, usize> = names.iter().map(String::as_str).zip(0..).collect();
+        let place = |name: &String| places.get(name.as_str()).copied();
         let order: Vec<Option<usize>> = if own.is_empty() {
             (0..names.len()).map(Some).collect()
         } else {
@@ -168,10 +169,11 @@ impl Translation<'_, '_> {
         }
         let targets = self.stage.targets(prim, "skel:blendShapeTargets");
         let known = self.stage.texts(animation, "blendShapes");
+        let known: BTreeMap<&str, usize> = known.iter().map(String::as_str).zip(0..).collect();
         let weights = self.stage.numbers(animation, "blendShapeWeights", 1).unwrap_or_default();
         let mut moved = points.to_vec();
         for (name, target) in names.iter().zip(targets) {
-            let weight = known.iter().position(|k| k == name).and_then(|i| weights.get(i)).copied();
+            let weight = known.get(name.as_str()).and_then(|i| weights.get(*i)).copied();
             let Some(weight) = weight.filter(|w| *w != 0.0 && w.is_finite()) else { continue };
             let Some(&shape) = self.stage.places.get(&target) else { continue };
             if !self.stage.names(shape, "inbetweens:").is_empty() {
