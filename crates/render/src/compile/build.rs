@@ -37,6 +37,8 @@ pub(super) struct Glowing {
     pub placement: Option<Transform>,
     /// The group of lights that it belongs to, and whom it lights.
     pub light_group: u16,
+    /// Whether the camera sees it.
+    pub seen: bool,
     pub receivers: Receivers,
 }
 
@@ -297,7 +299,12 @@ impl<'a> Build<'a> {
         glow: Glow,
         (group, place): (u32, &Affine),
     ) -> u32 {
+        // It is that of the geometry that was added last.
+        if let Some(geometry) = self.input.geometries.last_mut().filter(|_| !surface.lamp.seen) {
+            geometry.mask = !crate::world::CAMERA;
+        }
         self.glowing.push(Glowing {
+            seen: surface.lamp.seen,
             kind,
             group,
             opacity: self.materials.opacity(material),

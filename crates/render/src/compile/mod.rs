@@ -171,6 +171,7 @@ fn compile_about(
         lights: lights.table,
         light_groups: lights.groups,
         links: lights.links,
+        unseen: lights.unseen,
         ears: None,
         copies: lights.copies,
         geometries,

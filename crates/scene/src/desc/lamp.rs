@@ -18,6 +18,8 @@ describe! {
         lights_only: Vec<Name> = Vec::new(),
         /// Names of what it doesn't light.
         lights_all_but: Vec<Name> = Vec::new(),
+        /// Whether the camera sees what shines. Where not, its rays go past it as if it weren't there, and surroundings are black; it lights as before, and mirrors and glass show it.
+        seen: bool = true,
     }
 }
 

@@ -78,6 +78,9 @@ impl Out<'_> {
         if !lamp.lights_only.is_empty() || !lamp.lights_all_but.is_empty() {
             self.tell("lamps light everything");
         }
+        if !lamp.seen {
+            self.tell("lamps that the camera doesn't see are seen");
+        }
         if lamp.light_group.is_some() {
             self.tell("groups of lights are left out");
         }

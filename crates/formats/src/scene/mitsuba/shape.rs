@@ -122,7 +122,8 @@ impl<'o> Translator<'o, '_, '_> {
             self.unsupported(inner, "the surface alone is seen");
         }
         let name = o.id.clone().map(|id| Spanned::new(id, o.plugin.span));
-        Surface { material, emission, transform: self.moving(o, at), flip, name, ..Surface::default() }
+        let lamp = if emission.is_some() { self.lamp() } else { Default::default() };
+        Surface { material, emission, transform: self.moving(o, at), flip, name, lamp, ..Surface::default() }
     }
 
     /// Where a shape stands whose own parameters are `own`.

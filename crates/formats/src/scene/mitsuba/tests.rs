@@ -461,6 +461,24 @@ fn height_fields_and_ellipsoids_become_what_straal_has() {
     assert_eq!(place.point(DVec3::X), DVec3::new(7.0, 1.0, 0.0));
 }
 
+#[test]
+fn emitters_are_hidden_from_the_camera_where_the_integrator_says_so() {
+    let text = |hides: bool| {
+        format!(
+            r#"<scene version="3.0.0"><integrator type="aov"><integrator type="path"><boolean name="hide_emitters" value="{hides}"/></integrator></integrator>
+            <sensor type="perspective"><float name="fov" value="30"/></sensor><emitter type="constant"/><emitter type="point"/>
+            <shape type="sphere"><emitter type="area"/></shape><shape type="cube"/></scene>"#
+        )
+    };
+    for hides in [false, true] {
+        let (scene, _) = read(&text(hides));
+        let seen: Vec<bool> = scene.lights.iter().map(|light| light.lamp().seen).collect();
+        assert_eq!(seen, [!hides; 2]);
+        let seen = |i: usize| scene.world[i].surface().unwrap().lamp.seen;
+        assert_eq!((seen(0), seen(1)), (!hides, true));
+    }
+}
+
 /// Each plugin of any version is read, or something says its name: what is known isn't taken for a slip, and nothing is left out in silence.
 #[test]
 fn every_plugin_is_read_or_told_by_name() {
