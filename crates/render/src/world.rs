@@ -113,6 +113,8 @@ pub struct World {
     pub(crate) links: Links,
     /// The emitters that go by the name of the lamp whose zones of shadow are shown.
     pub(crate) lamps_of_zones: Vec<u32>,
+    /// Emitters that the camera doesn't see, by rising index.
+    pub(crate) unseen: Vec<u32>,
     /// What ways on from its surfaces bring and cost, where an integrator asks for it: see [`World::learn`].
     pub(crate) ears: Option<Ears>,
     /// Which emitters stand in objects, and shine wherever these do.
@@ -136,6 +138,9 @@ pub struct World {
     /// What can never be hit and was left out.
     pub dropped: Vec<Dropped>,
 }
+
+/// The bit of what the camera sees, in the masks of rays and surfaces.
+pub(crate) const CAMERA: u32 = 1;
 
 /// Something of the description that can never be hit.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -588,6 +593,16 @@ impl World {
     #[inline(always)]
     pub fn has_environment(&self) -> bool {
         !self.environments.is_empty()
+    }
+
+    /// What camera rays see: where there are lamps that the camera doesn't see, surfaces without these.
+    pub fn camera_mask(&self) -> u32 {
+        if self.unseen.is_empty() { u32::MAX } else { CAMERA }
+    }
+
+    /// Whether the camera sees an emitter.
+    pub fn is_seen(&self, emitter: u32) -> bool {
+        self.unseen.is_empty() || self.unseen.binary_search(&emitter).is_err()
     }
 
     /// Emitters that surround the scene, with their indices.

@@ -5,11 +5,12 @@ use crate::args::ConvertArgs;
 use crate::complaint;
 use crate::exit::{Exit, Failure};
 use crate::out;
+use crate::places::is_stream;
 use std::fs;
 use std::io::Write;
 use std::path::Path;
 use straal::written;
-use straal_formats::scene::gltf_out::{self, Form};
+use straal_formats::scene::gltf_out::{Form, Frames, MOST_FRAMES};
 use straal_formats::{Loaded, atomic};
 
 /// What a scene is written as.
@@ -60,7 +61,28 @@ pub fn run(args: &ConvertArgs) -> Result<Exit, Failure> {
 fn gltf(args: &ConvertArgs, loaded: &Loaded, buffer: Option<&Path>) -> Result<Exit, Failure> {
     let name = buffer.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
     let form = name.as_deref().map_or(Form::Packed, Form::Beside);
-    let written = gltf_out::write(loaded, form)
+    let mut frames = Frames::of(loaded);
+    // One frame that is asked for is written by itself.
+    let of = match loaded.scene.animation.frames {
+        // What a pipe brings is there but once.
+        2.. if is_stream(&args.scene) => {
+            out::say("warning: of a scene of standard input one frame is written\n");
+            1
+        }
+        _ if args.reading.frame.is_some() => 1,
+        all => all,
+    };
+    if of > MOST_FRAMES {
+        out::say(&format!("warning: of {of} frames the first {MOST_FRAMES} are written\n"));
+    }
+    // Files are read once for all frames.
+    let mut options = args.reading.options();
+    for frame in 1..of.min(MOST_FRAMES) {
+        options.frame = f64::from(frame);
+        frames.add(&load(&args.scene, &options)?);
+    }
+    let written = frames
+        .write(form)
         .map_err(|problem| Failure::input(format!("`{}`: {problem}", args.output.display())))?;
     if !args.quiet {
         out::say(&complaint::show(&written.warnings, out::has_colours()));

@@ -20,6 +20,28 @@ fn what_is_converted_gives_the_same_bits() {
     assert_eq!(film_hash("scene.glb"), film_hash("deep/er/x.yaml"));
 }
 
+/// A scene that moves is written with its frames, and `--frame` writes one of them.
+#[test]
+fn what_moves_is_converted_with_its_frames() {
+    let folder = Folder::new();
+    folder.write(
+        "a.yaml",
+        "animation: { frames: 9, fps: 8 }\ncamera: { perspective: { eye: [0, 0, 5], look_at: [0, 0, 0] } }\n\
+         world: [{ box: { transform: [{ translate: { keyframes: { 0: [0, 0, 0], 8: [1, 0, 0] } } }] } }]\n\
+         lights: [{ point: { position: [0, 3, 5], intensity: 100 } }]\n",
+    );
+    assert_eq!(folder.straal("convert a.yaml moving.glb").code, Some(0));
+    assert_eq!(folder.straal("convert a.yaml still.glb --frame 8").code, Some(0));
+    // Frames have noise of their own unless a seed is said.
+    let film_hash = |scene: &str| {
+        let report = folder.json(&format!("render {scene} --size 24x16 --spp 2 --seed 1 -o a.png"));
+        report["film_hash"].as_str().unwrap_or_else(|| panic!("{scene}: {report}")).to_owned()
+    };
+    let last = film_hash("moving.glb --frame 8 -D fps=8");
+    assert_ne!(film_hash("moving.glb --frame 0"), last);
+    assert_eq!(film_hash("still.glb"), last);
+}
+
 #[test]
 fn what_is_read_is_not_written_over() {
     let folder = Folder::new();

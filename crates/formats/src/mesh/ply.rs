@@ -48,16 +48,36 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<PlyFile, ReadError> {
 
 /// Reads a mesh with the attributes that are wanted by their names.
 pub fn read_with(bytes: &[u8], limits: &Limits, wanted: &dyn Fn(&str) -> bool) -> Result<PlyFile, ReadError> {
-    limits.check_bytes(bytes)?;
+    read_all(bytes, &Asked { limits, wanted, points_alone: false })
+}
+
+/// Reads vertices with the attributes that are wanted, of a file that may have no triangle.
+pub(crate) fn read_points(
+    bytes: &[u8],
+    limits: &Limits,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<Mesh, ReadError> {
+    Ok(read_all(bytes, &Asked { limits, wanted, points_alone: true })?.mesh)
+}
+
+/// What is asked of a file.
+struct Asked<'a> {
+    limits: &'a Limits,
+    /// Attributes by name.
+    wanted: &'a dyn Fn(&str) -> bool,
+    /// Whether it may have no triangle.
+    points_alone: bool,
+}
+
+fn read_all(bytes: &[u8], asked: &Asked<'_>) -> Result<PlyFile, ReadError> {
+    asked.limits.check_bytes(bytes)?;
     let header = Header::parse(bytes)?;
     match header.encoding {
         Encoding::Ascii => {
-            read_body(&header, Ascii { bytes, at: header.length, line: header.lines + 1 }, limits, wanted)
+            read_body(&header, Ascii { bytes, at: header.length, line: header.lines + 1 }, asked)
         }
-        Encoding::Little => {
-            read_body(&header, Binary { bytes, at: header.length, big: false }, limits, wanted)
-        }
-        Encoding::Big => read_body(&header, Binary { bytes, at: header.length, big: true }, limits, wanted),
+        Encoding::Little => read_body(&header, Binary { bytes, at: header.length, big: false }, asked),
+        Encoding::Big => read_body(&header, Binary { bytes, at: header.length, big: true }, asked),
     }
 }
 
@@ -83,7 +103,7 @@ pub(crate) fn read_in_passing(
         return Ok(None);
     }
     let body = stream::Stream::new(rest, (head, header.length), size, big);
-    read_body(&header, body, limits, wanted).map(Some)
+    read_body(&header, body, &Asked { limits, wanted, points_alone: false }).map(Some)
 }
 
 /// Reads the elements in the order of the header. Faces need the vertices, so that faces that come first are passed
@@ -91,8 +111,7 @@ pub(crate) fn read_in_passing(
 fn read_body<B: Body>(
     header: &Header,
     mut body: B,
-    limits: &Limits,
-    wanted: &dyn Fn(&str) -> bool,
+    &Asked { limits, wanted, points_alone }: &Asked<'_>,
 ) -> Result<PlyFile, ReadError> {
     let mut reader = Reader { mesh: Mesh::default(), limits, wanted, is_finite: true, odd_faces: 0 };
     let mut later = Vec::new();
@@ -151,7 +170,7 @@ fn read_body<B: Body>(
         };
         warnings.push(format!("{faces} {what}"));
     }
-    if reader.mesh.triangles.is_empty() {
+    if reader.mesh.triangles.is_empty() && !points_alone {
         return Err(ReadError::file(super::empty(reader.odd_faces)));
     }
     warnings.extend(reader.flatten_odd_normals()?);

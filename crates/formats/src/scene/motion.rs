@@ -108,7 +108,7 @@ impl Parts {
 }
 
 /// The quaternion of a turn (Shepperd 1978): by the largest of its four numbers.
-fn quaternion(m: &Affine) -> [f64; 4] {
+pub(super) fn quaternion(m: &Affine) -> [f64; 4] {
     let r = &m.rows;
     let squares = [
         1.0 + r[0][0] - r[1][1] - r[2][2],

@@ -209,6 +209,42 @@ fn nodes_move_from_frame_to_frame() {
     assert!(load_with(&text, &[("animation", "stop")]).unwrap_err().to_string().contains("it has go"));
 }
 
+/// `KHR_animation_pointer`: a colour, a lamp and whether a node is there.
+#[test]
+fn any_number_moves_that_a_pointer_leads_to() {
+    let more = r#", "extensionsUsed": ["KHR_animation_pointer"], "materials": [{"doubleSided": true}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "nodes": [{"mesh": 0}, {"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": true}}},
+            {"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 1}]}},
+        "animations": [{"samplers": [{"input": 1, "output": 2}, {"input": 1, "output": 1, "interpolation": "STEP"}],
+            "channels": [
+                {"sampler": 0, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer":
+                    {"pointer": "/materials/0/pbrMetallicRoughness/baseColorFactor"}}}},
+                {"sampler": 1, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer":
+                    {"pointer": "/nodes/1/extensions/KHR_node_visibility/visible"}}}},
+                {"sampler": 1, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer":
+                    {"pointer": "/extensions/KHR_lights_punctual/lights/0/intensity"}}}}]}]"#;
+    let numbers = [&CORNERS[..], &[0.0, 2.0], &[0.0, 0.0, 0.0, 1.0, 1.0, 0.5, 0.25, 1.0]].concat();
+    let views = r#"{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 8}, {"buffer": 0, "byteOffset": 44, "byteLength": 32}"#;
+    let accessors = r#"{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3},
+        {"bufferView": 1, "componentType": 5126, "type": "SCALAR", "count": 2},
+        {"bufferView": 2, "componentType": 5126, "type": "VEC4", "count": 2}"#;
+    let text = file(&floats(&numbers), views, accessors, more);
+    let at = |frame: f64| {
+        let options = Options { frame, ..Options::default() };
+        load_foreign_bytes(Foreign::Gltf, Path::new("nowhere/a.gltf"), text.as_bytes().to_vec(), &options)
+            .unwrap()
+    };
+    let (first, middle, last) = (at(0.0), at(24.0), at(48.0));
+    assert!(first.warnings.list.iter().all(|w| !w.message.contains("KHR_animation_pointer")));
+    assert_eq!((first.scene.animation.frames, places(&first).len(), places(&last).len()), (49, 1, 2));
+    let colour = |loaded: &Loaded| material(loaded).base_color.constant().and_then(|c| c.rgb()).map(|c| c.0);
+    assert_eq!(colour(&middle), Some([0.5, 0.25, 0.125]));
+    let Light::Point(lamp) = &last.scene.lights[0] else { panic!() };
+    assert_eq!(lamp.intensity.rgb().map(|c| c.0), Some([2.0; 3]));
+}
+
 #[test]
 fn copies_stand_where_their_lists_say() {
     let mut bytes = floats(&CORNERS);

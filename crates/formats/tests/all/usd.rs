@@ -504,3 +504,156 @@ fn damaged_files_end_in_complaints_or_scenes() {
     }
     assert_eq!(cases, 2400);
 }
+
+/// Two joints, of which the second is turned by a quarter about z and hangs one unit above the first.
+#[test]
+fn points_follow_the_joints_of_a_skeleton() {
+    let text = |animation: &str| {
+        format!(
+            r#"def SkelRoot "figure" {{
+    double3 xformOp:translate = (10, 0, 0)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Skeleton "bones" {{
+        uniform token[] joints = ["a", "a/b"]
+        uniform matrix4d[] bindTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,1,0,1))]
+        uniform matrix4d[] restTransforms = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)), ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,1,0,1))]
+        rel skel:animationSource = </figure/bones/walk>
+        def SkelAnimation "walk" {{
+            uniform token[] joints = ["a/b"]
+            float3[] translations = [(0, 1, 0)]
+            quatf[] rotations = [(0.70710678, 0, 0, 0.70710678)]
+            half3[] scales = [(1, 1, 1)]
+            {animation}
+        }}
+    }}
+    def Mesh "skin" (prepend apiSchemas = ["SkelBindingAPI"]) {{
+        double3 xformOp:translate = (0, 0, 5)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        uniform token subdivisionScheme = "none"
+        point3f[] points = [(0, 0, 0), (1, 1, 0), (0, 2, 0)]
+        normal3f[] normals = [(0, 0, 1), (0, 0, 1), (1, 0, 0)] (interpolation = "vertex")
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        rel skel:skeleton = </figure/bones>
+        int[] primvars:skel:jointIndices = [0, 1, 0, 1, 1, 0] (elementSize = 2 interpolation = "vertex")
+        float[] primvars:skel:jointWeights = [1, 0, 0.5, 0.5, 1, 0] (elementSize = 2 interpolation = "vertex")
+        matrix4d primvars:skel:geomBindTransform = ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))
+        uniform token[] skel:blendShapes = ["up"]
+        rel skel:blendShapeTargets = </figure/skin/up>
+        def BlendShape "up" {{
+            uniform vector3f[] offsets = [(0, 0, 2)]
+            uniform int[] pointIndices = [0]
+        }}
+    }}
+}}"#
+        )
+    };
+    let points = |text: &str| {
+        let loaded = stage(text);
+        let (place, node) = shape(&loaded, "skin");
+        let Node::Mesh(mesh) = node else { panic!() };
+        let mesh = &loaded.assets.mesh(mesh.file.as_ref().unwrap().handle).mesh;
+        let of = |v: &[f32; 3]| DVec3::new(f64::from(v[0]), f64::from(v[1]), f64::from(v[2]));
+        let places: Vec<DVec3> = mesh.positions.iter().map(|p| place.point(of(p))).collect();
+        (places, mesh.normals.iter().map(of).collect::<Vec<_>>())
+    };
+    let (places, normals) = points(&text(""));
+    // They stand in the skeleton's space, wherever the mesh does: the second half by each joint, the third by the turned one.
+    let wanted = [DVec3::new(10.0, 0.0, 0.0), DVec3::new(10.5, 1.5, 0.0), DVec3::new(9.0, 1.0, 0.0)];
+    for (found, wanted) in places.iter().zip(wanted) {
+        assert!((*found - wanted).length() < 1e-5, "{found:?} is not {wanted:?}");
+    }
+    assert!((normals[2] - DVec3::Y).length() < 1e-5, "{normals:?}");
+    let blended = text("uniform token[] blendShapes = [\"up\"]\nfloat[] blendShapeWeights = [0.5]");
+    assert!((points(&blended).0[0] - DVec3::new(10.0, 0.0, 1.0)).length() < 1e-5);
+}
+
+#[test]
+fn surfaces_of_materialx_are_layers() {
+    let loaded = stage(
+        r#"
+def Mesh "a" ( prepend apiSchemas = ["MaterialBindingAPI"] ) {
+    uniform token subdivisionScheme = "none"
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (0, 1)] (interpolation = "vertex")
+    rel material:binding = </m>
+}
+def Material "m" {
+    token outputs:mtlx:surface.connect = </m/s.outputs:out>
+    def Shader "s" {
+        uniform token info:id = "ND_standard_surface_surfaceshader"
+        color3f inputs:base_color.connect = </m/product.outputs:out>
+        float inputs:metalness = 0.25
+        float inputs:specular_roughness.connect = </m/rough.outputs:out>
+        float inputs:thin_film_thickness = 400
+        float inputs:coat = 1
+        color3f inputs:opacity = (0.25, 0.5, 0.75)
+        token outputs:out
+    }
+    def Shader "product" {
+        uniform token info:id = "ND_multiply_color3FA"
+        color3f inputs:in1.connect = </m/picture.outputs:out>
+        float inputs:in2 = 0.5
+        color3f outputs:out
+    }
+    def Shader "picture" {
+        uniform token info:id = "ND_tiledimage_color3"
+        asset inputs:file = @p.png@ (colorSpace = "srgb_texture")
+        float2 inputs:uvtiling = (2, 3)
+        color3f outputs:out
+    }
+    def Shader "rough" {
+        uniform token info:id = "ND_constant_float"
+        float inputs:value = 0.75
+        float outputs:out
+    }
+}"#
+        .replace("@p.png@", &format!("@{}/../../tests/pictures/halves.png@", env!("CARGO_MANIFEST_DIR")))
+        .as_str(),
+    );
+    assert!(loaded.warnings.list.iter().all(|w| !w.message.contains("isn't read")), "{}", loaded.warnings);
+    let (_, node) = shape(&loaded, "a");
+    let Material::OpenPbr(m) = material(&loaded, &node) else { panic!() };
+    assert_eq!(m.base_metalness, Varying::Constant(0.25));
+    assert_eq!(m.specular_roughness, Varying::Constant(0.75));
+    assert_eq!(m.thin_film_thickness, Varying::Constant(0.4));
+    assert_eq!((&m.coat_weight, &m.geometry_opacity), (&Varying::Constant(1.0), &Varying::Constant(0.5)));
+    let Varying::Texture(t) = &m.base_color else { panic!() };
+    let TextureOf::Inline(Texture::Scale(product)) = &**t else { panic!("{t:?}") };
+    assert_eq!(product.by, Varying::Constant(0.5));
+}
+
+#[test]
+fn what_moves_is_blurred_while_the_camera_s_shutter_is_open() {
+    let text = |close: f64| {
+        format!(
+            r#"def Camera "c" {{
+    double shutter:open = 0
+    double shutter:close = {close}
+    double3 xformOp:translate.timeSamples = {{ 0: (0, 0, 9), 2: (4, 0, 9) }}
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+def Sphere "ball" {{
+    float xformOp:rotateY.timeSamples = {{ 0: 0, 1: 90 }}
+    uniform token[] xformOpOrder = ["xformOp:rotateY"]
+}}
+def Points "dust" {{
+    point3f[] points = [(0, 0, 0), (1, 2, 3)]
+    float[] widths = [0.5, 1]
+}}"#
+        )
+    };
+    let moving = stage(&text(0.5));
+    let Node::Group(ball) = &moving.scene.world[0] else { panic!("{:?}", moving.scene.world) };
+    let places: Vec<DVec3> = Node::Group(ball.clone()).motion().iter().map(|m| m.vector(DVec3::Z)).collect();
+    assert_eq!(places.len(), 9);
+    near(places[8], DVec3::new(0.5_f64.sqrt(), 0.0, 0.5_f64.sqrt()));
+    let keyframes = &moving.scene.camera.observer().moving_to.as_ref().unwrap().keyframes;
+    near(keyframes[7].eye.unwrap(), DVec3::new(1.0, 0.0, 9.0));
+    let Node::Instances(dust) = &moving.scene.world[1] else { panic!() };
+    near(dust.transforms[1].0.point(DVec3::X), DVec3::new(1.5, 2.0, 3.0));
+    let still = stage(&text(0.0));
+    assert!(still.scene.camera.observer().moving_to.is_none() && still.scene.world[0].motion().is_empty());
+}

@@ -40,6 +40,8 @@ pub(super) struct Glowing {
     pub said: Said,
     /// Whether it goes by the name of the lamp whose zones of shadow are shown.
     pub is_of_zones: bool,
+    /// Whether the camera sees it.
+    pub seen: bool,
 }
 
 /// What a surface sends out.
@@ -304,7 +306,12 @@ impl<'a> Build<'a> {
         glow: Glow,
         (group, place): (u32, &Affine),
     ) -> u32 {
+        // It is that of the geometry that was added last.
+        if let Some(geometry) = self.input.geometries.last_mut().filter(|_| !surface.lamp.seen) {
+            geometry.mask = !crate::world::CAMERA;
+        }
         self.glowing.push(Glowing {
+            seen: surface.lamp.seen,
             kind,
             group,
             opacity: self.materials.opacity(material),

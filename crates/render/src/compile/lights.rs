@@ -22,6 +22,7 @@ pub(super) struct Lights {
     pub ambient: Vec<(AmbientLight, u32)>,
     pub groups: Groups,
     pub links: Links,
+    pub unseen: Vec<u32>,
 }
 
 /// What lights shine on.
@@ -43,8 +44,9 @@ pub(super) fn gather(
 ) -> Lights {
     let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
-    let mut said = Vec::new();
+    let (mut said, mut unseen) = (Vec::new(), Vec::new());
     for g in &glowing {
+        unseen.extend((!g.seen).then_some(emitters.len() as u32));
         emitters.push(area(g, geometry));
         groups.belong(emitters.len(), g.light_group);
         said.push(g.said);
@@ -54,6 +56,9 @@ pub(super) fn gather(
         emitters.push(Portals::around(emitter, light.portals(), paint, centre));
         if let desc::Light::Sky(sky) = light {
             emitters.extend(SunDisc::of_sky(sky, paint));
+        }
+        if !light.lamp().seen {
+            unseen.extend(said.len() as u32..emitters.len() as u32);
         }
         let group = groups.number(light.lamp().light_group.as_ref());
         groups.belong(emitters.len(), group);
@@ -73,7 +78,7 @@ pub(super) fn gather(
         _ => None,
     });
     let ambient = ambient.collect();
-    Lights { emitters, table, copies, environments, ambient, groups, links }
+    Lights { emitters, table, copies, environments, ambient, groups, links, unseen }
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {

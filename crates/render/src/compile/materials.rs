@@ -134,6 +134,12 @@ impl<'a> Materials<'a> {
         self.list.wants(material).tangent
     }
 
+    /// Whether a material has a map that tells normals about the way its surface runs.
+    pub fn maps_normals(&self, material: u32) -> bool {
+        let relief = self.list.relief(material);
+        relief.and_then(|relief| relief.normals).is_some_and(|map| !map.of_object)
+    }
+
     /// Whether a material may ask where it is: what is known of parts is handed on at the end only.
     pub fn wants_point(&self, material: u32) -> bool {
         self.list.wants(material).point || self.list.is_made_of_others(material)

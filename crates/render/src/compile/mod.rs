@@ -173,6 +173,7 @@ fn compile_about(
         light_groups: lights.groups,
         links: lights.links,
         lamps_of_zones,
+        unseen: lights.unseen,
         ears: None,
         copies: lights.copies,
         geometries,

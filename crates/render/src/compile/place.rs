@@ -164,9 +164,10 @@ impl<'a> Build<'a> {
             }
             Node::Sphere(s) => {
                 let material = self.materials.of(s.surface.material.as_ref(), place.material);
-                // What is brushed must know which way it was turned.
-                let ball =
-                    if self.materials.wants_tangent(material) { ellipsoid(s, &m) } else { sphere(s, &m) };
+                // What is brushed must know which way it was turned, and so must what a map tells normals of.
+                let is_directed = self.materials.wants_tangent(material)
+                    || is_turned(&m) && self.materials.maps_normals(material);
+                let ball = if is_directed { ellipsoid(s, &m) } else { sphere(s, &m) };
                 let Some(ball) = ball else { return self.leave_out() };
                 self.shape(&s.surface, place, ball, s.surface.flip)
             }
@@ -335,6 +336,13 @@ fn sphere(s: &desc::Sphere, m: &Affine) -> Option<Shape> {
         return Some(Shape::Sphere(Sphere { center: center.as_vec3(), radius: (scale * s.radius) as f32 }));
     }
     ellipsoid(s, m)
+}
+
+/// Whether a map does more than move things and scale them evenly.
+fn is_turned(m: &Affine) -> bool {
+    let size = m.rows[0][0];
+    let is_even = |i: usize, j: usize| m.rows[i][j] == if i == j { size } else { 0.0 };
+    size <= 0.0 || !(0..3).all(|i| (0..3).all(|j| is_even(i, j)))
 }
 
 /// It knows where its pole is. `None` where it leaves the range of numbers.

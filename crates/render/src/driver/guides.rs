@@ -66,7 +66,7 @@ impl Seen<'_> {
             through *= sample.weight;
             let wi = surface.frame.to_world(sample.wi);
             let end = End { p: surface.point.p, p_err: surface.point.p_err, ng: surface.point.ng };
-            ray = Ray { time: ray.time, mask: ray.mask, ..Ray::new(end.leave(wi), wi) };
+            ray = Ray { time: ray.time, ..Ray::new(end.leave(wi), wi) };
             name = name.child(0);
             hit = closest(&ray);
             if world.materials.any_may_pass() {

@@ -242,7 +242,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             let footprint =
                 if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
             // Where nothing is seen there is no path, and the sample is black.
-            let camera_ray = starting.ray(i);
+            let camera_ray = starting.ray(i).map(|ray| Ray { mask: world.camera_mask(), ..ray });
             let (size, pattern) = (settings.size, settings.pattern);
             let start = Start { world, size, pixel, pattern, name, lanes, camera_ray, footprint };
             if let Some((ray, state)) = self.integrator.start(&start) {

@@ -130,9 +130,9 @@ impl DirectLight {
         let (left, inside) = left_by_medium(world, (ray, hit), state.inside, state.lanes);
         let (beta, reading) = (state.beta * left, world.reading(state.lanes));
         if !hit.is_hit() {
-            for (index, emitter) in
-                world.environments().filter(|(index, _)| world.links.light(state.class, *index))
-            {
+            let shows =
+                |index: u32| world.links.light(state.class, index) && (!state.first || world.is_seen(index));
+            for (index, emitter) in world.environments().filter(|(index, _)| shows(*index)) {
                 let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
                 let light_pdf = || world.lights_of(state.class).pmf(index, &state.from) * pdf;
                 let weight = self.weight(state, world.links.has_casters(index), light_pdf);

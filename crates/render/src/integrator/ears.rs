@@ -291,6 +291,7 @@ impl Ears {
         let drawn = if L::DRAWN { pattern.d1(&name, Purpose::Wavelength) } else { 0.0 };
         let mut lanes = L::drawn(&world.tables, drawn);
         let Some(mut ray) = world.camera.ray(&at) else { return Whole::default() };
+        ray.mask = world.camera_mask();
         let mut beta = lanes.full();
         let (mut from, mut pdf, mut delta, mut class) = (Receiver::anywhere(Vec3::ZERO), 0.0, true, ALL);
         let (mut whole, first) = (Whole::default(), found.len());

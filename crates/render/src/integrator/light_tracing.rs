@@ -204,6 +204,9 @@ fn show_lamp<L: Lanes>(
     // As numbers are pure functions of their names, it is the same again.
     let Some((pick, emitted)) = leave(world, queue.pattern, &path.name, lanes) else { return };
     let [_, _, u, v] = queue.pattern.d4(&path.name, Purpose::Film);
+    if !world.is_seen(path.state.emitter) {
+        return;
+    }
     let sought = match emitted.shows {
         Shows::Nothing => return,
         Shows::Surface { point, .. } => Sought::Point(point.p),
@@ -223,7 +226,7 @@ fn show_lamp<L: Lanes>(
         }
         _ => (emitted.light * (each / emitted.pdf_direction), Ray::new(shown.o, shown.d)),
     };
-    let way = Ray { time: moment(world, queue.pattern, &path.name), ..way };
+    let way = Ray { time: moment(world, queue.pattern, &path.name), mask: world.camera_mask(), ..way };
     let light = lanes.full() * light * left_on_way(world, &way, Inside::default(), lanes);
     if !light.is_black() {
         out.shadow(
@@ -346,7 +349,7 @@ impl<L: Lanes> Here<'_, '_, L> {
             return;
         }
         let light = light * left_on_way(world, &way, inside, path.state.lanes);
-        let way = Ray { time: ray.time, mask: ray.mask, ..way };
+        let way = Ray { time: ray.time, mask: world.camera_mask(), ..way };
         out.shadow(
             way,
             Contribution::splat(path, light, shown.position).of(world.light_groups.of(path.state.emitter)),

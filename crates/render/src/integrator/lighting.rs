@@ -164,7 +164,7 @@ pub(super) struct Brought {
 }
 
 impl Brought {
-    /// The ray that must be free for light to come to vertex `i`; its time and mask are those of `like`.
+    /// The ray that must be free for light to come to vertex `i`; its time is that of `like`.
     #[inline(always)]
     pub fn ray(&self, i: usize, like: &Ray) -> Ray {
         ray(&self.rays[i], like)

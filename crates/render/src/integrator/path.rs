@@ -393,7 +393,7 @@ impl PathTracer {
     /// Light from the surroundings, for rays that leave the scene.
     fn miss<L: Lanes>(&self, world: &World, queue: &Queue<'_, State<L>>, out: &mut Out<'_, State<L>>) {
         let Some(&first) = queue.order.first().filter(|_| world.has_environment()) else { return };
-        if world.links.matter() || world.links.shadows_matter() {
+        if world.links.matter() || world.links.shadows_matter() || !world.unseen.is_empty() {
             return self.miss_one_by_one(world, queue, out);
         }
         let mut leaving = Leaving::new(queue.paths[first as usize].state.lanes);
@@ -412,7 +412,7 @@ impl PathTracer {
         }
     }
 
-    /// The same where not all that surrounds the scene lights each surface.
+    /// The same where not all that surrounds the scene lights each surface, or is seen.
     #[cold]
     fn miss_one_by_one<L: Lanes>(
         &self,
@@ -423,8 +423,10 @@ impl PathTracer {
         for Arrival { path, ray, .. } in queue.arrivals() {
             let State { lanes, beta, behind, delta, class, .. } = path.state;
             let from = &behind.from();
-            for (index, emitter) in world.environments().filter(|(index, _)| world.links.light(class, *index))
-            {
+            let shows = |index: u32| {
+                world.links.light(class, index) && (path.state.depth > 1 || world.is_seen(index))
+            };
+            for (index, emitter) in world.environments().filter(|(index, _)| shows(*index)) {
                 let (radiance, by_light) = emitter.radiance_pdf_from(from, ray.d, &world.reading(lanes));
                 let by_light = || world.lights_of(class).pmf(index, from) * by_light;
                 let weight = self.weight(delta, world.links.has_casters(index), (behind.pdf(), by_light));

@@ -99,7 +99,7 @@ pub(super) struct Onward {
 }
 
 impl Onward {
-    /// The ray that goes on from vertex `i`; its time and mask are those of the ray before.
+    /// The ray that goes on from vertex `i`; its time is that of the ray before.
     #[inline(always)]
     pub fn ray(&self, i: usize, before: &Ray) -> Ray {
         ray(&self.rays[i], before)

@@ -102,10 +102,10 @@ impl<'w> Vertex<'w> {
         there.then_some(sample)
     }
 
-    /// The ray in a direction about the shading normal; its time and mask are those of `like`.
+    /// The ray in a direction about the shading normal; its time is that of `like`.
     pub fn leave(&self, wi: Vec3, like: &Ray) -> Ray {
         let d = self.surface.frame.to_world(wi);
-        Ray { o: self.from.leave(d), d, t_min: 0.0, t_max: f32::INFINITY, ..*like }
+        Ray { time: like.time, ..Ray::new(self.from.leave(d), d) }
     }
 
     /// Whether a direction about the shading normal leaves the surface on the side that is seen.
@@ -116,7 +116,7 @@ impl<'w> Vertex<'w> {
     /// The ray that must be free for the light of a sample of an emitter to arrive; its time is that of `like`.
     pub fn shadow_ray(&self, world: &World, (emitter, light): (u32, &LightSample), like: &Ray) -> Ray {
         let ([o, d], t_max) = light.way_from(&self.from);
-        Ray { o, d, t_min: 0.0, t_max, mask: world.links.mask(emitter), ..*like }
+        Ray { t_max, time: like.time, mask: world.links.mask(emitter), ..Ray::new(o, d) }
     }
 
     /// What a path is inside of that goes on in a direction of the world, where it was inside of something before.

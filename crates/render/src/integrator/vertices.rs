@@ -364,10 +364,11 @@ pub(super) fn frames<F: Float>(surfaces: &Surfaces, first: usize) -> Frame<F> {
 /// A vector and a number of each vertex.
 pub(super) type Row = [f32; 4];
 
-/// The ray of rows that hold origin and least t, direction and largest t; time and mask are those of `like`.
+/// The ray of rows that hold origin and least t, direction and largest t; its time is that of `like`. It sees
+/// what the camera doesn't.
 #[inline(always)]
 pub(super) fn ray([o, d]: &[Row; 2], like: &Ray) -> Ray {
-    Ray { o: vector(o), t_min: o[3], d: vector(d), t_max: d[3], ..*like }
+    Ray { o: vector(o), t_min: o[3], d: vector(d), t_max: d[3], time: like.time, mask: u32::MAX }
 }
 
 /// The vector of a row.

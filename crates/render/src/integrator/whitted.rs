@@ -137,9 +137,10 @@ impl Whitted {
         let reading = world.reading(state.lanes);
         if !hit.is_hit() {
             // Seen, but it lights nothing.
-            for (index, background) in
-                world.environments().filter(|(index, _)| world.links.light(state.class, *index))
-            {
+            let shows = |index: u32| {
+                world.links.light(state.class, index) && (state.depth > 1 || world.is_seen(index))
+            };
+            for (index, background) in world.environments().filter(|(index, _)| shows(*index)) {
                 let light = beta * background.radiance_from(ray.d, &reading);
                 out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }

@@ -47,7 +47,7 @@ pub(crate) struct Said {
 /// The mask of a ray by all of whose lamp's light everything casts shadows, and of rays towards nothing in particular.
 const CAST_BY_ALL: u32 = u32::MAX;
 
-/// A bit that masks of other lamps have, beside the lamp's number: all surfaces show themselves to any mask that isn't 0, so that the rest is free.
+/// A bit that masks of other lamps have, beside the lamp's number. All surfaces have it, those that the camera doesn't see as well, so that the rest is free.
 const LAMP: u32 = 1 << 31;
 
 /// The names that lamps say, a bit each.
@@ -207,7 +207,8 @@ impl Links {
 
     /// Whether what a ray towards a lamp met casts a shadow of it.
     pub fn cast(&self, ray: &Ray, hit: &Hit) -> bool {
-        let lamp = if ray.mask == CAST_BY_ALL { None } else { self.casters.get((ray.mask & !LAMP) as usize) };
+        let has_lamp = ray.mask != CAST_BY_ALL && ray.mask & LAMP != 0;
+        let lamp = if has_lamp { self.casters.get((ray.mask & !LAMP) as usize) } else { None };
         lamp.is_none_or(|which| which.has(self.bits_of(hit)))
     }
 

@@ -22,6 +22,8 @@ describe! {
         shadows_only: Vec<Name> = Vec::new(),
         /// Names of what casts no shadows of its light.
         shadows_all_but: Vec<Name> = Vec::new(),
+        /// Whether the camera sees what shines. Where not, its rays go past it as if it weren't there, and surroundings are black; it lights as before, and mirrors and glass show it.
+        seen: bool = true,
     }
 }
 

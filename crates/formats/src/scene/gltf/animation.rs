@@ -6,9 +6,9 @@ use straal_math::ops;
 use straal_scene::desc::Animation;
 use straal_scene::{Diagnostic, Span, suggest};
 
-use super::document::{Fault, Result, in_list, required, text};
+use super::document::{Document, Fault, Result, in_list, required, text};
 use super::json::Json;
-use super::{Translation, Within, degrees};
+use super::{Translation, Within, degrees, pointer};
 
 /// What of a node moves, at the frame that is shown.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,7 +24,7 @@ pub(super) struct Pose {
 pub(super) type Poses = BTreeMap<usize, Pose>;
 
 /// Frames of a second, where `-D fps=N` says no other.
-const FPS: f64 = 24.0;
+pub(super) const FPS: f64 = 24.0;
 
 /// How values go from one key to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +33,36 @@ enum Way {
     Linear,
     /// Each key has a tangent before and one behind its value.
     Cubic,
+}
+
+impl Way {
+    fn of(sampler: &Json) -> Result<Self> {
+        match sampler.get("interpolation").map_or(Ok("LINEAR"), text)? {
+            "STEP" => Ok(Self::Step),
+            "LINEAR" => Ok(Self::Linear),
+            "CUBICSPLINE" => Ok(Self::Cubic),
+            _ => Err(Fault::of(sampler, "the interpolation is `STEP`, `LINEAR` or `CUBICSPLINE`")),
+        }
+    }
+}
+
+/// What a sampler has at a time, its numbers divided evenly among its keys.
+pub(super) fn sampled(
+    document: &mut Document<'_>,
+    sampler: &Json,
+    (time, is_turn): (f64, bool),
+) -> Result<Vec<f64>> {
+    let way = Way::of(sampler)?;
+    let output = required(sampler, "output")?;
+    let keys = document.numbers(required(sampler, "input")?)?.values;
+    let values = document.numbers(output)?.values;
+    let parts = keys.len() * if way == Way::Cubic { 3 } else { 1 };
+    let width = values.len().checked_div(parts).unwrap_or(0);
+    if width == 0 || width * parts != values.len() || is_turn && width != 4 {
+        let message = format!("{} numbers don't suit {} keys", values.len(), keys.len());
+        return Err(Fault::of(output, message));
+    }
+    Ok(Track { keys: &keys, values: &values, width, way }.at(time, is_turn))
 }
 
 impl<'a> Translation<'a, '_> {
@@ -78,9 +108,10 @@ impl<'a> Translation<'a, '_> {
         };
         let (poses, end) = self.poses_at(&played, self.means.frame / fps)?;
         let mut later = Vec::new();
-        if !poses.is_empty() {
+        if !poses.is_empty() || end > 0.0 {
             // The last frame is that at which the last key is reached.
-            let frames = (end * fps).ceil().within(0.0, 999_999.0) as u32 + 1;
+            // A time is a number of single precision.
+            let frames = (end * fps * (1.0 - 1e-6)).ceil().within(0.0, 999_999.0) as u32 + 1;
             self.scene.animation = Animation { frames, fps, ..Animation::default() };
             for way in 1..=if open > 0.0 { WAYS } else { 0 } {
                 let frame = self.means.frame + open * f64::from(way) / f64::from(WAYS);
@@ -98,7 +129,15 @@ impl<'a> Translation<'a, '_> {
             let samplers = required(animation, "samplers")?.items();
             for channel in required(animation, "channels")?.items() {
                 let target = required(channel, "target")?;
-                let (Some(node), path) = (target.get("node"), required(target, "path")?) else { continue };
+                let path = required(target, "path")?;
+                if target.extension(pointer::NAME).is_some() {
+                    let (_, sampler) = in_list("samplers", samplers, required(channel, "sampler")?)?;
+                    let last = self.document.numbers(required(sampler, "input")?)?.values.last().copied();
+                    let last = last.filter(|t| t.is_finite()).map_or(0.0, f64::from);
+                    end = if last > end { last } else { end };
+                    continue;
+                }
+                let Some(node) = target.get("node") else { continue };
                 let (node, _) = in_list("nodes", self.document.list("nodes"), node)?;
                 let (_, sampler) = in_list("samplers", samplers, required(channel, "sampler")?)?;
                 let pose: &mut Pose = poses.entry(node).or_default();
@@ -111,12 +150,7 @@ impl<'a> Translation<'a, '_> {
 
     /// Takes what a channel says at a time, and gives the time of its last key.
     fn channel(&mut self, sampler: &Json, path: &Json, time: f64, pose: &mut Pose) -> Result<f64> {
-        let way = match sampler.get("interpolation").map_or(Ok("LINEAR"), text)? {
-            "STEP" => Way::Step,
-            "LINEAR" => Way::Linear,
-            "CUBICSPLINE" => Way::Cubic,
-            _ => return Err(Fault::of(sampler, "the interpolation is `STEP`, `LINEAR` or `CUBICSPLINE`")),
-        };
+        let way = Way::of(sampler)?;
         let path_name = text(path)?;
         let is_known = match path_name {
             "translation" => pose.translation.is_some(),

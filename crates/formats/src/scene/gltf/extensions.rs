@@ -6,10 +6,11 @@ use super::Translation;
 use super::document::Fault;
 
 /// What is read.
-const READ: [&str; 32] = [
+const READ: [&str; 33] = [
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",

@@ -5,7 +5,7 @@
 //! | `container.rs` | chunks of a .glb; URIs, which hold bytes or name files |
 //! | `json.rs`, `document.rs` | the JSON with its places, what leads where in it, buffers; complaints that name the path |
 //! | `accessor.rs`, `meshopt.rs`, `draco.rs` | columns of numbers, and those that are packed |
-//! | `animation.rs` | where nodes are at a frame |
+//! | `animation.rs`, `pointer.rs` | where nodes are at a frame, and what any number of the file is |
 //! | `tree.rs`, `world.rs` | the tree of nodes; what they show, once or many times |
 //! | `geometry.rs` | primitives as triangles; morph targets and skins |
 //! | `material.rs`, `textures.rs` | materials and the pictures that they read |
@@ -24,6 +24,7 @@ mod json;
 mod lights;
 mod material;
 mod meshopt;
+mod pointer;
 mod tangents;
 mod textures;
 mod tree;
@@ -85,7 +86,7 @@ pub(super) fn read(name: &str, bytes: &[u8], means: &mut Means<'_>) -> Option<Tr
     }
     means.ledger.pass(needs);
     let file = means.d.sources.add(name, text);
-    let root = match Json::parse(text) {
+    let mut root = match Json::parse(text) {
         Ok(root) => root,
         Err(wrong) => {
             let at = wrong.at as u32;
@@ -96,6 +97,7 @@ pub(super) fn read(name: &str, bytes: &[u8], means: &mut Means<'_>) -> Option<Tr
             return None;
         }
     };
+    pointer::settle(&mut root, file, container.binary, means);
     let mut files = Vec::new();
     let document = Document::open(&root, file, container.binary, means, &mut files);
     let mut translation = Translation {

@@ -12,12 +12,13 @@ use straal_scene::desc::{
     Varying, Wrap, Wraps,
 };
 use straal_scene::mesh::{Attribute, Per};
+use straal_scene::value::LinearRgb;
 use straal_scene::{Bitmap, Mesh, MeshAsset};
 
-use super::Translation;
 use super::document::{Fault, Result};
 use super::json::Json;
 use super::world::Known;
+use super::{Translation, Within};
 
 const FORMAT: TexelFormat = TexelFormat { number: Number::Single, channels: 4 };
 
@@ -29,6 +30,12 @@ impl<'a> Translation<'a, '_> {
         let is_bare =
             said.get("pbrMetallicRoughness").is_none_or(|pbr| pbr.get("baseColorTexture").is_none());
         Ok(is_bare && said.extension("KHR_materials_unlit").is_some())
+    }
+
+    /// Whether a material is shown as it is.
+    pub fn is_unlit(&self, material: Option<&'a Json>) -> Result<bool> {
+        let Some(at) = material else { return Ok(false) };
+        Ok(self.document.item("materials", at)?.1.extension("KHR_materials_unlit").is_some())
     }
 
     /// A mesh with coordinates in a picture of its vertices' colours, and that picture.
@@ -66,6 +73,17 @@ impl<'a> Translation<'a, '_> {
         known.has.painted = true;
         Ok((known, Varying::Texture(Box::new(TextureOf::Inline(picture)))))
     }
+}
+
+/// The colour of all vertices, where it is the same.
+pub(super) fn even(mesh: &Mesh) -> Option<Spectrum> {
+    let colours = mesh.attributes.iter().find(|a| a.name == "color" && a.channels >= 3)?;
+    let mut all = colours.values.chunks_exact(colours.channels).filter_map(|v| v.first_chunk::<3>());
+    let first = all.next()?;
+    all.all(|other| other == first).then(|| {
+        let share = |v: f32| f64::from(v).within(0.0, 1.0);
+        Spectrum::Rgb(LinearRgb(first.map(share)))
+    })
 }
 
 /// The mesh with three vertices for each triangle, which have their places in a picture for texture coordinates, and that picture.
@@ -115,6 +133,23 @@ fn unfolded(mesh: &Mesh) -> Option<(Mesh, Texels)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn colours_that_are_all_the_same_are_one() {
+        let with = |values: Vec<f32>| Mesh {
+            attributes: vec![Attribute {
+                name: "color".to_owned(),
+                per: Per::Vertex,
+                channels: 4,
+                is_code: false,
+                values,
+            }],
+            ..Mesh::default()
+        };
+        let same = vec![0.5, 1.0, 2.0, 1.0, 0.5, 1.0, 2.0, 0.25];
+        assert_eq!(even(&with(same)), Some(Spectrum::Rgb(LinearRgb([0.5, 1.0, 1.0]))));
+        assert_eq!(even(&with(vec![0.5, 1.0, 2.0, 1.0, 0.25, 1.0, 2.0, 1.0])), None);
+    }
 
     #[test]
     fn a_picture_has_what_lies_between_the_corners() {

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{Group, Instance, Instances, Node, Shading, Surface, Transform, TriangleMesh};
+use straal_scene::desc::{
+    Group, Instance, Instances, Node, Shading, Surface, Transform, TriangleMesh, Varying,
+};
 use straal_scene::value::{Asset, Link, Matrix, Name};
 use straal_scene::{Mesh, MeshAsset};
 
@@ -13,6 +15,7 @@ use super::geometry::{self, Mode, SETS, Shape};
 use super::json::Json;
 use super::material::{self, Has};
 use super::tree::{self, Tree};
+use super::unlit;
 
 /// A primitive as it was read, for others that show the same.
 #[derive(Clone)]
@@ -198,6 +201,12 @@ impl<'a> Translation<'a, '_> {
                 let picture;
                 (known, picture) = self.painted(primitive, &known)?;
                 painted = Some(picture);
+            } else if known.has.colours > 0
+                && self.is_unlit(material)?
+                && let Some(colour) = unlit::even(&self.made.assets.mesh(known.asset.handle).mesh)
+            {
+                known.has.painted = true;
+                painted = Some(Varying::Constant(colour));
             }
             let mut look = self.look(material, known.has)?;
             if let Some(picture) = painted {

@@ -32,12 +32,23 @@ impl Buffer {
         self.views.len() - 1
     }
 
-    /// Adds lists of 2 to 4 numbers each; gives their accessor. Of positions the box around them is told.
+    /// Adds lists of 2 to 4 numbers each, of vertices; gives their accessor. Of positions the box around them is told.
     pub fn floats<const N: usize>(&mut self, lists: &[[f32; N]], has_bounds: bool) -> usize {
+        self.numbers(lists, Some(VERTICES), has_bounds)
+    }
+
+    /// Adds numbers, or lists of them.
+    pub fn numbers<const N: usize>(
+        &mut self,
+        lists: &[[f32; N]],
+        target: Option<u32>,
+        has_bounds: bool,
+    ) -> usize {
         let bytes = lists.iter().flatten().flat_map(|v| v.to_le_bytes());
-        let view = self.view(bytes, Some(VERTICES));
+        let view = self.view(bytes, target);
+        let kind = if N == 1 { "SCALAR".to_owned() } else { format!("VEC{N}") };
         let mut accessor = json!({
-            "bufferView": view, "componentType": FLOAT, "count": lists.len(), "type": format!("VEC{N}"),
+            "bufferView": view, "componentType": FLOAT, "count": lists.len(), "type": kind,
         });
         if let Some(first) = lists.first().filter(|_| has_bounds) {
             let (mut min, mut max) = (*first, *first);

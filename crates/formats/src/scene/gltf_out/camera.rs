@@ -42,9 +42,13 @@ impl Out<'_> {
                 return None;
             }
         };
+        let track = self.frames.and_then(super::Frames::of_camera);
         for (is_said, what) in [
             (observer.mirror, "the camera's picture isn't mirrored"),
-            (observer.moving_to.is_some(), "what moves stands where it is when the shutter opens"),
+            (
+                observer.moving_to.is_some() && track.is_none(),
+                "what moves stands where it is when the shutter opens",
+            ),
         ] {
             if is_said {
                 self.tell(what);
@@ -52,15 +56,17 @@ impl Out<'_> {
         }
         let place = stand(observer)?;
         let camera = self.cameras.add(camera);
-        let mut node = super::tree::placed(&place);
+        let (mut node, parts) = self.standing(&place, track);
         node.insert("name".to_owned(), json!("camera"));
         node.insert("camera".to_owned(), json!(camera));
-        Some(self.nodes.add(node.into()))
+        let index = self.nodes.add(node.into());
+        self.moves(index, &parts);
+        Some(index)
     }
 }
 
 /// Where a camera stands.
-fn stand(observer: &Observer) -> Option<Affine> {
+pub(super) fn stand(observer: &Observer) -> Option<Affine> {
     let Observer { eye, look_at, up, roll, .. } = *observer;
     let stands = Affine::look_at(eye, look_at, up)?;
     if roll == 0.0 {

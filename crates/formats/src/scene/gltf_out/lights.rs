@@ -5,29 +5,29 @@ use straal_color::spectrum::Quantity;
 use straal_math::{Affine, DVec3};
 use straal_scene::desc::{Decay, Falloff, Lamp, Light, Spectrum};
 
-use super::{Out, tree};
+use super::Out;
 
 impl Out<'_> {
     /// The nodes of the lights that glTF has.
     pub fn lights(&mut self) -> Vec<usize> {
         let scene = self.scene;
-        scene.lights.iter().filter_map(|light| self.light(light)).collect()
+        scene.lights.iter().enumerate().filter_map(|(i, light)| self.light(i, light)).collect()
     }
 
-    fn light(&mut self, light: &Light) -> Option<usize> {
+    fn light(&mut self, i: usize, light: &Light) -> Option<usize> {
         self.links(light.lamp());
-        let (said, position, axis) = match light {
+        let said = match light {
             Light::Point(l) => {
                 if l.decay != Decay::InverseSquare {
                     self.tell("light falls with the square of the distance");
                 }
-                (self.bright("point", &l.intensity), l.position, None)
+                self.bright("point", &l.intensity)
             }
             Light::Directional(l) => {
                 if l.angle > 0.0 {
                     self.tell("a directional light's disc is left out: its shadows are sharp");
                 }
-                (self.bright("directional", &l.irradiance), DVec3::ZERO, Some(l.axis()))
+                self.bright("directional", &l.irradiance)
             }
             Light::Spot(l) => {
                 if l.falloff != Falloff::Smooth {
@@ -47,7 +47,7 @@ impl Out<'_> {
                 said["spot"] = json!({
                     "innerConeAngle": inner.to_radians(), "outerConeAngle": outer.to_radians(),
                 });
-                (said, l.position, Some(l.axis()))
+                said
             }
             other => {
                 let what = other.kind();
@@ -55,18 +55,14 @@ impl Out<'_> {
                 return None;
             }
         };
-        let place = match axis {
-            None => Affine::translate(position),
-            Some(axis) => {
-                let axis = axis.try_normalize()?;
-                let up = if axis.y.abs() < 0.99 { DVec3::Y } else { DVec3::Z };
-                Affine::look_at(position, position + axis, up)?
-            }
-        };
+        let place = stand(light)?;
         let light = self.lights.add(said);
-        let mut node = tree::placed(&place);
+        let track = self.frames.and_then(|frames| frames.of_light(i));
+        let (mut node, parts) = self.standing(&place, track);
         self.extend(&mut node, "KHR_lights_punctual", json!({ "light": light }));
-        Some(self.nodes.add(node.into()))
+        let index = self.nodes.add(node.into());
+        self.moves(index, &parts);
+        Some(index)
     }
 
     /// A light of a kind, its colour up to 1.
@@ -85,8 +81,24 @@ impl Out<'_> {
         if !lamp.shadows_only.is_empty() || !lamp.shadows_all_but.is_empty() {
             self.tell("everything casts shadows");
         }
+        if !lamp.seen {
+            self.tell("lamps that the camera doesn't see are seen");
+        }
         if lamp.light_group.is_some() {
             self.tell("groups of lights are left out");
         }
     }
+}
+
+/// Where a light stands that glTF has, which shines along -z.
+pub(super) fn stand(light: &Light) -> Option<Affine> {
+    let (position, axis) = match light {
+        Light::Point(l) => return Some(Affine::translate(l.position)),
+        Light::Directional(l) => (DVec3::ZERO, l.axis()),
+        Light::Spot(l) => (l.position, l.axis()),
+        _ => return None,
+    };
+    let axis = axis.try_normalize()?;
+    let up = if axis.y.abs() < 0.99 { DVec3::Y } else { DVec3::Z };
+    Affine::look_at(position, position + axis, up)
 }

@@ -10,6 +10,7 @@
 //! | `material.rs` | that material with its extensions |
 //! | `textures.rs` | what a texture is a product of; pictures, samplers and where they lie |
 //! | `lights.rs`, `camera.rs` | lights and the camera |
+//! | `moving.rs` | what moves from frame to frame |
 //!
 //! What glTF can't say is told, once for each kind, and left out or replaced by what is near to it.
 
@@ -19,6 +20,7 @@ mod geometry;
 mod lights;
 mod likeness;
 mod material;
+mod moving;
 mod pieces;
 mod shapes;
 mod textures;
@@ -32,6 +34,7 @@ use straal_color::spectrum::uplift::Uplift;
 use straal_scene::{Assets, Diagnostic, Diagnostics, Mesh, Scene, Span};
 
 use self::buffer::Buffer;
+pub use self::moving::{Frames, MOST_FRAMES};
 use crate::Loaded;
 
 /// How a scene of glTF is kept.
@@ -56,12 +59,20 @@ pub struct Written {
 
 /// Writes a scene as glTF; an error says why there is none.
 pub fn write(loaded: &Loaded, form: Form<'_>) -> Result<Written, String> {
-    write_at_most(loaded, form, MOST)
+    write_at_most(loaded, None, form, MOST)
 }
 
-/// The same of so many nodes at most.
-fn write_at_most(loaded: &Loaded, form: Form<'_>, most: usize) -> Result<Written, String> {
-    let mut out = Out::of(&loaded.scene, &loaded.assets, most);
+/// The same of so many nodes at most, with what moves from frame to frame.
+fn write_at_most(
+    loaded: &Loaded,
+    frames: Option<&Frames<'_>>,
+    form: Form<'_>,
+    most: usize,
+) -> Result<Written, String> {
+    let mut out = Out { frames, ..Out::of(&loaded.scene, &loaded.assets, most) };
+    for told in frames.into_iter().flat_map(Frames::told) {
+        out.tell(told);
+    }
     let roots = out.world();
     let mut roots: Vec<usize> = roots.into_iter().chain(out.camera()).collect();
     roots.extend(out.lights());
@@ -135,6 +146,9 @@ struct Out<'a> {
     pictures: BTreeMap<textures::Key, Option<usize>>,
     /// For spectra, once there is one.
     uplift: Option<Box<Uplift>>,
+    /// The frames of a scene that moves, and what is written of them.
+    frames: Option<&'a Frames<'a>>,
+    moving: moving::Moving,
     /// What is to be told, and how often.
     told: BTreeMap<String, usize>,
 }
@@ -159,6 +173,8 @@ impl<'a> Out<'a> {
             primitives: BTreeMap::new(),
             pictures: BTreeMap::new(),
             uplift: None,
+            frames: None,
+            moving: moving::Moving::default(),
             told: BTreeMap::new(),
         }
     }
@@ -203,6 +219,7 @@ impl<'a> Out<'a> {
         };
         let lists = [
             ("nodes", self.nodes.items),
+            ("animations", self.moving.said().into_iter().collect()),
             ("cameras", self.cameras.items),
             ("meshes", self.meshes.items),
             ("materials", self.materials.items),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value as Json;
 use straal_color::spectrum::{Quantity, refraction, uplift::Uplift};
-use straal_math::{DVec3, ops::atan2_d};
+use straal_math::{Affine, DVec3, ops::atan2_d};
 use straal_scene::Mesh;
 use straal_scene::desc::{
     Camera, Gltf, ImageTexture, Light, Material, MaterialRef, Node, Spectrum, Texture, TextureOf, Varying,
@@ -459,7 +459,7 @@ fn copies_of_copies_end() {
         text += &format!("  o{}: {{ group: {{ children: [{}] }} }}\n", i + 1, [copy.as_str(); 8].join(", "));
     }
     text += "world: [{ instance: { of: o7 } }]";
-    let written = super::write_at_most(&scene(&text), Form::Packed, 5000).unwrap();
+    let written = super::write_at_most(&scene(&text), None, Form::Packed, 5000).unwrap();
     assert!(
         said(&written.warnings).iter().any(|w| w.starts_with("nodes beyond the first 5000")),
         "it is told"
@@ -529,5 +529,72 @@ fn shapes_of_formulas_are_meshes_that_face_outwards() {
             let n = t.map(|i| at(mesh.normals[i as usize])).into_iter().fold(DVec3::ZERO, |sum, n| sum + n);
             assert!((b - a).cross(c - a).dot(n) > 0.0, "{shape}: {t:?} faces inwards");
         }
+    }
+}
+
+/// A scene whose parts move in all ways, read back at frames and between them.
+#[test]
+fn what_moves_is_read_back_where_it_was() {
+    let text = r"
+animation: { frames: 13, fps: 24 }
+camera: { perspective: { eye: { keyframes: { 0: [0, 0, 9], 12: [3, 0, 8] } }, look_at: [0, 0, 0], fov: 30, fov_axis: y } }
+objects:
+  thing: { box: { transform: [{ rotate: { x: { keyframes: { 0: 0, 12: 60 } } } }] } }
+world:
+  - sphere: { transform: [{ translate: { keyframes: { 0: [0, 0, 0], 6: [1, 0, 0], 12: [1, 2, 0] }, interpolation: spline } }] }
+  - group:
+      transform: [{ scale: [-1, 2, 1] }, { rotate: { y: { keyframes: { 0: 0, 12: 300 } } } }]
+      children: [{ box: { transform: [{ translate: { keyframes: { 0: [2, 0, 0], 5: [3, 0, 0] }, interpolation: step } }] } }]
+  - instance: { of: thing, transform: [{ translate: [0, 3, 0] }] }
+  - sphere: { radius: 0.5, transform: [{ scale: { keyframes: { 0: 1, 12: 0.25 } } }] }
+lights:
+  - point: { position: { keyframes: { 0: [0, 5, 0], 12: [5, 5, 0] } }, intensity: { keyframes: { 0: 10, 12: 20 } } }
+";
+    let at = |frame: f64| {
+        load_str("s.yaml", text, Path::new(""), &Options { frame, ..Options::default() }).unwrap()
+    };
+    let first = at(0.0);
+    let mut frames = super::Frames::of(&first);
+    (1..13).for_each(|frame| frames.add(&at(f64::from(frame))));
+    let written = frames.write(Form::Packed).unwrap();
+    let told = said(&written.warnings);
+    assert!(told.len() == 2 && told[1].starts_with("what changes besides places"), "{told:?}");
+    let (root, buffer) = chunks(&written.bytes);
+    sound(&root, buffer);
+    let animation = &list(&root, "animations")[0];
+    let ways: Vec<&str> =
+        list(animation, "samplers").iter().map(|s| s["interpolation"].as_str().unwrap()).collect();
+    assert!(ways.contains(&"STEP") && ways.contains(&"LINEAR"), "{ways:?}");
+    let back = |frame: f64| {
+        let options = Options { frame, ..Options::default() };
+        load_foreign_bytes(Foreign::Gltf, Path::new("s.glb"), written.bytes.clone(), &options).unwrap()
+    };
+    assert_eq!(back(0.0).scene.animation.frames, 13);
+    // All places in the world, in order; what is nowhere is left out.
+    fn places(nodes: &[Node], scene: &straal_scene::Scene, above: &Affine, all: &mut Vec<DVec3>) {
+        for node in nodes {
+            let Some(place) = node.placement().map(|place| place.then(above)) else { continue };
+            match node {
+                Node::Group(g) => places(&g.children, scene, &place, all),
+                Node::Instance(i) => {
+                    let object = scene.objects.of(&i.of).unwrap();
+                    places(std::slice::from_ref(object), scene, &place, all);
+                }
+                _ => all.extend([DVec3::ZERO, DVec3::X, DVec3::Y].map(|p| place.point(p))),
+            }
+        }
+    }
+    for frame in [0.0, 1.0, 4.0, 5.0, 7.0, 11.0] {
+        let (from, to) = (at(frame).scene, back(frame).scene);
+        let [mut wanted, mut found] = [Vec::new(), Vec::new()];
+        places(&from.world, &from, &Affine::IDENTITY, &mut wanted);
+        places(&to.world, &to, &Affine::IDENTITY, &mut found);
+        assert_eq!(wanted.len(), found.len());
+        for (a, b) in wanted.iter().zip(&found) {
+            assert!((*a - *b).length() < 1e-5, "frame {frame}: {wanted:?}\n{found:?}");
+        }
+        assert!((from.camera.observer().eye - to.camera.observer().eye).length() < 1e-5);
+        let [Light::Point(a), Light::Point(b)] = [&from.lights[0], &to.lights[0]] else { panic!() };
+        assert!((a.position - b.position).length() < 1e-5);
     }
 }

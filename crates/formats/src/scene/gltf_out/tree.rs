@@ -48,13 +48,14 @@ impl<'a> Out<'a> {
             return None;
         }
         let place = node.placement()?;
-        if !node.motion().is_empty() {
+        let track = self.frames.and_then(|frames| frames.of_node(node));
+        if track.is_none() && !node.motion().is_empty() {
             self.tell("what moves stands where it is when the shutter opens");
         }
         if is_slanted(&place) {
             self.tell("matrices that slant are written, which not every program reads");
         }
-        let mut out = placed(&place);
+        let (mut out, parts) = self.standing(&place, track);
         let material = node.material().or(around);
         let name = match node {
             Node::Group(g) => g.name.as_ref(),
@@ -89,14 +90,17 @@ impl<'a> Out<'a> {
             _ => Shown::Mesh(self.mesh(node, material)?),
         };
         shown.put(&mut out)?;
-        Some(self.nodes.add(out.into()))
+        let index = self.nodes.add(out.into());
+        self.moves(index, &parts);
+        Some(index)
     }
 
     /// What a copy of an object shows: where the object is a mesh that stands at the origin, that mesh.
     fn copy(&mut self, of: &Link<Node>, material: Option<&'a MaterialRef>, depth: usize) -> Option<Shown> {
         let object = self.scene.objects.of(of)?;
         let is_plain = !matches!(object, Node::Group(_) | Node::Instance(_) | Node::Instances(_))
-            && object.placement().is_some_and(|place| place.is_identity());
+            && object.placement().is_some_and(|place| place.is_identity())
+            && self.frames.is_none_or(|frames| frames.of_node(object).is_none());
         if is_plain {
             return Some(Shown::Mesh(self.mesh(object, object.material().or(material))?));
         }
@@ -213,7 +217,7 @@ fn inline(described: &TriangleMesh) -> Mesh {
 }
 
 /// Whether a map isn't made of scale, turn and move alone: its axes aren't at right angles.
-fn is_slanted(place: &Affine) -> bool {
+pub(super) fn is_slanted(place: &Affine) -> bool {
     use straal_math::DVec3;
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| place.vector(axis).try_normalize());
     let [Some(x), Some(y), Some(z)] = axes else { return true };

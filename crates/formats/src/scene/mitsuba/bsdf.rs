@@ -288,14 +288,20 @@ impl<'o> Translator<'o, '_, '_> {
             }
             "normalmap" => {
                 self.only(o, &["flip_invalid_normals", "use_shadowing_function", "*"]);
+                if uv == Uv::Disc {
+                    self.alike(
+                        "disc",
+                        o,
+                        "on a disc the red of a normal map is along x here, not out from its middle"
+                            .to_owned(),
+                    );
+                }
                 self.in_relief(o, around, |t, texture, relief| {
                     let texture = t.texture(texture, uv, Role::Light);
-                    relief.normal_map = Some(NormalMap {
-                        texture,
-                        space: NormalSpace::Tangent,
-                        green: GreenAxis::Up,
-                        strength: 1.0,
-                    });
+                    // Where u runs the other way here, so do both directions of the frame, which is right-handed there.
+                    let strength = if uv == Uv::FlipU { -1.0 } else { 1.0 };
+                    let (space, green) = (NormalSpace::Tangent, GreenAxis::Up);
+                    relief.normal_map = Some(NormalMap { texture, space, green, strength });
                 })
             }
             "phong" => {

@@ -36,6 +36,11 @@ impl<'o> Translator<'o, '_, '_> {
         Some(self.colour(o, "radiance", 1.0, For::Light, uv))
     }
 
+    /// What all that shines has: the camera sees it unless the integrator hides it (`hide_emitters`).
+    pub fn lamp(&self) -> Lamp {
+        Lamp { seen: !self.hides_emitters, ..Lamp::default() }
+    }
+
     /// A light that isn't a surface.
     pub fn emitter(&mut self, i: usize) {
         let o: &'o Object = &self.objects[i];
@@ -50,7 +55,7 @@ impl<'o> Translator<'o, '_, '_> {
                     position,
                     intensity,
                     decay: Decay::InverseSquare,
-                    lamp: Lamp::default(),
+                    lamp: self.lamp(),
                 })
             }
             "directional" => {
@@ -68,14 +73,14 @@ impl<'o> Translator<'o, '_, '_> {
                     from: None,
                     look_at: None,
                     irradiance,
-                    lamp: Lamp::default(),
+                    lamp: self.lamp(),
                 })
             }
             "spot" => self.spot(o),
             "constant" => {
                 self.known_light(o, &["radiance"]);
                 let radiance = Some(self.constant(o, "radiance", 1.0, For::Light));
-                Light::Environment(Environment { radiance, ..Environment::default() })
+                Light::Environment(Environment { radiance, lamp: self.lamp(), ..Environment::default() })
             }
             "envmap" => {
                 let Some(light) = self.surroundings(o) else { return };
@@ -128,7 +133,7 @@ impl<'o> Translator<'o, '_, '_> {
             cutoff,
             beam: Some(beam),
             falloff: Falloff::Linear,
-            lamp: Lamp::default(),
+            lamp: self.lamp(),
         })
     }
 
@@ -162,7 +167,7 @@ impl<'o> Translator<'o, '_, '_> {
             intensity: std::f64::consts::PI * scale,
             fov,
             aspect,
-            lamp: Lamp::default(),
+            lamp: self.lamp(),
         }))
     }
 
@@ -228,6 +233,7 @@ impl<'o> Translator<'o, '_, '_> {
             sun_angle: self.held(o.plugin.span, "sun_aperture", sun_angle, Limit::within(0.01, 90.0)),
             limb_darkening: self.boolean(o, "complex_sun").unwrap_or(false),
             transform: placed(&all),
+            lamp: self.lamp(),
             ..Sky::default()
         })
     }
@@ -272,6 +278,7 @@ impl<'o> Translator<'o, '_, '_> {
             scale,
             rotate: 180.0,
             transform: placed(&turn_of(&to_world)),
+            lamp: self.lamp(),
             ..Environment::default()
         }))
     }
@@ -280,6 +287,16 @@ impl<'o> Translator<'o, '_, '_> {
     pub(super) fn has_inside(&self, o: &'o Object, class: Class) -> bool {
         !self.inside(o, class).is_empty()
     }
+}
+
+/// Whether an integrator has the camera not see what shines.
+pub(super) fn are_hidden(objects: &[Object]) -> bool {
+    let hides = |o: &Object| match o.get("hide_emitters").map(|property| &property.value) {
+        Some(Value::Boolean(hides)) => *hides,
+        Some(Value::Text(text)) => text == "true",
+        _ => false,
+    };
+    objects.iter().filter(|o| o.class == Class::Integrator).any(hides)
 }
 
 /// A transform without its translation.

@@ -25,9 +25,8 @@ impl<'o> Translator<'o, '_, '_> {
     /// The way light is computed.
     pub fn integrator(&mut self, i: usize) {
         let o: &'o Object = &self.objects[i];
-        if self.boolean(o, "hide_emitters") == Some(true) {
-            self.warn(o.plugin.span, "`hide_emitters` isn't supported: lamps are seen");
-        }
+        // It counts where lamps are made.
+        self.boolean(o, "hide_emitters");
         match o.plugin.as_str() {
             "path" | "volpath" | "volpathmis" | "volpath_simple" => {
                 self.only(o, &COMMON);
@@ -85,6 +84,10 @@ impl<'o> Translator<'o, '_, '_> {
                 if let Some(&inner) = self.inside(o, Class::Integrator).first() {
                     self.integrator(inner);
                 }
+            }
+            "volprim_rf_basic" => {
+                self.unsupported(o, "the path tracer is used, by which ellipsoids are solid");
+                self.path(o);
             }
             _ => {
                 self.unsupported(o, "the path tracer is used");

@@ -25,6 +25,7 @@ pub(super) fn of(class: Class) -> &'static [&'static str] {
             "heightfield",
             "hair",
             "deformable",
+            "blender",
         ],
         Class::Bsdf => &[
             "diffuse",
@@ -129,6 +130,8 @@ pub(super) fn of(class: Class) -> &'static [&'static str] {
             "irrcache",
             "multichannel",
             "field",
+            "motion",
+            "volprim_rf_basic",
         ],
         Class::Texture => &[
             "bitmap",

@@ -10,7 +10,9 @@
 mod bsdf;
 mod curve;
 mod distance;
+mod ellipsoids;
 mod emitter;
+mod heights;
 mod integrator;
 mod kinds;
 mod medium;

@@ -52,6 +52,8 @@ impl<'o> Translator<'o, '_, '_> {
             "serialized" => self.serialized(o),
             "bsplinecurve" | "linearcurve" | "hair" => self.curves(o),
             "sdfgrid" => self.distances(o),
+            "heightfield" => self.heights(o),
+            "ellipsoids" | "ellipsoidsmesh" => self.ellipsoids(i),
             "shapegroup" => {
                 self.group(i);
                 None
@@ -120,7 +122,8 @@ impl<'o> Translator<'o, '_, '_> {
             self.unsupported(inner, "the surface alone is seen");
         }
         let name = o.id.clone().map(|id| Spanned::new(id, o.plugin.span));
-        Surface { material, emission, transform: self.moving(o, at), flip, name, ..Surface::default() }
+        let lamp = if emission.is_some() { self.lamp() } else { Default::default() };
+        Surface { material, emission, transform: self.moving(o, at), flip, name, lamp, ..Surface::default() }
     }
 
     /// Where a shape stands whose own parameters are `own`.
@@ -134,7 +137,7 @@ impl<'o> Translator<'o, '_, '_> {
         all
     }
 
-    fn flips(&mut self, o: &'o Object) -> bool {
+    pub(super) fn flips(&mut self, o: &'o Object) -> bool {
         self.boolean(o, "flip_normals").unwrap_or(false)
     }
 
@@ -234,7 +237,7 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// How a mesh is shaded: by its own normals or by computed ones, unless it is to be flat. Rays start from its triangles, as there.
-    fn shading(&mut self, o: &'o Object) -> Shading {
+    pub(super) fn shading(&mut self, o: &'o Object) -> Shading {
         if self.boolean(o, "face_normals").unwrap_or(false) {
             return Shading::Flat;
         }

@@ -13,6 +13,7 @@ use straal_scene::value::{Depth, LinearRgb};
 use straal_scene::{Diagnostics, validate};
 
 use super::serialized;
+use super::tree::Class;
 use crate::Limits;
 use crate::files::Finder;
 use crate::scene::{Foreign, Means, Translated};
@@ -328,7 +329,8 @@ fn what_is_wrong_is_told_with_its_place() {
         (r#"<shape type="instance"/>"#, "an instance needs a `shapegroup`"),
         (r#"<bsdf type="twosided" id="a"><ref id="a"/></bsdf>"#, "`a` is a part of itself"),
         (r#"<shape type="ply"><string name="filename" value="no.ply"/></shape>"#, "cannot read `no.ply`"),
-        (r#"<shape type="heightfield"/>"#, "isn't supported: it is left out"),
+        (r#"<shape type="heightfield"/>"#, "a height field needs a `filename`"),
+        (r#"<shape type="deformable"/>"#, "isn't supported: it is left out"),
         (
             r#"<shape type="sphere"><transform name="to_world"><scale x="0"/></transform></shape>"#,
             "has no inverse",
@@ -430,3 +432,129 @@ fn cut_texts_are_refused() {
         }
     }
 }
+
+#[test]
+fn height_fields_and_ellipsoids_become_what_straal_has() {
+    let folder = tempfile::tempdir().unwrap();
+    // The last row first, as the format has it.
+    let heights = [0.0_f32, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes).concat();
+    std::fs::write(folder.path().join("h.pfm"), [b"Pf\n3 2\n-1.0\n".as_slice(), &heights].concat()).unwrap();
+    let columns = "x y z scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split(' ');
+    let columns: String = columns.map(|name| format!("property float {name}\n")).collect();
+    let cloud =
+        format!("ply\nformat ascii 1.0\nelement vertex 1\n{columns}end_header\n5 0 0 0 0 0 1 0 0 0\n");
+    std::fs::write(folder.path().join("c.ply"), cloud).unwrap();
+    let text = with(
+        r#"<shape type="heightfield"><texture type="bitmap"><string name="filename" value="h.pfm"/></texture>
+          <float name="scale" value="3"/><transform name="to_world"><scale value="2"/></transform></shape>
+        <shape type="ellipsoids" id="e"><string name="filename" value="c.ply"/><float name="extent" value="2"/>
+          <transform name="to_world"><translate y="1"/></transform></shape>"#,
+    );
+    let (translated, d) = read_in(folder.path(), &text, &[]);
+    assert!(d.list.len() == 1 && d.to_string().contains("`ellipsoids` are solids here"), "{d}");
+    let translated = translated.unwrap();
+    let Node::Mesh(field) = &translated.scene.world[0] else { panic!() };
+    let mesh = &translated.made.assets.mesh(field.file.as_ref().unwrap().handle).mesh;
+    assert_eq!(mesh.positions[1], [0.0, -1.0, 3.0]);
+    let Node::Instances(all) = &translated.scene.world[1] else { panic!() };
+    let place = all.transforms[0].0.then(&translated.scene.world[1].placement().unwrap());
+    assert_eq!(place.point(DVec3::X), DVec3::new(7.0, 1.0, 0.0));
+}
+
+#[test]
+fn emitters_are_hidden_from_the_camera_where_the_integrator_says_so() {
+    let text = |hides: bool| {
+        format!(
+            r#"<scene version="3.0.0"><integrator type="aov"><integrator type="path"><boolean name="hide_emitters" value="{hides}"/></integrator></integrator>
+            <sensor type="perspective"><float name="fov" value="30"/></sensor><emitter type="constant"/><emitter type="point"/>
+            <shape type="sphere"><emitter type="area"/></shape><shape type="cube"/></scene>"#
+        )
+    };
+    for hides in [false, true] {
+        let (scene, _) = read(&text(hides));
+        let seen: Vec<bool> = scene.lights.iter().map(|light| light.lamp().seen).collect();
+        assert_eq!(seen, [!hides; 2]);
+        let seen = |i: usize| scene.world[i].surface().unwrap().lamp.seen;
+        assert_eq!((seen(0), seen(1)), (!hides, true));
+    }
+}
+
+/// Each plugin of any version is read, or something says its name: what is known isn't taken for a slip, and nothing is left out in silence.
+#[test]
+fn every_plugin_is_read_or_told_by_name() {
+    let scene = |class: Class, plugin: &str| {
+        let of = |tag: &str, inside: &str| format!("<{tag} type=\"{plugin}\">{inside}</{tag}>");
+        let file = format!("<string name=\"filename\" value=\"{plugin}.file\"/>");
+        let parts = "<bsdf type=\"diffuse\"/>";
+        let on_ball = |inside: &str| with(&format!("<shape type=\"sphere\">{inside}</shape>"));
+        let seen = |inside: &str| {
+            format!(
+                "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\">\
+                 <float name=\"fov\" value=\"30\"/>{inside}</sensor></scene>"
+            )
+        };
+        match class {
+            Class::Shape => with(&of("shape", &file)),
+            Class::Bsdf => on_ball(&of("bsdf", parts)),
+            Class::Emitter if plugin.contains("area") => on_ball(&of("emitter", "")),
+            Class::Emitter => with(&of("emitter", &file)),
+            Class::Sensor => {
+                let inside = of("sensor", "<float name=\"aperture_radius\" value=\".1\"/>");
+                format!("<scene version=\"3.0.0\"><integrator type=\"path\"/>{inside}</scene>")
+            }
+            Class::Film => seen(&of("film", "")),
+            Class::Sampler => seen(&of("sampler", "")),
+            Class::Filter => seen(&format!("<film type=\"hdrfilm\">{}</film>", of("rfilter", ""))),
+            Class::Integrator => {
+                format!(
+                    "<scene version=\"3.0.0\">{}<sensor type=\"perspective\"/></scene>",
+                    of("integrator", "<integrator type=\"path\"/>")
+                )
+            }
+            Class::Texture => {
+                let texture = format!("<texture type=\"{plugin}\" name=\"reflectance\">{file}</texture>");
+                on_ball(&format!("<bsdf type=\"diffuse\">{texture}</bsdf>"))
+            }
+            Class::Medium => {
+                on_ball(&format!("<bsdf type=\"null\"/><medium type=\"{plugin}\" name=\"interior\"/>"))
+            }
+            Class::Volume | Class::Phase | Class::Subsurface | Class::Scene => on_ball(&of(class.word(), "")),
+        }
+    };
+    // Part of what is left out by the name of the medium around them.
+    let classes = [
+        Class::Shape,
+        Class::Bsdf,
+        Class::Emitter,
+        Class::Sensor,
+        Class::Film,
+        Class::Sampler,
+        Class::Filter,
+        Class::Integrator,
+        Class::Texture,
+        Class::Medium,
+        Class::Subsurface,
+    ];
+    let mut told_of = Vec::new();
+    for class in classes {
+        for plugin in super::kinds::of(class) {
+            let text = scene(class, plugin);
+            let told = complaints(&text);
+            let is_known = !told.contains(&format!("Mitsuba has no {} `{plugin}`", class.word()));
+            assert!(is_known && (told.is_empty() || told.contains(plugin)), "{text}\n{told}");
+            if told.contains("isn't supported") {
+                told_of.push(*plugin);
+            }
+        }
+    }
+    // A new name on the list is noticed here, and so is one whose support is lost.
+    let told_of = told_of.join(" ");
+    assert_eq!(told_of, TOLD);
+}
+
+/// The plugins that are told to be left out or replaced.
+const TOLD: &str = "deformable blender measured measured_polarized hair polarizer retarder circular hk irawan \
+    directionalarea timed_sunsky collimated radiancemeter irradiancemeter distant telecentric \
+    perspective_rdist fluencemeter mfilm depth stokes prb prb_basic prbvolpath direct_projective \
+    prb_projective bdpt photonmapper ppm sppm pssmlt mlt erpt adaptive vpl irrcache multichannel \
+    field motion volprim_rf_basic gridtexture wireframe curvature dipole singlescatter";

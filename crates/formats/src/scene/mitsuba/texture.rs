@@ -82,6 +82,23 @@ impl<'o> Translator<'o, '_, '_> {
                 };
                 Texture::Scale(ScaleTexture { of, by: Varying::Constant(factor), ..ScaleTexture::default() })
             }
+            "volume" => {
+                self.only(o, &["volume", "*"]);
+                let inner = self.inside(o, Class::Volume).first().copied();
+                let of = match inner.map(|inner| &self.objects[inner]) {
+                    None => self.colour(o, "volume", 0.75, role.colours(), uv),
+                    // The same everywhere.
+                    Some(inner) if inner.plugin.as_str() == "constvolume" => {
+                        self.only(inner, &["value", "to_world", "*"]);
+                        self.colour(inner, "value", 1.0, role.colours(), uv)
+                    }
+                    Some(inner) => {
+                        self.unsupported(inner, "grey stands in for it");
+                        return grey(0.5);
+                    }
+                };
+                Texture::Scale(ScaleTexture { of, ..ScaleTexture::default() })
+            }
             _ => {
                 self.unsupported(o, "grey stands in for it");
                 grey(0.5)

@@ -42,6 +42,7 @@ pub(super) fn translate(tree: Tree, means: &mut Means<'_>) -> Option<Translated>
         codes: BTreeSet::new(),
         code_lists: vec![BTreeSet::new()],
         has_cube: false,
+        hides_emitters: super::emitter::are_hidden(&objects),
         nodes: 0,
         serialized: BTreeMap::new(),
         read: Vec::new(),
@@ -76,6 +77,8 @@ pub(super) struct Translator<'o, 'm, 'a> {
     /// Which attributes of the mesh in hand are bytes, by Mitsuba's names; and all such lists that there were, the first of which is empty.
     pub codes: BTreeSet<String>,
     pub code_lists: Vec<BTreeSet<String>>,
+    /// Whether the camera doesn't see what shines.
+    pub hides_emitters: bool,
     /// Whether the mesh of cubes is made.
     pub has_cube: bool,
     /// How many shapes were made.

@@ -4,11 +4,11 @@
 //! The angle spans the shorter side of the picture.
 
 use straal_math::{Affine, DVec3, ops};
-use straal_scene::Span;
 use straal_scene::desc::{
-    Camera, FovAxis, Lens, LensExposure, LensProfile, Observer, Orthographic, Panorama, PanoramaRows,
-    Perspective, Realistic,
+    Camera, FovAxis, Keyframe, Keyframes, Lens, LensExposure, LensProfile, Observer, Orthographic, Panorama,
+    PanoramaRows, Perspective, Realistic,
 };
+use straal_scene::{Span, Spanned};
 
 use super::params::Params;
 use super::state::Transforms;
@@ -52,6 +52,7 @@ impl Reader<'_, '_> {
 
     /// The camera, once the film is known.
     pub(super) fn camera(&mut self) {
+        let shutter = self.shutter();
         let Some(Thing { kind, params }) = self.options.camera.take() else {
             let film = self.scene.film.size;
             let screen = screen_of(None, None, film);
@@ -61,12 +62,8 @@ impl Reader<'_, '_> {
         };
         let span = params.span;
         let [world, end] = self.systems.get("camera").copied().unwrap_or([Affine::IDENTITY; 2]);
-        if world != end {
-            self.warn(
-                span,
-                "motion of the camera is not supported yet: it stands where it is when it begins",
-            );
-        }
+        let places = if world == end { Vec::new() } else { self.swept(shutter, [&world, &end]) };
+        let world = places.first().copied().unwrap_or(world);
         let stand = stand(&world);
         self.is_even(&stand, span);
         // How long the film is exposed, which the film has asked for.
@@ -105,7 +102,32 @@ impl Reader<'_, '_> {
             "realistic" => self.realistic(&params, &stand),
             _ => self.spherical(kind.as_str() == "environment", &params, &stand),
         }
+        self.camera_moves(&world, &places);
         params.complain(&format!("the camera `{}`", kind.value), self.means.d);
+    }
+
+    /// Has the camera go through places, of which it is at the first.
+    fn camera_moves(&mut self, first: &Affine, places: &[Affine]) {
+        let observer = match &mut self.scene.camera {
+            Camera::Perspective(camera) => &mut camera.observer,
+            Camera::Orthographic(camera) => &mut camera.observer,
+            Camera::Realistic(camera) => &mut camera.observer,
+            Camera::Panorama(camera) => &mut camera.observer,
+            _ => return,
+        };
+        // As the camera sees its own eye, which may be off its middle.
+        let Some(eye) = first.inverse().map(|back| back.point(observer.eye)) else { return };
+        if places.iter().all(|place| place == first) {
+            return;
+        }
+        let keyframe = |place: &Affine| {
+            let eye = place.point(eye);
+            let look_at = eye + place.vector(DVec3::Z).try_normalize().unwrap_or(DVec3::Z);
+            let up = place.vector(DVec3::Y).try_normalize();
+            let said = Keyframe { eye: Some(eye), look_at: Some(look_at), up, ..Keyframe::default() };
+            Spanned::new(said, Span::NONE)
+        };
+        observer.moving_to = Some(Keyframes { keyframes: places[1..].iter().map(keyframe).collect() });
     }
 
     /// A camera whose axes aren't alike sees things stretched.

@@ -209,7 +209,7 @@ impl Reader<'_, '_> {
                 };
             }
             "TransformTimes" => {
-                self.numbers::<2>(span)?;
+                self.options.transform_times = Some(self.numbers::<2>(span)?);
             }
             "ColorSpace" => {
                 let name = self.string(span)?;

@@ -59,6 +59,8 @@ struct Options {
     integrator: Option<Thing>,
     /// From `Option "seed"`.
     seed: Option<u64>,
+    /// When transforms are those of the start and of the end.
+    transform_times: Option<[f64; 2]>,
 }
 
 /// A kind and its parameters.

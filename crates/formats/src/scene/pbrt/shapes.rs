@@ -66,13 +66,42 @@ impl Reader<'_, '_> {
         params.complain(&format!("the shape `{}`", kind.value), self.means.d);
     }
 
+    /// When the camera's shutter opens and closes.
+    pub(super) fn shutter(&self) -> [f64; 2] {
+        [("shutteropen", 0.0), ("shutterclose", 1.0)].map(|(name, usual)| {
+            self.options.camera.as_ref().map_or(usual, |camera| camera.params.float(name, usual))
+        })
+    }
+
+    /// The places from one transform to the other while the shutter is open: they count at the times that `TransformTimes` says.
+    pub(super) fn swept(&self, [open, close]: [f64; 2], [start, end]: [&Affine; 2]) -> Vec<Affine> {
+        /// Each of these is straight.
+        const WAYS: u32 = 16;
+        let [from, to] = self.options.transform_times.unwrap_or([0.0, 1.0]);
+        // One that mirrors, as cameras of pbrt do, goes as its mirror image does.
+        if start.determinant() < 0.0 && end.determinant() < 0.0 {
+            let mirror = Affine::scale(DVec3::new(-1.0, 1.0, 1.0));
+            let all = self.swept([open, close], [&mirror.then(start), &mirror.then(end)]);
+            return all.iter().map(|place| mirror.then(place)).collect();
+        }
+        if [open, close] == [from, to] || to <= from || close <= open {
+            return motion::between(start, end);
+        }
+        let at = |i: u32| {
+            let time = open + (close - open) * f64::from(i) / f64::from(WAYS);
+            motion::part(start, end, (time - from) / (to - from))
+        };
+        (0..=WAYS).map(at).collect()
+    }
+
     /// Where something is while the shutter is open, of which that is where it begins.
     pub(super) fn moving(&self, map: &Affine, span: Span) -> Transform {
         let [start, end] = self.state.transforms;
         let own = start.inverse().map(|back| map.then(&back));
         match own {
             Some(own) if self.state.moves() && end.inverse().is_some() => {
-                let places: Vec<Affine> = motion::between(&start, &end).iter().map(|p| own.then(p)).collect();
+                let places: Vec<Affine> =
+                    self.swept(self.shutter(), [&start, &end]).iter().map(|p| own.then(p)).collect();
                 Transform { span, ..motion::transform(&places) }
             }
             _ => as_transform(map, span),

@@ -325,6 +325,26 @@ fn what_moves_is_where_it_is_while_the_shutter_is_open() {
 }
 
 #[test]
+fn a_camera_moves_while_its_shutter_is_open() {
+    let text = |times: &str| {
+        format!(
+            "{times} LookAt 0 0 -5 0 0 0 0 1 0 ActiveTransform EndTime Identity LookAt 4 0 -5 4 0 0 0 1 0 ActiveTransform All \
+             Camera \"perspective\" WorldBegin {SPHERE}"
+        )
+    };
+    let eyes = |times: &str| {
+        let scene = sound(&text(times));
+        let observer = scene.camera.observer().clone();
+        let later = observer.moving_to.map_or_else(Vec::new, |moving| moving.keyframes);
+        std::iter::once(observer.eye.x).chain(later.iter().map(|k| k.eye.unwrap().x)).collect::<Vec<_>>()
+    };
+    assert_eq!(eyes(""), [0.0, 4.0]);
+    // The transforms are those of two seconds, of which the shutter is open for the first.
+    let slower = eyes("TransformTimes 0 2");
+    assert!(slower.len() == 17 && (slower[16] - 2.0).abs() < 1e-12, "{slower:?}");
+}
+
+#[test]
 fn light_comes_in_through_its_portal() {
     let scene = sound(
         "WorldBegin Translate 0 0 1 LightSource \"infinite\" \"rgb L\" [1 1 1] \

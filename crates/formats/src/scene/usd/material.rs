@@ -9,7 +9,7 @@ use straal_scene::value::LinearRgb;
 
 use super::layer::Value;
 use super::texture::Read;
-use super::{Translation, within};
+use super::{Translation, mtlx, within};
 
 /// What a mesh has that materials are read off.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,6 +30,12 @@ pub(super) struct Look {
     /// The name of its material.
     pub material: String,
 }
+
+/// Nodes of MaterialX within one another.
+const MOST_NODES: usize = 16;
+
+/// Nodes that are read in all: each of two others, they could be asked for endlessly.
+const MOST_COMPUTED: usize = 200_000;
 
 /// The colour of what has none (`UsdPreviewSurface`).
 const GREY: [f64; 3] = [0.18; 3];
@@ -58,7 +64,8 @@ impl Translation<'_, '_> {
             return known.clone();
         }
         let made = match shader {
-            Some(shader) => self.preview(shader, has),
+            Some((shader, Some(kind))) => self.layered(shader, kind, has),
+            Some((shader, None)) => self.preview(shader, has),
             None => Material::Diffuse(Diffuse::default()),
         };
         let wanted = material.map_or(String::new(), |material| self.stage.prims[material].name.clone());
@@ -121,16 +128,22 @@ impl Translation<'_, '_> {
         look
     }
 
-    /// The shader of a material's surface, if it is one that is read.
-    fn surface_shader(&mut self, material: usize) -> Option<usize> {
-        let name = ["outputs:surface", "outputs:mtlx:surface"]
-            .into_iter()
-            .find(|name| !self.stage.targets(material, name).is_empty())?;
-        let (shader, _) = self.source(material, name)?;
-        let id = self.stage.text(shader, "info:id").unwrap_or_default();
-        if matches!(id.as_str(), "UsdPreviewSurface" | "ND_UsdPreviewSurface_surfaceshader") {
-            return Some(shader);
+    /// The shader of a material's surface, if it is one that is read, and which of MaterialX it is.
+    fn surface_shader(&mut self, material: usize) -> Option<(usize, Option<mtlx::Kind>)> {
+        let mut unknown = None;
+        // MaterialX says more than what others are shown by.
+        for name in ["outputs:mtlx:surface", "outputs:surface"] {
+            let Some((shader, _)) = self.source(material, name) else { continue };
+            let id = self.stage.text(shader, "info:id").unwrap_or_default();
+            if matches!(id.as_str(), "UsdPreviewSurface" | "ND_UsdPreviewSurface_surfaceshader") {
+                return Some((shader, None));
+            }
+            if let Some(kind) = mtlx::Kind::of(&id) {
+                return Some((shader, Some(kind)));
+            }
+            unknown = Some((shader, id));
         }
+        let (shader, id) = unknown?;
         let id = if id.is_empty() { "one of its own".to_owned() } else { id };
         self.warn(shader, &format!("the shader `{}` isn't read", straal_scene::suggest::brief(&id)));
         None
@@ -168,16 +181,32 @@ impl Translation<'_, '_> {
     }
 
     /// What an input says.
-    fn input(&mut self, shader: usize, name: &str, has: &Has) -> Option<Input> {
+    pub fn input(&mut self, shader: usize, name: &str, has: &Has) -> Option<Input> {
         let property = format!("inputs:{name}");
         if let Some((source, output)) = self.source(shader, &property) {
+            let id = self.stage.text(source, "info:id").unwrap_or_default();
+            if let Some(node) = mtlx::node(&id)
+                && !matches!(
+                    node,
+                    "image" | "tiledimage" | "geompropvalue" | "geomcolor" | "UsdPrimvarReader"
+                )
+            {
+                // Nodes that lead back to themselves.
+                if self.nested > MOST_NODES || self.computed > MOST_COMPUTED {
+                    return None;
+                }
+                (self.nested, self.computed) = (self.nested + 1, self.computed + 1);
+                let found = self.computed(source, node, has);
+                self.nested -= 1;
+                return found;
+            }
             return self.read(source, &output, has).map(|read| Input::Texture(Box::new(read)));
         }
         let (prim, property) = self.said(shader, name);
         self.stage.value(prim, &property).map(Input::Value)
     }
 
-    fn colour(&mut self, shader: usize, name: &str, otherwise: [f64; 3], has: &Has) -> Varying<Spectrum> {
+    pub fn colour(&mut self, shader: usize, name: &str, otherwise: [f64; 3], has: &Has) -> Varying<Spectrum> {
         match self.input(shader, name, has) {
             Some(Input::Texture(read)) => read.colour(),
             Some(Input::Value(value)) => rgb(three(&value).unwrap_or(otherwise)),
@@ -185,7 +214,7 @@ impl Translation<'_, '_> {
         }
     }
 
-    fn amount(&mut self, shader: usize, name: &str, otherwise: f64, has: &Has) -> Varying<f64> {
+    pub fn amount(&mut self, shader: usize, name: &str, otherwise: f64, has: &Has) -> Varying<f64> {
         match self.input(shader, name, has) {
             Some(Input::Texture(read)) => read.number(),
             Some(Input::Value(value)) => Varying::Constant(share(one(&value).unwrap_or(otherwise))),
@@ -193,7 +222,7 @@ impl Translation<'_, '_> {
         }
     }
 
-    fn number(&mut self, shader: usize, name: &str, otherwise: f64) -> f64 {
+    pub fn number(&self, shader: usize, name: &str, otherwise: f64) -> f64 {
         let (prim, property) = self.said(shader, name);
         self.stage.number(prim, &property).unwrap_or(otherwise)
     }
@@ -230,7 +259,7 @@ impl Translation<'_, '_> {
         }
         let emissive = self.colour(shader, "emissiveColor", [0.0; 3], has);
         made.emissive = positive(emissive);
-        made.relief = self.relief(shader, has);
+        made.relief = self.relief(shader, "normal", has);
         if let Some(Input::Texture(_)) = self.input(shader, "displacement", has) {
             self.warn(shader, "`displacement` is left out");
         }
@@ -263,8 +292,8 @@ impl Translation<'_, '_> {
         Material::Gltf(made)
     }
 
-    fn relief(&mut self, shader: usize, has: &Has) -> Relief {
-        let Some(Input::Texture(read)) = self.input(shader, "normal", has) else { return Relief::default() };
+    pub fn relief(&mut self, shader: usize, name: &str, has: &Has) -> Relief {
+        let Some(Input::Texture(read)) = self.input(shader, name, has) else { return Relief::default() };
         let Some(texture) = read.plain() else {
             self.warn(shader, "a normal that comes of no picture is left out");
             return Relief::default();
@@ -327,7 +356,7 @@ fn share(v: f64) -> f64 {
 }
 
 /// A colour of which no more comes back than falls on it.
-fn limited(colour: Varying<Spectrum>) -> Varying<Spectrum> {
+pub(super) fn limited(colour: Varying<Spectrum>) -> Varying<Spectrum> {
     match colour {
         Varying::Constant(Spectrum::Rgb(LinearRgb(v))) => rgb(v.map(share)),
         other => other,
@@ -335,21 +364,21 @@ fn limited(colour: Varying<Spectrum>) -> Varying<Spectrum> {
 }
 
 /// Light that isn't below 0.
-fn positive(colour: Varying<Spectrum>) -> Varying<Spectrum> {
+pub(super) fn positive(colour: Varying<Spectrum>) -> Varying<Spectrum> {
     match colour {
         Varying::Constant(Spectrum::Rgb(LinearRgb(v))) => rgb(v.map(|v| within(v, 0.0, f64::from(f32::MAX)))),
         other => other,
     }
 }
 
-fn one(value: &Value) -> Option<f64> {
+pub(super) fn one(value: &Value) -> Option<f64> {
     match value {
         Value::Numbers(v) => v.values.first().copied(),
         _ => None,
     }
 }
 
-fn three(value: &Value) -> Option<[f64; 3]> {
+pub(super) fn three(value: &Value) -> Option<[f64; 3]> {
     match value {
         Value::Numbers(v) => v.values.first_chunk::<3>().copied(),
         _ => None,

@@ -3,11 +3,13 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use straal_math::DVec3;
 use straal_scene::desc::{Node, Shading, Subdivide, Subdivision, TriangleMesh};
 use straal_scene::mesh::{Attribute, Per};
 use straal_scene::{Mesh, MeshAsset};
 
 use super::material::Has;
+use super::skel::Skin;
 use super::world::Within;
 use super::{Translation, within};
 use crate::mesh::polygon;
@@ -81,12 +83,17 @@ const OWN: [&str; 4] = ["st", "UVMap", "st0", "map1"];
 impl Translation<'_, '_> {
     /// What a mesh shows: itself, or a mesh for each of its subsets.
     pub fn mesh(&mut self, prim: usize, around: &Within) -> Vec<Node> {
-        let stage = &self.stage;
-        let points = stage.numbers(prim, "points", 3).unwrap_or_default();
+        let points = self.stage.numbers(prim, "points", 3).unwrap_or_default();
+        let (points, skin) = self.posed(prim, points);
         let Some(faces) = self.faces(prim, points.len() / 3) else { return Vec::new() };
         let scheme = self.stage.text(prim, "subdivisionScheme").unwrap_or_else(|| "catmullClark".to_owned());
         let is_smooth = matches!(scheme.as_str(), "catmullClark" | "loop");
-        let columns = self.columns(prim, is_smooth);
+        let mut columns = self.columns(prim, is_smooth);
+        if let Some(skin) = &skin {
+            for normals in columns.iter_mut().filter(|column| column.name == "normals") {
+                turn(normals, &faces, skin);
+            }
+        }
         let holes = self.stage.numbers(prim, "holeIndices", 1).unwrap_or_default();
         let mut is_free = vec![true; faces.counts.len()];
         for hole in holes.iter() {
@@ -94,13 +101,11 @@ impl Translation<'_, '_> {
                 *free = false;
             }
         }
-        if self.stage.has(prim, "skel:animationSource")
-            || !self.stage.targets(prim, "skel:skeleton").is_empty()
-        {
-            self.warn(prim, "its skeleton isn't followed: it is shown as it was modelled");
-        }
-        if is_smooth && self.stage.numbers(prim, "creaseSharpnesses", 1).is_some_and(|s| !s.is_empty()) {
-            self.warn(prim, "its creases are as smooth as the rest");
+        let is_sharp = ["creaseSharpnesses", "cornerSharpnesses"]
+            .into_iter()
+            .any(|name| self.stage.numbers(prim, name, 1).is_some_and(|s| !s.is_empty()));
+        if is_smooth && is_sharp {
+            self.warn(prim, "its creases and corners are as smooth as the rest");
         }
         let is_left = self.stage.text(prim, "orientation").as_deref() == Some("leftHanded");
         let cage = Cage { points: &points, faces: &faces, columns: &columns, scheme: &scheme, is_left };
@@ -260,6 +265,23 @@ impl Translation<'_, '_> {
         let shading = if has_normals || subdivide.is_some() { Shading::Auto } else { Shading::Flat };
         Some(Node::Mesh(TriangleMesh { file, shading, subdivide, surface, ..TriangleMesh::default() }))
     }
+}
+
+/// Has normals follow what the points of a mesh follow.
+fn turn(normals: &mut Column, faces: &Faces, skin: &Skin) {
+    let mut values = Vec::with_capacity(3 * faces.points.len());
+    for (face, &(count, first)) in faces.counts.iter().enumerate() {
+        // Corners that lie between, of faces that are left out, have normals as well, which nothing reads.
+        values.resize(3 * first, 0.0);
+        for corner in first..first + count {
+            let point = faces.points[corner];
+            let n = normals.at(Corner { face, corner, point }).unwrap_or(&[0.0, 0.0, 1.0]);
+            let n = DVec3::new(n[0], n[1], n[2]);
+            let turned = skin.at(point).inverse().map_or(n, |back| back.normal_by_inverse(n));
+            values.extend(turned.try_normalize().unwrap_or(n).to_array());
+        }
+    }
+    (normals.values, normals.indices, normals.per) = (values.into(), None, Each::Corner);
 }
 
 /// How often each face is divided into four: where there are few, more often.

@@ -8,7 +8,9 @@
 //! | `stage.rs` | all of it composed, and what it says at a time |
 //! | `xform.rs`, `world.rs` | where prims stand, and what they show, once or many times |
 //! | `mesh.rs`, `shapes.rs` | meshes and their primvars; shapes that are a formula, and curves |
+//! | `skel.rs` | skeletons, and what follows them |
 //! | `material.rs`, `texture.rs` | `UsdPreviewSurface` and the textures that it reads |
+//! | `mtlx.rs` | surfaces and nodes of MaterialX |
 //! | `lights.rs`, `view.rs`, `extent.rs` | lights, cameras, frames, and what stands in for them |
 //!
 //! The reader is straal's own: the crate `openusd` (0.6) asks for memory that a damaged file only promises, which ends the process,
@@ -22,8 +24,10 @@ mod library;
 mod lights;
 mod material;
 mod mesh;
+mod mtlx;
 mod packed;
 mod shapes;
+mod skel;
 mod stage;
 mod text;
 mod texture;
@@ -87,6 +91,12 @@ struct Translation<'m, 'a> {
     vertices: u64,
     /// Bytes of all meshes.
     kept: u64,
+    /// Nodes of MaterialX that one is within.
+    nested: usize,
+    /// Such nodes that were read.
+    computed: usize,
+    /// For how many time codes the shutter is open.
+    open: f64,
     /// What is to be told, and how often.
     told: BTreeMap<String, usize>,
 }
@@ -118,6 +128,9 @@ impl<'m, 'a> Translation<'m, 'a> {
             walked: 0,
             vertices: 0,
             kept: 0,
+            nested: 0,
+            computed: 0,
+            open: 0.0,
             told: BTreeMap::new(),
         }
     }

@@ -10,9 +10,9 @@ use straal_scene::desc::{
 use straal_scene::value::{Asset, LinearRgb};
 use straal_scene::{Bitmap, Diagnostic, Image, Span};
 
-use super::Translation;
 use super::library::Place;
 use super::material::{Has, of_texture, vertices};
+use super::{Translation, mtlx};
 use crate::image;
 
 /// Pictures of packages that are still to be decoded.
@@ -33,6 +33,26 @@ pub(super) struct Read {
 impl Read {
     fn of(texture: Texture, channel: TextureChannel) -> Self {
         Self { texture, channel, scale: [1.0; 4], bias: [0.0; 4] }
+    }
+
+    /// What vertices have, by its name.
+    pub fn vertices(name: &str) -> Self {
+        Self::of(vertices(name, TextureChannel::Luminance), TextureChannel::Luminance)
+    }
+
+    /// Has it read one channel.
+    pub fn take(&mut self, channel: usize) {
+        const ALL: [TextureChannel; 4] =
+            [TextureChannel::Red, TextureChannel::Green, TextureChannel::Blue, TextureChannel::Alpha];
+        self.channel = ALL[channel.min(3)].clone();
+    }
+
+    /// Multiplies its colours.
+    pub fn scale_by(&mut self, factor: [f64; 3]) {
+        let all = [factor[0], factor[1], factor[2], factor[0]];
+        for (v, factor) in self.scale.iter_mut().chain(&mut self.bias).zip(all.iter().chain(&all)) {
+            *v *= factor;
+        }
     }
 
     /// As a colour.
@@ -115,7 +135,13 @@ impl Translation<'_, '_> {
             _ => TextureChannel::Luminance,
         };
         match id.as_str() {
-            "UsdUVTexture" => self.picture(shader, channel, has),
+            "UsdUVTexture" | "ND_UsdUVTexture" | "ND_UsdUVTexture_23" => self.picture(shader, channel, has),
+            id if matches!(mtlx::node(id), Some("image" | "tiledimage")) => {
+                self.picture(shader, channel, has)
+            }
+            id if matches!(mtlx::node(id), Some("geompropvalue" | "geomcolor" | "UsdPrimvarReader")) => {
+                self.geometry(shader, has)
+            }
             id if id.starts_with("UsdPrimvarReader_") => {
                 let name = self.word_of(shader, "varname")?;
                 match name.as_str() {
@@ -140,8 +166,14 @@ impl Translation<'_, '_> {
         }
     }
 
+    /// Whether a shader is a picture of MaterialX itself.
+    fn is_of_mtlx(&self, shader: usize) -> bool {
+        let id = self.stage.text(shader, "info:id").unwrap_or_default();
+        matches!(mtlx::node(&id), Some("image" | "tiledimage"))
+    }
+
     /// An input that is a word.
-    fn word_of(&self, shader: usize, name: &str) -> Option<String> {
+    pub fn word_of(&self, shader: usize, name: &str) -> Option<String> {
         let (prim, property) = self.said(shader, name);
         self.stage.text(prim, &property)
     }
@@ -158,14 +190,17 @@ impl Translation<'_, '_> {
         let space = space.or_else(|| self.stage.color_space(prim, &property).map(str::to_owned));
         let mapping = self.coordinates(shader, has)?;
         let asset = self.bitmap(shader, layer, &file)?;
+        let is_of_mtlx = self.is_of_mtlx(shader);
         let wrap = |word: Option<String>| match word.as_deref() {
+            _ if is_of_mtlx => mtlx::wrap(word),
             Some("repeat") => Wrap::Repeat,
             Some("mirror") => Wrap::Mirror,
             Some("clamp") => Wrap::Clamp,
             // What a file without words on it means is black beyond its edges.
             _ => Wrap::Black,
         };
-        let wrap = Wraps([wrap(self.word_of(shader, "wrapS")), wrap(self.word_of(shader, "wrapT"))]);
+        let names = if is_of_mtlx { ["uaddressmode", "vaddressmode"] } else { ["wrapS", "wrapT"] };
+        let wrap = Wraps(names.map(|name| wrap(self.word_of(shader, name))));
         let color_space = match space.as_deref() {
             Some("raw" | "lin_rec709" | "lin_rec709_scene") => TextureSpace::Linear,
             Some("sRGB" | "srgb_texture" | "srgb_rec709_scene") => TextureSpace::Srgb,
@@ -191,26 +226,44 @@ impl Translation<'_, '_> {
     /// How a texture lies: by a primvar, which may be moved.
     fn coordinates(&mut self, shader: usize, has: &Has) -> Option<Mapping> {
         let mut uv = UvMapping::default();
-        let mut found = self.source(shader, "inputs:st");
+        let is_of_mtlx = self.is_of_mtlx(shader);
+        let two = |t: &Self, shader: usize, name: &str, otherwise: f64| {
+            let (prim, property) = t.said(shader, name);
+            t.stage.vector::<2>(prim, &property).unwrap_or([otherwise; 2])
+        };
+        let mut found = self.source(shader, if is_of_mtlx { "inputs:texcoord" } else { "inputs:st" });
+        if is_of_mtlx {
+            let offset = two(self, shader, "uvoffset", 0.0);
+            uv.scale = two(self, shader, "uvtiling", 1.0);
+            uv.translate = offset.map(|v| 0.0 - v);
+        }
+        if let Some((moved, _)) = &found
+            && is_of_mtlx
+            && self.stage.text(*moved, "info:id").is_some_and(|id| mtlx::node(&id) == Some("place2d"))
+        {
+            self.warn(*moved, "textures aren't moved by `place2d`");
+            found = self.source(*moved, "inputs:texcoord");
+        }
         if let Some((moved, _)) = &found
             && self.stage.text(*moved, "info:id").as_deref() == Some("UsdTransform2d")
         {
             let moved = *moved;
-            let two = |t: &Self, name: &str, otherwise: f64| {
-                let (prim, property) = t.said(moved, name);
-                t.stage.vector::<2>(prim, &property).unwrap_or([otherwise; 2])
-            };
             let (prim, property) = self.said(moved, "rotation");
             let rotate = self.stage.number(prim, &property).unwrap_or(0.0);
             uv = UvMapping {
-                scale: two(self, "scale", 1.0),
+                scale: two(self, moved, "scale", 1.0),
                 rotate,
-                translate: two(self, "translation", 0.0),
+                translate: two(self, moved, "translation", 0.0),
             };
             found = self.source(moved, "inputs:in");
         }
         let name = match found {
-            Some((reader, _)) => self.word_of(reader, "varname").unwrap_or_default(),
+            Some((reader, _)) => {
+                let name = self.word_of(reader, "varname").or_else(|| self.word_of(reader, "geomprop"));
+                let is_first =
+                    self.stage.text(reader, "info:id").is_some_and(|id| id.starts_with("ND_texcoord"));
+                name.unwrap_or_else(|| if is_first { "st".to_owned() } else { String::new() })
+            }
             // Without a reader a texture lies by the mesh's own.
             None => "st".to_owned(),
         };

@@ -2,8 +2,10 @@
 
 use straal_color::Exposure;
 use straal_math::{Affine, DVec3, ops};
-use straal_scene::desc::{Animation, Camera, FovAxis, Lens, Observer, Orthographic, Perspective};
-use straal_scene::{Diagnostic, Span, suggest};
+use straal_scene::desc::{
+    Animation, Camera, FovAxis, Keyframe, Keyframes, Lens, Observer, Orthographic, Perspective,
+};
+use straal_scene::{Diagnostic, Span, Spanned, suggest};
 
 use super::{Translation, within, xform};
 use crate::studio::{self, Side};
@@ -19,10 +21,57 @@ impl Translation<'_, '_> {
         let fps = within(about.times_per_second.unwrap_or(24.0), 0.001, 1000.0);
         let count = about.end.map_or(0.0, |end| (end - start).floor());
         self.stage.time = start + self.stage.library.means.frame;
+        self.shutter();
         if count >= 1.0 {
             let frames = within(count, 1.0, 999_999.0) as u32 + 1;
             self.scene.animation = Animation { frames, fps, ..Animation::default() };
         }
+    }
+
+    /// While what the picture is taken: as `-D shutter=N` says, or the camera, whose shutter opens and closes so many time codes after the frame's.
+    fn shutter(&mut self) {
+        let said = self.stage.library.means.define.get("shutter").cloned();
+        let [open, close] = match said {
+            Some(said) => match said.parse::<f64>().ok().filter(|v| (0.0..=1.0).contains(v)) {
+                Some(v) => [0.0, v],
+                None => {
+                    let message =
+                        "`-D shutter=N` says for how many frames the shutter is open: a number from 0 to 1";
+                    self.fail(message.to_owned());
+                    return;
+                }
+            },
+            None => {
+                let wanted = self.stage.library.means.define.get("camera");
+                let cameras = self.cameras();
+                let named = wanted.and_then(|wanted| {
+                    let is_it = |c: &&usize| {
+                        [&self.stage.prims[**c].name, &self.stage.prims[**c].path].contains(&wanted)
+                    };
+                    cameras.iter().find(is_it).copied()
+                });
+                let Some(camera) = named.or_else(|| self.preferred(&cameras)) else { return };
+                ["shutter:open", "shutter:close"].map(|name| self.stage.number(camera, name).unwrap_or(0.0))
+            }
+        };
+        if close > open && close - open <= 1000.0 {
+            self.stage.time += open;
+            self.open = close - open;
+        }
+    }
+
+    /// The cameras of the stage.
+    fn cameras(&self) -> Vec<usize> {
+        (0..self.stage.prims.len())
+            .filter(|&prim| self.stage.prims[prim].type_name == "Camera" && self.stage.prims[prim].is_defined)
+            .collect()
+    }
+
+    /// The camera of the render settings, or the first.
+    fn preferred(&self, cameras: &[usize]) -> Option<usize> {
+        let named = self.render_settings().and_then(|s| self.stage.targets(s, "camera").into_iter().next());
+        let named = named.and_then(|path| self.stage.places.get(&path).copied());
+        named.filter(|p| cameras.contains(p)).or_else(|| cameras.first().copied())
     }
 
     /// The camera of the stage: that of its render settings, the first, or the one that is asked for; where there is none, one that
@@ -32,13 +81,8 @@ impl Translation<'_, '_> {
             corners.iter().fold((corners[0], corners[0]), |(min, max), p| (min.min(*p), max.max(*p)));
         let centre = (min + max) * 0.5;
         let mut size = self.settings();
-        let cameras: Vec<usize> = (0..self.stage.prims.len())
-            .filter(|&prim| self.stage.prims[prim].type_name == "Camera" && self.stage.prims[prim].is_defined)
-            .collect();
-        let settings = self.render_settings();
-        let preferred = settings.and_then(|s| self.stage.targets(s, "camera").into_iter().next());
-        let preferred = preferred.and_then(|path| self.stage.places.get(&path).copied());
-        let mut chosen = preferred.filter(|p| cameras.contains(p)).or_else(|| cameras.first().copied());
+        let cameras = self.cameras();
+        let mut chosen = self.preferred(&cameras);
         let names =
             || cameras.iter().map(|c| self.stage.prims[*c].path.as_str()).collect::<Vec<_>>().join(", ");
         if let Some(wanted) = self.stage.library.means.define.get("camera").cloned() {
@@ -69,7 +113,8 @@ impl Translation<'_, '_> {
         }
         if let Some(prim) = chosen {
             let place = self.global(prim);
-            if let Some(observer) = stand(place, centre) {
+            if let Some(mut observer) = stand(place, centre) {
+                observer.moving_to = self.moving_camera(prim, centre);
                 self.camera(prim, observer, &mut size);
                 self.scene.film.size = size.unwrap_or(studio::SIZE);
                 return;
@@ -100,7 +145,7 @@ impl Translation<'_, '_> {
     }
 
     /// Where a prim stands in the scene.
-    fn global(&self, prim: usize) -> Affine {
+    pub fn global(&self, prim: usize) -> Affine {
         let (mut place, mut above) = (Affine::IDENTITY, Some(prim));
         while let Some(here) = above {
             let local = xform::local(&self.stage, here);
@@ -108,6 +153,24 @@ impl Translation<'_, '_> {
             above = if local.is_reset { None } else { self.stage.prims[here].parent };
         }
         place.then(&self.root)
+    }
+
+    /// Where a camera goes while the shutter is open.
+    fn moving_camera(&mut self, prim: usize, centre: DVec3) -> Option<Keyframes> {
+        let (first, mut places) = (self.stage.time, vec![self.global(prim)]);
+        for time in self.times() {
+            self.stage.time = time;
+            places.push(self.global(prim));
+        }
+        self.stage.time = first;
+        if places.iter().all(|place| *place == places[0]) {
+            return None;
+        }
+        let keyframes = places[1..].iter().filter_map(|place| stand(*place, centre)).map(|o| {
+            let (eye, look_at, up) = (Some(o.eye), Some(o.look_at), Some(o.up));
+            Spanned::new(Keyframe { eye, look_at, up, ..Keyframe::default() }, Span::NONE)
+        });
+        Some(Keyframes { keyframes: keyframes.collect() })
     }
 
     fn camera(&mut self, prim: usize, observer: Observer, size: &mut Option<[u32; 2]>) {

@@ -1,11 +1,12 @@
 //! What prims show: groups, shapes, objects and their instances.
 
 use straal_math::{Affine, DVec3};
-use straal_scene::desc::{Group, Instance, Instances, MaterialRef, Node, Step, Surface, Transform};
+use straal_scene::desc::{Group, Instance, Instances, MaterialRef, Node, Sphere, Step, Surface, Transform};
 use straal_scene::value::{Link, Matrix, Name};
 
 use super::xform::{self, Local};
 use super::{Translation, material};
+use crate::scene::motion;
 
 /// What a prim has of those that it is in.
 #[derive(Clone, Debug)]
@@ -24,6 +25,9 @@ pub(super) struct Within {
     /// Whether this is an object, which stands nowhere by itself.
     is_object: bool,
 }
+
+/// Ways of what moves while the shutter is open, each of them straight.
+const WAYS: usize = 8;
 
 /// Groups are within one another so deep at most; deeper prims stand in the last of them.
 const DEEPEST: usize = 40;
@@ -94,6 +98,10 @@ impl Translation<'_, '_> {
         let is_deep = around.depth >= DEEPEST;
         let above = if local.is_reset { Affine::IDENTITY } else { around.pending };
         within.pending = if is_deep { own.then(&above) } else { Affine::IDENTITY };
+        let moving = self.moving(prim, &own);
+        if is_deep && !moving.is_empty() {
+            self.warn(prim, "what stands so deep in others isn't blurred while it moves");
+        }
         let mut nodes = self.shows(prim, &within);
         if local.is_reset && around.is_object {
             self.warn(prim, "`!resetXformStack!` isn't kept to within instances");
@@ -110,7 +118,16 @@ impl Translation<'_, '_> {
         }
         let name: Name = self.stage.prims[prim].name.clone().into();
         // A prim that only stands around another says nothing by itself.
-        nodes = if steps.is_empty() && nodes.len() == 1 && is_named(&nodes[0]) {
+        nodes = if !moving.is_empty() && !is_deep {
+            let transform = motion::transform(&moving);
+            vec![Node::Group(Group {
+                transform,
+                look_at: None,
+                material: None,
+                children: nodes,
+                name: Some(name),
+            })]
+        } else if steps.is_empty() && nodes.len() == 1 && is_named(&nodes[0]) {
             nodes
         } else {
             vec![grouped(nodes, steps, Some(name))]
@@ -119,6 +136,72 @@ impl Translation<'_, '_> {
             self.reset.append(&mut nodes);
         }
         nodes
+    }
+
+    /// Where a prim is at even times while the shutter is open, from `own`; empty if it stays.
+    fn moving(&mut self, prim: usize, own: &Affine) -> Vec<Affine> {
+        let times = self.times();
+        if times.is_empty() {
+            return Vec::new();
+        }
+        let first = self.stage.time;
+        let mut places = vec![*own];
+        for time in times {
+            self.stage.time = time;
+            let place = xform::local(&self.stage, prim).affine();
+            places.extend(place);
+            if place.is_none() {
+                break;
+            }
+        }
+        self.stage.time = first;
+        if places.len() == WAYS + 1 && places.iter().any(|place| place != own) { places } else { Vec::new() }
+    }
+
+    /// Even times after the first while the shutter is open; none where nothing is blurred.
+    pub fn times(&self) -> Vec<f64> {
+        let (first, open) = (self.stage.time, self.open);
+        if open <= 0.0 {
+            return Vec::new();
+        }
+        (1..=WAYS).map(|way| first + open * way as f64 / WAYS as f64).collect()
+    }
+
+    /// Balls at points.
+    fn points(&mut self, prim: usize, within: &Within) -> Vec<Node> {
+        let positions = self.stage.numbers(prim, "points", 3).unwrap_or_default();
+        let widths = self.stage.numbers(prim, "widths", 1).unwrap_or_default();
+        let is_each = widths.len() * 3 == positions.len();
+        let place = |(i, p): (usize, &[f64])| {
+            let width = widths.get(if is_each { i } else { 0 }).copied().unwrap_or(1.0);
+            let place = Affine::scale(DVec3::splat(0.5 * width));
+            let place = place.then(&Affine::translate(DVec3::new(p[0], p[1], p[2])));
+            (width > 0.0 && place.inverse().is_some()).then_some(Matrix(place))
+        };
+        let transforms: Vec<Matrix> = positions.chunks_exact(3).enumerate().filter_map(place).collect();
+        if transforms.is_empty() {
+            return Vec::new();
+        }
+        self.stage.library.means.ledger.keep(size_of_val(transforms.as_slice()) as u64);
+        let colours = self.stage.numbers(prim, "primvars:displayColor", 3).unwrap_or_default();
+        if colours.len() > 3 {
+            self.warn(prim, "all points have the colour of the first");
+        }
+        let mut surface = self.surface(prim, within, &material::Has::default());
+        surface.name = None;
+        let ball = Node::Sphere(Sphere { surface, ..Sphere::default() });
+        let wanted = self.stage.prims[prim].name.clone();
+        let name = self.names.free(&wanted, |name| self.scene.objects.get(name).is_some());
+        self.scene.objects.insert(name.clone().into(), ball);
+        let own: Name = wanted.into();
+        vec![Node::Instances(Instances {
+            of: Link::new(name),
+            transforms,
+            transform: Transform::default(),
+            look_at: None,
+            material: None,
+            name: Some(own),
+        })]
     }
 
     fn is_reset(&self, prim: usize) -> bool {
@@ -155,7 +238,8 @@ impl Translation<'_, '_> {
             "Mesh" => self.mesh(prim, within),
             "Sphere" | "Cube" | "Cylinder" | "Cylinder_1" | "Cone" | "Capsule" | "Capsule_1" | "Plane"
             | "BasisCurves" => self.shape(prim, &kind, within),
-            "Points" | "NurbsPatch" | "NurbsCurves" | "HermiteCurves" | "TetMesh" | "Volume" => {
+            "Points" => self.points(prim, within),
+            "NurbsPatch" | "NurbsCurves" | "HermiteCurves" | "TetMesh" | "Volume" => {
                 self.warn(prim, &format!("`{kind}` is left out"));
                 Vec::new()
             }
