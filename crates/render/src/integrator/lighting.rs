@@ -209,40 +209,57 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
         if F::WIDTH == 1 && !K::IS_ANY {
             return;
         }
-        let Weigh { surfaces, vertices, lit, technique, directions, out, .. } = self.of;
-        out.bright = Bits::default();
+        let mut of = self.of;
+        let Weigh { surfaces, vertices, lit, directions, .. } = of;
+        of.out.bright = Bits::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let there = lit.there.load::<F>(first);
             let Some(bsdfs) = vertices.bsdfs::<K>(first) else { break };
             if !there.any() {
                 continue;
             }
-            let light = lit.load::<F>(first);
-            let wi = frames::<F>(surfaces, first).to_local(light.wi);
-            let Standing { from, leaning } = vertices.standing(surfaces, first);
+            let wi = frames::<F>(surfaces, first).to_local(lit.wi.load(first));
+            let Standing { leaning, .. } = vertices.standing(surfaces, first);
             let wo = surfaces.wo.load(first);
             let is_open = vertices.is_open.load::<F>(first);
             let (value, pdf) = directions.eval_pdf_many(bsdfs, leaning, [wo, wi], is_open);
-            let weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
-            let beta = vertices.beta::<F>(first);
-            let brought = beta * value * light.radiance * (weight / light.pdf);
-
-            let ([o, d], t_max) = light.way_from(&from);
-            out.bright.store(first, there & !value.is_black() & !brought.is_black());
-            F::to_rows(
-                [o.x, o.y, o.z, F::ZERO],
-                #[inline(always)]
-                |i, row| out.rays[first + i][0] = row,
-            );
-            F::to_rows(
-                [d.x, d.y, d.z, t_max],
-                #[inline(always)]
-                |i, row| out.rays[first + i][1] = row,
-            );
-            brought.for_each(
-                #[inline(always)]
-                |i, light| out.light[first + i] = light,
-            );
+            of.bring(first, there, (value, pdf));
         }
+    }
+}
+
+impl Weigh<'_, '_> {
+    /// What comes to the vertices from number `first` on, by the values and densities of their BSDFs. It doesn't depend on the kind of these, and is compiled
+    /// once.
+    #[inline(always)]
+    fn bring<F: Float>(&mut self, first: usize, there: F::Mask, (value, pdf): (Light<F>, F)) {
+        let Self { surfaces, vertices, lit, technique, out, .. } = self;
+        F::vectorize(
+            #[inline(always)]
+            || {
+                let light = lit.load::<F>(first);
+                let Standing { from, .. } = vertices.standing(surfaces, first);
+                let weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
+                let beta = vertices.beta::<F>(first);
+                let brought = beta * value * light.radiance * (weight / light.pdf);
+
+                let ([o, d], t_max) = light.way_from(&from);
+                out.bright.store(first, there & !value.is_black() & !brought.is_black());
+                F::to_rows(
+                    [o.x, o.y, o.z, F::ZERO],
+                    #[inline(always)]
+                    |i, row| out.rays[first + i][0] = row,
+                );
+                F::to_rows(
+                    [d.x, d.y, d.z, t_max],
+                    #[inline(always)]
+                    |i, row| out.rays[first + i][1] = row,
+                );
+                brought.for_each(
+                    #[inline(always)]
+                    |i, light| out.light[first + i] = light,
+                );
+            },
+        );
     }
 }
