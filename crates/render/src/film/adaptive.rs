@@ -25,28 +25,7 @@ pub const BLOCK: u32 = 8;
 const ACROSS: u32 = TILE / BLOCK;
 
 /// Radiance below which a block's noise is not measured against its own brightness but against this.
-const DARK: f64 = 0.01;
-
-/// By how much a block's noise is forgiven at most for what is bright around it.
-const FORGIVEN: f64 = 4.0;
-
-/// What the noise of a block of this mean brightness is measured against, in a district of mean brightness `around`.
-///
-/// Displays, and eyes, tell steps of the root of light apart rather than of light (Dammertz, Hanika, Keller and Lensch 2010, "A Hierarchical Automatic Stopping Condition for Monte Carlo
-/// Global Illumination", divide by that root). So in a block that is darker than its surroundings as much noise as changes the root by as much as there is within the wish. What is as bright
-/// as its surroundings is measured against itself, however dark the picture.
-pub fn against(brightness: f64, around: f64) -> f64 {
-    let own = if brightness > DARK { brightness } else { DARK };
-    let even = (own * around).sqrt();
-    let most = FORGIVEN * own;
-    if even > most {
-        most
-    } else if even > own {
-        even
-    } else {
-        own
-    }
-}
+pub const DARK: f64 = 0.01;
 
 /// The least number of samples after which blocks are looked at.
 pub const FIRST_CHECK: u32 = 32;
@@ -355,21 +334,6 @@ impl FilmTile {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_dark_beside_the_bright_is_forgiven_noise() {
-        // As bright as around it, brighter, darker than is told apart, a ninth, and far darker.
-        for (brightness, around, expected) in
-            [(0.5, 0.5, 0.5), (0.5, 0.1, 0.5), (0.001, 0.01, 0.01), (0.1, 0.9, 0.3), (0.02, 50.0, 0.08)]
-        {
-            let got = against(brightness, around);
-            assert!((got - expected).abs() < 1e-12, "{brightness} in {around}: {got}");
-            // Whatever the exposure.
-            if brightness >= 0.02 {
-                assert!((against(8.0 * brightness, 8.0 * around) - 8.0 * expected).abs() < 1e-12);
-            }
-        }
-    }
 
     #[test]
     fn looks_are_at_fixed_counts() {

@@ -20,7 +20,7 @@ mod sensor;
 mod splat;
 mod sums;
 
-pub use adaptive::{BLOCK, FIRST_CHECK, against};
+pub use adaptive::{BLOCK, DARK, FIRST_CHECK};
 pub use channel::{Channel, ChannelLayer};
 pub use district::DISTRICT;
 pub use error_estimate::ErrorEstimate;

@@ -23,7 +23,7 @@ use straal_denoise::{DenoiseError, Settings};
 use straal_formats::ReadError;
 use straal_math::simd::{Isa, Simd};
 use straal_render::film::channel::{self, Channel};
-use straal_render::film::{BLOCK, CLAMPED, DISTRICT, HalfPictures, Region, against};
+use straal_render::film::{BLOCK, CLAMPED, DARK, HalfPictures, Region};
 
 /// How much work the network does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -477,7 +477,7 @@ impl Picture {
         Ok(Denoised { weights: ready.name, guides, fireflies, noise, weight, notes })
     }
 
-    /// The root mean square of the error over the brightness that each block is measured against; blocks and districts are aligned to the whole picture.
+    /// The root mean square of the error over the mean brightness of each block, which is aligned to the whole picture.
     fn block_noise(&self, of: &blend::Blended) -> Vec<f64> {
         let [x0, y0] = self.crop.min;
         let across = (self.crop.max[0].div_ceil(BLOCK) - x0 / BLOCK) as usize;
@@ -493,22 +493,11 @@ impl Picture {
                 *sums = [sums[0] + v.abs(), sums[1] + e * e, sums[2] + 1.0];
             }
         }
-        const SIDE: u32 = DISTRICT / BLOCK;
-        let place =
-            |first: u32, k: usize| ((first / BLOCK + k as u32) / SIDE - first / BLOCK / SIDE) as usize;
-        let districts_across = place(x0, across.saturating_sub(1)) + 1;
-        let district = |k: usize| place(y0, k / across) * districts_across + place(x0, k % across);
-        let mut districts =
-            vec![[0.0_f64; 2]; blocks.len().checked_sub(1).map_or(0, |last| district(last) + 1)];
-        for (k, [brightness, _, count]) in blocks.iter().enumerate() {
-            let sums = &mut districts[district(k)];
-            *sums = [sums[0] + brightness, sums[1] + count];
-        }
-        let noise = |(k, [brightness, square, count]): (usize, &[f64; 3])| {
-            let [bright, all] = districts[district(k)];
-            (square / count).sqrt() / against(brightness / count, bright / all)
+        let noise = |[brightness, square, count]: &[f64; 3]| {
+            let brightness = brightness / count;
+            (square / count).sqrt() / if brightness > DARK { brightness } else { DARK }
         };
-        blocks.iter().enumerate().filter(|(_, b)| b[2] > 0.0).map(noise).collect()
+        blocks.iter().filter(|b| b[2] > 0.0).map(noise).collect()
     }
 }
 

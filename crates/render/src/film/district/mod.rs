@@ -1,7 +1,7 @@
 //! Which halves of which pixels need no further samples, by what their district shows.
 //!
-//! A block is done when its noise is at most what is wished for: the root mean square of its pixels' standard errors over its mean brightness, which counts for more in
-//! bright surroundings ([`against`](super::against)), or over each pixel's own, where that is more: a dark wall beside a lamp counts as well. [`known`] tells how noisy a block is when few of its samples have met what makes its
+//! A block is done when its noise is at most what is wished for: the root mean square of its pixels' standard errors over its mean brightness, or over each
+//! pixel's own, where that is more: a dark wall beside a lamp counts as well. [`known`] tells how noisy a block is when few of its samples have met what makes its
 //! noise, [`unmet`] what may lie beside what is bright, and [`wanted`] which pixels go on.
 //!
 //! Districts of 64 x 64 pixels are aligned to the whole picture, and a crop is rendered in whole ones, so that it ends where the picture does.
