@@ -149,8 +149,13 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
 fn of_a_class<M: Mask>(classes: &[Class; BLOCK], first: usize, left: M) -> (Class, M) {
     let (left, class_of) = (left.to_bits(), |i: usize| classes.get(first + i).copied().unwrap_or(ALL));
     let class = class_of(left.trailing_zeros() as usize);
-    let these = (0..32).filter(|&i| left >> i & 1 == 1 && class_of(i) == class);
-    (class, M::from_bits(these.fold(0, |bits, i| bits | 1 << i)))
+    let (mut these, mut rest) = (0, left);
+    while rest != 0 {
+        let i = rest.trailing_zeros();
+        these |= u32::from(class_of(i as usize) == class) << i;
+        rest &= rest - 1;
+    }
+    (class, M::from_bits(these))
 }
 
 /// What lights bring if nothing is in the way.
