@@ -21,7 +21,7 @@ fn earliest(a: f32, b: f32) -> f32 {
 pub(crate) struct Scalar;
 
 impl Kernel for Scalar {
-    // It can do neither faster than one ray after the other, and need not be compiled for it.
+    // Not worth compiling for what no processor with vectors needs: without packets `ao` on a bunny takes 7 % more time, and it has no way to fetch.
     const IN_PACKETS: bool = false;
     const FETCHES: bool = false;
 

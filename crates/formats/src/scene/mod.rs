@@ -99,6 +99,14 @@ pub(crate) struct Means<'a> {
     pub d: &'a mut Diagnostics,
 }
 
+impl Means<'_> {
+    /// The same for a read beside it, at a frame: what that complains of and what memory it takes stay with who asks.
+    pub fn beside<'b>(&'b mut self, frame: f64, ledger: &'b mut Ledger, d: &'b mut Diagnostics) -> Means<'b> {
+        let Self { base, limits, finder, define, lenient, .. } = self;
+        Means { base, limits, finder, ledger, define, frame, lenient: *lenient, d }
+    }
+}
+
 /// A scene as straal says it, not yet linked or checked as a whole.
 pub(crate) struct Translated {
     /// What it says.

@@ -220,7 +220,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             out: &mut self.starting,
         });
         let (starting, counts) = (&self.starting, self.probe.counts());
-        let wants_footprint = from_camera && world.wants_footprints();
+        let (wants_footprint, mask) = (from_camera && world.wants_footprints(), world.camera_mask());
         for (i, &(pixel, index)) in self.names.iter().enumerate() {
             let name = match from_camera {
                 true => starting.name(i),
@@ -242,7 +242,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             let footprint =
                 if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
             // Where nothing is seen there is no path, and the sample is black.
-            let camera_ray = starting.ray(i).map(|ray| Ray { mask: world.camera_mask(), ..ray });
+            let camera_ray = starting.ray(i).map(|ray| Ray { mask, ..ray });
             let (size, pattern) = (settings.size, settings.pattern);
             let start = Start { world, size, pixel, pattern, name, lanes, camera_ray, footprint };
             if let Some((ray, state)) = self.integrator.start(&start) {

@@ -24,7 +24,26 @@ pub(super) struct Pose {
 pub(super) type Poses = BTreeMap<usize, Pose>;
 
 /// Frames of a second, where `-D fps=N` says no other.
-pub(super) const FPS: f64 = 24.0;
+const FPS: f64 = 24.0;
+
+/// Frames of a second; `None` where what is said is no such number.
+pub(super) fn frames_a_second(define: &BTreeMap<String, String>) -> Option<f64> {
+    let said = |fps: &String| fps.parse::<f64>().ok().filter(|v| (0.001..=1000.0).contains(v));
+    define.get("fps").map_or(Some(FPS), said)
+}
+
+/// What animation `i` is called.
+fn name_of(i: usize, animation: &Json) -> String {
+    match animation.get("name").and_then(Json::text).filter(|name| !name.is_empty()) {
+        Some(name) => suggest::brief(name).to_string(),
+        None => format!("animations[{i}]"),
+    }
+}
+
+/// Whether `-D animation=NAME` means animation `i`: by its name or its number.
+pub(super) fn is_called(i: usize, animation: &Json, wanted: &str) -> bool {
+    name_of(i, animation) == *wanted || wanted.parse() == Ok(i)
+}
 
 /// How values go from one key to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,27 +93,17 @@ impl<'a> Translation<'a, '_> {
         /// Ways between two times are straight; so many are one while the shutter is open.
         const WAYS: u32 = 8;
         let all = self.document.list("animations");
-        let name_of = |i: usize| match all[i].get("name").and_then(Json::text).filter(|name| !name.is_empty())
-        {
-            Some(name) => suggest::brief(name).to_string(),
-            None => format!("animations[{i}]"),
-        };
         let mut played: Vec<usize> = (0..all.len()).collect();
         if let Some(wanted) = self.means.define.get("animation") {
-            played.retain(|&i| name_of(i) == *wanted || wanted.parse() == Ok(i));
+            played.retain(|&i| is_called(i, &all[i], wanted));
             if played.is_empty() {
-                let names = (0..all.len()).map(name_of).collect::<Vec<_>>().join(", ");
+                let names = (0..all.len()).map(|i| name_of(i, &all[i])).collect::<Vec<_>>().join(", ");
                 let has = if names.is_empty() { "it has none".to_owned() } else { format!("it has {names}") };
                 let message = format!("`{}` has no animation `{}`: {has}", self.name, suggest::brief(wanted));
                 self.means.d.push(Diagnostic::error(Span::NONE, message));
             }
         }
-        let fps = self
-            .means
-            .define
-            .get("fps")
-            .map(|fps| fps.parse::<f64>().ok().filter(|v| (0.001..=1000.0).contains(v)));
-        let Some(fps) = fps.unwrap_or(Some(FPS)) else {
+        let Some(fps) = frames_a_second(self.means.define) else {
             let message = "`-D fps=N` says how many frames a second has: a number above 0";
             self.means.d.push(Diagnostic::error(Span::NONE, message));
             return Ok((BTreeMap::new(), Vec::new()));
@@ -109,8 +118,7 @@ impl<'a> Translation<'a, '_> {
         let (poses, end) = self.poses_at(&played, self.means.frame / fps)?;
         let mut later = Vec::new();
         if !poses.is_empty() || end > 0.0 {
-            // The last frame is that at which the last key is reached.
-            // A time is a number of single precision.
+            // The last frame is that at which the last key is reached, whose time is a number of single precision.
             let frames = (end * fps * (1.0 - 1e-6)).ceil().within(0.0, 999_999.0) as u32 + 1;
             self.scene.animation = Animation { frames, fps, ..Animation::default() };
             for way in 1..=if open > 0.0 { WAYS } else { 0 } {

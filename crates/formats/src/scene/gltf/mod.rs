@@ -138,16 +138,7 @@ pub(super) fn read(name: &str, bytes: &[u8], means: &mut Means<'_>) -> Option<Tr
 /// Has a scene without a camera seen, and lit, in all frames as in the first: a camera that follows what moves would hide that it does.
 fn see_as_at_first(scene: &mut Scene, name: &str, bytes: &[u8], means: &mut Means<'_>) {
     let (mut d, mut ledger) = (Diagnostics::default(), *means.ledger);
-    let mut still = Means {
-        base: means.base,
-        limits: means.limits,
-        finder: &mut *means.finder,
-        ledger: &mut ledger,
-        define: means.define,
-        frame: 0.0,
-        lenient: means.lenient,
-        d: &mut d,
-    };
+    let mut still = means.beside(0.0, &mut ledger, &mut d);
     let Some(first) = read(name, bytes, &mut still) else { return };
     scene.camera = first.scene.camera;
     if let (Some(Light::Environment(to)), Some(Light::Environment(from))) =

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use straal_scene::{Diagnostics, FileId};
 
-use super::animation::{FPS, sampled};
+use super::animation::{frames_a_second, is_called, sampled};
 use super::document::{Document, Result, in_list, required, text};
 use super::json::{Json, Value};
 use crate::scene::Means;
@@ -29,35 +29,27 @@ pub(super) fn settle(root: &mut Json, file: FileId, binary: Option<&[u8]>, means
         return;
     }
     let (mut d, mut ledger) = (Diagnostics::default(), *means.ledger);
-    let mut scratch = Means {
-        base: means.base,
-        limits: means.limits,
-        finder: &mut *means.finder,
-        ledger: &mut ledger,
-        define: means.define,
-        frame: means.frame,
-        lenient: means.lenient,
-        d: &mut d,
-    };
+    let (define, frame) = (means.define, means.frame);
+    let mut scratch = means.beside(frame, &mut ledger, &mut d);
     let mut files: Vec<(PathBuf, String, [u8; 32])> = Vec::new();
     let mut document = Document::open(root, file, binary, &mut scratch, &mut files);
-    let found = values(&mut document, means).unwrap_or_default();
+    let found = values(&mut document, define, frame).unwrap_or_default();
     for (path, value) in found {
         put(root, &path, &value);
     }
 }
 
 /// The numbers that move, by the ways to them, of which the first that moves the same counts.
-fn values(document: &mut Document<'_>, means: &Means<'_>) -> Result<BTreeMap<String, Vec<f64>>> {
-    let fps = means.define.get("fps").and_then(|v| v.parse::<f64>().ok()).filter(|v| *v > 0.0);
-    let time = means.frame / fps.unwrap_or(FPS);
-    let wanted = means.define.get("animation");
+fn values(
+    document: &mut Document<'_>,
+    define: &BTreeMap<String, String>,
+    frame: f64,
+) -> Result<BTreeMap<String, Vec<f64>>> {
+    let Some(fps) = frames_a_second(define) else { return Ok(BTreeMap::new()) };
+    let (time, wanted) = (frame / fps, define.get("animation"));
     let mut found = BTreeMap::new();
     for (i, animation) in document.list("animations").iter().enumerate() {
-        let name = animation.get("name").and_then(Json::text).unwrap_or("");
-        let is_played =
-            wanted.is_none_or(|w| w == name || w.parse() == Ok(i) || *w == format!("animations[{i}]"));
-        if !is_played {
+        if !wanted.is_none_or(|wanted| is_called(i, animation, wanted)) {
             continue;
         }
         let samplers = required(animation, "samplers")?.items();
