@@ -151,11 +151,99 @@ impl<'o> Translator<'o, '_, '_> {
 
     fn new_bsdf(&mut self, i: usize, around: Around) -> Material {
         let o: &'o Object = &self.objects[i];
-        let Around { two_sided, uv, .. } = around;
-        let relief = self.reliefs[around.relief].clone();
+        let uv = around.uv;
         if around.interior > 0 && !is_clear_or_holds(&o.plugin) {
             self.medium_is_left_out(around.interior - 1, "nothing is there instead");
         }
+        match o.plugin.as_str() {
+            "twosided" => {
+                self.only(o, &["allow_transmission", "*"]);
+                let around = Around { two_sided: true, ..around };
+                let parts = self.inside(o, Class::Bsdf);
+                match parts.as_slice() {
+                    [one] => self.same_as(*one, around),
+                    [front, back, ..] => {
+                        let (front, back) = (self.bsdf(*front, around), self.bsdf(*back, around));
+                        Material::TwoFaces(TwoFaces {
+                            front: Box::new(front),
+                            back: Box::new(back),
+                            relief: Relief::default(),
+                        })
+                    }
+                    [] => self.lacks_bsdf(o),
+                }
+            }
+            "mask" => {
+                self.only(o, &["opacity", "*"]);
+                let opacity = self.varying(o, "opacity", 0.5, Limit::UNIT, uv);
+                let Some(&part) = self.inside(o, Class::Bsdf).first() else { return self.lacks_bsdf(o) };
+                let material = Box::new(self.bsdf(part, around));
+                Material::Mask(Mask { material, opacity, relief: Relief::default() })
+            }
+            "blendbsdf" => {
+                self.only(o, &["weight", "*"]);
+                let weight = self.varying(o, "weight", 0.5, Limit::UNIT, uv);
+                let parts = self.inside(o, Class::Bsdf);
+                let [first, second, ..] = parts[..] else { return self.lacks_bsdf(o) };
+                let (first, second) = (self.bsdf(first, around), self.bsdf(second, around));
+                Material::Mix(Mix {
+                    first: Box::new(first),
+                    second: Box::new(second),
+                    weight,
+                    relief: Relief::default(),
+                })
+            }
+            "mixturebsdf" => self.mixture(o, around),
+            "bumpmap" => {
+                self.only(o, &["scale", "flip_invalid_normals", "use_shadowing_function", "*"]);
+                let height = self.within(o, "scale", 1.0, Limit::within(-1e6, 1e6));
+                self.in_relief(o, around, |t, texture, relief| {
+                    let texture = t.texture(texture, uv, Role::Number);
+                    relief.bump = Some(Bump { texture, height });
+                })
+            }
+            "normalmap" => {
+                self.only(o, &["flip_invalid_normals", "use_shadowing_function", "*"]);
+                if uv == Uv::Disc {
+                    self.alike(
+                        "disc",
+                        o,
+                        "on a disc the red of a normal map is along x here, not out from its middle"
+                            .to_owned(),
+                    );
+                }
+                self.in_relief(o, around, |t, texture, relief| {
+                    let texture = t.texture(texture, uv, Role::Light);
+                    // Where u runs the other way here, so do both directions of the frame, which is right-handed there.
+                    let strength = if uv == Uv::FlipU { -1.0 } else { 1.0 };
+                    let (space, green) = (NormalSpace::Tangent, GreenAxis::Up);
+                    relief.normal_map = Some(NormalMap { texture, space, green, strength });
+                })
+            }
+            "coating" | "roughcoating" => {
+                self.only(
+                    o,
+                    &[
+                        "int_ior",
+                        "ext_ior",
+                        "thickness",
+                        "sigma_a",
+                        "alpha",
+                        "distribution",
+                        "specular_reflectance",
+                        "*",
+                    ],
+                );
+                self.coating(o, around)
+            }
+            _ => self.lone_bsdf(o, around),
+        }
+    }
+
+    /// A BSDF that holds no other. Apart from those that do, which are made of one another many deep: what all of these take on the stack together is a lot.
+    fn lone_bsdf(&mut self, o: &'o Object, around: Around) -> Material {
+        let Around { two_sided, uv, .. } = around;
+        let relief = self.reliefs[around.relief].clone();
         match o.plugin.as_str() {
             "diffuse" => {
                 self.only(o, &["reflectance"]);
@@ -236,73 +324,9 @@ impl<'o> Translator<'o, '_, '_> {
                 };
                 Material::OpenPbr(m)
             }
-            "twosided" => {
-                self.only(o, &["allow_transmission", "*"]);
-                let around = Around { two_sided: true, ..around };
-                let parts = self.inside(o, Class::Bsdf);
-                match parts.as_slice() {
-                    [one] => self.same_as(*one, around),
-                    [front, back, ..] => {
-                        let (front, back) = (self.bsdf(*front, around), self.bsdf(*back, around));
-                        Material::TwoFaces(TwoFaces {
-                            front: Box::new(front),
-                            back: Box::new(back),
-                            relief: Relief::default(),
-                        })
-                    }
-                    [] => self.lacks_bsdf(o),
-                }
-            }
-            "mask" => {
-                self.only(o, &["opacity", "*"]);
-                let opacity = self.varying(o, "opacity", 0.5, Limit::UNIT, uv);
-                let Some(&part) = self.inside(o, Class::Bsdf).first() else { return self.lacks_bsdf(o) };
-                let material = Box::new(self.bsdf(part, around));
-                Material::Mask(Mask { material, opacity, relief: Relief::default() })
-            }
             "null" => {
                 self.only(o, &[]);
                 nothing()
-            }
-            "blendbsdf" => {
-                self.only(o, &["weight", "*"]);
-                let weight = self.varying(o, "weight", 0.5, Limit::UNIT, uv);
-                let parts = self.inside(o, Class::Bsdf);
-                let [first, second, ..] = parts[..] else { return self.lacks_bsdf(o) };
-                let (first, second) = (self.bsdf(first, around), self.bsdf(second, around));
-                Material::Mix(Mix {
-                    first: Box::new(first),
-                    second: Box::new(second),
-                    weight,
-                    relief: Relief::default(),
-                })
-            }
-            "mixturebsdf" => self.mixture(o, around),
-            "bumpmap" => {
-                self.only(o, &["scale", "flip_invalid_normals", "use_shadowing_function", "*"]);
-                let height = self.within(o, "scale", 1.0, Limit::within(-1e6, 1e6));
-                self.in_relief(o, around, |t, texture, relief| {
-                    let texture = t.texture(texture, uv, Role::Number);
-                    relief.bump = Some(Bump { texture, height });
-                })
-            }
-            "normalmap" => {
-                self.only(o, &["flip_invalid_normals", "use_shadowing_function", "*"]);
-                if uv == Uv::Disc {
-                    self.alike(
-                        "disc",
-                        o,
-                        "on a disc the red of a normal map is along x here, not out from its middle"
-                            .to_owned(),
-                    );
-                }
-                self.in_relief(o, around, |t, texture, relief| {
-                    let texture = t.texture(texture, uv, Role::Light);
-                    // Where u runs the other way here, so do both directions of the frame, which is right-handed there.
-                    let strength = if uv == Uv::FlipU { -1.0 } else { 1.0 };
-                    let (space, green) = (NormalSpace::Tangent, GreenAxis::Up);
-                    relief.normal_map = Some(NormalMap { texture, space, green, strength });
-                })
             }
             "phong" => {
                 self.only(
@@ -359,22 +383,6 @@ impl<'o> Translator<'o, '_, '_> {
                 let transmittance = self.colour(o, "transmittance", 0.5, For::Share, uv);
                 let reflectance = Varying::Constant(Spectrum::grey(0.0));
                 Material::DiffuseTransmission(DiffuseTransmission { reflectance, transmittance, relief })
-            }
-            "coating" | "roughcoating" => {
-                self.only(
-                    o,
-                    &[
-                        "int_ior",
-                        "ext_ior",
-                        "thickness",
-                        "sigma_a",
-                        "alpha",
-                        "distribution",
-                        "specular_reflectance",
-                        "*",
-                    ],
-                );
-                self.coating(o, around, relief)
             }
             _ => {
                 self.unsupported(o, "grey that scatters evenly stands in for it");
@@ -722,7 +730,8 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// A clear coat over another: what comes nearest.
-    fn coating(&mut self, o: &'o Object, around: Around, relief: Relief) -> Material {
+    fn coating(&mut self, o: &'o Object, around: Around) -> Material {
+        let relief = self.reliefs[around.relief].clone();
         let Some(&part) = self.inside(o, Class::Bsdf).first() else { return self.lacks_bsdf(o) };
         let (eta, eta_outside) = (self.index(o, "int_ior", "bk7"), self.index(o, "ext_ior", "air"));
         let alpha =
