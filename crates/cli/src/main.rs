@@ -26,19 +26,23 @@ use std::ffi::OsString;
 use std::panic;
 use std::process::ExitCode;
 use std::time::Instant;
+use straal_formats::atomic;
 
 fn main() -> ExitCode {
     let start = Instant::now();
-    panic::set_hook(Box::new(|info| {
-        let told = bug(&info.to_string());
-        out::say(&told);
-        out::last_words(|| {
-            complaint::failure_as_json(&Failure { exit: Exit::Bug, ..Failure::input(told.trim_end()) })
-        });
-    }));
-    // Unwinding before the end removes the temporary file of a picture that was being written.
-    let exit = panic::catch_unwind(|| run(start)).unwrap_or(Exit::Bug);
-    ExitCode::from(exit.code())
+    panic::set_hook(Box::new(|info| end_by_bug(&info.to_string())));
+    ExitCode::from(run(start).code())
+}
+
+/// Tells of a panic and ends the command, whichever thread it is on: without the file of a picture that was being written.
+fn end_by_bug(panic: &str) -> ! {
+    let told = bug(panic);
+    out::say(&told);
+    out::last_words(|| {
+        complaint::failure_as_json(&Failure { exit: Exit::Bug, ..Failure::input(told.trim_end()) })
+    });
+    atomic::abandon();
+    std::process::exit(Exit::Bug.code().into())
 }
 
 fn run(start: Instant) -> Exit {

@@ -86,13 +86,20 @@ fn way() -> Vec<(f64, Stand)> {
 /// Checks each kind of camera, carried along a way, by the still one that stands where the way is at a moment.
 #[track_caller]
 fn is_carried(way: &[(f64, Stand)], shutter: [f64; 2], moments: &[(f32, Stand)]) {
+    // All kinds at each moment: some take long to make.
+    let stills: Vec<_> = moments
+        .iter()
+        .map(|(time, stand)| {
+            let view = View::look_at(stand.eye, stand.look_at, stand.up).unwrap();
+            (*time, every_kind(&view.rolled(stand.roll)))
+        })
+        .collect();
     for (name, own) in every_kind(&View::ORIGIN).into_iter().filter(|(n, _)| *n != "moving") {
         let moving = Camera::Moving(Moving::new(own, way.to_vec(), shutter).unwrap());
-        for &(time, stand) in moments {
-            let view = View::look_at(stand.eye, stand.look_at, stand.up).unwrap();
-            let still = every_kind(&view.rolled(stand.roll)).into_iter().find(|(n, _)| *n == name).unwrap().1;
+        for (time, kinds) in &stills {
+            let still = &kinds.iter().find(|(n, _)| *n == name).unwrap().1;
             for position in [[100.5, 50.5], [62.0, 31.0], [130.0, 60.0]] {
-                let at = FilmPoint { time, lens: [0.3, 0.8], ..FilmPoint::at(position) };
+                let at = FilmPoint { time: *time, lens: [0.3, 0.8], ..FilmPoint::at(position) };
                 let (found, want) = (moving.ray(&at), still.ray(&at));
                 let (Some(found), Some(want)) = (found, want) else {
                     assert_eq!(found.is_some(), want.is_some(), "{name}");
