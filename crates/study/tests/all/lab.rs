@@ -53,7 +53,7 @@ fn all_structures_find_the_same() {
 
 #[test]
 fn counts_are_the_same_each_time() {
-    let loaded = load("scenes/embedded.yaml");
+    let loaded = load("scenes/cornell-box.yaml");
     let tests = || run(&loaded, &small()).rows.iter().map(|r| (r.name.clone(), r.tests)).collect::<Vec<_>>();
     let first = tests();
     assert_eq!(first, tests());
