@@ -61,6 +61,8 @@ pub struct Scene {
     structure: Structure,
     /// Groups whose structures were another scene's.
     taken_over: usize,
+    /// Groups whose structures were another scene's, with boxes of their own.
+    refitted: usize,
     isa: Isa,
     kernel: Chosen,
     many: bool,
@@ -82,7 +84,8 @@ impl Scene {
     }
 
     /// The same, after a scene of which much may have stayed, as after the frame before: where a group of the same number has the same
-    /// triangles and nothing else, its structure is taken over. The result is that of [`Self::build`].
+    /// triangles and nothing else, its structure is taken over; where it has as much as there was, in other places, its tree may be kept with other boxes. What
+    /// rays hit is what they hit after [`Self::build`].
     pub fn build_after(
         mut before: Option<Self>,
         input: Input,
@@ -114,6 +117,7 @@ impl Scene {
                 .collect(),
             structure: options.structure,
             taken_over: 0,
+            refitted: 0,
             isa: options.isa,
             kernel: Chosen::new(options.isa),
             many: options.flight == Flight::Many,
@@ -124,7 +128,13 @@ impl Scene {
             scene.taken_over += usize::from(kept.is_some());
             let (data, searcher, dropped) = match kept {
                 Some(kept) => kept,
-                None => scene.build_group(g, &groups[g], firsts[g], shapes, options)?,
+                None => {
+                    let old = before.as_mut().and_then(|before| before.give_tree(g));
+                    let (built, is_refitted) =
+                        scene.build_group(g, &groups[g], firsts[g], shapes, options, old)?;
+                    scene.refitted += usize::from(is_refitted);
+                    built
+                }
             };
             (scene.stage.groups[g], scene.stage.searchers[g]) = (data, searcher);
             scene.dropped.extend(dropped);
@@ -158,6 +168,19 @@ impl Scene {
             |id: &u32| self.dropped.iter().find(|lost| lost.from == DroppedFrom::Geometry(*id)).copied();
         let dropped = own.geometries.iter().filter_map(lost).collect();
         Some((data, searcher, dropped))
+    }
+
+    /// Gives the tree of a group away, whatever is in it.
+    fn give_tree(&mut self, g: usize) -> Option<Bvh> {
+        match std::mem::replace(self.stage.searchers.get_mut(g)?, Searcher::Bvh(Bvh::EMPTY)) {
+            Searcher::Bvh(bvh) => Some(bvh),
+            _ => None,
+        }
+    }
+
+    /// How many groups have the tree that another scene had, with boxes where things are ([`Self::build_after`]).
+    pub fn refitted(&self) -> usize {
+        self.refitted
     }
 
     /// How many groups have the structure that another scene had ([`Self::build_after`]).
@@ -296,7 +319,8 @@ impl Scene {
         first_instance: u32,
         shapes: &dyn Shapes,
         options: &Options,
-    ) -> Result<(GroupData, Searcher, Vec<Dropped>), BuildError> {
+        old: Option<Bvh>,
+    ) -> Result<((GroupData, Searcher, Vec<Dropped>), bool), BuildError> {
         let mut data = GroupData { is_built: true, ..GroupData::empty(index) };
         let mut prims = Vec::new();
         // What is searched one by one needs no boxes.
@@ -414,6 +438,7 @@ impl Scene {
         let alone = brute.as_ref().map_or(0, Brute::len);
         data.is_large = data.has_large || alone + prims.len() + members.len() >= LARGE;
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
+        let mut is_refitted = false;
         let searcher = match options.structure {
             Structure::Brute => {
                 let mut brute = brute.unwrap_or_default();
@@ -422,7 +447,11 @@ impl Scene {
             }
             Structure::Bvh(params) => {
                 let vertices = |id| self.stage.vertices(&data, id);
-                let bvh = Bvh::build(prims, members, &params, vertices, |id| data.locate(id));
+                let refit = |old: Bvh| old.refitted(&prims, &members, &vertices, |id| data.locate(id));
+                let refitted = old.and_then(refit);
+                is_refitted = refitted.is_some();
+                let build = || Bvh::build(prims, members, &params, vertices, |id| data.locate(id));
+                let bvh = refitted.or_else(build);
                 Searcher::Bvh(
                     bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree", most: LIMIT })?,
                 )
@@ -441,7 +470,7 @@ impl Scene {
                 Searcher::Volumes(Volumes::build(&prims, &params, &content))
             }
         };
-        Ok((data, searcher, dropped))
+        Ok(((data, searcher, dropped), is_refitted))
     }
 }
 
