@@ -716,7 +716,7 @@ fn documents_of_materialx_are_layers() {
       <input name="pivot" type="vector2" value="1, 0"/><input name="offset" type="vector2" value="0.25, 0.75"/></place2d>
     <image name="colour" type="color3"><input name="file" type="filename" value="p.pfm"/><input name="texcoord" type="vector2" nodename="place"/></image>
     <multiply name="product" type="color3"><input name="in1" type="color3" nodename="colour"/><input name="in2" type="float" interfacename="dark"/></multiply>
-    <image name="bumps" type="vector3"><input name="file" type="filename" value="p.pfm"/></image>
+    <image name="bumps" type="vector3"><input name="file" type="filename" value="tex/p.pfm"/></image>
     <normalmap name="normal" type="vector3"><input name="in" type="vector3" nodename="bumps"/></normalmap>
     <output name="out_colour" type="color3" nodename="product"/>
     <output name="out_normal" type="vector3" nodename="normal"/>

@@ -164,7 +164,9 @@ impl<'a, 'i> Writer<'_, 'a, 'i> {
             "integer" | "float" | "color3" | "color4" | "vector2" | "vector3" | "vector4" => numbers(),
             "filename" => {
                 let prefix = input.ancestors().find_map(|n| n.attribute("fileprefix"));
-                let prefix = prefix.filter(|_| !value.starts_with('/')).unwrap_or_default();
+                // Some names have it in them, since USD once took no notice of it.
+                let is_whole = |prefix: &&str| value.starts_with('/') || value.starts_with(*prefix);
+                let prefix = prefix.filter(|prefix| !is_whole(prefix)).unwrap_or_default();
                 // Numbers of tiles are called otherwise in USD.
                 let file = format!("{prefix}{value}").replace("<udim>", "<UDIM>").replace('@', "");
                 let space = self.space(input);

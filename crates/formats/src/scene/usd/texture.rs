@@ -202,9 +202,19 @@ impl Translation<'_, '_> {
         let names = if is_of_mtlx { ["uaddressmode", "vaddressmode"] } else { ["wrapS", "wrapT"] };
         let wrap = Wraps(names.map(|name| wrap(self.word_of(shader, name))));
         let color_space = match space.as_deref() {
-            Some("raw" | "lin_rec709" | "lin_rec709_scene") => TextureSpace::Linear,
-            Some("sRGB" | "srgb_texture" | "srgb_rec709_scene") => TextureSpace::Srgb,
-            _ => TextureSpace::Auto,
+            Some("raw" | "Raw" | "data" | "lin_rec709" | "lin_rec709_scene" | "lin_srgb") => {
+                TextureSpace::Linear
+            }
+            Some("sRGB" | "srgb_texture" | "srgb_rec709_scene" | "srgb_tx") => TextureSpace::Srgb,
+            None | Some("auto" | "") => TextureSpace::Auto,
+            Some(other) => {
+                let other = straal_scene::suggest::brief(other).into_owned();
+                let message = format!(
+                    "the colour space `{other}` isn't read: its picture is taken as one of its format is"
+                );
+                self.warn(shader, &message);
+                TextureSpace::Auto
+            }
         };
         let four = |t: &Self, name: &str, otherwise: f64| {
             let (prim, property) = t.said(shader, name);
