@@ -4,7 +4,6 @@
 #![allow(clippy::print_stdout, clippy::disallowed_methods)] // a program that prints, and whose rays reach no pixel
 
 #[path = "../tests/all/common/mod.rs"]
-#[allow(dead_code)]
 mod common;
 
 use std::time::Instant;

@@ -76,6 +76,16 @@ struct Contents {
     first_instance: u32,
 }
 
+/// A group with its structure.
+struct Grouped {
+    data: GroupData,
+    searcher: Searcher,
+    /// What can never be hit in it.
+    dropped: Vec<Dropped>,
+    /// Whether the structure is another scene's, with boxes of its own.
+    is_refitted: bool,
+}
+
 impl Scene {
     /// Checks the input and builds the structure of every group that the world needs. Uses the threads of the current
     /// rayon pool; the result doesn't depend on their number.
@@ -126,16 +136,15 @@ impl Scene {
         for g in order {
             let kept = before.as_mut().and_then(|before| before.give(g, &groups[g], &scene.stage));
             scene.taken_over += usize::from(kept.is_some());
-            let (data, searcher, dropped) = match kept {
+            let made = match kept {
                 Some(kept) => kept,
                 None => {
                     let old = before.as_mut().and_then(|before| before.give_tree(g));
-                    let (built, is_refitted) =
-                        scene.build_group(g, &groups[g], firsts[g], shapes, options, old)?;
-                    scene.refitted += usize::from(is_refitted);
-                    built
+                    scene.build_group(g, &groups[g], firsts[g], shapes, options, old)?
                 }
             };
+            let Grouped { data, searcher, dropped, is_refitted } = made;
+            scene.refitted += usize::from(is_refitted);
             (scene.stage.groups[g], scene.stage.searchers[g]) = (data, searcher);
             scene.dropped.extend(dropped);
         }
@@ -143,12 +152,7 @@ impl Scene {
     }
 
     /// Gives the structure of a group away, if all that is in the group of that number are the same triangles.
-    fn give(
-        &mut self,
-        g: usize,
-        group: &Group,
-        stage: &Stage<Searcher>,
-    ) -> Option<(GroupData, Searcher, Vec<Dropped>)> {
+    fn give(&mut self, g: usize, group: &Group, stage: &Stage<Searcher>) -> Option<Grouped> {
         let own = self.contents.get(g)?;
         let is_built = self.stage.groups[g].is_built;
         let is_same = |&id: &u32| {
@@ -167,7 +171,7 @@ impl Scene {
         let lost =
             |id: &u32| self.dropped.iter().find(|lost| lost.from == DroppedFrom::Geometry(*id)).copied();
         let dropped = own.geometries.iter().filter_map(lost).collect();
-        Some((data, searcher, dropped))
+        Some(Grouped { data, searcher, dropped, is_refitted: false })
     }
 
     /// Gives the tree of a group away, whatever is in it.
@@ -320,7 +324,7 @@ impl Scene {
         shapes: &dyn Shapes,
         options: &Options,
         old: Option<Bvh>,
-    ) -> Result<((GroupData, Searcher, Vec<Dropped>), bool), BuildError> {
+    ) -> Result<Grouped, BuildError> {
         let mut data = GroupData { is_built: true, ..GroupData::empty(index) };
         let mut prims = Vec::new();
         // What is searched one by one needs no boxes.
@@ -470,7 +474,7 @@ impl Scene {
                 Searcher::Volumes(Volumes::build(&prims, &params, &content))
             }
         };
-        Ok(((data, searcher, dropped), is_refitted))
+        Ok(Grouped { data, searcher, dropped, is_refitted })
     }
 }
 
