@@ -767,6 +767,15 @@ def DomeLight "D" {}"#;
     let straal_scene::desc::Mapping::Uv(uv) = &image.mapping else { panic!() };
     // About (1, 0) scaled by 2 and 4 and turned clockwise: (u, v) goes to (4 v, 2 - 2 u), then by the offset and back to the pivot.
     assert_eq!((uv.scale, uv.rotate, uv.translate), ([2.0, 4.0], -90.0, [0.75, 1.25]));
+    // One that ends anywhere, or has a byte of another, is read or complained of.
+    for cut in (0..document.len()).step_by(11) {
+        std::fs::write(folder.path().join("m.mtlx"), &document[..cut]).unwrap();
+        assert!(read().is_err(), "{cut}");
+        let mut other = document.as_bytes().to_vec();
+        other[cut] = b"<>\"@()/a"[cut % 8];
+        std::fs::write(folder.path().join("m.mtlx"), other).unwrap();
+        let _ = read();
+    }
     // What is no document ends in a complaint.
     for (text, complaint) in
         [("<materialx><a></materialx>", "is no XML"), ("<other/>", "neither a layer of USD nor")]
