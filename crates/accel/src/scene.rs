@@ -61,6 +61,8 @@ pub struct Scene {
     structure: Structure,
     /// Groups whose structures were another scene's.
     taken_over: usize,
+    /// Groups whose structures were another scene's, with boxes of their own.
+    refitted: usize,
     isa: Isa,
     kernel: Chosen,
     many: bool,
@@ -74,6 +76,16 @@ struct Contents {
     first_instance: u32,
 }
 
+/// A group with its structure.
+struct Grouped {
+    data: GroupData,
+    searcher: Searcher,
+    /// What can never be hit in it.
+    dropped: Vec<Dropped>,
+    /// Whether the structure is another scene's, with boxes of its own.
+    is_refitted: bool,
+}
+
 impl Scene {
     /// Checks the input and builds the structure of every group that the world needs. Uses the threads of the current
     /// rayon pool; the result doesn't depend on their number.
@@ -82,7 +94,8 @@ impl Scene {
     }
 
     /// The same, after a scene of which much may have stayed, as after the frame before: where a group of the same number has the same
-    /// triangles and nothing else, its structure is taken over. The result is that of [`Self::build`].
+    /// triangles and nothing else, its structure is taken over; where it has as much as there was, in other places, its tree may be kept with other boxes. What
+    /// rays hit is what they hit after [`Self::build`].
     pub fn build_after(
         mut before: Option<Self>,
         input: Input,
@@ -114,6 +127,7 @@ impl Scene {
                 .collect(),
             structure: options.structure,
             taken_over: 0,
+            refitted: 0,
             isa: options.isa,
             kernel: Chosen::new(options.isa),
             many: options.flight == Flight::Many,
@@ -122,10 +136,15 @@ impl Scene {
         for g in order {
             let kept = before.as_mut().and_then(|before| before.give(g, &groups[g], &scene.stage));
             scene.taken_over += usize::from(kept.is_some());
-            let (data, searcher, dropped) = match kept {
+            let made = match kept {
                 Some(kept) => kept,
-                None => scene.build_group(g, &groups[g], firsts[g], shapes, options)?,
+                None => {
+                    let old = before.as_mut().and_then(|before| before.give_tree(g));
+                    scene.build_group(g, &groups[g], firsts[g], shapes, options, old)?
+                }
             };
+            let Grouped { data, searcher, dropped, is_refitted } = made;
+            scene.refitted += usize::from(is_refitted);
             (scene.stage.groups[g], scene.stage.searchers[g]) = (data, searcher);
             scene.dropped.extend(dropped);
         }
@@ -133,12 +152,7 @@ impl Scene {
     }
 
     /// Gives the structure of a group away, if all that is in the group of that number are the same triangles.
-    fn give(
-        &mut self,
-        g: usize,
-        group: &Group,
-        stage: &Stage<Searcher>,
-    ) -> Option<(GroupData, Searcher, Vec<Dropped>)> {
+    fn give(&mut self, g: usize, group: &Group, stage: &Stage<Searcher>) -> Option<Grouped> {
         let own = self.contents.get(g)?;
         let is_built = self.stage.groups[g].is_built;
         let is_same = |&id: &u32| {
@@ -157,7 +171,20 @@ impl Scene {
         let lost =
             |id: &u32| self.dropped.iter().find(|lost| lost.from == DroppedFrom::Geometry(*id)).copied();
         let dropped = own.geometries.iter().filter_map(lost).collect();
-        Some((data, searcher, dropped))
+        Some(Grouped { data, searcher, dropped, is_refitted: false })
+    }
+
+    /// Gives the tree of a group away, whatever is in it.
+    fn give_tree(&mut self, g: usize) -> Option<Bvh> {
+        match std::mem::replace(self.stage.searchers.get_mut(g)?, Searcher::Bvh(Bvh::EMPTY)) {
+            Searcher::Bvh(bvh) => Some(bvh),
+            _ => None,
+        }
+    }
+
+    /// How many groups have the tree that another scene had, with boxes where things are ([`Self::build_after`]).
+    pub fn refitted(&self) -> usize {
+        self.refitted
     }
 
     /// How many groups have the structure that another scene had ([`Self::build_after`]).
@@ -296,7 +323,8 @@ impl Scene {
         first_instance: u32,
         shapes: &dyn Shapes,
         options: &Options,
-    ) -> Result<(GroupData, Searcher, Vec<Dropped>), BuildError> {
+        old: Option<Bvh>,
+    ) -> Result<Grouped, BuildError> {
         let mut data = GroupData { is_built: true, ..GroupData::empty(index) };
         let mut prims = Vec::new();
         // What is searched one by one needs no boxes.
@@ -414,6 +442,7 @@ impl Scene {
         let alone = brute.as_ref().map_or(0, Brute::len);
         data.is_large = data.has_large || alone + prims.len() + members.len() >= LARGE;
         data.bounds = prims.iter().fold(data.bounds, |b, p| b.union(p.bounds));
+        let mut is_refitted = false;
         let searcher = match options.structure {
             Structure::Brute => {
                 let mut brute = brute.unwrap_or_default();
@@ -422,7 +451,11 @@ impl Scene {
             }
             Structure::Bvh(params) => {
                 let vertices = |id| self.stage.vertices(&data, id);
-                let bvh = Bvh::build(prims, members, &params, vertices, |id| data.locate(id));
+                let refit = |old: Bvh| old.refitted(&prims, &members, &vertices, |id| data.locate(id));
+                let refitted = old.and_then(refit);
+                is_refitted = refitted.is_some();
+                let build = || Bvh::build(prims, members, &params, vertices, |id| data.locate(id));
+                let bvh = refitted.or_else(build);
                 Searcher::Bvh(
                     bvh.ok_or(BuildError::TooMany { what: "lines of 64 bytes in a tree", most: LIMIT })?,
                 )
@@ -441,7 +474,7 @@ impl Scene {
                 Searcher::Volumes(Volumes::build(&prims, &params, &content))
             }
         };
-        Ok((data, searcher, dropped))
+        Ok(Grouped { data, searcher, dropped, is_refitted })
     }
 }
 

@@ -220,6 +220,7 @@ fn of_bytes(
         define: &options.define,
         frame: options.frame,
         lenient: options.lenient,
+        size: options.studio.size,
         d: &mut d,
     };
     let Some(translated) = kind.translate(&path.display().to_string(), &bytes, &mut means) else {

@@ -1,6 +1,6 @@
 //! A tree of boxes, eight wide, with blocks of up to eight triangles in its leaves.
 //!
-//! `build.rs` makes it from boxes alone, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
+//! `build.rs` makes it from boxes alone, `refit.rs` gives it other boxes, `traverse.rs` searches it with one ray, `many.rs` with a slice of them; the arithmetic is the kernels'.
 
 mod answers;
 mod batch;
@@ -14,6 +14,7 @@ pub(crate) mod near;
 mod object_split;
 mod packet;
 pub mod params;
+mod refit;
 mod slots;
 mod span;
 mod spatial_split;
@@ -63,6 +64,8 @@ pub(crate) struct Bvh {
     few: Blocks,
     /// All that is in the tree, where that is but a few triangles.
     triangles: FewTriangles,
+    /// Of one whose boxes were made anew, what a search cost when it was built.
+    built_cost: Option<f64>,
 }
 
 impl Bvh {
@@ -73,6 +76,7 @@ impl Bvh {
         shapes: Blocks::EMPTY,
         few: Blocks::EMPTY,
         triangles: FewTriangles::EMPTY,
+        built_cost: None,
     };
 
     /// How long nodes are likely to be waited for.

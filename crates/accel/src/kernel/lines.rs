@@ -54,6 +54,20 @@ impl Lines {
         self.0.extend_from_slice(unsafe { &*lines });
     }
 
+    /// Puts a node where another begins.
+    pub fn set_node(&mut self, line: usize, node: &Node) {
+        let from = (&raw const *node).cast::<[Line; NODE]>();
+        // SAFETY: as where one is added.
+        self.0[line..line + NODE].copy_from_slice(unsafe { &*from });
+    }
+
+    /// Puts a block where another begins.
+    pub fn set_block(&mut self, line: usize, block: &Block) {
+        let from = (&raw const *block).cast::<[Line; BLOCK]>();
+        // SAFETY: as with nodes.
+        self.0[line..line + BLOCK].copy_from_slice(unsafe { &*from });
+    }
+
     /// What nodes are read from in a loop.
     #[inline(always)]
     pub const fn nodes(&self) -> Nodes<'_> {

@@ -33,6 +33,27 @@ impl Node {
 }
 
 impl Node {
+    /// Whether a slot has a child.
+    pub fn is_used(&self, lane: usize) -> bool {
+        self.planes[0][lane] < f32::INFINITY
+    }
+
+    /// Gives a child another box.
+    pub fn set_bounds(&mut self, lane: usize, b: &Bounds) {
+        let (min, max) = (b.min.to_array(), b.max.to_array());
+        for axis in 0..3 {
+            self.planes[2 * axis][lane] = min[axis];
+            self.planes[2 * axis + 1][lane] = max[axis];
+        }
+    }
+
+    /// The box around all children.
+    pub fn whole(&self) -> Bounds {
+        (0..WIDTH)
+            .filter(|&lane| self.is_used(lane))
+            .fold(Bounds::EMPTY, |b, lane| b.union(self.bounds(lane)))
+    }
+
     /// Boxes in it, for counting.
     pub fn count(&self) -> u32 {
         self.planes[0].iter().map(|&x| u32::from(x < f32::INFINITY)).sum()

@@ -23,6 +23,9 @@ const COLOURS: [[&str; 4]; 3] = [
     ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"],
 ];
 
+/// What the names of numbers end in that are an attribute together.
+const PLACES: [[&str; 3]; 3] = [["_0", "_1", "_2"], ["_x", "_y", "_z"], ["_1", "_2", "_3"]];
+
 /// The names of a further set of texture coordinates; the set's number comes behind them.
 const COORDINATES: [[&str; 2]; 3] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"]];
 
@@ -71,6 +74,21 @@ impl Columns {
                 && let (Some(r), Some(g), Some(b)) = (find(&property.name), find(&g), find(&b))
             {
                 columns.add(&name, per, &[r, g, b], scalar);
+            }
+        }
+        // One number or three whose names end in a place, as Mitsuba writes them: `x_0`, `x_1`, `x_2` are `x`.
+        for property in properties {
+            for [first, second, third] in PLACES {
+                let Some(stem) = property.name.strip_suffix(first) else { continue };
+                let [at, b, c] = [first, second, third].map(|end| find(&format!("{stem}{end}")));
+                // Not where each is wanted by itself.
+                let is_taken = find(stem).is_some()
+                    || wanted(&property.name)
+                    || columns.attributes.iter().any(|a| a.name == stem);
+                if let Some(a) = at.filter(|_| !is_taken && wanted(stem)) {
+                    let rest = b.zip(c).map_or(Vec::new(), |(b, c)| vec![b, c]);
+                    columns.add(stem, per, &[vec![a], rest].concat(), scalar);
+                }
             }
         }
         for (i, property) in properties.iter().enumerate() {

@@ -95,6 +95,8 @@ pub(crate) struct Means<'a> {
     pub frame: f64,
     /// Whether what is unknown is only warned of.
     pub lenient: bool,
+    /// Width and height of a picture by a camera that shows all, where the file has none.
+    pub size: Option<[u32; 2]>,
     /// What is complained of. Texts that are read go to its sources first, so that complaints can point into them.
     pub d: &'a mut Diagnostics,
 }
@@ -102,8 +104,8 @@ pub(crate) struct Means<'a> {
 impl Means<'_> {
     /// The same for a read beside it, at a frame: what that complains of and what memory it takes stay with who asks.
     pub fn beside<'b>(&'b mut self, frame: f64, ledger: &'b mut Ledger, d: &'b mut Diagnostics) -> Means<'b> {
-        let Self { base, limits, finder, define, lenient, .. } = self;
-        Means { base, limits, finder, ledger, define, frame, lenient: *lenient, d }
+        let Self { base, limits, finder, define, lenient, size, .. } = self;
+        Means { base, limits, finder, ledger, define, frame, lenient: *lenient, size: *size, d }
     }
 }
 

@@ -578,3 +578,21 @@ fn damaged_files_end_in_a_scene_or_complaints() {
         }
     }
 }
+
+/// Where a file has no camera, one is made that shows all in the picture that is asked for.
+#[test]
+fn the_camera_that_shows_all_suits_the_picture() {
+    let text =
+        triangle(r#", "nodes": [{"mesh": 0, "scale": [8, 1, 1]}], "scenes": [{"nodes": [0]}], "scene": 0"#);
+    let eye = |size: Option<[u32; 2]>| {
+        let studio = straal_formats::studio::Studio { size, ..Default::default() };
+        let options = Options { studio, ..Options::default() };
+        let path = Path::new("nowhere/a.gltf");
+        let loaded = load_foreign_bytes(Foreign::Gltf, path, text.clone().into_bytes(), &options).unwrap();
+        assert_eq!(loaded.scene.film.size, size.unwrap_or([800, 450]));
+        let Camera::Perspective(camera) = &loaded.scene.camera else { panic!("a perspective camera") };
+        (camera.observer.eye - camera.observer.look_at).length()
+    };
+    let (wide, tall) = (eye(None), eye(Some([100, 400])));
+    assert!(tall > 4.0 * wide, "{tall} from the side of a tall picture, {wide} of a wide one");
+}

@@ -364,3 +364,20 @@ fn further_sets_of_texture_coordinates_are_read_where_they_are_wanted() {
     assert!(warnings.is_empty(), "{warnings:?}");
     assert!(read("uv2").0.attributes.is_empty());
 }
+
+/// Mitsuba's names: three numbers that end in their places are an attribute, and so is one.
+#[test]
+fn numbers_whose_names_end_in_places_are_an_attribute() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float color_0\nproperty float \
+                color_1\nproperty float color_2\nproperty float heat_0\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                0 0 0 1 2 3 7\n1 0 0 4 5 6 8\n1 1 0 0 0 0 9\n3 0 1 2\n";
+    let read = |names: &'static [&str]| {
+        let wanted = |name: &str| names.contains(&name);
+        let mesh = ply::read_with(text.as_bytes(), &Limits::default(), &wanted).unwrap().mesh;
+        mesh.attributes.iter().map(|a| (a.name.clone(), a.channels, a.values.clone())).collect::<Vec<_>>()
+    };
+    let colour = ("color".to_owned(), 3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.0, 0.0, 0.0]);
+    let heat = |name: &str| (name.to_owned(), 1, vec![7.0, 8.0, 9.0]);
+    assert_eq!(read(&["color", "heat"]), [colour, heat("heat")]);
+    assert_eq!(read(&["heat_0"]), [heat("heat_0")]);
+}

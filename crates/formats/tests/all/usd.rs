@@ -508,7 +508,7 @@ fn damaged_files_end_in_complaints_or_scenes() {
 /// Two joints, of which the second is turned by a quarter about z and hangs one unit above the first.
 #[test]
 fn points_follow_the_joints_of_a_skeleton() {
-    let text = |animation: &str| {
+    let text_of = |animation: &str, between: &str, skinning: &str| {
         format!(
             r#"def SkelRoot "figure" {{
     double3 xformOp:translate = (10, 0, 0)
@@ -535,6 +535,7 @@ fn points_follow_the_joints_of_a_skeleton() {
         int[] faceVertexCounts = [3]
         int[] faceVertexIndices = [0, 1, 2]
         rel skel:skeleton = </figure/bones>
+        {skinning}
         int[] primvars:skel:jointIndices = [0, 1, 0, 1, 1, 0] (elementSize = 2 interpolation = "vertex")
         float[] primvars:skel:jointWeights = [1, 0, 0.5, 0.5, 1, 0] (elementSize = 2 interpolation = "vertex")
         matrix4d primvars:skel:geomBindTransform = ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))
@@ -542,12 +543,14 @@ fn points_follow_the_joints_of_a_skeleton() {
         rel skel:blendShapeTargets = </figure/skin/up>
         def BlendShape "up" {{
             uniform vector3f[] offsets = [(0, 0, 2)]
+            {between}
             uniform int[] pointIndices = [0]
         }}
     }}
 }}"#
         )
     };
+    let text = |animation: &str| text_of(animation, "", "");
     let points = |text: &str| {
         let loaded = stage(text);
         let (place, node) = shape(&loaded, "skin");
@@ -566,6 +569,50 @@ fn points_follow_the_joints_of_a_skeleton() {
     assert!((normals[2] - DVec3::Y).length() < 1e-5, "{normals:?}");
     let blended = text("uniform token[] blendShapes = [\"up\"]\nfloat[] blendShapeWeights = [0.5]");
     assert!((points(&blended).0[0] - DVec3::new(10.0, 0.0, 1.0)).length() < 1e-5);
+    // By way of another shape, and beyond it.
+    for (weight, wanted) in
+        [(0.125, [2.0, 0.0]), (0.25, [4.0, 0.0]), (0.5, [8.0 / 3.0, 2.0 / 3.0]), (1.0, [0.0, 2.0])]
+    {
+        let animation =
+            format!("uniform token[] blendShapes = [\"up\"]\nfloat[] blendShapeWeights = [{weight}]");
+        let between = "uniform vector3f[] inbetweens:first = [(0, 4, 0)] ( weight = 0.25 )";
+        let found = points(&text_of(&animation, between, "")).0[0];
+        assert!((found - DVec3::new(10.0, wanted[0], wanted[1])).length() < 1e-5, "{weight}: {found:?}");
+    }
+    // As screws: halfway to a quarter turn about (0, 1) is an eighth of one, by which (1, 1) comes as far as it was.
+    let method = "uniform token primvars:skel:skinningMethod = \"dualQuaternion\"";
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let wanted = [wanted[0], DVec3::new(10.0 + half, 1.0 + half, 0.0), wanted[2]];
+    for (found, wanted) in points(&text_of("", "", method)).0.iter().zip(wanted) {
+        assert!((*found - wanted).length() < 1e-5, "{found:?} is not {wanted:?}");
+    }
+}
+
+/// Curves that close, and widths by their ends.
+#[test]
+fn curves_close_and_have_widths_at_their_ends() {
+    let curve = |said: &str| {
+        let loaded = stage(&format!(
+            "def BasisCurves \"c\" {{ point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]\nint[] curveVertexCounts = [4]\n{said} }}"
+        ));
+        assert!(
+            !loaded.warnings.to_string().contains("widths") && !loaded.warnings.to_string().contains("open")
+        );
+        let Node::Curves(curves) = shape(&loaded, "c").1 else { panic!("curves") };
+        (curves.points.len(), curves.radii.clone())
+    };
+    let closed = |kind: &str| format!("uniform token type = \"{kind}\"\nuniform token wrap = \"periodic\"");
+    assert_eq!(curve(&closed("linear")).0, 5);
+    // Four pieces of Bezier's, and four of a B-spline.
+    assert_eq!(curve(&format!("{}\nuniform token basis = \"catmullRom\"", closed("cubic"))).0, 13);
+    assert_eq!(curve(&format!("{}\nuniform token basis = \"bspline\"", closed("cubic"))).0, 7);
+    let widths = |said: &str, widths: &str| curve(&format!("{said}\nfloat[] widths = {widths}")).1;
+    let bezier = "uniform token type = \"cubic\"\nuniform token basis = \"bezier\"";
+    assert_eq!(widths(bezier, "[2, 8]"), vec![1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(
+        widths("uniform token type = \"cubic\"\nuniform token basis = \"bspline\"", "[2, 4]"),
+        vec![1.0, 1.0, 2.0, 2.0]
+    );
 }
 
 #[test]
@@ -656,4 +703,85 @@ def Points "dust" {{
     near(dust.transforms[1].0.point(DVec3::X), DVec3::new(1.5, 2.0, 3.0));
     let still = stage(&text(0.0));
     assert!(still.scene.camera.observer().moving_to.is_none() && still.scene.world[0].motion().is_empty());
+}
+
+/// A document of MaterialX is a layer: each of its materials brings the nodes that it leads to.
+#[test]
+fn documents_of_materialx_are_layers() {
+    let document = r#"<?xml version="1.0"?>
+<materialx version="1.38" colorspace="srgb_texture" fileprefix="tex/">
+  <nodegraph name="NG">
+    <input name="dark" type="float" value="0.5"/>
+    <place2d name="place" type="vector2"><input name="scale" type="vector2" value="0.5, 0.25"/><input name="rotate" type="float" value="90"/>
+      <input name="pivot" type="vector2" value="1, 0"/><input name="offset" type="vector2" value="0.25, 0.75"/></place2d>
+    <image name="colour" type="color3"><input name="file" type="filename" value="p.pfm"/><input name="texcoord" type="vector2" nodename="place"/></image>
+    <multiply name="product" type="color3"><input name="in1" type="color3" nodename="colour"/><input name="in2" type="float" interfacename="dark"/></multiply>
+    <image name="bumps" type="vector3"><input name="file" type="filename" value="tex/p.pfm"/></image>
+    <normalmap name="normal" type="vector3"><input name="in" type="vector3" nodename="bumps"/></normalmap>
+    <output name="out_colour" type="color3" nodename="product"/>
+    <output name="out_normal" type="vector3" nodename="normal"/>
+  </nodegraph>
+  <constant name="shiny" type="float"><input name="value" type="float" value="0.75"/></constant>
+  <standard_surface name="S" type="surfaceshader">
+    <input name="base_color" type="color3" nodegraph="NG" output="out_colour"/>
+    <input name="normal" type="vector3" nodegraph="NG" output="out_normal"/>
+    <input name="specular_roughness" type="float" nodename="shiny"/>
+    <input name="metalness" type="float" value="0.25"/><input name="opacity" type="color3" value="0.25, 0.5, 0.75"/>
+  </standard_surface>
+  <surfacematerial name="M" type="material"><input name="surfaceshader" type="surfaceshader" nodename="S"/></surfacematerial>
+  <surfacematerial name="Bare" type="material"/>
+</materialx>"#;
+    let stage = r#"#usda 1.0
+( metersPerUnit = 1 )
+def Mesh "a" ( prepend apiSchemas = ["MaterialBindingAPI"] ) {
+    uniform token subdivisionScheme = "none"
+    point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    texCoord2f[] primvars:st = [(0, 0), (1, 0), (0, 1)] (interpolation = "vertex")
+    rel material:binding = </Looks/M>
+}
+def "Looks" ( prepend references = @./m.mtlx@</MaterialX/Materials> ) {}
+def DomeLight "D" {}"#;
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("tex")).unwrap();
+    std::fs::write(folder.path().join("tex/p.pfm"), [&b"PF\n1 1\n-1.0\n"[..], &[0; 12]].concat()).unwrap();
+    std::fs::write(folder.path().join("m.mtlx"), document).unwrap();
+    std::fs::write(folder.path().join("a.usda"), stage).unwrap();
+    let read = || load(&folder.path().join("a.usda"), &Options::default());
+    let loaded = read().unwrap_or_else(|e| panic!("{e}"));
+    assert!(loaded.warnings.list.is_empty(), "{}", loaded.warnings);
+    let Material::OpenPbr(m) = material(&loaded, &shape(&loaded, "a").1) else { panic!() };
+    assert_eq!(
+        (&m.base_metalness, &m.specular_roughness),
+        (&Varying::Constant(0.25), &Varying::Constant(0.75))
+    );
+    assert_eq!(m.geometry_opacity, Varying::Constant(0.5));
+    assert!(m.relief.normal_map.is_some());
+    let Varying::Texture(t) = &m.base_color else { panic!() };
+    let TextureOf::Inline(Texture::Scale(product)) = &**t else { panic!("{t:?}") };
+    assert_eq!(product.by, Varying::Constant(0.5));
+    let Varying::Texture(t) = &product.of else { panic!() };
+    let TextureOf::Inline(Texture::Image(image)) = &**t else { panic!("{t:?}") };
+    assert_eq!(image.color_space, straal_scene::desc::TextureSpace::Srgb);
+    let straal_scene::desc::Mapping::Uv(uv) = &image.mapping else { panic!() };
+    // About (1, 0) scaled by 2 and 4 and turned clockwise: (u, v) goes to (4 v, 2 - 2 u), then by the offset and back to the pivot.
+    assert_eq!((uv.scale, uv.rotate, uv.translate), ([2.0, 4.0], -90.0, [0.75, 1.25]));
+    // One that ends anywhere, or has a byte of another, is read or complained of.
+    for cut in (0..document.len()).step_by(11) {
+        std::fs::write(folder.path().join("m.mtlx"), &document[..cut]).unwrap();
+        assert!(read().is_err(), "{cut}");
+        let mut other = document.as_bytes().to_vec();
+        other[cut] = b"<>\"@()/a"[cut % 8];
+        std::fs::write(folder.path().join("m.mtlx"), other).unwrap();
+        let _ = read();
+    }
+    // What is no document ends in a complaint.
+    for (text, complaint) in
+        [("<materialx><a></materialx>", "is no XML"), ("<other/>", "neither a layer of USD nor")]
+    {
+        std::fs::write(folder.path().join("m.mtlx"), text).unwrap();
+        let complaints = read().unwrap_err().to_string();
+        assert!(complaints.contains(complaint), "{complaints}");
+    }
 }

@@ -5,7 +5,7 @@ use crate::lanes::Rgb;
 use crate::light::{Emitter, Receiver};
 use crate::material::Material;
 use crate::world::World;
-use straal_accel::Hit;
+use straal_accel::{self as accel, Hit};
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
 use straal_math::{Bounds, DVec3, Frame, Ray, Vec3, warp};
 
@@ -19,14 +19,18 @@ const RAYS: u32 = 512;
 const CAUGHT: f64 = 0.5;
 
 /// Lights without size behind glass: shadow rays don't pass through it, and no path can meet a point by chance.
-pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
+///
+/// Of a draft, whose triangles are searched one by one, many get a tree of their own meanwhile.
+pub(super) fn lights_behind_glass(world: &World, is_draft: bool, notes: &mut Vec<String>) {
     if !world.materials.iter().any(Material::is_clear) {
         return;
     }
+    let mut quick = None;
     for light in world.emitters.iter().filter(|l| l.is_delta()).take(MOST_LIGHTS) {
+        let quick = quick.get_or_insert_with(|| quick_search(world, is_draft)).as_ref();
         let rays: Vec<Ray> = (0..RAYS).filter_map(|i| ray_of(world, light, i)).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
-        world.closest(&rays, &mut hits);
+        quick.unwrap_or(&world.accel).closest(&world.geometry, &rays, &mut hits);
         let met = hits.iter().filter(|h| h.is_hit()).count();
         let is_glass = |h: &&Hit| {
             h.is_hit() && world.materials.get(world.material_of(h) as usize).is_some_and(Material::is_clear)
@@ -51,6 +55,19 @@ pub(super) fn lights_behind_glass(world: &World, notes: &mut Vec<String>) {
              small sphere with `emission`"
         ));
     }
+}
+
+/// A tree for rays among many triangles, where the world has none; the hits are the same.
+fn quick_search(world: &World, is_draft: bool) -> Option<accel::Scene> {
+    /// Of so many triangles a tree is built in less time than rays of one light take without.
+    const MANY: usize = 20_000;
+    let triangles: usize = world.geometry.meshes.iter().map(|mesh| mesh.indices.len()).sum();
+    if !is_draft || triangles < MANY {
+        return None;
+    }
+    let params = accel::BvhParams { build: accel::Build::Fast, compact: true };
+    let options = accel::Options { structure: accel::Structure::Bvh(params), ..accel::Options::default() };
+    accel::Scene::build(world.accel.input(), &world.geometry, &options).ok()
 }
 
 /// A ray of a light's own, if it shines that way.

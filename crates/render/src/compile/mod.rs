@@ -102,7 +102,7 @@ pub fn compile_after(before: Option<World>, request: &Request<'_>) -> Result<Wor
     doubts::depth(world.accel.bounds(), eye - world.centre, &mut notes);
     // Rays from the lamps go through glass.
     if !matches!(request.scene.integrator, desc::Integrator::Light(_)) {
-        doubts::lights_behind_glass(&world, &mut notes);
+        doubts::lights_behind_glass(&world, request.detail == Detail::Draft, &mut notes);
     }
     world.notes = notes;
     Ok(world)

@@ -70,6 +70,11 @@ impl Job {
         self.world.accel.taken_over()
     }
 
+    /// How many have the tree that they had, with boxes where their triangles are.
+    pub fn refitted(&self) -> usize {
+        self.world.accel.refitted()
+    }
+
     /// Compiles a scene only to find what is wrong with it, and what follows from its camera: curved surfaces are coarse and rays
     /// searched by brute force, so that its picture isn't the scene's.
     pub fn draft(loaded: &Loaded, wish: Overrides) -> Result<Self, Error> {

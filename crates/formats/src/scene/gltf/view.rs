@@ -59,7 +59,7 @@ impl<'a> Translation<'a, '_> {
             }
             self.warn(&tree.nodes[node], "the camera is left out: its node's scale leaves no direction");
         }
-        let size = studio::SIZE;
+        let size = self.means.size.unwrap_or(studio::SIZE);
         self.scene.film.size = size;
         // What is flat and upright, like a page, is seen from the front.
         let [min, max] = self.extent().unwrap_or([DVec3::ZERO, DVec3::ONE]);

@@ -91,6 +91,8 @@ impl<'o> Translator<'o, '_, '_> {
                 light
             }
             "sunsky" | "sun" | "sky" => self.sky(o),
+            // Shapes that name it shine.
+            "area" if self.is_shared(i) => return,
             "area" => {
                 self.fail(o.plugin.span, "an area light belongs into a shape");
                 return;
@@ -101,6 +103,12 @@ impl<'o> Translator<'o, '_, '_> {
             }
         };
         self.scene.lights.push(light);
+    }
+
+    /// Whether a shape has an object that stands elsewhere.
+    fn is_shared(&self, i: usize) -> bool {
+        let has_it = |o: &Object| o.class == Class::Shape && o.objects().any(|(_, inner)| inner == i);
+        self.objects.iter().any(has_it)
     }
 
     pub(super) fn known_light(&mut self, o: &'o Object, more: &[&str]) {

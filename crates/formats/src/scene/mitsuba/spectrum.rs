@@ -154,7 +154,7 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// A spectrum that is an object.
-    fn plugin(&mut self, i: usize, what: For) -> Spectrum {
+    pub(super) fn plugin(&mut self, i: usize, what: For) -> Spectrum {
         let o: &'o Object = &self.objects[i];
         let span = o.plugin.span;
         let list = |t: &mut Self, name: &str| -> Vec<f64> {

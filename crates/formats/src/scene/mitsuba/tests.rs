@@ -31,6 +31,7 @@ fn read_in(base: &Path, text: &str, define: &[(&str, &str)]) -> (Option<Translat
         define: &define,
         frame: 0.0,
         lenient: false,
+        size: None,
         d: &mut d,
     };
     let translated = Foreign::Mitsuba.translate("scene.xml", text.as_bytes(), &mut means);
@@ -558,3 +559,29 @@ const TOLD: &str = "deformable blender measured measured_polarized hair polarize
     perspective_rdist fluencemeter mfilm depth stokes prb prb_basic prbvolpath direct_projective \
     prb_projective bdpt photonmapper ppm sppm pssmlt mlt erpt adaptive vpl irrcache multichannel \
     field motion volprim_rf_basic gridtexture wireframe curvature dipole singlescatter";
+
+/// A light that stands in the scene itself and is named in a shape is that shape's.
+#[test]
+fn shapes_share_an_area_light_that_stands_in_the_scene() {
+    let light = r#"<emitter type="area" id="glow"><rgb name="radiance" value="1,2,3"/></emitter>"#;
+    let shape = r#"<shape type="sphere"><ref id="glow"/></shape>"#;
+    for text in [format!("{light}{shape}{shape}"), format!("{shape}{shape}{light}")] {
+        let scene = sound(&with(&text));
+        let glows = |node: &Node| node.surface().and_then(|s| s.emission.as_ref()).is_some();
+        assert_eq!((scene.world.iter().filter(|n| glows(n)).count(), scene.lights.len()), (2, 0));
+    }
+    assert!(complaints(&with(light)).contains("an area light belongs into a shape"));
+}
+
+/// A spectrum where a texture is needed is the same everywhere.
+#[test]
+fn a_spectrum_may_stand_where_a_texture_does() {
+    let scene = sound(&with(
+        r#"<shape type="sphere"><bsdf type="normalmap"><texture name="normalmap" type="rawconstant"><vector name="value" value="0.5, 0.5, 1.0"/></texture>
+        <bsdf type="diffuse"/></bsdf></shape>"#,
+    ));
+    let Material::Diffuse(m) = material(&scene, &scene.world[0]) else { panic!("diffuse") };
+    let map = m.relief.normal_map.as_ref().expect("a map of normals");
+    let TextureOf::Inline(Texture::Scale(s)) = &map.texture else { panic!("a constant texture") };
+    assert_eq!(s.of, Varying::Constant(Spectrum::Rgb(LinearRgb([0.5, 0.5, 1.0]))));
+}

@@ -9,7 +9,7 @@ use straal_scene::limit::Limit;
 use straal_scene::value::LinearRgb;
 use straal_scene::{Spanned, suggest};
 
-use super::spectrum::{For, luminance};
+use super::spectrum::{For, is_spectrum, luminance};
 use super::translate::Translator;
 use super::tree::{Class, Object, Value};
 use super::uv::Uv;
@@ -97,6 +97,10 @@ impl<'o> Translator<'o, '_, '_> {
                         return grey(0.5);
                     }
                 };
+                Texture::Scale(ScaleTexture { of, ..ScaleTexture::default() })
+            }
+            plugin if is_spectrum(plugin) => {
+                let of = Varying::Constant(self.plugin(i, role.colours()));
                 Texture::Scale(ScaleTexture { of, ..ScaleTexture::default() })
             }
             _ => {
@@ -246,9 +250,7 @@ impl<'o> Translator<'o, '_, '_> {
         let codes = self.codes.contains(name.as_str());
         // Mitsuba has bytes as they are, from 0 to 255.
         let scale = if codes { 255.0 * scale } else { scale };
-        // A colour, or a number whose property in the file ends in `_0`.
-        let is_colour = rest == "color" || rest.ends_with("_color");
-        let read = attribute(&if is_colour { rest.to_owned() } else { format!("{rest}_0") }, per);
+        let read = attribute(rest, per);
         if scale == 1.0 {
             return read;
         }

@@ -28,6 +28,7 @@ fn read_in(base: &Path, text: &str) -> (Option<Translated>, Diagnostics) {
         ledger: &mut ledger,
         define: &define,
         lenient: false,
+        size: None,
         d: &mut d,
     };
     let translated = Foreign::Pbrt.translate("a.pbrt", text.as_bytes(), &mut means);

@@ -10,7 +10,9 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use self::values::numbers_of;
-use super::layer::{DEEPEST, Edit, Edits, LONGEST, Layer, Offset, Reference, Spec, Specifier, Value, join};
+use super::layer::{
+    DEEPEST, Edit, Edits, LONGEST, Layer, Numbers, Offset, Reference, Spec, Specifier, Value, join,
+};
 use super::packed::{integers, unpack};
 
 /// What is wrong with a file.
@@ -328,6 +330,11 @@ impl File {
                             }
                             "interpolation" => property.interpolation = Some(self.text(rep)?),
                             "colorSpace" => property.color_space = Some(self.text(rep)?),
+                            "weight" => {
+                                if let Value::Numbers(Numbers { values, .. }) = self.value(rep)? {
+                                    property.weight = values.first().copied();
+                                }
+                            }
                             "bindMaterialAs" => property.is_strong = self.text(rep)? == super::text::STRONG,
                             _ => {}
                         }

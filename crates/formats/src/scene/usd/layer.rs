@@ -167,6 +167,8 @@ pub(super) struct Property {
     pub interpolation: Option<String>,
     /// How the colours of a picture are meant.
     pub color_space: Option<String>,
+    /// Of a shape between a blend shape and none, at which weight it stands.
+    pub weight: Option<f64>,
     /// Whether a binding of a material counts rather than those of prims in the one that has it.
     pub is_strong: bool,
 }

@@ -9,7 +9,7 @@ use straal_scene::{Diagnostic, Span};
 
 use super::archive::{self, Archive};
 use super::layer::{Layer, Offset};
-use super::{crate_file, text};
+use super::{crate_file, document, text};
 use crate::files;
 use crate::scene::Means;
 
@@ -153,7 +153,8 @@ impl<'m, 'a> Library<'m, 'a> {
                 self.fail(format!("cannot read `{name}`: its text is too long: {} bytes", words.len()));
                 return None;
             }
-            match text::read(words) {
+            let made = if document::is_one(words) { Some(self.of_document(name, words)?) } else { None };
+            match text::read(made.as_deref().unwrap_or(words)) {
                 Ok(layer) => layer,
                 Err(wrong) => {
                     let file = self.means.d.sources.add(name, words);
@@ -165,6 +166,29 @@ impl<'m, 'a> Library<'m, 'a> {
         };
         self.layers.push(Held { layer, home, stack: None });
         Some(self.layers.len() - 1)
+    }
+
+    /// What a document of MaterialX says, as the text of a layer; nothing after a complaint.
+    fn of_document(&mut self, name: &str, words: &str) -> Option<String> {
+        let made = match document::as_layer(words) {
+            Ok(made) => made,
+            Err(wrong) => {
+                let file = self.means.d.sources.add(name, words);
+                let at = wrong.at.min(words.len()) as u32;
+                self.means.d.push(Diagnostic::error(Span { file, start: at, end: at }, wrong.problem));
+                return None;
+            }
+        };
+        let needs = BYTES[1] * made.len() as u64;
+        let shortage =
+            self.means.ledger.refuse(needs, || format!("reading `{name}`"), "a smaller scene takes less");
+        if let Some(shortage) = shortage {
+            self.means.d.lacks_memory = true;
+            self.fail(format!("cannot read `{name}`: {shortage}"));
+            return None;
+        }
+        self.means.ledger.keep(needs);
+        Some(made)
     }
 
     /// What a name that a layer says leads to; nothing where there is no such file.

@@ -8,9 +8,9 @@
 //! | `stage.rs` | all of it composed, and what it says at a time |
 //! | `xform.rs`, `world.rs` | where prims stand, and what they show, once or many times |
 //! | `mesh.rs`, `shapes.rs` | meshes and their primvars; shapes that are a formula, and curves |
-//! | `skel.rs` | skeletons, and what follows them |
+//! | `skel.rs`; `dual.rs` | skeletons, and what follows them; joints mixed as screws |
 //! | `material.rs`, `texture.rs` | `UsdPreviewSurface` and the textures that it reads |
-//! | `mtlx.rs` | surfaces and nodes of MaterialX |
+//! | `mtlx.rs`; `document.rs` | surfaces and nodes of MaterialX; its own files as layers |
 //! | `lights.rs`, `view.rs`, `extent.rs` | lights, cameras, frames, and what stands in for them |
 //!
 //! The reader is straal's own: the crate `openusd` (0.6) asks for memory that a damaged file only promises, which ends the process,
@@ -18,6 +18,8 @@
 
 mod archive;
 mod crate_file;
+mod document;
+mod dual;
 mod extent;
 mod layer;
 mod library;

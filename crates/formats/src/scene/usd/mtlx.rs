@@ -47,7 +47,9 @@ pub(super) fn node(id: &str) -> Option<&str> {
         "UsdPrimvarReader",
     ];
     let name = id.strip_prefix("ND_")?;
-    KNOWN.into_iter().find(|known| name.strip_prefix(known).is_some_and(|rest| rest.starts_with('_')))
+    // What has one type only may stand without it.
+    let is_whole = |rest: &str| rest.is_empty() || rest.starts_with('_');
+    KNOWN.into_iter().find(|known| name.strip_prefix(known).is_some_and(is_whole))
 }
 
 /// How a picture goes on beyond its edges.
@@ -304,6 +306,7 @@ mod tests {
         assert_eq!(Kind::of("ND_UsdPreviewSurface_surfaceshader"), None);
         assert_eq!(node("ND_image_color3"), Some("image"));
         assert_eq!(node("ND_tiledimage_float"), Some("tiledimage"));
+        assert_eq!(node("ND_normalmap"), Some("normalmap"));
         assert_eq!(node("ND_imagine_float"), None);
     }
 }

@@ -90,14 +90,25 @@ impl Translation<'_, '_> {
         let wrap = stage.text(prim, "wrap").unwrap_or_else(|| "nonperiodic".to_owned());
         let widths = stage.numbers(prim, "widths", 1).unwrap_or_default();
         let per_point = widths.len() == points.len() / 3 && widths.len() > 1;
+        let per_curve = !per_point && widths.len() == counts.len();
         let default = if widths.is_empty() { 1.0 } else { widths[0] };
-        if !widths.is_empty() && !per_point && widths.len() > 1 {
+        let (is_pinned, is_closed) = (wrap == "pinned", wrap == "periodic");
+        let is_bezier = basis != "bspline" && basis != "catmullRom";
+        // Ends of pieces, and how many points further the next one is.
+        let ends = |count: usize| match (is_linear, is_bezier) {
+            (true, _) => count,
+            (_, true) if is_closed => count / 3,
+            (_, true) => count.saturating_sub(1) / 3 + 1,
+            _ if is_closed || is_pinned => count,
+            _ => count.saturating_sub(2),
+        };
+        let all_ends: usize =
+            counts.iter().map(|count| ends(if *count > 0.0 { *count as usize } else { 0 })).sum();
+        let per_end = !per_point && !per_curve && widths.len() == all_ends;
+        let mut first_end = 0_usize;
+        if widths.len() > 1 && !per_point && !per_curve && !per_end {
             self.warn(prim, "widths that aren't told for each point are those of the first");
         }
-        if wrap == "periodic" {
-            self.warn(prim, "curves that close on themselves are left open");
-        }
-        let is_pinned = wrap == "pinned";
         let (mut all, mut radii, mut starts, mut lost) = (Vec::new(), Vec::new(), Vec::new(), 0);
         let kind = match (is_linear, basis.as_str()) {
             (true, _) => CurveBasis::Linear,
@@ -105,10 +116,31 @@ impl Translation<'_, '_> {
             _ => CurveBasis::Bezier,
         };
         let mut next = 0_usize;
-        for count in counts.iter() {
+        for (curve, count) in counts.iter().enumerate() {
             let count = if *count > 0.0 { *count as usize } else { 0 };
             let range = next..next.saturating_add(count);
             next = range.end;
+            let (own_ends, start) = (ends(count), first_end);
+            first_end = first_end.saturating_add(own_ends);
+            let width = |i: usize| {
+                if per_curve {
+                    return widths[curve];
+                }
+                if !per_end || own_ends == 0 {
+                    return default;
+                }
+                let last = (own_ends - 1) as f64;
+                let place = match (is_linear, is_bezier) {
+                    (true, _) => i as f64,
+                    (_, true) => i as f64 / 3.0,
+                    _ if is_closed || is_pinned => i as f64,
+                    _ => i as f64 - 1.0,
+                };
+                let place = super::within(place, 0.0, last);
+                let (low, share) = (place.floor() as usize, place.fract());
+                let at = |i: usize| widths.get(start + i).copied().unwrap_or(default);
+                at(low) + (at((low + 1).min(own_ends - 1)) - at(low)) * share
+            };
             let Some(own) = points.get(3 * range.start..3_usize.saturating_mul(range.end)) else {
                 lost += 1;
                 continue;
@@ -116,8 +148,16 @@ impl Translation<'_, '_> {
             let mut own: Vec<(DVec3, f64)> = own
                 .chunks_exact(3)
                 .zip(range)
-                .map(|(p, i)| (DVec3::new(p[0], p[1], p[2]), if per_point { widths[i] } else { default }))
+                .enumerate()
+                .map(|(k, (p, i))| {
+                    (DVec3::new(p[0], p[1], p[2]), if per_point { widths[i] } else { width(k) })
+                })
                 .collect();
+            if is_closed {
+                // A piece goes on to the first point, or is made of the first three as well.
+                let again = if is_linear || is_bezier { 1 } else { 3 };
+                own.extend_from_within(..again.min(own.len()));
+            }
             if !is_linear && basis == "catmullRom" {
                 own = bezier_of(&own, is_pinned);
             } else if let (true, false, "bspline", [first, second, .., before, last]) =

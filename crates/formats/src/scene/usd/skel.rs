@@ -1,13 +1,14 @@
 //! Skeletons (UsdSkel): where the points of a mesh go that follows joints, and blend shapes.
 //!
 //! A point is moved by each joint that it follows, from where the joint was when the mesh was bound to it to where it is, and the mean of these by weights
-//! counts (linear blend skinning). The mesh's own transform and those of prims around it don't: skinned points stand in the skeleton's space.
+//! counts (linear blend skinning), or that of their turns and moves as screws (`dual.rs`). The mesh's own transform and those of prims around it don't: skinned points stand in the skeleton's space.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use straal_math::{Affine, DVec3};
 
+use super::dual::Screw;
 use super::{Translation, xform};
 
 /// How a mesh follows joints.
@@ -18,6 +19,8 @@ pub(super) struct Skin {
     weights: Rc<[f64]>,
     /// Joints of each point.
     per: usize,
+    /// The same taken apart, where points follow by dual quaternions.
+    screws: Option<Vec<Screw>>,
     /// Whether all points follow the same.
     is_rigid: bool,
 }
@@ -26,11 +29,17 @@ impl Skin {
     /// The map of a point.
     pub fn at(&self, point: usize) -> Affine {
         let first = if self.is_rigid { 0 } else { point * self.per };
+        let own = (first..first + self.per).filter_map(|i| {
+            let (index, weight) = (*self.indices.get(i)?, *self.weights.get(i)?);
+            (index >= 0.0 && weight > 0.0).then_some((index as usize, weight))
+        });
+        if let Some(screws) = &self.screws {
+            let mixed = Screw::mean(own.filter_map(|(joint, weight)| Some((weight, screws.get(joint)?))));
+            return mixed.unwrap_or(Affine::IDENTITY);
+        }
         let (mut rows, mut sum) = ([[0.0; 4]; 3], 0.0);
-        for i in first..first + self.per {
-            let (Some(index), Some(weight)) = (self.indices.get(i), self.weights.get(i)) else { break };
-            let joint = self.joints.get(*index as usize).filter(|_| *index >= 0.0 && *weight > 0.0);
-            let Some(joint) = joint else { continue };
+        for (joint, weight) in own {
+            let Some(joint) = self.joints.get(joint) else { continue };
             sum += weight;
             for (row, more) in rows.iter_mut().zip(&joint.rows) {
                 row.iter_mut().zip(more).for_each(|(v, more)| *v += weight * more);
@@ -99,9 +108,8 @@ impl Translation<'_, '_> {
             );
             return None;
         }
-        if self.stage.text(prim, "primvars:skel:skinningMethod").as_deref() == Some("dualQuaternion") {
-            self.warn(prim, "its points follow joints by the mean of matrices, not of dual quaternions");
-        }
+        let is_dual =
+            self.stage.text(prim, "primvars:skel:skinningMethod").as_deref() == Some("dualQuaternion");
         let own: Vec<String> = self.stage.texts(prim, "skel:joints");
         let places: BTreeMap<&str, usize> = names.iter().map(String::as_str).zip(0..).collect();
         let place = |name: &String| places.get(name.as_str()).copied();
@@ -117,14 +125,18 @@ impl Translation<'_, '_> {
         let back = self.global(prim).inverse()?;
         let to_mesh = self.global(skeleton).then(&back);
         let matrix = |i: usize| binds.get(16 * i..16 * i + 16)?.first_chunk::<16>().map(xform::matrix);
-        let joints = order
+        let joints: Vec<Affine> = order
             .into_iter()
             .map(|joint| {
                 let found = joint.and_then(|i| Some((matrix(i)?.inverse()?, poses.get(i)?)));
                 found.map_or(Affine::IDENTITY, |(away, pose)| bound.then(&away).then(pose).then(&to_mesh))
             })
             .collect();
-        Some(Skin { joints, indices, weights, per, is_rigid })
+        let screws = is_dual.then(|| joints.iter().map(Screw::of).collect::<Option<Vec<_>>>());
+        if screws == Some(None) {
+            self.warn(prim, "a joint turns it inside out, so that its points follow by the mean of matrices");
+        }
+        Some(Skin { joints, indices, weights, per, screws: screws.flatten(), is_rigid })
     }
 
     /// The names of a skeleton's joints, and where each is in its space.
@@ -176,10 +188,7 @@ impl Translation<'_, '_> {
             let weight = known.get(name.as_str()).and_then(|i| weights.get(*i)).copied();
             let Some(weight) = weight.filter(|w| *w != 0.0 && w.is_finite()) else { continue };
             let Some(&shape) = self.stage.places.get(&target) else { continue };
-            if !self.stage.names(shape, "inbetweens:").is_empty() {
-                self.warn(shape, "shapes between a blend shape and none are left out");
-            }
-            let offsets = self.stage.numbers(shape, "offsets", 3).unwrap_or_default();
+            let offsets = self.offsets(shape, weight);
             let which = self.stage.numbers(shape, "pointIndices", 1).filter(|i| !i.is_empty());
             for (i, offset) in offsets.chunks_exact(3).enumerate() {
                 let point = which.as_ref().map_or(Some(i as f64), |which| which.get(i).copied());
@@ -187,9 +196,31 @@ impl Translation<'_, '_> {
                 let Some(to) = first.and_then(|first| moved.get_mut(first..first.saturating_add(3))) else {
                     continue;
                 };
-                to.iter_mut().zip(offset).for_each(|(v, more)| *v += weight * more);
+                to.iter_mut().zip(offset).for_each(|(v, more)| *v += more);
             }
         }
         moved.into()
+    }
+
+    /// How far a blend shape moves its points at a weight: in straight ways between none, the shapes that stand between, and
+    /// itself.
+    fn offsets(&self, shape: usize, weight: f64) -> Vec<f64> {
+        let own = self.stage.numbers(shape, "offsets", 3).unwrap_or_default();
+        let between = self.stage.names(shape, "inbetweens:").into_iter().filter_map(|name| {
+            let at =
+                self.stage.weight(shape, &name).filter(|at| at.is_finite() && *at != 0.0 && *at != 1.0)?;
+            let offsets = self.stage.numbers(shape, &name, 3).filter(|list| list.len() == own.len())?;
+            Some((at, Some(offsets)))
+        });
+        let mut steps: Vec<(f64, Option<Rc<[f64]>>)> = between.collect();
+        steps.extend([(0.0, None), (1.0, Some(own))]);
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Beyond the first and the last, the way goes on.
+        let after = steps.partition_point(|(at, _)| *at <= weight).clamp(1, steps.len() - 1);
+        let [(from, first), (to, second)] = [&steps[after - 1], &steps[after]];
+        let share = if to > from { (weight - from) / (to - from) } else { 1.0 };
+        let count = first.iter().chain(second).map(|list| list.len()).max().unwrap_or(0);
+        let at = |list: &Option<Rc<[f64]>>, i: usize| list.as_ref().map_or(0.0, |list| list[i]);
+        (0..count).map(|i| at(first, i) * (1.0 - share) + at(second, i) * share).collect()
     }
 }

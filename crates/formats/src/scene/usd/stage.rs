@@ -453,6 +453,11 @@ impl Stage<'_, '_> {
         self.opinions(prim, name).find_map(|(_, property)| property.color_space.as_deref())
     }
 
+    /// At which weight of its blend shape a shape stands that lies between it and none.
+    pub fn weight(&self, prim: usize, name: &str) -> Option<f64> {
+        self.opinions(prim, name).find_map(|(_, property)| property.weight)
+    }
+
     /// What a relationship or a connection leads to.
     pub fn targets(&self, prim: usize, name: &str) -> Vec<String> {
         let opinions: Vec<_> = self.opinions(prim, name).collect();

@@ -371,6 +371,9 @@ impl<'t> Parser<'t> {
             match (key, self.value()?) {
                 ("interpolation", Value::Text(text)) => property.interpolation = Some(text),
                 ("colorSpace", Value::Text(text)) => property.color_space = Some(text),
+                ("weight", Value::Numbers(Numbers { values, .. })) => {
+                    property.weight = values.first().copied()
+                }
                 ("bindMaterialAs", Value::Text(text)) => property.is_strong = text == STRONG,
                 _ => {}
             }

@@ -202,9 +202,19 @@ impl Translation<'_, '_> {
         let names = if is_of_mtlx { ["uaddressmode", "vaddressmode"] } else { ["wrapS", "wrapT"] };
         let wrap = Wraps(names.map(|name| wrap(self.word_of(shader, name))));
         let color_space = match space.as_deref() {
-            Some("raw" | "lin_rec709" | "lin_rec709_scene") => TextureSpace::Linear,
-            Some("sRGB" | "srgb_texture" | "srgb_rec709_scene") => TextureSpace::Srgb,
-            _ => TextureSpace::Auto,
+            Some("raw" | "Raw" | "data" | "lin_rec709" | "lin_rec709_scene" | "lin_srgb") => {
+                TextureSpace::Linear
+            }
+            Some("sRGB" | "srgb_texture" | "srgb_rec709_scene" | "srgb_tx") => TextureSpace::Srgb,
+            None | Some("auto" | "") => TextureSpace::Auto,
+            Some(other) => {
+                let other = straal_scene::suggest::brief(other).into_owned();
+                let message = format!(
+                    "the colour space `{other}` isn't read: its picture is taken as one of its format is"
+                );
+                self.warn(shader, &message);
+                TextureSpace::Auto
+            }
         };
         let four = |t: &Self, name: &str, otherwise: f64| {
             let (prim, property) = t.said(shader, name);
@@ -241,8 +251,9 @@ impl Translation<'_, '_> {
             && is_of_mtlx
             && self.stage.text(*moved, "info:id").is_some_and(|id| mtlx::node(&id) == Some("place2d"))
         {
-            self.warn(*moved, "textures aren't moved by `place2d`");
-            found = self.source(*moved, "inputs:texcoord");
+            let moved = *moved;
+            uv = self.placed(moved, uv);
+            found = self.source(moved, "inputs:texcoord");
         }
         if let Some((moved, _)) = &found
             && self.stage.text(*moved, "info:id").as_deref() == Some("UsdTransform2d")
@@ -278,6 +289,46 @@ impl Translation<'_, '_> {
         let name = straal_scene::suggest::brief(&name).into_owned();
         self.warn(shader, &format!("the texture has no effect: what it is on has no primvar `{name}`"));
         None
+    }
+
+    /// How `place2d` of MaterialX and the tiling of the picture that follows it move a texture.
+    ///
+    /// By default places are scaled about a pivot by 1 over `scale`, turned clockwise, and moved by minus `offset`; in the other
+    /// order they are moved first and scaled last.
+    fn placed(&mut self, moved: usize, then: UvMapping) -> UvMapping {
+        let two = |name: &str, otherwise: f64| {
+            let (prim, property) = self.said(moved, name);
+            self.stage.vector::<2>(prim, &property).unwrap_or([otherwise; 2])
+        };
+        let (pivot, scale, offset) = (two("pivot", 0.0), two("scale", 1.0), two("offset", 0.0));
+        let scale = scale.map(|v| if v == 0.0 { 1.0 } else { 1.0 / v });
+        let rotate = 0.0 - self.number(moved, "rotate", 0.0);
+        let is_scaled_last = self.number(moved, "operationorder", 0.0) != 0.0;
+        let (sin, cos) = ops::sin_cos_degrees(rotate);
+        let turn = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+        let times = |a: [f64; 2], b: [f64; 2]| [a[0] * b[0], a[1] * b[1]];
+        // Scales after a turn aren't scales before it, unless they are the same along both axes.
+        let (before, after) =
+            if is_scaled_last { ([1.0; 2], times(scale, then.scale)) } else { (scale, then.scale) };
+        if rotate != 0.0 && after[0] != after[1] {
+            self.warn(moved, "a texture that is turned and then stretched is turned only");
+        }
+        let start =
+            if is_scaled_last { pivot.map(|v| 0.0 - v) } else { times(scale, pivot).map(|v| 0.0 - v) };
+        let first = if is_scaled_last { [start[0] - offset[0], start[1] - offset[1]] } else { start };
+        let turned = turn(first);
+        let rest = if is_scaled_last {
+            let scaled = times(scale, turned);
+            [scaled[0] + pivot[0], scaled[1] + pivot[1]]
+        } else {
+            [turned[0] - offset[0] + pivot[0], turned[1] - offset[1] + pivot[1]]
+        };
+        let rest = times(then.scale, rest);
+        UvMapping {
+            scale: times(before, after),
+            rotate,
+            translate: [rest[0] + then.translate[0], rest[1] + then.translate[1]],
+        }
     }
 
     /// A picture for textures; nothing after a complaint.

@@ -121,7 +121,7 @@ impl Translation<'_, '_> {
             }
             self.warn(prim, "the camera is left out: its transform leaves no direction");
         }
-        let size = size.unwrap_or(studio::SIZE);
+        let size = size.or(self.stage.library.means.size).unwrap_or(studio::SIZE);
         self.scene.film.size = size;
         let [x, y, z] = (max - min).to_array();
         let side = if z < 0.25 * if x > y { x } else { y } { Side::Front } else { Side::ThreeQuarter };
