@@ -610,7 +610,6 @@ describe! {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use serde_json::Value as Json;
 
     /// All that is a number or a colour of a surface may be read off a texture.
