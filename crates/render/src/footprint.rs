@@ -13,6 +13,8 @@
 //! tenth of what any filter can show. The arithmetic is done where a material reads a texture, and where a path goes on in a
 //! world of which one does ([`crate::material::Materials::vary`]): all others carry zeros from the camera on.
 //!
+//! A pixel has many samples, each of which stands for a part of it ([`Footprint::of_sample`]).
+//!
 //! A *rough* bounce ends what differentials know: neighbouring pixels' paths go where chance sends them. A direction that was
 //! drawn with density pdf stands for a solid angle of 1 / pdf; of its square root a part is taken (`ROUGH`) and added, in
 //! squares, to what a mirror in the same facet would do. So the footprint of a lobe that is almost a mirror's is almost the
@@ -20,7 +22,7 @@
 
 use crate::material::BsdfSample;
 use crate::shape::Tangents;
-use straal_math::{Frame, Ray, Vec3};
+use straal_math::{Frame, Ray, Vec3, ops};
 
 /// How much of the width of a direction's solid angle its footprint grows by at a rough surface. All of it would take the
 /// detail from whatever is seen by way of a rough surface that has many samples; less keeps it and costs a little noise.
@@ -89,6 +91,16 @@ impl Footprint {
         if next.is_finite() { next } else { Self::NONE }
     }
 
+    /// That of a pixel's sample, by its number from 0: the first stands for the whole pixel, and of n each for one part of n, of which no more
+    /// is filtered than lies between it and its neighbours. Were all as wide as the pixel, a texture would be filtered twice: by the samples'
+    /// places in the pixel, and by what each of them sees. Widths by number, not by how many there will be, leave a sample the same whatever is
+    /// added to it.
+    #[inline]
+    pub fn of_sample(&self, number: u64) -> Self {
+        let share = ops::max(1.0 / ((number + 1) as f32).sqrt(), NARROWEST);
+        Self { o: self.o.map(|v| v * share), d: self.d.map(|v| v * share) }
+    }
+
     fn is_finite(&self) -> bool {
         self.o.iter().chain(&self.d).all(|v| v.is_finite())
     }
@@ -107,6 +119,10 @@ impl Footprint {
         PackedFootprint(packed)
     }
 }
+
+/// The least part of a pixel's width that a sample stands for: what it blurs is a hundredth of what the pixel does, and textures need no finer copies
+/// the more samples there are.
+const NARROWEST: f32 = 0.125;
 
 /// What is larger has no footprint: far beyond any scene, and far from where numbers end.
 const MOST: f32 = 1e30;

@@ -133,22 +133,47 @@ impl NormalMap {
 pub struct Brushing {
     /// Red and green from 0 to 1 are the direction along that and across it from -1 to 1.
     pub direction: Option<Value<Colour>>,
-    /// Cosine and sine of the angle by which it is turned further, counter-clockwise.
-    pub turn: [f32; 2],
+    /// By which it is turned further, counter-clockwise.
+    pub turn: Turn,
+}
+
+/// An angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turn {
+    /// The same everywhere, by its cosine and sine.
+    Constant([f32; 2]),
+    /// In degrees.
+    Texture(Value<f32>),
 }
 
 impl Brushing {
     /// As the points of the surface have it.
-    pub const STRAIGHT: Self = Self { direction: None, turn: [1.0, 0.0] };
+    pub const STRAIGHT: Self = Self { direction: None, turn: Turn::Constant([1.0, 0.0]) };
 
-    pub(crate) fn of(direction: Option<&desc::TextureOf>, degrees: f64, paint: &mut Paint<'_>) -> Self {
-        let (sin, cos) = ops::sin_cos_degrees(degrees);
-        Self { direction: direction.map(|t| paint.vector(t)), turn: [cos as f32, sin as f32] }
+    pub(crate) fn of(
+        direction: Option<&desc::TextureOf>,
+        degrees: &desc::Varying<f64>,
+        paint: &mut Paint<'_>,
+    ) -> Self {
+        let turn = match degrees {
+            desc::Varying::Constant(degrees) => {
+                let (sin, cos) = ops::sin_cos_degrees(*degrees);
+                Turn::Constant([cos as f32, sin as f32])
+            }
+            desc::Varying::Texture(t) => Turn::Texture(paint.height(t)),
+        };
+        Self { direction: direction.map(|t| paint.vector(t)), turn }
     }
 
     /// The unit vector at a point, in the frame that scatters.
     pub(crate) fn at<L>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> [f32; 2] {
-        let [c, s] = self.turn;
+        let [c, s] = match &self.turn {
+            Turn::Constant(turn) => *turn,
+            Turn::Texture(degrees) => {
+                let (sin, cos) = ops::sin_cos_degrees(f64::from(as_numbers(reading).eval(degrees, at)));
+                [cos as f32, sin as f32]
+            }
+        };
         let [mut x, mut y] = [c, s];
         if let Some(direction) = &self.direction {
             let v = as_numbers(reading).eval(direction, at);

@@ -151,8 +151,8 @@ mod tests {
     #[test]
     fn all_colours_are_found() {
         let conductor = Material::Conductor(crate::desc::Conductor {
-            eta: Some(Spectrum::grey(0.2)),
-            k: Some(Spectrum::grey(3.0)),
+            eta: Some(Spectrum::grey(0.2).into()),
+            k: Some(Spectrum::grey(3.0).into()),
             ..crate::desc::Conductor::default()
         });
         let glass = Material::Dielectric(crate::desc::Dielectric::default());

@@ -1,7 +1,7 @@
 //! What the materials of MTL files mean as surfaces.
 
 use straal_scene::desc::{
-    Bump, Dielectric, Diffuse, Highlight, Mask, Material, MaterialRef, Mirror, OpenPbr, Phong, Relief,
+    Bump, Dielectric, Diffuse, Highlight, Index, Mask, Material, MaterialRef, Mirror, OpenPbr, Phong, Relief,
     Spectrum, TextureOf, Varying,
 };
 use straal_scene::value::LinearRgb;
@@ -50,7 +50,11 @@ pub(super) fn nearest(
         let tint = m.transmission.map(|c| c.map(share)).filter(|c| *c != [0.0; 3]).unwrap_or([1.0; 3]);
         let transmittance = Varying::Constant(LinearRgb(tint).into());
         let eta = eta.unwrap_or(1.5);
-        return Material::Dielectric(Dielectric { eta: eta.into(), transmittance, ..Dielectric::default() });
+        return Material::Dielectric(Dielectric {
+            eta: Index::Constant(eta).into(),
+            transmittance,
+            ..Dielectric::default()
+        });
     }
     if opacity == 1.0 && !is_cut && matches!(illumination, 4 | 9) {
         tell("'illum' asks for glass, but no index of refraction ('Ni') above 1 does: it is shown as opaque");
@@ -201,8 +205,6 @@ pub(super) fn positive(v: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use straal_scene::desc::Index;
-
     fn told(m: &MtlMaterial) -> (Material, Vec<&'static str>) {
         let mut list = Vec::new();
         let material = nearest(m, (&Maps::default(), 1.0), &mut |what| list.push(what));
@@ -266,7 +268,10 @@ mod tests {
             (m(9, Some(1.52), Some(0.3), Some(0.9)), 1.52),
         ] {
             let Material::Dielectric(d) = told(&m).0 else { panic!("{m:?}") };
-            assert!(matches!(d.eta, Index::Constant(n) if (n - eta).abs() < 1e-6), "{m:?}");
+            assert!(
+                matches!(d.eta, Varying::Constant(Index::Constant(n)) if (n - eta).abs() < 1e-6),
+                "{m:?}"
+            );
         }
         // Maya's grey.
         let (material, lost) = told(&m(4, Some(1.0), None, Some(1.0)));

@@ -151,7 +151,7 @@ fn an_obj_keeps_its_own_materials() {
     let glow = Spectrum::from(LinearRgb([3.0, 2.0, 1.0]));
     assert_eq!(materials["glow"].emission, Some(Varying::Constant(glow)));
     assert!(
-        matches!(&materials["glass"].material, Material::Dielectric(d) if matches!(d.eta, Index::Constant(n) if n > 1.32))
+        matches!(&materials["glass"].material, Material::Dielectric(d) if matches!(d.eta, Varying::Constant(Index::Constant(n)) if n > 1.32))
     );
 }
 

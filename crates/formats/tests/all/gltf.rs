@@ -349,7 +349,7 @@ fn materials_mean_what_they_say() {
         [&m.metallic, &m.roughness, &m.transmission].map(|v| *v.constant().unwrap()),
         [0.0, 0.125, 1.0]
     );
-    assert_eq!((m.ior, m.volume, m.attenuation_distance), (1.25, true, Some(2.0)));
+    assert_eq!((&m.ior, m.volume, m.attenuation_distance), (&1.25.into(), true, Some(2.0)));
     assert!(loaded.warnings.to_string().contains("`VENDOR_thing` is left out"), "{}", loaded.warnings);
     // What must be understood is an error.
     let wanted =
@@ -391,7 +391,10 @@ fn tangents_are_the_files_or_follow_the_texture() {
     assert!(!loaded.warnings.to_string().contains("materials[0]"), "{}", loaded.warnings);
     assert_eq!(mesh(&loaded).tangents, [[0.0, 1.0, 0.0, -1.0]; 3]);
     let m = material(&loaded);
-    assert!((m.anisotropy_rotation - 90.0).abs() < 1e-9 && m.anisotropy_direction.is_some());
+    assert!(
+        matches!(m.anisotropy_rotation, Varying::Constant(v) if (v - 90.0).abs() < 1e-9)
+            && m.anisotropy_direction.is_some()
+    );
     // The coat is smooth, where it doesn't name the same map.
     assert_eq!(m.clearcoat_normal, CoatNormal::Surface);
     for (normals, want) in [(r#"{"index": 0, "scale": 0.5}"#, false), (r#"{"index": 0, "scale": 2}"#, true)] {

@@ -239,8 +239,10 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             if counts {
                 self.probe.begin(sample);
             }
-            let footprint =
-                if wants_footprint { world.camera.footprint(&at()).packed() } else { PackedFootprint::NONE };
+            let footprint = match wants_footprint {
+                true => world.camera.footprint(&at()).of_sample(index.into()).packed(),
+                false => PackedFootprint::NONE,
+            };
             // Where nothing is seen there is no path, and the sample is black.
             let camera_ray = starting.ray(i).map(|ray| Ray { mask, ..ray });
             let (size, pattern) = (settings.size, settings.pattern);

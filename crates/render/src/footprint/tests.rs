@@ -204,3 +204,17 @@ fn rough_bounces_widen_and_packing_keeps_eight_bits() {
     }
     assert!(size_of::<PackedFootprint>() == 24);
 }
+
+/// The first sample stands for its whole pixel, the fourth for a quarter of it, and none for less than 1/64.
+#[test]
+fn samples_stand_for_parts_of_a_pixel() {
+    let whole =
+        camera().footprint(&FilmPoint { pixel: [3, 4], position: [3.5, 4.5], lens: [0.5; 2], time: 0.0 });
+    let width = |number: u64| {
+        let part = whole.of_sample(number);
+        part.d[0].length() / whole.d[0].length()
+    };
+    assert_eq!(whole.of_sample(0), whole);
+    assert!((width(3) - 0.5).abs() < 1e-6 && (width(63) - 0.125).abs() < 1e-6);
+    assert_eq!(width(1_000_000), width(63));
+}

@@ -62,6 +62,9 @@ pub trait Lanes: Copy + PartialEq + fmt::Debug + Send + Sync + 'static {
     /// Reflectance of linear RGB.
     fn reflectance_of_rgb(self, tables: &SpectralTables, rgb: Light) -> Light;
 
+    /// A number for each wavelength that is no colour, such as an index of refraction, of those for red, green and blue.
+    fn coefficient_of_rgb(self, tables: &SpectralTables, rgb: Light) -> Light;
+
     /// Which wavelengths they are.
     fn carried(self) -> Carried;
 
@@ -152,6 +155,11 @@ impl Lanes for Rgb {
     }
 
     #[inline(always)]
+    fn coefficient_of_rgb(self, _: &SpectralTables, rgb: Light) -> Light {
+        rgb
+    }
+
+    #[inline(always)]
     fn carried(self) -> Carried {
         if self.nm > 0.0 { Carried::One(self.nm) } else { Carried::All }
     }
@@ -230,6 +238,16 @@ impl Lanes for Wavelengths {
         let Some(table) = tables.uplift else { return Light::default() };
         let surface = table.reflectance(rgb.to_rgb());
         self.each(|b| surface.at(b))
+    }
+
+    #[inline]
+    fn coefficient_of_rgb(self, tables: &SpectralTables, rgb: Light) -> Light {
+        let [red, green, blue] = rgb.to_rgb();
+        let parts = tables.parts.as_deref();
+        self.each(|b| {
+            let [r, g, b] = parts.and_then(|parts| parts.get(b)).copied().unwrap_or([1.0 / 3.0; 3]);
+            r * red + g * green + b * blue
+        })
     }
 
     #[inline]

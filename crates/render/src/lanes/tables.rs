@@ -46,6 +46,8 @@ pub struct SpectralTables {
     pub(super) white: Vec<f32>,
     /// Spectra of pixels.
     pub(super) uplift: Option<&'static uplift::UpliftTable>,
+    /// By nanometre, how much red, green and blue count there, where a picture has numbers that are no colours.
+    pub(super) parts: Option<Vec<[f32; 3]>>,
     dispersion: Option<Dispersion>,
 }
 
@@ -132,6 +134,11 @@ impl SpectralTables {
     /// Adds a table that is another times a factor.
     pub(crate) fn add_scaled(&mut self, of: u32, by: f32) -> u32 {
         self.add(self.spectra[of as usize].map(|v| v * by))
+    }
+
+    /// Makes ready for pictures whose numbers are no colours, by how much red, green and blue count at each nanometre.
+    pub(crate) fn prepare_coefficients(&mut self, parts: impl FnOnce() -> Vec<[f32; 3]>) {
+        self.parts.get_or_insert_with(parts);
     }
 
     /// Makes ready for dispersion in RGB.

@@ -44,38 +44,60 @@ pub struct Coat {
 /// A coat, its roughness and what it scatters, as a scene says them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatMaterial {
+    /// What of it is the same everywhere.
     coat: Coat,
+    eta: Value<f32>,
+    thickness: Value<f32>,
+    g: Value<f32>,
     roughness: Value<f32>,
     albedo: Value<Colour>,
 }
 
 impl CoatMaterial {
     fn of(d: &desc::Coat, over_metal: bool, paint: &mut Paint<'_>) -> Self {
+        let eta = paint.number_within(&d.coat_eta, [1.0001, 10.0]);
+        let thickness = paint.number_within(&d.thickness, [1e-6, 1e3]);
+        let g = paint.number_within(&d.g, [-0.99, 0.99]);
+        let same = |v: &Value<f32>| if let Value::Constant(v) = v { *v } else { 1.0 };
         let coat = Coat {
-            eta: d.coat_eta as f32,
-            thickness: d.thickness as f32,
-            g: d.g as f32,
+            eta: same(&eta),
+            thickness: same(&thickness),
+            g: same(&g),
             max_depth: d.max_depth,
             two_sided: d.two_sided,
             over_metal,
         };
         let (roughness, albedo) = (paint.number(&d.coat_roughness), paint.reflectance(&d.albedo));
-        Self { coat, roughness, albedo }
+        Self { coat, eta, thickness, g, roughness, albedo }
+    }
+
+    /// What it is at a point.
+    #[inline]
+    fn at<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> Coat {
+        let [eta, thickness, g] = [&self.eta, &self.thickness, &self.g].map(|v| reading.eval(v, at));
+        Coat { eta, thickness, g, ..self.coat }
+    }
+
+    #[cfg(test)]
+    fn plain(coat: Coat) -> Self {
+        let [eta, thickness, g] = [coat.eta, coat.thickness, coat.g].map(Value::Constant);
+        Self { coat, eta, thickness, g, roughness: 0.0.into(), albedo: Light::ZERO.into() }
     }
 
     fn varies(&self) -> bool {
-        self.roughness.varies() || self.albedo.varies()
+        let numbers = [&self.roughness, &self.eta, &self.thickness, &self.g];
+        self.albedo.varies() || numbers.iter().any(|v| v.varies())
     }
 
     fn over<'w, L: Lanes>(
-        &'w self,
-        (base, roughness): ([Light; 2], f32),
+        &self,
+        (coat, base, roughness): (Coat, [Light; 2], f32),
         at: &ShadingPoint,
         reading: &Reading<'w, L>,
     ) -> Bsdf<'w> {
         let albedo = reading.eval(&self.albedo, at);
         let alpha = [reading.eval(&self.roughness, at), roughness];
-        Bsdf::Coated(Coated { coat: &self.coat, base, albedo, alpha })
+        Bsdf::Coated(Coated { coat, base, albedo, alpha })
     }
 }
 
@@ -101,13 +123,12 @@ impl Recipe for CoatedDiffuseMaterial {
 
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         let ground = reading.eval(&self.reflectance, at);
-        self.coat.over(([ground, reading.lanes.full()], 0.0), at, reading)
+        self.coat.over((self.coat.at(at, reading), [ground, reading.lanes.full()], 0.0), at, reading)
     }
 
     #[cfg(test)]
     fn examples() -> Vec<(Self, super::BsdfKind)> {
-        let black = Light::ZERO.into();
-        let coat = CoatMaterial { coat: LACQUER, roughness: 0.0.into(), albedo: black };
+        let coat = CoatMaterial::plain(LACQUER);
         vec![(Self { reflectance: super::testing::WHITE.into(), coat }, super::BsdfKind::Coated)]
     }
 }
@@ -116,9 +137,9 @@ impl Recipe for CoatedDiffuseMaterial {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatedConductorMaterial {
     /// Real part of the metal's index of refraction, relative to the outside.
-    pub eta: Colour,
+    pub eta: Value<Colour>,
     /// Imaginary part.
-    pub k: Colour,
+    pub k: Value<Colour>,
     /// Alpha of its facets; 0 is polished.
     pub roughness: Value<f32>,
     coat: CoatMaterial,
@@ -135,20 +156,22 @@ impl Recipe for CoatedConductorMaterial {
     }
 
     fn wants(&self) -> Wants {
-        Wants::point(self.roughness.varies() || self.coat.varies())
+        let metal = self.eta.varies() || self.k.varies() || self.roughness.varies();
+        Wants::point(metal || self.coat.varies())
     }
 
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         // Against the coat, not against air.
-        let base = [&self.eta, &self.k].map(|c| reading.light(c) * (1.0 / self.coat.coat.eta));
-        self.coat.over((base, reading.eval(&self.roughness, at)), at, reading)
+        let coat = self.coat.at(at, reading);
+        let base = [&self.eta, &self.k].map(|c| reading.eval(c, at) * (1.0 / coat.eta));
+        self.coat.over((coat, base, reading.eval(&self.roughness, at)), at, reading)
     }
 
     #[cfg(test)]
     fn examples() -> Vec<(Self, super::BsdfKind)> {
         let Metal { eta, k, .. } = super::testing::gold();
         let coat = Coat { over_metal: true, ..LACQUER };
-        let coat = CoatMaterial { coat, roughness: 0.0.into(), albedo: Light::ZERO.into() };
+        let coat = CoatMaterial::plain(coat);
         vec![(Self { eta: eta.into(), k: k.into(), roughness: 0.2.into(), coat }, super::BsdfKind::Coated)]
     }
 }
@@ -159,9 +182,9 @@ const LACQUER: Coat =
 
 /// A coat over a diffuse ground or metal.
 #[derive(Clone, Copy, Debug)]
-pub struct Coated<'w> {
-    /// What the coat is everywhere.
-    pub coat: &'w Coat,
+pub struct Coated {
+    /// What the coat is.
+    pub coat: Coat,
     /// The ground's reflectance, and 1 in all lanes that carry light; or the metal's index of refraction against the coat, real and imaginary.
     pub base: [Light; 2],
     /// Share of light that the layer scatters of what it stops.
@@ -205,7 +228,7 @@ struct Chances {
     metal: f32,
 }
 
-impl Coated<'_> {
+impl Coated {
     fn top(&self) -> Option<Facets> {
         (self.alpha[0] > 0.0).then(|| Facets::new([self.alpha[0]; 2], desc::Distribution::Ggx))
     }
@@ -469,7 +492,7 @@ impl Coated<'_> {
     }
 }
 
-impl Scatter for Coated<'_> {
+impl Scatter for Coated {
     const CHOOSES_LOBE: bool = true;
 
     #[inline]
@@ -540,12 +563,12 @@ impl Scatter for Coated<'_> {
         let Metal { eta, k, .. } = gold();
         let inside = [eta, k].map(|c| c * (1.0 / 1.5));
         vec![
-            of("lacquered wood", &LACQUER, [grey(0.6), WHITE], Light::ZERO, [0.0, 0.0]),
-            of("roughly lacquered wood", &LACQUER, [WHITE, WHITE], Light::ZERO, [0.3, 0.0]).focus(3),
-            of("milky paint", &PAINT, [grey(0.2), WHITE], grey(0.9), [0.0, 0.0]),
-            of("lacquered gold", &OVER_METAL, inside, Light::ZERO, [0.0, 0.2]).focus(3),
-            of("dull lacquer over gold", &OVER_METAL, inside, Light::ZERO, [0.3, 0.1]).focus(3),
-            of("polished gold below lacquer", &OVER_METAL, inside, Light::ZERO, [0.0, 0.0]),
+            of("lacquered wood", LACQUER, [grey(0.6), WHITE], Light::ZERO, [0.0, 0.0]),
+            of("roughly lacquered wood", LACQUER, [WHITE, WHITE], Light::ZERO, [0.3, 0.0]).focus(3),
+            of("milky paint", PAINT, [grey(0.2), WHITE], grey(0.9), [0.0, 0.0]),
+            of("lacquered gold", OVER_METAL, inside, Light::ZERO, [0.0, 0.2]).focus(3),
+            of("dull lacquer over gold", OVER_METAL, inside, Light::ZERO, [0.3, 0.1]).focus(3),
+            of("polished gold below lacquer", OVER_METAL, inside, Light::ZERO, [0.0, 0.0]),
         ]
     }
 }
@@ -576,7 +599,7 @@ mod tests {
         let coat = Coat { thickness: 1e-6, max_depth: 200, ..LACQUER };
         for rho in [0.3_f32, 0.8] {
             let base = [Light::rgb([rho; 3]), Light::rgb([1.0; 3])];
-            let coated = Bsdf::Coated(Coated { coat: &coat, base, albedo: Light::ZERO, alpha: [0.0; 2] });
+            let coated = Bsdf::Coated(Coated { coat, base, albedo: Light::ZERO, alpha: [0.0; 2] });
             let within = 0.596_345_7;
             let diffuse = Light::rgb([rho / (1.0 - rho * within) / 2.25; 3]);
             let specular = Light::rgb([1.0; 3]);
@@ -596,7 +619,7 @@ mod tests {
         let coat = Coat { thickness: 1e-6, max_depth: 200, over_metal: true, ..LACQUER };
         let base = [Light::ZERO, Light::rgb([2.0; 3])];
         for (alpha, left) in [([0.0, 0.0], [1.0; 3]), ([0.0, 0.1], [0.9753, 0.9433, 0.9255])] {
-            let coated = Bsdf::Coated(Coated { coat: &coat, base, albedo: Light::ZERO, alpha });
+            let coated = Bsdf::Coated(Coated { coat, base, albedo: Light::ZERO, alpha });
             for (wo, left) in views().into_iter().zip(left) {
                 let all = mean(&coated, wo);
                 assert!((all / left - 1.0).abs() < 0.03, "{alpha:?} {wo:?}: {all} {left}");

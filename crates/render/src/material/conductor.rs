@@ -4,11 +4,14 @@
 //! are (GGX or Beckmann's, alike in all directions or brushed), and light that would bounce between them more than once is lost, so that very rough metal is a
 //! little too dark, or put back ([`super::FacetConductor`]).
 
+use std::sync::Arc;
+
 use straal_color::Light;
 use straal_math::simd::Float;
 use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
+use super::energy::Kept;
 use super::many::{self, Lobe, These, is_lobe};
 use super::microfacet::Facets;
 use super::mirror::reflected;
@@ -24,17 +27,17 @@ use crate::texture::{Reading, ShadingPoint, Value};
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConductorMaterial {
     /// Real part of the index of refraction, relative to the outside.
-    pub eta: Colour,
+    pub eta: Value<Colour>,
     /// Imaginary part: absorption.
-    pub k: Colour,
+    pub k: Value<Colour>,
     /// Alpha of the facets, along the tangent if it is another across it; 0 is polished.
     pub roughness: Value<f32>,
     /// Alpha across the tangent, where it is another.
     pub roughness_v: Option<Value<f32>>,
     /// How facets are spread.
     pub distribution: desc::Distribution,
-    /// Whether light that bounces more than once is put back.
-    pub compensated: bool,
+    /// What is kept of light, where what bounces more than once is put back.
+    pub kept: Option<Arc<Kept>>,
     /// Tint of what is reflected; physical is 1.
     pub reflectance: Value<Colour>,
     /// Whether the back looks like the front; else it is black.
@@ -46,13 +49,20 @@ impl Recipe for ConductorMaterial {
 
     fn of(d: &desc::Conductor, paint: &mut Paint<'_>) -> Self {
         let [eta, k] = paint.metal(d);
+        let (roughness, roughness_v) =
+            (paint.number(&d.roughness), d.roughness_v.as_ref().map(|v| paint.number(v)));
+        let constant = match (roughness, roughness_v) {
+            (Value::Constant(alpha), None) => Some([alpha; 2]),
+            (Value::Constant(along), Some(Value::Constant(across))) => Some([along, across]),
+            _ => None,
+        };
         Self {
             eta,
             k,
-            roughness: paint.number(&d.roughness),
-            roughness_v: d.roughness_v.as_ref().map(|v| paint.number(v)),
+            kept: d.multiple_bounces.then(|| Arc::new(Kept::by_metal(constant, &d.distribution))),
+            roughness,
+            roughness_v,
             distribution: d.distribution.clone(),
-            compensated: d.multiple_bounces,
             reflectance: paint.reflectance(&d.reflectance),
             two_sided: d.two_sided,
         }
@@ -61,6 +71,8 @@ impl Recipe for ConductorMaterial {
     fn wants(&self) -> Wants {
         let varies = self.roughness.varies()
             || self.roughness_v.is_some_and(|v| v.varies())
+            || self.eta.varies()
+            || self.k.varies()
             || self.reflectance.varies();
         // What is brushed must know which way.
         let tangent = self.roughness_v.is_some();
@@ -69,17 +81,17 @@ impl Recipe for ConductorMaterial {
 
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
-        let (eta, k) = (reading.light(&self.eta), reading.light(&self.k));
+        let (eta, k) = (reading.eval(&self.eta, at), reading.eval(&self.k, at));
         let metal = Metal { eta, k, reflectance: reading.eval(&self.reflectance, at) };
         let (alpha, two_sided) = (reading.eval(&self.roughness, at), self.two_sided);
         let across = self.roughness_v.as_ref().map_or(alpha, |v| reading.eval(v, at));
         if alpha <= 0.0 && across <= 0.0 {
             return Bsdf::Conductor(Conductor { metal, two_sided });
         }
-        if self.roughness_v.is_some() || self.compensated || self.distribution != desc::Distribution::Ggx {
+        if self.roughness_v.is_some() || self.kept.is_some() || self.distribution != desc::Distribution::Ggx {
             let facets = Facets::new([alpha, across], self.distribution.clone());
-            let compensated = self.compensated;
-            Bsdf::FacetConductor(FacetConductor { metal, facets, compensated, two_sided })
+            let kept = self.kept.as_deref();
+            Bsdf::FacetConductor(FacetConductor { metal, facets, kept, two_sided })
         } else {
             let rough = RoughConductor::new(metal, alpha);
             Bsdf::RoughConductor(if two_sided { rough } else { rough.one_sided() })
@@ -95,11 +107,12 @@ impl Recipe for ConductorMaterial {
             roughness: alpha.into(),
             roughness_v: None,
             distribution: desc::Distribution::Ggx,
-            compensated: false,
+            kept: None,
             reflectance: reflectance.into(),
             two_sided: true,
         };
-        let whole = Self { compensated: true, ..of(0.1) };
+        let kept = Kept::by_metal(Some([0.1; 2]), &desc::Distribution::Ggx);
+        let whole = Self { kept: Some(Arc::new(kept)), ..of(0.1) };
         vec![
             (of(0.0), super::BsdfKind::Conductor),
             (of(0.1), super::BsdfKind::RoughConductor),

@@ -9,14 +9,14 @@ use straal_math::Vec3;
 use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
-use super::energy::{self, Shares};
+use super::energy::{ByIndex, Kept};
 use super::fresnel::Split;
 use super::many::{self, Lobe, These, is_lobe};
 use super::microfacet::Facets;
 use super::mirror::reflected;
 use super::{
-    Bsdf, BsdfSample, Clear, DispersiveDielectric, Interior, Recipe, RoughDielectric, Scatter, Share,
-    Transport, Wants, fresnel,
+    Bsdf, BsdfSample, Clear, DispersiveDielectric, Interior, Recipe, Relative, RoughDielectric, Scatter,
+    Share, Transport, Wants, fresnel,
 };
 use crate::lanes::{Colour, Eta, Lanes};
 use crate::paint::Paint;
@@ -28,6 +28,8 @@ use crate::texture::{Reading, ShadingPoint, Value};
 pub struct DielectricMaterial {
     /// Index of refraction inside over that outside.
     pub eta: Eta,
+    /// What that is multiplied by, which may differ from point to point.
+    pub by: Relative,
     /// Tint of what is reflected; physical is 1.
     pub reflectance: Value<Colour>,
     /// Tint of what passes; physical is 1.
@@ -50,12 +52,12 @@ pub struct Rough {
     /// How facets are spread.
     pub distribution: desc::Distribution,
     /// What is kept of light from outside and from within, where light that bounces more than once is put back.
-    pub kept: Option<Box<[Shares; 2]>>,
+    pub kept: Option<Box<[ByIndex<Kept>; 2]>>,
 }
 
 impl Rough {
     /// Of what the scene says, unless it is smooth everywhere.
-    fn of(d: &desc::Dielectric, eta: &Eta, paint: &mut Paint<'_>) -> Option<Self> {
+    fn of(d: &desc::Dielectric, (eta, by): (&Eta, &Relative), paint: &mut Paint<'_>) -> Option<Self> {
         let roughness = paint.number(&d.roughness);
         let across = d.roughness_v.as_ref().map(|v| paint.number(v));
         let &Eta::Constant(eta) = eta else { return None };
@@ -63,12 +65,16 @@ impl Rough {
             return None;
         }
         let constant = match (roughness, across) {
-            (Value::Constant(alpha), None) => Some(alpha),
+            (Value::Constant(alpha), None) => Some([alpha; 2]),
+            (Value::Constant(along), Some(Value::Constant(across))) => Some([along, across]),
             _ => None,
         };
-        let kept = d
-            .multiple_bounces
-            .then(|| Box::new([eta, 1.0 / eta].map(|eta| energy::kept(constant, &d.distribution, eta))));
+        let kept = |turned: bool| {
+            ByIndex::new(by.constant().map(|_| eta), |eta| {
+                Kept::by_glass(constant, &d.distribution, if turned { 1.0 / eta } else { eta })
+            })
+        };
+        let kept = d.multiple_bounces.then(|| Box::new([false, true].map(kept)));
         Some(Self { roughness, across, distribution: d.distribution.clone(), kept })
     }
 
@@ -87,14 +93,19 @@ impl Recipe for DielectricMaterial {
     }
 
     fn of(d: &desc::Dielectric, paint: &mut Paint<'_>) -> Self {
-        let eta = paint.index_of_refraction(&d.eta, &d.eta_outside);
+        let (eta, by) = paint.index_of_refraction(&d.eta, &d.eta_outside);
+        let one = |v: &desc::Varying<desc::Index>| match v.constant() {
+            Some(desc::Index::Constant(n)) => Some(*n),
+            _ => None,
+        };
         Self {
             reflectance: paint.reflectance(&d.reflectance),
             transmittance: paint.reflectance(&d.transmittance),
-            rough: Rough::of(d, &eta, paint),
+            rough: Rough::of(d, (&eta, &by), paint),
             eta,
+            by,
             schlick: d.fresnel == desc::Fresnel::Schlick,
-            interior: Interior::of(&d.interior, [&d.eta, &d.eta_outside], paint),
+            interior: Interior::of(&d.interior, [one(&d.eta), one(&d.eta_outside)], paint),
         }
     }
 
@@ -105,7 +116,7 @@ impl Recipe for DielectricMaterial {
     fn wants(&self) -> Wants {
         let tangent = self.rough.as_ref().is_some_and(|r| r.across.is_some());
         let rough = self.rough.as_ref().is_some_and(|r| r.roughness.varies());
-        let varies = self.reflectance.varies() || self.transmittance.varies() || rough;
+        let varies = self.by.varies() || self.reflectance.varies() || self.transmittance.varies() || rough;
         Wants { point: varies || tangent, tangent }
     }
 
@@ -113,7 +124,9 @@ impl Recipe for DielectricMaterial {
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         let reflectance = reading.eval(&self.reflectance, at);
         let transmittance = reading.eval(&self.transmittance, at);
+        let by = self.by.at(at, reading);
         if let (Some(rough), &Eta::Constant(eta)) = (&self.rough, &self.eta) {
+            let eta = eta * by;
             let alpha = rough.alpha(at, reading);
             if alpha[0] > 0.0 || alpha[1] > 0.0 {
                 let facets = Facets::new(alpha, rough.distribution.clone());
@@ -129,11 +142,12 @@ impl Recipe for DielectricMaterial {
         }
         match &self.eta {
             &Eta::Constant(eta) if self.schlick => {
-                Bsdf::Clear(Clear { eta, reflectance, transmittance, share: Share::Schlick })
+                Bsdf::Clear(Clear { eta: eta * by, reflectance, transmittance, share: Share::Schlick })
             }
-            &Eta::Constant(eta) => Bsdf::Dielectric(Dielectric { eta, reflectance, transmittance }),
+            &Eta::Constant(eta) => Bsdf::Dielectric(Dielectric { eta: eta * by, reflectance, transmittance }),
             Eta::Table(eta) => Bsdf::DispersiveDielectric(DispersiveDielectric {
                 eta,
+                by,
                 tables: reading.tables,
                 carried: reading.lanes.carried().packed(),
                 reflectance,
@@ -148,6 +162,7 @@ impl Recipe for DielectricMaterial {
         let white = || super::testing::WHITE.into();
         let of = |eta| Self {
             eta,
+            by: 1.0.into(),
             reflectance: white(),
             transmittance: white(),
             schlick: false,

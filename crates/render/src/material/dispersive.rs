@@ -19,6 +19,8 @@ use crate::lanes::{Carried, EtaTable, SpectralTables};
 pub struct DispersiveDielectric<'w> {
     /// Index on the side of -z over that on the side of z.
     pub eta: &'w EtaTable,
+    /// What that is multiplied by.
+    pub by: f32,
     /// Draws wavelengths for RGB.
     pub tables: &'w SpectralTables,
     /// The path's wavelengths, see [`Carried::packed`].
@@ -34,7 +36,7 @@ impl Scatter for DispersiveDielectric<'_> {
 
     fn albedo(&self) -> Light {
         let yellow = Dielectric {
-            eta: self.eta.middle,
+            eta: self.eta.middle * self.by,
             reflectance: self.reflectance,
             transmittance: self.transmittance,
         };
@@ -105,16 +107,16 @@ impl<F: Float> Indices<F> {
         for i in 0..F::WIDTH {
             let glass = these.of(i);
             etas[i] = match Carried::unpacked(glass.carried) {
-                Carried::One(nm) => [glass.eta.at(nm); 4],
+                Carried::One(nm) => [glass.eta.at(nm) * glass.by; 4],
                 Carried::Four(nm) => {
                     four |= 1 << i;
-                    nm.map(|nm| glass.eta.at(nm))
+                    nm.map(|nm| glass.eta.at(nm) * glass.by)
                 }
                 Carried::All => {
                     rgb |= 1 << i;
                     let (nm, colour) = glass.tables.draw_wavelength(u.lane(i));
-                    drawn[i] = (nm, glass.eta.at(nm), colour);
-                    [glass.eta.middle; 4]
+                    drawn[i] = (nm, glass.eta.at(nm) * glass.by, colour);
+                    [glass.eta.middle * glass.by; 4]
                 }
             };
         }

@@ -2,42 +2,39 @@
 //! with Beckmann's facets, or with the light put back that bounces more than once.
 
 use straal_color::Light;
-use straal_math::{Vec3, ops};
+use straal_math::Vec3;
 
-use super::{BsdfSample, Metal, Scatter, Transport, energy, facing, microfacet::Facets};
+use super::{BsdfSample, Metal, Scatter, Transport, energy::Kept, facing, microfacet::Facets};
 
 /// Metal of microfacets: f = F D G / (4 cos cos). Directions are drawn as bounded visible normals give them.
 ///
-/// The model follows light to one facet only, so that rough metal is too dark. With `compensated` f is multiplied by 1 + F0 (1 / E - 1), with E what metal
+/// The model follows light to one facet only, so that rough metal is too dark. With `kept` f is multiplied by 1 + F0 (1 / E - 1), with E what metal
 /// without absorption would send back and F0 the metal's reflectance straight on (Turquin 2019, "Practical Multiple Scattering Compensation for
 /// Microfacet Models", eq. 16): all light that isn't absorbed comes back, but since E is that of `wo` alone reciprocity doesn't hold.
 #[derive(Clone, Copy, Debug)]
-pub struct FacetConductor {
+pub struct FacetConductor<'w> {
     /// What the facets are made of.
     pub metal: Metal,
     /// How they are spread.
     pub facets: Facets,
-    /// Whether light that bounces more than once is put back.
-    pub compensated: bool,
+    /// What is kept of light, where what bounces more than once is put back.
+    pub kept: Option<&'w Kept>,
     /// Whether the back looks like the front; else it is black.
     pub two_sided: bool,
 }
 
-impl FacetConductor {
+impl FacetConductor<'_> {
     /// Reflectance with what bounces more than once, for `wo` above the surface.
     #[inline]
     fn share(&self, wo: Vec3, cos: f32) -> Light {
         let share = self.metal.reflected(cos);
-        if !self.compensated {
-            return share;
-        }
-        let kept = energy::lossless_metal().at(self.facets.mean_alpha(), wo.z);
-        let lost = 1.0 / ops::max(kept, 0.05) - 1.0;
+        let Some(kept) = self.kept else { return share };
+        let lost = kept.put_back(&self.facets, wo) - 1.0;
         share.zip(self.metal.albedo(), |f, straight| f * (1.0 + straight * lost))
     }
 }
 
-impl Scatter for FacetConductor {
+impl Scatter for FacetConductor<'_> {
     #[inline]
     fn is_delta(&self) -> bool {
         false
@@ -79,15 +76,19 @@ impl Scatter for FacetConductor {
     #[cfg(test)]
     fn examples() -> Vec<super::testing::Example> {
         use super::testing::{Example, gold, lossless};
+        use std::sync::LazyLock;
         use straal_scene::desc::Distribution::{Beckmann, Ggx};
+        static TABLES: LazyLock<[Kept; 2]> =
+            LazyLock::new(|| [0.4, 1.0].map(|alpha| Kept::by_metal(Some([alpha; 2]), &Ggx)));
         let of = |name, metal, alpha, distribution| {
             let facets = Facets::new(alpha, distribution);
-            let metal = Self { metal, facets, compensated: false, two_sided: true };
+            let metal = FacetConductor { metal, facets, kept: None, two_sided: true };
             Example::new(name, super::Bsdf::FacetConductor(metal))
         };
         let whole = |name, alpha: f32| {
             let facets = Facets::new([alpha; 2], Ggx);
-            let metal = Self { metal: lossless(), facets, compensated: true, two_sided: true };
+            let kept = Some(if alpha == 1.0 { &TABLES[1] } else { &TABLES[0] });
+            let metal = FacetConductor { metal: lossless(), facets, kept, two_sided: true };
             Example::new(name, super::Bsdf::FacetConductor(metal)).one_way().nearly_energy(0.01)
         };
         vec![

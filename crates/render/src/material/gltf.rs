@@ -44,9 +44,9 @@ pub struct GltfMaterial {
     /// Radiance that it sends out.
     pub emissive: Value<Colour>,
     /// What that is multiplied by.
-    pub emissive_strength: f32,
+    pub emissive_strength: Value<f32>,
     pub alpha: Value<f32>,
-    pub ior: f32,
+    pub ior: Value<f32>,
     pub specular: Value<f32>,
     pub specular_color: Value<Colour>,
     pub clearcoat: Value<f32>,
@@ -57,7 +57,7 @@ pub struct GltfMaterial {
     /// What dims light within, where there is an inside.
     pub filling: Option<Interior>,
     pub iridescence: Value<f32>,
-    pub iridescence_ior: f32,
+    pub iridescence_ior: Value<f32>,
     /// In nm.
     pub iridescence_thickness: Value<f32>,
     pub anisotropy: Value<f32>,
@@ -65,7 +65,7 @@ pub struct GltfMaterial {
     pub brushing: Brushing,
     pub clearcoat_normal: CoatNormals,
     /// 20 over Abbe's number.
-    pub dispersion: f32,
+    pub dispersion: Value<f32>,
     pub diffuse_transmission: Value<f32>,
     pub diffuse_transmission_color: Value<Colour>,
     /// Whether the back looks like the front; else it is black.
@@ -81,16 +81,17 @@ impl Recipe for GltfMaterial {
             Some(distance) => Absorption::Colour(paint.share(&d.attenuation_color), *distance as f32),
             None => Absorption::None,
         };
-        let eta = d.ior as f32;
+        let ior = paint.number_within(&d.ior, [1.0, 5.0]);
+        let eta = d.ior.constant().map(|v| *v as f32);
         let has_inside = transmission.most() > 0.0 && d.volume;
         Self {
             base_color: paint.reflectance(&d.base_color),
             metallic: paint.number(&d.metallic),
             roughness: paint.number(&d.roughness),
             emissive: paint.emission(&d.emissive),
-            emissive_strength: d.emissive_strength as f32,
+            emissive_strength: paint.number(&d.emissive_strength),
             alpha: paint.number(&d.alpha),
-            ior: eta,
+            ior,
             specular: paint.number(&d.specular),
             specular_color: paint.reflectance(&d.specular_color),
             clearcoat: paint.number(&d.clearcoat),
@@ -98,14 +99,14 @@ impl Recipe for GltfMaterial {
             sheen_color: paint.reflectance(&d.sheen_color),
             sheen_roughness: paint.number(&d.sheen_roughness),
             transmission,
-            filling: has_inside.then_some(Interior { absorption, priority: 0, eta, outside: 1.0 }),
+            filling: has_inside.then_some(Interior { absorption, priority: 0, eta, outside: Some(1.0) }),
             iridescence: paint.number(&d.iridescence),
-            iridescence_ior: d.iridescence_ior as f32,
+            iridescence_ior: paint.number_within(&d.iridescence_ior, [1.0, 5.0]),
             iridescence_thickness: paint.number(&d.iridescence_thickness),
             anisotropy: paint.number(&d.anisotropy),
-            brushing: Brushing::of(d.anisotropy_direction.as_ref(), d.anisotropy_rotation, paint),
+            brushing: Brushing::of(d.anisotropy_direction.as_ref(), &d.anisotropy_rotation, paint),
             clearcoat_normal: CoatNormals::of(&d.clearcoat_normal, paint),
-            dispersion: d.dispersion as f32,
+            dispersion: paint.number_within(&d.dispersion, [0.0, 3.2]),
             diffuse_transmission: paint.number(&d.diffuse_transmission),
             diffuse_transmission_color: paint.reflectance(&d.diffuse_transmission_color),
             double_sided: d.double_sided,
@@ -134,6 +135,9 @@ impl Recipe for GltfMaterial {
             &self.iridescence_thickness,
             &self.anisotropy,
             &self.diffuse_transmission,
+            &self.ior,
+            &self.iridescence_ior,
+            &self.dispersion,
         ];
         let colours =
             [&self.base_color, &self.specular_color, &self.sheen_color, &self.diffuse_transmission_color];
@@ -143,13 +147,13 @@ impl Recipe for GltfMaterial {
     }
 
     fn emission(&self) -> Option<Emission> {
-        let most = self.emissive_strength;
+        let most = self.emissive_strength.most();
         let shines = most > 0.0 && self.emissive.most() > 0.0;
         shines.then_some(Emission { radiance: self.emissive, most, both_sides: false })
     }
 
     fn lets_out<L: Lanes>(&self, cos: f32, at: &ShadingPoint, reading: &Reading<'_, L>) -> Light {
-        self.layers(at, reading).lets_out(cos) * self.emissive_strength
+        self.layers(at, reading).lets_out(cos) * reading.eval(&self.emissive_strength, at)
     }
 
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
@@ -165,9 +169,9 @@ impl Recipe for GltfMaterial {
                 metallic: one(),
                 roughness: one(),
                 emissive: Light::ZERO.into(),
-                emissive_strength: 1.0,
+                emissive_strength: one(),
                 alpha: one(),
-                ior: 1.5,
+                ior: 1.5.into(),
                 specular: one(),
                 specular_color: Light::rgb([1.0; 3]).into(),
                 clearcoat: zero(),
@@ -177,12 +181,12 @@ impl Recipe for GltfMaterial {
                 transmission: zero(),
                 filling: None,
                 iridescence: zero(),
-                iridescence_ior: 1.3,
+                iridescence_ior: 1.3.into(),
                 iridescence_thickness: 400.0.into(),
                 anisotropy: zero(),
                 brushing: Brushing::STRAIGHT,
                 clearcoat_normal: CoatNormals::Base,
-                dispersion: 0.0,
+                dispersion: zero(),
                 diffuse_transmission: zero(),
                 diffuse_transmission_color: Light::rgb([1.0; 3]).into(),
                 double_sided: true,
@@ -231,11 +235,11 @@ impl GltfMaterial {
             roughness,
             coat_roughness: number(&self.clearcoat_roughness),
             fuzz_roughness: number(&self.sheen_roughness),
-            ior: self.ior,
+            ior: number(&self.ior),
             coat_ior: 1.5,
-            film_ior: self.iridescence_ior,
+            film_ior: number(&self.iridescence_ior),
             film_thickness: thickness,
-            dispersion: self.dispersion,
+            dispersion: number(&self.dispersion),
             anisotropy,
             coat_anisotropy: 0.0,
             coat_darkening: 0.0,

@@ -27,10 +27,10 @@ pub struct Interior {
     pub absorption: Absorption,
     /// The highest is there alone.
     pub priority: u32,
-    /// Its index of refraction, where that is a number.
-    pub eta: f32,
+    /// Its index of refraction, where that is one number.
+    pub eta: Option<f32>,
     /// That of what the scene says is outside of it.
-    pub outside: f32,
+    pub outside: Option<f32>,
 }
 
 /// How a medium dims light.
@@ -49,17 +49,14 @@ pub enum Absorption {
 const DARKEST: f32 = 1e-30;
 
 impl Interior {
-    /// Of what the scene says; indices of refraction inside and outside.
-    pub(super) fn of(d: &desc::Interior, eta: [&desc::Index; 2], paint: &mut Paint<'_>) -> Self {
+    /// Of what the scene says; indices of refraction inside and outside, where they are numbers.
+    pub(super) fn of(d: &desc::Interior, eta: [Option<f64>; 2], paint: &mut Paint<'_>) -> Self {
         let absorption = match (&d.sigma_a, &d.attenuation_color) {
             (Some(sigma), _) => Absorption::Sigma(paint.coefficient(sigma)),
             (None, Some(colour)) => Absorption::Colour(paint.share(colour), d.attenuation_distance as f32),
             (None, None) => Absorption::None,
         };
-        let [eta, outside] = eta.map(|index| match index {
-            desc::Index::Constant(n) => *n as f32,
-            _ => 1.0,
-        });
+        let [eta, outside] = eta.map(|index| index.map(|n| n as f32));
         Self { absorption, priority: d.priority, eta, outside }
     }
 
@@ -164,8 +161,9 @@ impl Interiors {
         if self.medium(within).is_some_and(|(medium, _)| medium != number) {
             return Boundary::Ignored(if entering { within } else { without });
         }
-        let outside = self.medium(without).map_or(own.outside, |(_, medium)| medium.eta);
-        Boundary::Real(Some(own.eta / outside))
+        // Of what has no single index the boundary says itself what is on its sides.
+        let outside = self.medium(without).and_then(|(_, medium)| medium.eta).or(own.outside);
+        Boundary::Real(own.eta.zip(outside).map(|(eta, outside)| eta / outside))
     }
 }
 
@@ -216,7 +214,19 @@ mod tests {
     use super::*;
 
     fn of(eta: f32, priority: u32) -> Interior {
-        Interior { absorption: Absorption::None, priority, eta, outside: 1.0 }
+        Interior { absorption: Absorption::None, priority, eta: Some(eta), outside: Some(1.0) }
+    }
+
+    /// A boundary of no single index is what it says itself, in whatever it stands, and so is what stands in a medium of none.
+    #[test]
+    fn what_has_no_index_leaves_boundaries_as_they_say() {
+        let mut all = glass_of_water();
+        all.note(5, Some(Interior { eta: None, ..of(1.0, 1) }));
+        let air = Inside::default();
+        assert_eq!(all.boundary(air, 4, true), Boundary::Real(None));
+        assert_eq!(all.boundary(air.crossed(1, true), 4, true), Boundary::Real(None));
+        // The glass within it, as if it stood in air.
+        assert_eq!(all.boundary(air.crossed(4, true), 2, true), Boundary::Real(Some(1.5)));
     }
 
     /// Water 1 that reaches into a glass 2, in which there is a bubble 3.

@@ -26,13 +26,24 @@ impl Facets {
         Self { alpha: alpha.map(|a| ops::clamp(a, 1e-4, 1.0)), beckmann }
     }
 
-    /// The mean roughness, by which tables are looked up.
-    pub(super) fn mean_alpha(&self) -> f32 {
-        (self.alpha[0] * self.alpha[1]).sqrt()
+    /// Whether they are Beckmann's.
+    pub(super) fn are_beckmanns(&self) -> bool {
+        self.beckmann
+    }
+
+    /// Roughness along the tangent and across it.
+    pub(super) fn alphas(&self) -> [f32; 2] {
+        self.alpha
     }
 }
 
 impl<F: Float> Facets<F> {
+    /// The mean roughness, by which tables are looked up.
+    #[inline(always)]
+    pub(super) fn mean_alpha(&self) -> F {
+        (self.alpha[0] * self.alpha[1]).sqrt()
+    }
+
     /// The same written for other numbers of lanes: roughness and kind.
     #[inline(always)]
     pub fn of_lanes(alpha: [F; 2], beckmann: F::Mask) -> Self {

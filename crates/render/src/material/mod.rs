@@ -59,6 +59,7 @@ pub mod open_pbr;
 mod phong;
 mod plastic;
 mod principled;
+mod relative;
 mod rough_conductor;
 mod rough_dielectric;
 mod rough_diffuse;
@@ -94,6 +95,7 @@ pub use open_pbr::{OpenPbr, OpenPbrMaterial};
 pub use phong::{Form, Phong, PhongMaterial, Scale};
 pub use plastic::{Plastic, PlasticMaterial};
 pub use principled::{Principled, PrincipledMaterial};
+pub use relative::Relative;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_diffuse::RoughDiffuse;
@@ -172,7 +174,7 @@ list::bsdfs! {
     /// As a blurred mirror.
     Glossy(Glossy),
     /// As rough metal of any kind.
-    FacetConductor(FacetConductor),
+    FacetConductor(FacetConductor<'w>),
     /// As rough glass.
     RoughDielectric(RoughDielectric<'w>),
     /// As a pane without an inside.
@@ -186,7 +188,7 @@ list::bsdfs! {
     /// As cloth.
     Sheen(Sheen),
     /// As what is below a coat.
-    Coated(Coated<'w>),
+    Coated(Coated),
     /// As a rough diffuse surface.
     RoughDiffuse(RoughDiffuse),
     /// By the layers of OpenPBR.

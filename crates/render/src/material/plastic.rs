@@ -14,12 +14,16 @@
 use std::f32::consts::FRAC_1_PI;
 
 use straal_color::Light;
+use straal_math::simd::{Float, Mask};
 use straal_math::{Vec3, ops, warp};
 use straal_scene::desc;
 
-use super::energy::{self, Shares};
+use super::energy::{self, ByIndex, Shares};
+use super::many::{self, These};
 use super::microfacet::Facets;
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing, fresnel, mirror::reflected};
+use super::{
+    Bsdf, BsdfSample, Recipe, Relative, Scatter, Transport, Wants, facing_or_zero, fresnel, mirror::reflected,
+};
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -32,7 +36,7 @@ pub struct PlasticMaterial {
     /// Tint of what the boundary reflects.
     pub specular: Value<Colour>,
     /// Index of refraction inside over that outside.
-    pub eta: f32,
+    pub eta: Relative,
     /// Alpha of the boundary's facets.
     pub roughness: Value<f32>,
     /// How they are spread.
@@ -42,18 +46,24 @@ pub struct PlasticMaterial {
     /// Whether the back looks like the front; else it is black.
     pub two_sided: bool,
     /// What a rough boundary lets through from outside.
-    through: Shares,
+    through: ByIndex<Shares>,
     /// What is reflected from within.
-    within: Shares,
+    within: ByIndex<Shares>,
 }
 
 impl PlasticMaterial {
-    fn tables(roughness: Value<f32>, distribution: &desc::Distribution, eta: f32) -> [Shares; 2] {
+    fn tables(
+        roughness: Value<f32>,
+        distribution: &desc::Distribution,
+        eta: Relative,
+    ) -> [ByIndex<Shares>; 2] {
         let alpha = match roughness {
             Value::Constant(alpha) => Some(alpha),
             Value::Texture(_) => None,
         };
-        [energy::passed(alpha, distribution, eta), energy::sent_back(alpha, distribution, 1.0 / eta)]
+        let through = ByIndex::new(eta.constant(), |eta| energy::passed(alpha, distribution, eta));
+        let within = ByIndex::new(eta.constant(), |eta| energy::sent_back(alpha, distribution, 1.0 / eta));
+        [through, within]
     }
 }
 
@@ -61,7 +71,7 @@ impl Recipe for PlasticMaterial {
     type Described = desc::Plastic;
 
     fn of(d: &desc::Plastic, paint: &mut Paint<'_>) -> Self {
-        let eta = d.eta as f32 / d.eta_outside as f32;
+        let eta = Relative::of(&d.eta, &d.eta_outside, paint);
         let roughness = paint.number(&d.roughness);
         let [through, within] = Self::tables(roughness, &d.distribution, eta);
         Self {
@@ -78,26 +88,31 @@ impl Recipe for PlasticMaterial {
     }
 
     fn wants(&self) -> Wants {
-        Wants::point(self.reflectance.varies() || self.specular.varies() || self.roughness.varies())
+        Wants::point(
+            self.eta.varies()
+                || self.reflectance.varies()
+                || self.specular.varies()
+                || self.roughness.varies(),
+        )
     }
 
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         let ground = reading.eval(&self.reflectance, at);
         let alpha = ops::clamp(reading.eval(&self.roughness, at), 0.0, 1.0);
-        let within = if alpha > 0.0 {
-            self.within.of_all_directions_as_mitsuba(alpha)
-        } else {
-            self.within.of_all_directions(0.0)
-        };
+        let eta = self.eta.at(at, reading);
+        let within = self.within.between(eta, |shares| match alpha > 0.0 {
+            true => shares.of_all_directions_as_mitsuba(alpha),
+            false => shares.of_all_directions(0.0),
+        });
         let coloured = |rho: f32| rho / (1.0 - if self.nonlinear { rho * within } else { within });
-        let diffuse = ground.map(coloured) * (1.0 / (self.eta * self.eta));
+        let diffuse = ground.map(coloured) * (1.0 / (eta * eta));
         let rough =
             (alpha > 0.0).then(|| (Facets::new([alpha; 2], self.distribution.clone()), &self.through));
         Bsdf::Plastic(Plastic {
             diffuse,
             specular: reading.eval(&self.specular, at),
-            eta: self.eta,
+            eta,
             rough,
             two_sided: self.two_sided,
         })
@@ -107,12 +122,12 @@ impl Recipe for PlasticMaterial {
     fn examples() -> Vec<(Self, super::BsdfKind)> {
         let of = |alpha: f32| {
             let (roughness, distribution) = (alpha.into(), desc::Distribution::Ggx);
-            let [through, within] = Self::tables(roughness, &distribution, 1.5);
+            let [through, within] = Self::tables(roughness, &distribution, 1.5.into());
             let white: Value<Colour> = super::testing::WHITE.into();
             Self {
                 reflectance: white,
                 specular: white,
-                eta: 1.5,
+                eta: 1.5.into(),
                 roughness,
                 distribution,
                 nonlinear: false,
@@ -135,9 +150,120 @@ pub struct Plastic<'w> {
     /// Index of refraction inside over that outside.
     pub eta: f32,
     /// The boundary's facets and what they let through, where it is rough.
-    pub rough: Option<(Facets, &'w Shares)>,
+    pub rough: Option<(Facets, &'w ByIndex<Shares>)>,
     /// Whether the back looks like the front; else it is black.
     pub two_sided: bool,
+}
+
+/// A ground and its boundary, or many side by side.
+#[derive(Clone, Copy)]
+struct Covered<F: Float, T> {
+    diffuse: Light<F>,
+    specular: Light<F>,
+    eta: F,
+    facets: Facets<F>,
+    rough: F::Mask,
+    two_sided: F::Mask,
+    these: T,
+}
+
+impl<'w, F: Float, T: These<Plastic<'w>>> Covered<F, T> {
+    #[inline(always)]
+    fn gather(these: T) -> Self {
+        let alpha =
+            |k: usize| many::each(these, |p: &Plastic<'w>| p.rough.map_or(1.0, |(f, _)| f.alphas()[k]));
+        let bell =
+            many::which::<_, F>(these, |p: &Plastic<'w>| p.rough.is_some_and(|(f, _)| f.are_beckmanns()));
+        Self {
+            diffuse: many::light(these, |p: &Plastic<'w>| p.diffuse),
+            specular: many::light(these, |p: &Plastic<'w>| p.specular),
+            eta: many::each(these, |p: &Plastic<'w>| p.eta),
+            facets: Facets::of_lanes([alpha(0), alpha(1)], bell),
+            rough: many::which::<_, F>(these, |p: &Plastic<'w>| p.rough.is_some()),
+            two_sided: many::which::<_, F>(these, |p: &Plastic<'w>| p.two_sided),
+            these,
+        }
+    }
+
+    /// What the boundary lets through at a cosine.
+    #[inline(always)]
+    fn through(&self, cos: F) -> F {
+        let smooth = F::ONE - fresnel::dielectric(cos, self.eta).reflected;
+        if !self.rough.any() {
+            return smooth;
+        }
+        // One material's vertices have a table in common.
+        let table = |i: usize| self.these.of(i).rough.and_then(|(_, table)| table.only());
+        let first = table(0);
+        let is_common = |i| table(i).zip(first).is_some_and(|(a, b)| std::ptr::eq(a, b));
+        if let (Some(shares), true) = (first, (1..F::WIDTH).all(is_common)) {
+            return shares.at(self.facets.mean_alpha(), cos);
+        }
+        let rough = F::from_fn(
+            #[inline(always)]
+            |i| self.these.of(i).through(cos.lane(i)),
+        );
+        F::select(self.rough, rough, smooth)
+    }
+
+    /// The chance of the boundary's lobe.
+    #[inline(always)]
+    fn chance(&self, through: F) -> F {
+        let reflected = self.specular.max_lane() * (F::ONE - through);
+        let scattered = self.diffuse.max_lane() * through;
+        F::select(reflected.gt(F::ZERO), reflected / (reflected + scattered), F::ZERO)
+    }
+
+    /// Value and density for directions above the surface, without a delta lobe, by what the boundary lets through of `wo` and the chance of its lobe.
+    #[inline(always)]
+    fn on_front(&self, wo: Vec3<F>, wi: Vec3<F>, [through, chance]: [F; 2]) -> (Light<F>, F) {
+        let there = wi.z.gt(F::ZERO);
+        let even = wi.z * FRAC_1_PI;
+        let mut value = self.diffuse * (through * self.through(wi.z) * even);
+        let mut pdf = (F::ONE - chance) * even;
+        let h = wo + wi;
+        let hh = h.length_squared();
+        let glossy = there & self.rough & hh.gt(F::splat(f32::MIN_POSITIVE));
+        if glossy.any() {
+            let facets = self.facets;
+            let share = fresnel::dielectric(wo.dot(h) / hh.sqrt(), self.eta).reflected;
+            let seen = facets.density(h) * facets.seen(wo) * facets.seen(wi) / (wo.z * 4.0);
+            value += (self.specular * (share * seen)).only(glossy);
+            pdf += F::select(glossy, chance * facets.pdf_reflecting(wo, h), F::ZERO);
+        }
+        (value.only(there), F::select(there, pdf, F::ZERO))
+    }
+
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> (Light<F>, F) {
+        let side = facing_or_zero(wo, self.two_sided);
+        let seen = side.ne(F::ZERO);
+        let [wo, wi] = [wo, wi].map(|w| Vec3::new(w.x, w.y, side * w.z));
+        let through = self.through(wo.z);
+        let (value, pdf) = self.on_front(wo, wi, [through, self.chance(through)]);
+        (value.only(seen), F::select(seen, pdf, F::ZERO))
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, u_lobe: F, u: [F; 2]) -> (BsdfSample<F>, F::Mask) {
+        let side = facing_or_zero(wo, self.two_sided);
+        let up = Vec3::new(wo.x, wo.y, side * wo.z);
+        let through = self.through(up.z);
+        let chance = self.chance(through);
+        let (scatters, mirrors) = (u_lobe.ge(chance), u_lobe.lt(chance) & !self.rough);
+        let mut wi = warp::cosine_hemisphere(u);
+        if !(scatters | mirrors).all() {
+            let m = self.facets.sample_reflecting(up, u);
+            wi = Vec3::select(scatters, wi, m * (up.dot(m) * 2.0) - up);
+        }
+        let (value, pdf) = self.on_front(up, wi, [through, chance]);
+        let weight = value * (F::ONE / pdf);
+        let there = mirrors | pdf.gt(F::ZERO) & weight.is_finite();
+        let drawn = BsdfSample::reflected(Vec3::new(wi.x, wi.y, side * wi.z), weight, pdf);
+        let share = fresnel::dielectric(up.z, self.eta).reflected;
+        let mirrored = reflected(wo, self.specular * (share / chance), chance);
+        (BsdfSample::select(mirrors, mirrored, drawn), side.ne(F::ZERO) & there)
+    }
 }
 
 impl Plastic<'_> {
@@ -145,46 +271,16 @@ impl Plastic<'_> {
     #[inline]
     fn through(&self, cos: f32) -> f32 {
         match &self.rough {
-            Some((facets, table)) => table.at(facets.mean_alpha(), cos),
+            Some((facets, table)) => table.between(self.eta, |shares| shares.at(facets.mean_alpha(), cos)),
             None => 1.0 - fresnel::dielectric(cos, self.eta).reflected,
         }
-    }
-
-    /// The chance of the boundary's lobe.
-    #[inline]
-    fn chance(&self, through: f32) -> f32 {
-        let reflected = self.specular.max_lane() * (1.0 - through);
-        let scattered = self.diffuse.max_lane() * through;
-        if reflected > 0.0 { reflected / (reflected + scattered) } else { 0.0 }
-    }
-
-    /// Value and density for directions above the surface, without a delta lobe.
-    #[inline]
-    fn on_front(&self, wo: Vec3, wi: Vec3) -> (Light, f32) {
-        if wi.z <= 0.0 {
-            return (Light::ZERO, 0.0);
-        }
-        let even = wi.z * FRAC_1_PI;
-        let through = self.through(wo.z);
-        let mut value = self.diffuse * (through * self.through(wi.z) * even);
-        let chance = self.chance(through);
-        let mut pdf = (1.0 - chance) * even;
-        let h = wo + wi;
-        let hh = h.length_squared();
-        if let Some((facets, _)) = &self.rough
-            && hh > f32::MIN_POSITIVE
-        {
-            let share = fresnel::dielectric(wo.dot(h) / hh.sqrt(), self.eta).reflected;
-            let seen = facets.density(h) * facets.seen(wo) * facets.seen(wi) / (4.0 * wo.z);
-            value += self.specular * (share * seen);
-            pdf += chance * facets.pdf_reflecting(wo, h);
-        }
-        (value, pdf)
     }
 }
 
 impl Scatter for Plastic<'_> {
     const CHOOSES_LOBE: bool = true;
+
+    const SIDE_BY_SIDE: bool = true;
 
     #[inline]
     fn is_delta(&self) -> bool {
@@ -193,30 +289,39 @@ impl Scatter for Plastic<'_> {
 
     #[inline]
     fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let Some(side) = facing(wo, self.two_sided) else { return (Light::ZERO, 0.0) };
-        self.on_front(Vec3::new(wo.x, wo.y, side * wo.z), Vec3::new(wi.x, wi.y, side * wi.z))
+        Covered::<f32, _>::gather(self).eval_pdf(wo, wi)
     }
 
     #[inline]
     fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], _: Transport) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
-        let up = Vec3::new(wo.x, wo.y, side * wo.z);
-        let chance = self.chance(self.through(up.z));
-        let wi = match &self.rough {
-            _ if u_lobe >= chance => warp::cosine_hemisphere(u),
-            None => {
-                let share = fresnel::dielectric(up.z, self.eta).reflected;
-                return Some(reflected(wo, self.specular * (share / chance), chance));
-            }
-            Some((facets, _)) => {
-                let m = facets.sample_reflecting(up, u);
-                m * (2.0 * up.dot(m)) - up
-            }
-        };
-        let (value, pdf) = self.on_front(up, wi);
-        let weight = value * (1.0 / pdf);
-        let wi = Vec3::new(wi.x, wi.y, side * wi.z);
-        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight, pdf, ..BsdfSample::REFLECTED })
+        let (sample, there) = Covered::<f32, _>::gather(self).sample(wo, u_lobe, u);
+        there.then_some(sample)
+    }
+
+    /// In a function of its own, as it is asked in several places.
+    #[inline(always)]
+    fn eval_pdf_many<F: Float>(
+        these: impl These<Self>,
+        [wo, wi]: [Vec3<F>; 2],
+        _: Transport,
+    ) -> (Light<F>, F) {
+        F::vectorize(
+            #[inline(always)]
+            || Covered::<F, _>::gather(these).eval_pdf(wo, wi),
+        )
+    }
+
+    #[inline(always)]
+    fn sample_many<F: Float>(
+        these: impl These<Self>,
+        wo: Vec3<F>,
+        [u_lobe, u, v]: [F; 3],
+        _: Transport,
+    ) -> (BsdfSample<F>, F::Mask) {
+        F::vectorize(
+            #[inline(always)]
+            || Covered::<F, _>::gather(these).sample(wo, u_lobe, [u, v]),
+        )
     }
 
     fn albedo(&self) -> Light {
@@ -230,10 +335,10 @@ impl Scatter for Plastic<'_> {
     fn examples() -> Vec<super::testing::Example> {
         use super::testing::{Example, WHITE};
         use std::sync::LazyLock;
-        static TABLES: LazyLock<[Shares; 4]> = LazyLock::new(|| {
+        static TABLES: LazyLock<[ByIndex<Shares>; 4]> = LazyLock::new(|| {
             let [a, b] = [0.3, 0.15].map(|alpha| {
                 let kind = if alpha == 0.3 { desc::Distribution::Ggx } else { desc::Distribution::Beckmann };
-                PlasticMaterial::tables(alpha.into(), &kind, 1.5)
+                PlasticMaterial::tables(alpha.into(), &kind, 1.5.into())
             });
             let [(a, b), (c, d)] = [a, b].map(|[through, within]| (through, within));
             [a, b, c, d]
@@ -247,6 +352,8 @@ impl Scatter for Plastic<'_> {
             two_sided: true,
         };
         let smooth_within = 0.596_345_7;
+        let mean =
+            |within: &ByIndex<Shares>, alpha| within.between(1.5, |shares| shares.of_all_directions(alpha));
         let facets = |alpha, distribution| Facets::new([alpha; 2], distribution);
         let rough = Some((facets(0.3, desc::Distribution::Ggx), ggx));
         let bell = Some((facets(0.15, desc::Distribution::Beckmann), beckmann));
@@ -254,9 +361,8 @@ impl Scatter for Plastic<'_> {
         vec![
             Example::new("white plastic", bsdf(of(1.0, smooth_within, None))).nearly_energy(1e-2),
             Example::new("grey plastic", bsdf(of(0.4, smooth_within, None))),
-            Example::new("rough plastic", bsdf(of(0.8, ggx_within.of_all_directions(0.3), rough))).focus(3),
-            Example::new("satin plastic", bsdf(of(0.5, beckmann_within.of_all_directions(0.15), bell)))
-                .focus(4),
+            Example::new("rough plastic", bsdf(of(0.8, mean(ggx_within, 0.3), rough))).focus(3),
+            Example::new("satin plastic", bsdf(of(0.5, mean(beckmann_within, 0.15), bell))).focus(4),
             Example::new(
                 "one-sided plastic",
                 bsdf(Plastic { two_sided: false, ..of(0.5, smooth_within, None) }),

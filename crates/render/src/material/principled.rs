@@ -21,6 +21,7 @@ use straal_scene::desc;
 use super::many::{self, These};
 use super::microfacet::Facets;
 use super::open_pbr::{ggx, interface};
+use super::relative::RANGE;
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants};
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -40,7 +41,9 @@ pub struct PrincipledMaterial {
     /// Which part of the rest is glass.
     pub spec_trans: Value<f32>,
     /// Index of refraction inside over that outside.
-    pub eta: f32,
+    pub eta: Value<f32>,
+    /// What is reflected straight on, in 8 hundredths, which tells the index where it is a texture.
+    pub specular: Option<Value<f32>>,
     /// How much of the base's colour the glossy reflection has.
     pub spec_tint: Value<f32>,
     /// How much sheen.
@@ -62,21 +65,23 @@ impl Recipe for PrincipledMaterial {
 
     fn of(d: &desc::Principled, paint: &mut Paint<'_>) -> Self {
         let spec_trans = paint.number(&d.spec_trans);
-        // Glass must bend light.
         let bends = spec_trans.most() > 0.0;
-        let eta = d.eta.unwrap_or_else(|| {
-            let specular = d.specular.unwrap_or(0.5);
-            let specular = if bends && specular == 0.0 { 1e-3 } else { specular };
-            2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0
-        });
-        let eta = if bends && eta == 1.0 { 1.001 } else { eta };
+        let told = d.specular.clone().unwrap_or(0.5.into());
+        let by_specular = |v: &f64| (bending(index_of(*v, bends), bends) as f32).into();
+        let (eta, specular) = match (&d.eta, told.constant()) {
+            (Some(desc::Varying::Constant(eta)), _) => ((bending(*eta, bends) as f32).into(), None),
+            (Some(eta), _) => (paint.number_within(eta, RANGE), None),
+            (None, Some(specular)) => (by_specular(specular), None),
+            (None, None) => (1.5.into(), Some(paint.number_within(&told, [0.0, 1.0]))),
+        };
         Self {
             base_color: paint.reflectance(&d.base_color),
             roughness: paint.number(&d.roughness),
             anisotropic: paint.number(&d.anisotropic),
             metallic: paint.number(&d.metallic),
             spec_trans,
-            eta: eta as f32,
+            eta,
+            specular,
             spec_tint: paint.number(&d.spec_tint),
             sheen: paint.number(&d.sheen),
             sheen_tint: paint.number(&d.sheen_tint),
@@ -99,9 +104,11 @@ impl Recipe for PrincipledMaterial {
             &self.flatness,
             &self.clearcoat,
             &self.clearcoat_gloss,
+            &self.eta,
         ];
         let tangent = self.anisotropic.most() > 0.0;
-        let varies = self.base_color.varies() || numbers.iter().any(|v| v.varies());
+        let varies =
+            self.base_color.varies() || self.specular.is_some() || numbers.iter().any(|v| v.varies());
         Wants { point: varies || tangent, tangent }
     }
 
@@ -121,7 +128,7 @@ impl Recipe for PrincipledMaterial {
             anisotropic: number(&self.anisotropic),
             metallic: number(&self.metallic),
             spec_trans: number(&self.spec_trans),
-            eta: self.eta,
+            eta: self.eta_at(at, reading),
             spec_tint: number(&self.spec_tint),
             sheen: number(&self.sheen),
             sheen_tint: number(&self.sheen_tint),
@@ -143,7 +150,8 @@ impl Recipe for PrincipledMaterial {
                 anisotropic: Value::from(0.0),
                 metallic: half(),
                 spec_trans: half(),
-                eta: 1.5,
+                eta: 1.5.into(),
+                specular: None,
                 spec_tint: half(),
                 sheen: half(),
                 sheen_tint: half(),
@@ -155,6 +163,33 @@ impl Recipe for PrincipledMaterial {
             super::BsdfKind::Principled,
         )]
     }
+}
+
+impl PrincipledMaterial {
+    /// The index at a point.
+    #[inline]
+    fn eta_at<L: Lanes>(&self, at: &ShadingPoint, reading: &Reading<'_, L>) -> f32 {
+        if let (Value::Constant(eta), None) = (self.eta, &self.specular) {
+            return eta;
+        }
+        let bends = self.spec_trans.most() > 0.0;
+        let eta = match &self.specular {
+            Some(specular) => index_of(f64::from(reading.eval(specular, at)), bends),
+            None => f64::from(reading.eval(&self.eta, at)),
+        };
+        bending(eta, bends) as f32
+    }
+}
+
+/// The index that reflects so many 8 hundredths straight on.
+fn index_of(specular: f64, bends: bool) -> f64 {
+    let specular = if bends && specular == 0.0 { 1e-3 } else { specular };
+    2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0
+}
+
+/// Glass must bend light.
+fn bending(eta: f64, bends: bool) -> f64 {
+    if bends && eta == 1.0 { 1.001 } else { eta }
 }
 
 /// [`PrincipledMaterial`] at a point.
@@ -497,6 +532,8 @@ impl<F: Float> Lobes<F> {
 impl Scatter for Principled {
     const CHOOSES_LOBE: bool = true;
 
+    const SIDE_BY_SIDE: bool = true;
+
     fn is_delta(&self) -> bool {
         false
     }
@@ -516,7 +553,11 @@ impl Scatter for Principled {
         [wo, wi]: [Vec3<F>; 2],
         transport: Transport,
     ) -> (Light<F>, F) {
-        Lobes::new(these, wo).value(wi, transport)
+        // In a function of its own, as it is asked in several places.
+        F::vectorize(
+            #[inline(always)]
+            || Lobes::new(these, wo).value(wi, transport),
+        )
     }
 
     #[inline(always)]
@@ -526,7 +567,10 @@ impl Scatter for Principled {
         u: [F; 3],
         transport: Transport,
     ) -> (BsdfSample<F>, F::Mask) {
-        Lobes::new(these, wo).sample(u, transport)
+        F::vectorize(
+            #[inline(always)]
+            || Lobes::new(these, wo).sample(u, transport),
+        )
     }
 
     fn albedo(&self) -> Light {

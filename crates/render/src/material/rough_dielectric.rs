@@ -1,9 +1,9 @@
 //! Rough glass, of which [`super::DielectricMaterial`] is made where it isn't smooth.
 
 use straal_color::Light;
-use straal_math::{Vec3, ops};
+use straal_math::Vec3;
 
-use super::energy::Shares;
+use super::energy::{ByIndex, Kept};
 use super::{BsdfSample, Scatter, Transport, fresnel, microfacet::Facets};
 
 /// A boundary of microfacets between transparent media (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces", eq.
@@ -22,7 +22,7 @@ pub struct RoughDielectric<'w> {
     /// Tint of what passes; physical is 1.
     pub transmittance: Light,
     /// What is kept of light from the side of z and from the other side, where what is lost is put back.
-    pub kept: Option<&'w [Shares; 2]>,
+    pub kept: Option<&'w [ByIndex<Kept>; 2]>,
 }
 
 /// Directions of a pair, turned so that `wo` is above, and the relative index of refraction below.
@@ -43,8 +43,7 @@ impl RoughDielectric<'_> {
     /// What the value is multiplied by for what bounces more than once.
     fn put_back(&self, wo: Vec3, side: f32) -> f32 {
         let Some(kept) = self.kept else { return 1.0 };
-        let kept = kept[usize::from(side < 0.0)].at(self.facets.mean_alpha(), wo.z);
-        1.0 / ops::max(kept, 0.05)
+        kept[usize::from(side < 0.0)].between(self.eta, |kept| kept.put_back(&self.facets, wo))
     }
 }
 

@@ -12,11 +12,13 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::LazyLock;
 
 use straal_color::Light;
+use straal_math::simd::Float;
 use straal_math::{Vec3, ops, warp};
 use straal_scene::desc;
 
 use super::energy::{self, Shares};
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing};
+use super::many::{self, Lobe, These, is_lobe};
+use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, facing_or_zero};
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
@@ -104,90 +106,133 @@ fn sent_back() -> &'static Shares {
 }
 
 /// f |cos| of the sheen, for directions above the surface.
-fn lobe(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
+#[inline(always)]
+fn lobe<F: Float>(roughness: F, wo: Vec3<F>, wi: Vec3<F>) -> F {
     let h = wo + wi;
     let hh = h.length_squared();
-    if wi.z <= 0.0 || wo.z <= 0.0 || hh <= f32::MIN_POSITIVE {
-        return 0.0;
-    }
-    let inverse = 1.0 / roughness;
+    let there = wi.z.gt(F::ZERO) & wo.z.gt(F::ZERO) & hh.gt(F::splat(f32::MIN_POSITIVE));
+    let inverse = F::ONE / roughness;
     // Sine of the half-way direction; a power of its square.
-    let sine2 = ops::clamp((h.x * h.x + h.y * h.y) / hh, 0.0, 1.0);
-    let density = (2.0 + inverse) / TAU * ops::pow(ops::max(sine2, 1e-12), 0.5 * inverse);
-    let shadow = 1.0 / (1.0 + hidden(roughness, wo.z) + hidden(roughness, wi.z));
-    density * shadow / (4.0 * wo.z)
+    let sine2 = ops::clamp((h.x * h.x + h.y * h.y) / hh, F::ZERO, F::ONE);
+    let density = (inverse + 2.0) / F::splat(TAU) * ops::pow(ops::max(sine2, F::splat(1e-12)), inverse * 0.5);
+    let shadow = F::ONE / (hidden(roughness, wo.z) + 1.0 + hidden(roughness, wi.z));
+    F::select(there, density * shadow / (wo.z * 4.0), F::ZERO)
 }
 
 /// The fit of Smith's Lambda (Estevez and Kulla, section 3, table 1).
-fn hidden(roughness: f32, cos: f32) -> f32 {
+#[inline(always)]
+fn hidden<F: Float>(roughness: F, cos: F) -> F {
     const ROUGH: [f32; 5] = [21.5473, 3.829_87, 0.198_23, -1.977_6, -4.320_54];
     const SMOOTH: [f32; 5] = [25.3245, 3.324_35, 0.168_01, -1.273_93, -4.859_67];
-    let t = (1.0 - roughness) * (1.0 - roughness);
-    let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|i: usize| t * SMOOTH[i] + (1.0 - t) * ROUGH[i]);
-    let curve = |x: f32| a / (1.0 + b * ops::pow(x, c)) + d * x + e;
-    if cos < 0.5 {
-        ops::exp(curve(ops::max(cos, 1e-6)))
-    } else {
-        ops::exp(2.0 * curve(0.5) - curve(ops::max(1.0 - cos, 1e-6)))
+    let t = (F::ONE - roughness) * (F::ONE - roughness);
+    let fit = [0, 1, 2, 3, 4].map(
+        #[inline(always)]
+        |i: usize| t * SMOOTH[i] + (F::ONE - t) * ROUGH[i],
+    );
+    // The fit is for the lower half; the upper is its mirror image.
+    let low = cos.lt(F::splat(0.5));
+    let least = F::splat(1e-6);
+    let at = curve(fit, F::select(low, ops::max(cos, least), ops::max(F::ONE - cos, least)));
+    ops::exp(F::select(low, at, curve(fit, F::splat(0.5)) * 2.0 - at))
+}
+
+#[inline(always)]
+fn curve<F: Float>([a, b, c, d, e]: [F; 5], x: F) -> F {
+    a / (b * ops::pow(x, c) + 1.0) + d * x + e
+}
+
+/// Cloth, or many side by side.
+#[derive(Clone, Copy)]
+struct Cloth<F: Float> {
+    ground: Light<F>,
+    color: Light<F>,
+    roughness: F,
+    two_sided: F::Mask,
+}
+
+impl<F: Float> Cloth<F> {
+    /// What the ground gets of light at a cosine.
+    #[inline(always)]
+    fn rest(&self, cos: F) -> F {
+        F::ONE - self.color.max_lane() * sent_back().at(self.roughness, cos)
+    }
+
+    /// The chance of the sheen's lobe, by what the ground gets.
+    #[inline(always)]
+    fn chance(&self, rest: F) -> F {
+        let sheen = F::ONE - rest;
+        let ground = self.ground.max_lane() * (F::ONE - sheen);
+        F::select(sheen.gt(F::ZERO), sheen / (sheen + ground), F::ZERO)
+    }
+
+    #[inline(always)]
+    fn on_front(&self, wo: Vec3<F>, wi: Vec3<F>) -> (Light<F>, F) {
+        let there = wi.z.gt(F::ZERO);
+        let mean = F::ONE - self.color.max_lane() * sent_back().of_all_directions(self.roughness);
+        let rest = self.rest(wo.z);
+        let below = rest * self.rest(wi.z) / ops::max(mean, F::splat(1e-3));
+        let even = wi.z * FRAC_1_PI;
+        let value = self.color * lobe(self.roughness, wo, wi) + self.ground * (below * even);
+        let chance = self.chance(rest);
+        let pdf = chance / F::splat(TAU) + (F::ONE - chance) * even;
+        (value.only(there), F::select(there, pdf, F::ZERO))
     }
 }
 
-impl Sheen {
-    /// What the ground gets of light at a cosine.
-    fn rest(&self, cos: f32) -> f32 {
-        1.0 - self.color.max_lane() * sent_back().at(self.roughness, cos)
-    }
+impl<F: Float> Lobe<F> for Cloth<F> {
+    type One = Sheen;
 
-    /// The chance of the sheen's lobe.
-    fn chance(&self, cos: f32) -> f32 {
-        let sheen = 1.0 - self.rest(cos);
-        let ground = self.ground.max_lane() * (1.0 - sheen);
-        if sheen > 0.0 { sheen / (sheen + ground) } else { 0.0 }
-    }
-
-    fn on_front(&self, wo: Vec3, wi: Vec3) -> (Light, f32) {
-        if wi.z <= 0.0 {
-            return (Light::ZERO, 0.0);
+    #[inline(always)]
+    fn gather(these: impl These<Sheen>) -> Self {
+        Self {
+            ground: many::light(these, |s: &Sheen| s.ground),
+            color: many::light(these, |s: &Sheen| s.color),
+            roughness: many::each(these, |s: &Sheen| s.roughness),
+            two_sided: many::which::<_, F>(these, |s: &Sheen| s.two_sided),
         }
-        let mean = 1.0 - self.color.max_lane() * sent_back().of_all_directions(self.roughness);
-        let below = self.rest(wo.z) * self.rest(wi.z) / ops::max(mean, 1e-3);
-        let even = wi.z * FRAC_1_PI;
-        let value = self.color * lobe(self.roughness, wo, wi) + self.ground * (below * even);
-        let chance = self.chance(wo.z);
-        (value, chance / TAU + (1.0 - chance) * even)
+    }
+
+    #[inline(always)]
+    fn eval_pdf(&self, wo: Vec3<F>, wi: Vec3<F>, _: Transport) -> (Light<F>, F) {
+        // In a function of its own, as it is asked in several places.
+        F::vectorize(
+            #[inline(always)]
+            || {
+                let side = facing_or_zero(wo, self.two_sided);
+                let seen = side.ne(F::ZERO);
+                let [wo, wi] = [wo, wi].map(|w| Vec3::new(w.x, w.y, side * w.z));
+                let (value, pdf) = self.on_front(wo, wi);
+                (value.only(seen), F::select(seen, pdf, F::ZERO))
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn sample(&self, wo: Vec3<F>, u_lobe: F, u: [F; 2], transport: Transport) -> (BsdfSample<F>, F::Mask) {
+        let side = facing_or_zero(wo, self.two_sided);
+        let by_sheen = u_lobe.lt(self.chance(self.rest(wo.z.abs())));
+        let d = Vec3::select(by_sheen, warp::uniform_hemisphere(u), warp::cosine_hemisphere(u));
+        let wi = Vec3::new(d.x, d.y, side * d.z);
+        let (value, pdf) = self.eval_pdf(wo, wi, transport);
+        let weight = value * (F::ONE / pdf);
+        let there = side.ne(F::ZERO) & pdf.gt(F::ZERO) & weight.is_finite();
+        (BsdfSample::reflected(wi, weight, pdf), there)
     }
 }
 
 impl Scatter for Sheen {
     const CHOOSES_LOBE: bool = true;
 
+    is_lobe!(Cloth);
+
     #[inline]
     fn is_delta(&self) -> bool {
         false
     }
 
-    fn eval_pdf(&self, wo: Vec3, wi: Vec3, _: Transport) -> (Light, f32) {
-        let Some(side) = facing(wo, self.two_sided) else { return (Light::ZERO, 0.0) };
-        let [wo, wi] = [wo, wi].map(|w| Vec3::new(w.x, w.y, side * w.z));
-        self.on_front(wo, wi)
-    }
-
-    fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2], transport: Transport) -> Option<BsdfSample> {
-        let side = facing(wo, self.two_sided)?;
-        let d = if u_lobe < self.chance(wo.z.abs()) {
-            warp::uniform_hemisphere(u)
-        } else {
-            warp::cosine_hemisphere(u)
-        };
-        let wi = Vec3::new(d.x, d.y, side * d.z);
-        let (value, pdf) = self.eval_pdf(wo, wi, transport);
-        let weight = value * (1.0 / pdf);
-        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight, pdf, ..BsdfSample::REFLECTED })
-    }
-
     fn albedo(&self) -> Light {
         let sheen = sent_back().at(self.roughness, 1.0);
-        self.color * sheen + self.ground * self.rest(1.0)
+        self.color * sheen + self.ground * Cloth::<f32>::gather(self).rest(1.0)
     }
 
     fn ambient(&self) -> Light {

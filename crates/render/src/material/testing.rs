@@ -117,6 +117,7 @@ pub(super) fn flint(carried: Carried) -> Bsdf<'static> {
     let (eta, tables) = &*FLINT;
     let lanes = if matches!(carried, Carried::Four(_)) { Light::ONE } else { WHITE };
     Bsdf::DispersiveDielectric(DispersiveDielectric {
+        by: 1.0,
         eta,
         tables,
         carried: carried.packed(),

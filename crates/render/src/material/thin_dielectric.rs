@@ -10,16 +10,16 @@ use straal_math::simd::{Float, Mask};
 use straal_scene::desc;
 
 use super::many::{self, Lobe, These, is_lobe};
-use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected};
+use super::{Bsdf, BsdfSample, Recipe, Relative, Scatter, Transport, Wants, fresnel, mirror::reflected};
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
 use crate::texture::{Reading, ShadingPoint, Value};
 
-/// A pane without an inside, or many side by side.
+/// A pane without an inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectricMaterial {
     /// Index of refraction of the pane over that outside.
-    pub eta: f32,
+    pub eta: Relative,
     /// Tint of what is reflected; physical is 1.
     pub reflectance: Value<Colour>,
     /// Tint of what passes; physical is 1.
@@ -35,20 +35,20 @@ impl Recipe for ThinDielectricMaterial {
 
     fn of(d: &desc::ThinDielectric, paint: &mut Paint<'_>) -> Self {
         Self {
-            eta: d.eta as f32 / d.eta_outside as f32,
+            eta: Relative::of(&d.eta, &d.eta_outside, paint),
             reflectance: paint.reflectance(&d.reflectance),
             transmittance: paint.reflectance(&d.transmittance),
         }
     }
 
     fn wants(&self) -> Wants {
-        Wants::point(self.reflectance.varies() || self.transmittance.varies())
+        Wants::point(self.eta.varies() || self.reflectance.varies() || self.transmittance.varies())
     }
 
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         Bsdf::ThinDielectric(ThinDielectric {
-            eta: self.eta,
+            eta: self.eta.at(at, reading),
             reflectance: reading.eval(&self.reflectance, at),
             transmittance: reading.eval(&self.transmittance, at),
         })
@@ -57,7 +57,7 @@ impl Recipe for ThinDielectricMaterial {
     #[cfg(test)]
     fn examples() -> Vec<(Self, super::BsdfKind)> {
         let white = || super::testing::WHITE.into();
-        let pane = Self { eta: 1.5, reflectance: white(), transmittance: white() };
+        let pane = Self { eta: 1.5.into(), reflectance: white(), transmittance: white() };
         vec![(pane, super::BsdfKind::ThinDielectric)]
     }
 }

@@ -19,6 +19,7 @@ use straal_math::{Vec3, ops};
 use straal_scene::desc;
 
 use super::film::{Complex, Faces, Film};
+use super::relative::RANGE;
 use super::{Bsdf, BsdfSample, Recipe, Scatter, Transport, Wants, mirror::reflected};
 use crate::lanes::{Carried, Colour, Lanes};
 use crate::paint::Paint;
@@ -30,11 +31,11 @@ pub struct ThinFilmMaterial {
     /// In nm.
     pub thickness: Value<f32>,
     /// Index of refraction.
-    pub eta: f32,
+    pub eta: Value<f32>,
     /// Index of refraction of what is around it.
-    pub eta_outside: f32,
+    pub eta_outside: Value<f32>,
     /// Index of refraction of what is below it, and its imaginary part; `None` of a film that hangs in the air.
-    pub base: Option<[Colour; 2]>,
+    pub base: Option<[Value<Colour>; 2]>,
     /// What red, green and blue see of waves, where lanes are these.
     pub bands: Option<Arc<Bands>>,
 }
@@ -56,15 +57,17 @@ impl Recipe for ThinFilmMaterial {
         let lies = d.metal.is_some() || d.base_eta.is_some();
         Self {
             thickness: paint.number(&d.thickness),
-            eta: d.eta as f32,
-            eta_outside: d.eta_outside as f32,
+            eta: paint.number_within(&d.eta, RANGE),
+            eta_outside: paint.number_within(&d.eta_outside, RANGE),
             base: lies.then(|| paint.metal(&metal())),
             bands: paint.bands(),
         }
     }
 
     fn wants(&self) -> Wants {
-        Wants::point(self.thickness.varies())
+        let numbers = [&self.thickness, &self.eta, &self.eta_outside];
+        let below = self.base.iter().flatten().any(|v| v.varies());
+        Wants::point(below || numbers.iter().any(|v| v.varies()))
     }
 
     #[inline]
@@ -74,13 +77,14 @@ impl Recipe for ThinFilmMaterial {
             (Carried::One(nm), _) => (reading.lanes.full() * nm, None),
             (Carried::Four(nm), _) => (Light(nm), None),
         };
-        let base = self.base.as_ref().map(|base| [reading.light(&base[0]), reading.light(&base[1])]);
+        let base = self.base.as_ref().map(|base| [&base[0], &base[1]].map(|v| reading.eval(v, at)));
+        let eta_outside = reading.eval(&self.eta_outside, at);
         Bsdf::ThinFilm(ThinFilm {
             thickness: reading.eval(&self.thickness, at),
-            eta: self.eta,
-            eta_outside: self.eta_outside,
+            eta: reading.eval(&self.eta, at),
+            eta_outside,
             lies: base.is_some(),
-            base: base.unwrap_or([Light::splat(self.eta_outside), Light::ZERO]),
+            base: base.unwrap_or([Light::splat(eta_outside), Light::ZERO]),
             nm,
             bands,
         })
@@ -89,7 +93,13 @@ impl Recipe for ThinFilmMaterial {
     #[cfg(test)]
     fn examples() -> Vec<(Self, super::BsdfKind)> {
         let super::Metal { eta, k, .. } = super::testing::gold();
-        let of = |base| Self { thickness: 400.0.into(), eta: 1.33, eta_outside: 1.0, base, bands: None };
+        let of = |base| Self {
+            thickness: 400.0.into(),
+            eta: 1.33.into(),
+            eta_outside: 1.0.into(),
+            base,
+            bands: None,
+        };
         [of(None), of(Some([eta.into(), k.into()]))].map(|m| (m, super::BsdfKind::ThinFilm)).into()
     }
 }

@@ -9,7 +9,8 @@ use straal_math::Vec3;
 use straal_scene::desc;
 
 use super::{
-    Bsdf, BsdfSample, Dielectric, Interior, Recipe, Scatter, Transport, Wants, fresnel, mirror::reflected,
+    Bsdf, BsdfSample, Dielectric, Interior, Recipe, Relative, Scatter, Transport, Wants, fresnel,
+    mirror::reflected,
 };
 use crate::lanes::{Colour, Lanes};
 use crate::paint::Paint;
@@ -19,7 +20,7 @@ use crate::texture::{Reading, ShadingPoint, Value};
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransparentMaterial {
     /// Index of refraction inside over that outside.
-    pub eta: f32,
+    pub eta: Relative,
     /// Share of light that is reflected: k_r.
     pub reflectance: Value<Colour>,
     /// Share of light that passes: k_t.
@@ -36,17 +37,20 @@ impl Recipe for TransparentMaterial {
     }
 
     fn of(d: &desc::Transparent, paint: &mut Paint<'_>) -> Self {
-        let [inside, outside] = [d.eta, d.eta_outside].map(desc::Index::Constant);
         Self {
-            eta: d.eta as f32 / d.eta_outside as f32,
+            eta: Relative::of(&d.eta, &d.eta_outside, paint),
             reflectance: paint.reflectance(&d.reflectance),
             transmittance: paint.reflectance(&d.transmittance),
-            interior: Interior::of(&d.interior, [&inside, &outside], paint),
+            interior: Interior::of(
+                &d.interior,
+                [&d.eta, &d.eta_outside].map(|v| v.constant().copied()),
+                paint,
+            ),
         }
     }
 
     fn wants(&self) -> Wants {
-        Wants::point(self.reflectance.varies() || self.transmittance.varies())
+        Wants::point(self.eta.varies() || self.reflectance.varies() || self.transmittance.varies())
     }
 
     fn interior(&self) -> Option<&Interior> {
@@ -56,7 +60,7 @@ impl Recipe for TransparentMaterial {
     #[inline]
     fn bsdf<'w, L: Lanes>(&'w self, at: &ShadingPoint, reading: &Reading<'w, L>) -> Bsdf<'w> {
         Bsdf::Clear(Clear {
-            eta: self.eta,
+            eta: self.eta.at(at, reading),
             reflectance: reading.eval(&self.reflectance, at),
             transmittance: reading.eval(&self.transmittance, at),
             share: Share::Constant,
@@ -67,7 +71,7 @@ impl Recipe for TransparentMaterial {
     fn examples() -> Vec<(Self, super::BsdfKind)> {
         let share = |v: f32| Light::rgb([v; 3]).into();
         let interior = Interior::default();
-        let simple = Self { eta: 1.5, reflectance: share(0.1), transmittance: share(0.9), interior };
+        let simple = Self { eta: 1.5.into(), reflectance: share(0.1), transmittance: share(0.9), interior };
         vec![(simple, super::BsdfKind::Clear)]
     }
 }

@@ -16,7 +16,7 @@ use straal_scene::{Assets, Bitmap, Handle, Image, Mesh, Photometry, Scene};
 
 use crate::lanes::{Colour, Eta, EtaTable, SpectralTables, table_of};
 use crate::light::goniometric::Distribution;
-use crate::material::Bands;
+use crate::material::{Bands, Relative};
 use crate::texture::{
     Maker, Mapping, Meaning, MeshAttribute, Pyramid, Solid, Texture, TextureKind, TextureRef, Use, Value,
 };
@@ -63,6 +63,8 @@ pub(crate) struct Paint<'a> {
 enum Wanted {
     Colour(Quantity),
     Number,
+    /// A number between two, by their bits.
+    Within([u32; 2]),
 }
 
 /// What makes the parts of a texture of what it is wanted for.
@@ -109,7 +111,7 @@ impl Maker for PartsOf<'_, '_> {
     }
 
     fn wants_number(&self) -> bool {
-        self.of == Wanted::Number
+        matches!(self.of, Wanted::Number | Wanted::Within(_) | Wanted::Colour(Quantity::Index))
     }
 
     fn pyramid(
@@ -269,10 +271,17 @@ impl<'a> Paint<'a> {
         if let Some(known) = named.and_then(|named| self.named.get(&(named, of, is_part))) {
             return Value::Texture(*known);
         }
+        if of == Wanted::Colour(Quantity::Index) && self.uplift.is_some() {
+            self.spectra.prepare_coefficients(index_parts);
+        }
         let kind = TextureKind::of(said, &mut PartsOf { paint: self, of });
         let most = kind.most();
         let texture = match of {
             Wanted::Colour(Quantity::Emission) => Texture::new(kind, Use::Emission),
+            Wanted::Colour(Quantity::Index) => Texture::new(kind, Use::Coefficient),
+            Wanted::Within(range) => {
+                Texture { range: range.map(f32::from_bits), ..Texture::new(kind, Use::Reflectance) }
+            }
             Wanted::Colour(_) => Texture::new(kind, Use::Reflectance),
             Wanted::Number => Texture { range: [0.0, f32::MAX], ..Texture::new(kind, Use::Reflectance) },
         };
@@ -281,6 +290,16 @@ impl<'a> Paint<'a> {
         let made = TextureRef { id: (self.textures.len() - 1) as u32, most };
         self.named.extend(named.map(|named| ((named, of, is_part), made)));
         Value::Texture(made)
+    }
+
+    /// A number that is kept between two, whatever a picture has.
+    pub fn number_within(&mut self, v: &desc::Varying<f64>, [least, most]: [f32; 2]) -> Value<f32> {
+        match v {
+            desc::Varying::Constant(v) => (*v as f32).into(),
+            desc::Varying::Texture(t) => {
+                self.texture(t, Wanted::Within([least, most].map(f32::to_bits)), false)
+            }
+        }
     }
 
     /// A number.
@@ -491,8 +510,24 @@ impl<'a> Paint<'a> {
         }
     }
 
-    /// Whether the index of refraction of something clear depends on the wavelength: in RGB its light must be parted.
-    pub fn index_of_refraction(&mut self, inside: &desc::Index, outside: &desc::Index) -> Eta {
+    /// The index of refraction of something clear over that around it. Where it depends on the wavelength, in RGB its light must be parted.
+    pub fn index_of_refraction(
+        &mut self,
+        inside: &desc::Varying<desc::Index>,
+        outside: &desc::Varying<desc::Index>,
+    ) -> (Eta, Relative) {
+        // What differs from point to point is a factor to the rest.
+        let one = desc::Index::Constant(1.0);
+        let same = |v: &'_ desc::Varying<desc::Index>| v.constant().cloned().unwrap_or(one.clone());
+        let eta = self.index_by_wavelength(&same(inside), &same(outside));
+        let varies = |v: &desc::Varying<desc::Index>| match v {
+            desc::Varying::Constant(_) => desc::Varying::Constant(1.0),
+            desc::Varying::Texture(t) => desc::Varying::Texture(t.clone()),
+        };
+        (eta, Relative::of(&varies(inside), &varies(outside), self))
+    }
+
+    fn index_by_wavelength(&mut self, inside: &desc::Index, outside: &desc::Index) -> Eta {
         if let (desc::Index::Constant(inside), desc::Index::Constant(outside)) = (inside, outside) {
             return Eta::Constant(*inside as f32 / *outside as f32);
         }
@@ -508,9 +543,21 @@ impl<'a> Paint<'a> {
     }
 
     /// Real and imaginary part of a metal's index of refraction.
-    pub fn metal(&mut self, d: &desc::Conductor) -> [Colour; 2] {
+    pub fn metal(&mut self, d: &desc::Conductor) -> [Value<Colour>; 2] {
+        if let (Some(eta), Some(k)) = (&d.eta, &d.k)
+            && (eta.constant().is_none() || k.constant().is_none())
+        {
+            return [eta, k].map(|part| self.value(part, Quantity::Index));
+        }
+        self.same_metal(d).map(Value::Constant)
+    }
+
+    /// The same of a metal that is the same everywhere.
+    fn same_metal(&mut self, d: &desc::Conductor) -> [Colour; 2] {
         // A conductor without errors says one of the two.
-        let (Some(eta), Some(k)) = (&d.eta, &d.k) else {
+        let same =
+            |v: &'_ Option<desc::Varying<desc::Spectrum>>| v.as_ref().and_then(|v| v.constant()).cloned();
+        let (Some(eta), Some(k)) = (same(&d.eta), same(&d.k)) else {
             let metal = d.metal.as_ref().map_or_else(Metal::default, |known| known.what);
             if let Some(known) = self.metals.get(&metal) {
                 return *known;
@@ -519,7 +566,7 @@ impl<'a> Paint<'a> {
             self.metals.insert(metal, found);
             return found;
         };
-        let parts = [eta, k];
+        let parts = [&eta, &k];
         if let [desc::Spectrum::Rgb(eta), desc::Spectrum::Rgb(k)] = parts {
             return [self.rgb(*eta, Quantity::Index), self.rgb(*k, Quantity::Index)];
         }
@@ -612,6 +659,12 @@ fn lift(uplift: &uplift::Uplift, LinearRgb(rgb): LinearRgb, of: Quantity) -> Lif
         }
         Quantity::Index => exact(index_between(rgb).map(|v| v as f32)),
     }
+}
+
+/// By nanometre, how much those of red, green and blue count in [`index_between`].
+fn index_parts() -> Vec<[f32; 3]> {
+    let parts = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(index_between);
+    (0..COUNT).map(|i| parts.each_ref().map(|part| part[i] as f32)).collect()
 }
 
 /// An index of refraction of which red, green and blue are known: each where it sees most of the light, and between them what

@@ -277,6 +277,8 @@ pub enum Use {
     Reflectance,
     /// Light that is sent out.
     Emission,
+    /// Numbers by wavelength that are no colours, such as indices of refraction.
+    Coefficient,
 }
 
 impl Use {
@@ -285,6 +287,7 @@ impl Use {
         match self {
             Self::Reflectance => reading.reflectance_of_srgb(rgb),
             Self::Emission => reading.emission_of_srgb(rgb),
+            Self::Coefficient => reading.lanes.coefficient_of_rgb(reading.tables, Light::rgb(rgb)),
         }
     }
 }

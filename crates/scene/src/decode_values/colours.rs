@@ -145,6 +145,7 @@ impl Describe for Spectrum {
 }
 
 impl Describe for Index {
+    const IS_NUMBER: bool = true;
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
         match &tree.value {
             Datum::Number(_) => Self::Constant(f64::read(tree, limit, d)),

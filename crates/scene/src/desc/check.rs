@@ -445,7 +445,11 @@ pub(super) fn dielectric(m: &Dielectric, keys: &Keys<'_>, d: &mut Decoder) {
             d.push(Diagnostic::error(keys.key_span("fresnel"), message));
         }
     }
-    let plain = |index: &Index| matches!(index, Index::Constant(_));
+    for (key, index) in [("eta", &m.eta), ("eta_outside", &m.eta_outside)] {
+        one_index(index, (key, &m.interior), keys, d);
+    }
+    let plain =
+        |index: &Varying<Index>| matches!(index, Varying::Texture(_) | Varying::Constant(Index::Constant(_)));
     if plain(&m.eta) && plain(&m.eta_outside) {
         return;
     }
@@ -456,10 +460,20 @@ pub(super) fn dielectric(m: &Dielectric, keys: &Keys<'_>, d: &mut Decoder) {
         ("fresnel", m.fresnel == Fresnel::Schlick),
     ] {
         if needs {
-            let message = format!("`{key}` needs an `eta` and `eta_outside` that are numbers");
+            let message =
+                format!("`{key}` needs an `eta` and `eta_outside` that don't depend on the wavelength");
             let help = "an index of refraction by wavelength is for smooth glass with Fresnel's shares";
             d.push(Diagnostic::error(keys.key_span(key), message).help(help));
         }
+    }
+}
+
+/// What has a priority is a medium, whose index of refraction is one: other boundaries meet it within, where no texture is read.
+fn one_index<T>(index: &Varying<T>, (key, interior): (&str, &Interior), keys: &Keys<'_>, d: &mut Decoder) {
+    if interior.priority > 0 && matches!(index, Varying::Texture(_)) {
+        let message = format!("`priority` needs an `{key}` that is the same everywhere, not a texture");
+        let help = "what has a priority is met by the boundaries of other things within it, where its own surface isn't";
+        d.push(Diagnostic::error(keys.key_span("priority"), message).help(help));
     }
 }
 
@@ -477,6 +491,9 @@ pub(super) fn diffuse_transmission(m: &DiffuseTransmission, keys: &Keys<'_>, d: 
 
 pub(super) fn transparent(m: &Transparent, keys: &Keys<'_>, d: &mut Decoder) {
     interior(&m.interior, keys, d);
+    for (key, index) in [("eta", &m.eta), ("eta_outside", &m.eta_outside)] {
+        one_index(index, (key, &m.interior), keys, d);
+    }
 }
 
 fn direction(v: DVec3, key: &str, keys: &Keys<'_>, d: &mut Decoder) {

@@ -37,10 +37,10 @@ describe! {
         }),
         /// Smooth glass, water and the like: a boundary between two transparent media; normals point to the outside.
         "dielectric" => Dielectric(struct Dielectric [check::dielectric] {
-            /// Index of refraction inside: a number, the name of a glass such as `BK7`, or a formula.
-            eta: Index [Limit::within(0.1, 10.0)] = Index::Constant(1.5),
+            /// Index of refraction inside: a number, the name of a glass such as `BK7`, a formula, or a texture of numbers.
+            eta: Varying<Index> [Limit::within(0.1, 10.0)] = Varying::Constant(Index::Constant(1.5)),
             /// Index of refraction outside.
-            eta_outside: Index [Limit::within(0.1, 10.0)] = Index::Constant(1.0),
+            eta_outside: Varying<Index> [Limit::within(0.1, 10.0)] = Varying::Constant(Index::Constant(1.0)),
             /// Tint of what is reflected; physical is 1.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Tint of what passes; physical is 1.
@@ -61,9 +61,9 @@ describe! {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
             metal: Option<Known<Metal>> = None,
             /// Real part of the index of refraction.
-            eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            eta: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
             /// Imaginary part of the index of refraction: absorption.
-            k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            k: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
             /// Alpha of the microfacets: 0 is a polished mirror. With `roughness_v`, along the texture's u.
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Alpha of the microfacets along the texture's v, if it is another than along u: brushed metal.
@@ -160,7 +160,7 @@ describe! {
             /// A texture whose red and green from 0 to 1 are, from -1 to 1, the direction along which base and coat are rougher: along the texture's u and v.
             geometry_tangent: Option<TextureOf> = None,
             /// Degrees by which that direction, or u, is turned further, counter-clockwise.
-            geometry_tangent_rotation: f64 = 0.0,
+            geometry_tangent_rotation: Varying<f64> = Varying::Constant(0.0),
             /// Whether coat and fuzz take what they reflect from the light on its way in *and* out: the same from both ends, and darker.
             reciprocal: bool = false,
             /// Whether the back of what is opaque looks like the front; else it is black.
@@ -180,11 +180,11 @@ describe! {
             /// Radiance that it sends out.
             emissive: Varying<Spectrum> [Limit::NON_NEGATIVE] = Varying::Constant(Spectrum::grey(0.0)),
             /// What that is multiplied by (`KHR_materials_emissive_strength`).
-            emissive_strength: f64 [Limit::NON_NEGATIVE] = 1.0,
+            emissive_strength: Varying<f64> [Limit::NON_NEGATIVE] = Varying::Constant(1.0),
             /// The share of light that meets the surface; the rest passes straight through.
             alpha: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
             /// Index of refraction (`KHR_materials_ior`).
-            ior: f64 [Limit::within(1.0, 5.0)] = 1.5,
+            ior: Varying<f64> [Limit::within(1.0, 5.0)] = Varying::Constant(1.5),
             /// Strength of what the surface of what isn't metal reflects (`KHR_materials_specular`).
             specular: Varying<f64> [Limit::UNIT] = Varying::Constant(1.0),
             /// Colour of that, straight on.
@@ -203,16 +203,16 @@ describe! {
             transmission: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Whether there is an inside, in which light is bent and absorbed (`KHR_materials_volume` with a thickness above 0); else it is a thin wall.
             volume: bool = false,
-            /// What is left of light after `attenuation_distance`.
+            /// What is left of light after `attenuation_distance`: of what lies behind the surface, and so no texture, nor is the distance.
             attenuation_color: Spectrum [Limit::UNIT] = Spectrum::grey(1.0),
             /// The way in metres after which it is left; endless if not told.
             attenuation_distance: Option<f64> [Limit::POSITIVE] = None,
             /// How strongly colours part: 20 over Abbe's number (`KHR_materials_dispersion`).
-            dispersion: f64 [Limit::within(0.0, 3.2)] = 0.0,
+            dispersion: Varying<f64> [Limit::within(0.0, 3.2)] = Varying::Constant(0.0),
             /// How much of a thin film (`KHR_materials_iridescence`).
             iridescence: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Index of refraction of the film.
-            iridescence_ior: f64 [Limit::within(1.0, 5.0)] = 1.3,
+            iridescence_ior: Varying<f64> [Limit::within(1.0, 5.0)] = Varying::Constant(1.3),
             /// Thickness of the film in nanometres.
             iridescence_thickness: Varying<f64> [Limit::within(0.0, 6500.0)] = Varying::Constant(400.0),
             /// How much rougher it is along the texture's u (`KHR_materials_anisotropy`).
@@ -220,7 +220,7 @@ describe! {
             /// A texture whose red and green from 0 to 1 are, from -1 to 1, the direction along which it is rougher: along the texture's u and v.
             anisotropy_direction: Option<TextureOf> = None,
             /// Degrees by which that direction, or u, is turned further, counter-clockwise.
-            anisotropy_rotation: f64 = 0.0,
+            anisotropy_rotation: Varying<f64> = Varying::Constant(0.0),
             /// Which part of what is diffuse goes through, where it is a thin wall (`KHR_materials_diffuse_transmission`).
             diffuse_transmission: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// The colour of what goes through so.
@@ -243,9 +243,9 @@ describe! {
             /// Which part of the rest is glass.
             spec_trans: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// Index of refraction inside over that outside; give this or `specular`.
-            eta: Option<f64> [Limit::within(0.1, 10.0)] = None,
+            eta: Option<Varying<f64>> [Limit::within(0.1, 10.0)] = None,
             /// What is reflected straight on, in 8 hundredths: another way to tell the index; 0.5 where neither is given.
-            specular: Option<f64> [Limit::UNIT] = None,
+            specular: Option<Varying<f64>> [Limit::UNIT] = None,
             /// How much of the base's colour the glossy reflection has.
             spec_tint: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// How much sheen.
@@ -264,9 +264,9 @@ describe! {
         /// A pane of clear material without an inside: light goes straight on, and what bounces between its faces is counted.
         "thin_dielectric" => ThinDielectric(struct ThinDielectric {
             /// Index of refraction of the pane.
-            eta: f64 [Limit::within(0.1, 10.0)] = 1.5,
+            eta: Varying<f64> [Limit::within(0.1, 10.0)] = Varying::Constant(1.5),
             /// Index of refraction outside.
-            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            eta_outside: Varying<f64> [Limit::within(0.1, 10.0)] = Varying::Constant(1.0),
             /// Tint of what is reflected; physical is 1.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(1.0)),
             /// Tint of what passes; physical is 1.
@@ -277,15 +277,15 @@ describe! {
             /// Thickness in nanometres.
             thickness: Varying<f64> [Limit::within(0.0, 20000.0)] = Varying::Constant(400.0),
             /// Index of refraction of the film.
-            eta: f64 [Limit::within(1.0, 10.0)] = 1.33,
+            eta: Varying<f64> [Limit::within(1.0, 10.0)] = Varying::Constant(1.33),
             /// Index of refraction of what is around it.
-            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            eta_outside: Varying<f64> [Limit::within(0.1, 10.0)] = Varying::Constant(1.0),
             /// The metal below, such as `gold`; give this or `base_eta` and `base_k`, or none of them for a film that hangs in the air.
             metal: Option<Known<Metal>> = None,
             /// Real part of the index of refraction of what lies below, which takes all light that passes.
-            base_eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            base_eta: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
             /// Imaginary part of that index: absorption.
-            base_k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            base_k: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
         }),
         /// Scatters light evenly on both sides, as paper, leaves and lampshades do.
         "diffuse_transmission" => DiffuseTransmission(struct DiffuseTransmission [check::diffuse_transmission] {
@@ -300,9 +300,9 @@ describe! {
             /// Share of light that the ground reflects.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.5)),
             /// Index of refraction of what covers it.
-            eta: f64 [Limit::within(1.0001, 10.0)] = 1.5,
+            eta: Varying<f64> [Limit::within(1.0001, 10.0)] = Varying::Constant(1.5),
             /// Index of refraction outside.
-            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            eta_outside: Varying<f64> [Limit::within(0.1, 10.0)] = Varying::Constant(1.0),
             /// Alpha of the boundary's microfacets: 0 is smooth.
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
             /// How the facets are spread.
@@ -325,9 +325,9 @@ describe! {
             /// A metal whose index was measured, such as `gold`; give this or `eta` and `k`.
             metal: Option<Known<Metal>> = None,
             /// Real part of the metal's index of refraction, relative to air.
-            eta: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            eta: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
             /// Imaginary part of the metal's index of refraction: absorption.
-            k: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
+            k: Option<Varying<Spectrum>> [Limit::NON_NEGATIVE] = None,
             /// GGX alpha of the metal's facets: 0 is polished.
             roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
         } with coat: Coat),
@@ -394,9 +394,9 @@ describe! {
         /// The textbook's simple transparency: bends light as `dielectric` does, but reflects the same share at every angle.
         "transparent" => Transparent(struct Transparent [check::transparent] {
             /// Index of refraction inside.
-            eta: f64 [Limit::within(0.1, 10.0)] = 1.5,
+            eta: Varying<f64> [Limit::within(0.1, 10.0)] = Varying::Constant(1.5),
             /// Index of refraction outside.
-            eta_outside: f64 [Limit::within(0.1, 10.0)] = 1.0,
+            eta_outside: Varying<f64> [Limit::within(0.1, 10.0)] = Varying::Constant(1.0),
             /// Share of light that is reflected: the textbook's k_r.
             reflectance: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.1)),
             /// Share of light that passes: the textbook's k_t.
@@ -406,7 +406,7 @@ describe! {
 }
 
 describe! {
-    /// What a clear material is filled with, which dims light on its way through.
+    /// What a clear material is filled with, which dims light on its way through: what lies behind the surface, and so none of it is a texture.
     pub struct Interior {
         /// What is left of light after `attenuation_distance` (Beer's law); give this or `sigma_a`.
         attenuation_color: Option<Spectrum> [Limit::UNIT] = None,
@@ -415,7 +415,7 @@ describe! {
         /// Absorption per m; give this or `attenuation_color`.
         sigma_a: Option<Spectrum> [Limit::NON_NEGATIVE] = None,
         /// Where closed surfaces overlap, the material of the highest priority is there alone; where the numbers are alike,
-        /// the one inside the other.
+        /// the one inside the other. Above 0 it needs indices of refraction that aren't textures.
         priority: u32 [Limit::within(0.0, 1000.0)] = 0,
     }
 }
@@ -424,16 +424,16 @@ describe! {
     /// A clear coat and the layer below its boundary.
     pub struct Coat {
         /// Index of refraction of the coat over that outside.
-        coat_eta: f64 [Limit::within(1.0001, 10.0)] = 1.5,
+        coat_eta: Varying<f64> [Limit::within(1.0001, 10.0)] = Varying::Constant(1.5),
         /// GGX alpha of the coat's boundary: 0 is smooth.
         coat_roughness: Varying<f64> [Limit::UNIT] = Varying::Constant(0.0),
         /// Optical depth of the layer between the boundary and the ground: light that crosses it straight on is dimmed to exp(-thickness), unless
         /// it is scattered.
-        thickness: f64 [Limit::within(1e-6, 1e3)] = 0.01,
+        thickness: Varying<f64> [Limit::within(1e-6, 1e3)] = Varying::Constant(0.01),
         /// Share of what the layer stops that it scatters; the rest is absorbed.
         albedo: Varying<Spectrum> [Limit::UNIT] = Varying::Constant(Spectrum::grey(0.0)),
         /// Mean cosine of what is scattered there: above 0 forwards, below 0 backwards (Henyey and Greenstein).
-        g: f64 [Limit::within(-0.99, 0.99)] = 0.0,
+        g: Varying<f64> [Limit::within(-0.99, 0.99)] = Varying::Constant(0.0),
         /// Most boundaries and events in the layer that light is followed to.
         max_depth: u32 [Limit::within(1.0, 1000.0)] = 10,
         /// Whether the back looks like the front; else it is black.
@@ -511,7 +511,7 @@ impl Material {
     pub fn emission(&self) -> Option<&Varying<Spectrum>> {
         let found = match self {
             Self::OpenPbr(m) if m.emission_luminance != Varying::Constant(0.0) => &m.emission_color,
-            Self::Gltf(m) if m.emissive_strength > 0.0 => &m.emissive,
+            Self::Gltf(m) if m.emissive_strength != Varying::Constant(0.0) => &m.emissive,
             _ => return None,
         };
         (*found != Varying::Constant(Spectrum::grey(0.0))).then_some(found)
@@ -605,5 +605,43 @@ describe! {
         green: GreenAxis = GreenAxis::Up,
         /// What the slopes are multiplied by; 0 is flat.
         strength: f64 [Limit::within(-100.0, 100.0)] = 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::Value as Json;
+
+    /// All that is a number or a colour of a surface may be read off a texture.
+    #[test]
+    fn numbers_and_colours_may_differ_from_point_to_point() {
+        /// What isn't of the surface but of what lies behind it, and how far light is followed.
+        const NONE: [&str; 5] =
+            ["attenuation_color", "attenuation_distance", "sigma_a", "priority", "max_depth"];
+        let schema = crate::document::schema();
+        let defs = &schema["$defs"];
+        let kinds = defs["Material"]["oneOf"].as_array().expect("kinds");
+        let mut met = 0;
+        for (kind, said) in kinds.iter().filter_map(|k| k["properties"].as_object()).flatten() {
+            let said = said.to_string();
+            let name = said.split("#/$defs/").nth(1).and_then(|rest| rest.split('"').next()).expect("a type");
+            for (key, what) in defs[name]["properties"].as_object().into_iter().flatten() {
+                let what = without_docs(what).to_string();
+                let is_number = what.contains("\"number\"") || what.contains("\"integer\"");
+                let varies = what.contains("#/$defs/Textured");
+                assert!(!is_number || varies || NONE.contains(&key.as_str()), "{kind}.{key}: {what}");
+                met += usize::from(is_number && varies);
+            }
+        }
+        assert!(met > 130, "{met}");
+    }
+
+    fn without_docs(what: &Json) -> Json {
+        let mut what = what.clone();
+        if let Json::Object(map) = &mut what {
+            map.remove("description");
+            map.remove("default");
+        }
+        what
     }
 }

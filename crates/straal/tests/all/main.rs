@@ -24,6 +24,7 @@ mod same_bits;
 mod spectral;
 mod surfaces;
 mod textures;
+mod varying_numbers;
 mod ways_of_light;
 mod wide_gamut;
 mod zones;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 use straal::{Control, Job, LoadOptions, Overrides};
-use straal_math::Frame;
+use straal_math::{Frame, ops};
 use straal_render::camera::FilmPoint;
 use straal_render::compile::Custom;
 use straal_render::footprint::PackedFootprint;
@@ -132,12 +132,15 @@ lights: [ environment: {{ radiance: 1 }} ]
         };
         [0, 1].map(|k| [of(&|at| at.uv[k]), of(&|at| at.duvdx[k]), of(&|at| at.duvdy[k])])
     };
+    // Each of a pixel's samples has its own share of the footprint.
+    let share = (1..=256).map(|n| ops::max(1.0 / f64::from(n).sqrt() as f32, 0.125)).sum::<f32>() / 256.0;
+    let share = f64::from(share);
     let here = mean(pixel);
     for (axis, step) in [[1, 0], [0, 1]].into_iter().enumerate() {
         let after = mean([0, 1].map(|k| pixel[k] + step[k]));
         let before = mean([0, 1].map(|k| pixel[k] - step[k]));
         let found = [0, 1].map(|k| 0.5 * (after[k][0] - before[k][0]));
-        let told = here.map(|k| k[1 + axis]);
+        let told = here.map(|k| k[1 + axis] / share);
         let length = (found[0] * found[0] + found[1] * found[1]).sqrt();
         for k in 0..2 {
             assert!((found[k] - told[k]).abs() < 0.05 * length, "{name}: {told:?}, found {found:?}");
@@ -229,4 +232,25 @@ world:
         assert_eq!(world.bsdf(&surface, Rgb::default()).albedo().to_rgb(), [0.0; 3]);
     }
     assert!(seen.len() >= 6, "{seen:?}");
+}
+
+/// A quarter of a pixel is black and the rest is white: its black neighbour sees nothing of that, since each sample filters no more than its share of the pixel.
+#[test]
+fn samples_filter_no_more_than_their_share_of_a_pixel() {
+    const SCENE: &str =
+        "camera: { orthographic: { eye: [0, 0, 5], look_at: [0, 0, 0], up: [0, 1, 0], width: 2 } }
+film: { size: [4, 4] }
+sampler: { spp: 256 }
+world:
+  - rectangle: { material: { phong: { reflectance: 0, specular: 0, ambient:
+      { texture: { checker: { first: 0, second: 1, squares: [1.7777777777, 1] } } } } } }
+lights: [ambient: { radiance: 1 }]
+";
+    let job = job(SCENE, Overrides::default(), &Custom::default());
+    let outcome = job.render(&mut Control::to_the_end()).expect("a picture");
+    let pixels = outcome.picture.to_image().pixels;
+    for (x, want) in [(1, 0.0), (2, 0.75)] {
+        let got = pixels[4 + x][0];
+        assert!((got - want).abs() < 0.008, "pixel {x}: {got} for {want}");
+    }
 }

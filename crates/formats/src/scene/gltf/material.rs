@@ -131,13 +131,14 @@ impl<'a> Translation<'a, '_> {
         }
         let emissive_factor = vector_or(said, "emissiveFactor", BLACK)?.map(share);
         let map = self.map(said, "emissiveTexture", has)?;
-        let mut shines = false;
+        let (mut shines, mut strength) = (false, 1.0);
         if emissive_factor != BLACK {
             material.emissive = colour(map.as_ref(), emissive_factor);
             if let Some(more) = said.extension("KHR_materials_emissive_strength") {
-                material.emissive_strength = positive(number_or(more, "emissiveStrength", 1.0)?);
+                strength = positive(number_or(more, "emissiveStrength", 1.0)?);
             }
-            shines = material.emissive_strength > 0.0;
+            material.emissive_strength = strength.into();
+            shines = strength > 0.0;
         }
         material.relief.normal_map = self.normal_map(said, "normalTexture", has)?;
         self.layers(&mut material, said, has)?;
@@ -146,7 +147,7 @@ impl<'a> Translation<'a, '_> {
             // What shines may have holes as a whole only.
             let none = Varying::Constant(Spectrum::grey(0.0));
             let emissive = std::mem::replace(&mut material.emissive, none);
-            let strength = std::mem::replace(&mut material.emissive_strength, 1.0);
+            material.emissive_strength = 1.0.into();
             let emission = match emissive {
                 emissive if strength == 1.0 => emissive,
                 Varying::Constant(_) => {
@@ -188,7 +189,7 @@ impl<'a> Translation<'a, '_> {
         let map = self.map(gloss, "specularGlossinessTexture", has)?;
         let factor = share(number_or(gloss, "glossinessFactor", 1.0)?);
         material.metallic = Varying::Constant(0.0);
-        material.ior = 5.0;
+        material.ior = 5.0.into();
         let specular = vector_or(gloss, "specularFactor", WHITE)?.map(share);
         material.specular_color = colour(map.as_ref(), specular.map(|v| v / MOST));
         material.roughness = match &map {
@@ -215,7 +216,7 @@ impl<'a> Translation<'a, '_> {
         if let Some(more) = said.extension("KHR_materials_ior") {
             let ior = number_or(more, "ior", 1.5)?;
             // 0 stands for endless: a surface that reflects all.
-            material.ior = if ior == 0.0 { 5.0 } else { ior.within(1.0, 5.0) };
+            material.ior = if ior == 0.0 { 5.0 } else { ior.within(1.0, 5.0) }.into();
         }
         if let Some(more) = said.extension("KHR_materials_specular") {
             let strength = self.map(more, "specularTexture", has)?;
@@ -257,7 +258,7 @@ impl<'a> Translation<'a, '_> {
             let map = self.map(more, "iridescenceTexture", has)?;
             let factor = share(number_or(more, "iridescenceFactor", 0.0)?);
             material.iridescence = amount(map.as_ref(), TextureChannel::Red, factor);
-            material.iridescence_ior = number_or(more, "iridescenceIor", 1.3)?.within(1.0, 5.0);
+            material.iridescence_ior = number_or(more, "iridescenceIor", 1.3)?.within(1.0, 5.0).into();
             let nm = |v: f64| v.within(0.0, 6500.0);
             let least = nm(number_or(more, "iridescenceThicknessMinimum", 100.0)?);
             let most = nm(number_or(more, "iridescenceThicknessMaximum", 400.0)?);
@@ -271,7 +272,8 @@ impl<'a> Translation<'a, '_> {
             let factor = share(number_or(more, "anisotropyStrength", 0.0)?);
             material.anisotropy = amount(map.as_ref(), TextureChannel::Blue, factor);
             if factor > 0.0 {
-                material.anisotropy_rotation = number_or(more, "anisotropyRotation", 0.0)?.to_degrees();
+                material.anisotropy_rotation =
+                    number_or(more, "anisotropyRotation", 0.0)?.to_degrees().into();
                 material.anisotropy_direction =
                     map.map(|map| TextureOf::Inline(Texture::Image(map.number(TextureChannel::Luminance))));
             }
@@ -310,7 +312,7 @@ impl<'a> Translation<'a, '_> {
             }
         }
         if let Some(more) = said.extension("KHR_materials_dispersion").filter(|_| is_clear) {
-            material.dispersion = number_or(more, "dispersion", 0.0)?.within(0.0, 3.2);
+            material.dispersion = number_or(more, "dispersion", 0.0)?.within(0.0, 3.2).into();
         }
         Ok(())
     }

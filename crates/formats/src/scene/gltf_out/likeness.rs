@@ -58,7 +58,7 @@ impl<'a> Out<'a> {
             Material::Dielectric(m) => self.glass(m),
             Material::ThinDielectric(m) => Gltf {
                 transmission: Varying::Constant(1.0),
-                ior: within(m.eta / m.eta_outside),
+                ior: self.over([&m.eta, &m.eta_outside]),
                 ..grounded(&m.transmittance, Varying::Constant(0.0), true)
             },
             Material::Plastic(m) => self.plastic(m),
@@ -102,7 +102,7 @@ impl<'a> Out<'a> {
                 self.near(material);
                 let mut glass = Gltf {
                     transmission: Varying::Constant(1.0),
-                    ior: within(m.eta / m.eta_outside),
+                    ior: self.over([&m.eta, &m.eta_outside]),
                     ..grounded(&m.transmittance, Varying::Constant(0.0), true)
                 };
                 self.fill(&mut glass, &m.interior);
@@ -187,7 +187,12 @@ impl<'a> Out<'a> {
 
     /// The colour of a metal, looked at straight.
     fn facing(&mut self, m: &Conductor) -> Varying<Spectrum> {
-        let rgb = match (&m.eta, &m.k) {
+        let same = |v: &'_ Option<Varying<Spectrum>>| v.as_ref().and_then(|v| v.constant().cloned());
+        let (eta, k) = (same(&m.eta), same(&m.k));
+        if [&m.eta, &m.k].into_iter().flatten().any(|v| v.constant().is_none()) {
+            self.tell("textures of a metal's index of refraction are left out: it is written as gold");
+        }
+        let rgb = match (&eta, &k) {
             (Some(Spectrum::Rgb(LinearRgb(eta))), Some(Spectrum::Rgb(LinearRgb(k)))) => {
                 std::array::from_fn(|i| {
                     let (n, k) = (eta[i], k[i] * k[i]);
@@ -221,10 +226,16 @@ impl<'a> Out<'a> {
     }
 
     fn glass(&mut self, m: &Dielectric) -> Gltf {
-        let inside = m.eta.index();
-        let eta = inside.at(refraction::MIDDLE) / m.eta_outside.index().at(refraction::MIDDLE);
+        let [inside, outside] = [(&m.eta, 1.5), (&m.eta_outside, 1.0)].map(|(v, absent)| match v {
+            Varying::Constant(index) => index.index(),
+            Varying::Texture(_) => {
+                self.tell(NO_INDICES);
+                refraction::Index::Constant(absent)
+            }
+        });
+        let eta = inside.at(refraction::MIDDLE) / outside.at(refraction::MIDDLE);
         let abbe = inside.abbe_number();
-        let parts = !matches!(m.eta, Index::Constant(_)) && abbe.is_finite() && abbe > 0.0;
+        let parts = !matches!(m.eta, Varying::Constant(Index::Constant(_))) && abbe.is_finite() && abbe > 0.0;
         if m.reflectance != Varying::Constant(Spectrum::grey(1.0)) {
             self.tell("tints of what glass reflects are left out");
         }
@@ -233,8 +244,8 @@ impl<'a> Out<'a> {
             metallic: Varying::Constant(0.0),
             roughness: self.root(&m.roughness, m.roughness_v.is_some()),
             transmission: Varying::Constant(1.0),
-            ior: within(eta),
-            dispersion: if parts { 20.0 / abbe } else { 0.0 },
+            ior: within(eta).into(),
+            dispersion: if parts { 20.0 / abbe } else { 0.0 }.into(),
             relief: m.relief.clone(),
             ..Gltf::default()
         };
@@ -269,7 +280,7 @@ impl<'a> Out<'a> {
             base_color: m.reflectance.clone(),
             metallic: Varying::Constant(0.0),
             roughness: self.root(&m.roughness, false),
-            ior: within(m.eta / m.eta_outside),
+            ior: self.over([&m.eta, &m.eta_outside]),
             specular_color: m.specular.clone(),
             double_sided: m.two_sided,
             relief: m.relief.clone(),
@@ -285,9 +296,9 @@ impl<'a> Out<'a> {
             metallic: m.base_metalness.clone(),
             roughness: m.specular_roughness.clone(),
             emissive: if shines { m.emission_color.clone() } else { Varying::Constant(Spectrum::grey(0.0)) },
-            emissive_strength: m.emission_luminance.constant().copied().unwrap_or(1.0),
+            emissive_strength: m.emission_luminance.clone(),
             alpha: m.geometry_opacity.clone(),
-            ior: within(m.specular_ior.constant().copied().unwrap_or(1.5)),
+            ior: within(self.same(&m.specular_ior, 1.5)).into(),
             specular: m.specular_weight.clone(),
             specular_color: m.specular_color.clone(),
             clearcoat: m.coat_weight.clone(),
@@ -300,13 +311,26 @@ impl<'a> Out<'a> {
         }
     }
 
+    /// A number that glTF has no texture for.
+    pub(super) fn same(&mut self, v: &Varying<f64>, absent: f64) -> f64 {
+        v.constant().copied().unwrap_or_else(|| {
+            self.tell(NO_INDICES);
+            absent
+        })
+    }
+
+    /// An index of refraction over that outside.
+    fn over(&mut self, [inside, outside]: [&Varying<f64>; 2]) -> Varying<f64> {
+        within(self.same(inside, 1.5) / self.same(outside, 1.0)).into()
+    }
+
     fn principled(&mut self, m: &Principled) -> Gltf {
         self.tell("materials of the kind `principled` are written as what is near to them in glTF");
         Gltf {
             base_color: m.base_color.clone(),
             metallic: m.metallic.clone(),
             roughness: m.roughness.clone(),
-            ior: within(m.eta.unwrap_or(1.5)),
+            ior: within(m.eta.as_ref().map_or(1.5, |eta| self.same(eta, 1.5))).into(),
             clearcoat: m.clearcoat.clone(),
             transmission: m.spec_trans.clone(),
             volume: m.spec_trans != Varying::Constant(0.0),
@@ -316,6 +340,10 @@ impl<'a> Out<'a> {
         }
     }
 }
+
+/// What is said of what glTF has no texture for.
+pub(super) const NO_INDICES: &str =
+    "textures of indices of refraction, of dispersion and of how strongly something shines are left out";
 
 /// A share from 0 to 1.
 fn unit(v: f64) -> f64 {

@@ -42,7 +42,7 @@ impl Out<'_> {
         let mut gltf = self.likeness(material, 0);
         let emission = surface.emission.as_ref().or(part);
         if let Some(emission) = emission {
-            (gltf.emissive, gltf.emissive_strength) = (emission.clone(), 1.0);
+            (gltf.emissive, gltf.emissive_strength) = (emission.clone(), 1.0.into());
         }
         if !gltf.double_sided && !matches!(material, Material::TwoFaces(_)) {
             self.tell("backs that are black aren't seen at all");
@@ -164,7 +164,8 @@ impl Out<'_> {
     }
 
     fn glow(&mut self, m: &Gltf, out: &mut Object) {
-        if m.emissive_strength <= 0.0 || m.emissive == Varying::Constant(Spectrum::grey(0.0)) {
+        let strength = self.same(&m.emissive_strength, 1.0);
+        if strength <= 0.0 || m.emissive == Varying::Constant(Spectrum::grey(0.0)) {
             return;
         }
         let Product { factor, image, is_painted } = self.colour(&m.emissive, Quantity::Emission);
@@ -174,7 +175,7 @@ impl Out<'_> {
         let most = factor.iter().fold(1.0, |most, v| if *v > most { *v } else { most });
         out.insert("emissiveFactor".to_owned(), json!(factor.map(|v| v / most)));
         put(out, "emissiveTexture", self.colours(image.as_ref(), Slot::Any));
-        let strength = most * m.emissive_strength;
+        let strength = most * strength;
         if strength != 1.0 {
             let said = json!({ "emissiveStrength": strength });
             self.extend(out, "KHR_materials_emissive_strength", said);
@@ -214,8 +215,9 @@ impl Out<'_> {
 
     /// What lies on the base: index, specular, clearcoat, sheen, iridescence, anisotropy.
     fn layers(&mut self, m: &Gltf, out: &mut Object) {
-        if m.ior != 1.5 {
-            self.extend(out, "KHR_materials_ior", json!({ "ior": m.ior }));
+        let ior = self.same(&m.ior, 1.5);
+        if ior != 1.5 {
+            self.extend(out, "KHR_materials_ior", json!({ "ior": ior }));
         }
         let mut said = Object::new();
         let specular = self.amount(&m.specular);
@@ -265,7 +267,7 @@ impl Out<'_> {
             put_number(&mut said, "iridescenceFactor", film.number(), 0.0);
             let slots = [channel_or_any(&film), Slot::Any, Slot::Any, Slot::Any];
             put(&mut said, "iridescenceTexture", self.picture(slots));
-            put_number(&mut said, "iridescenceIor", m.iridescence_ior, 1.3);
+            put_number(&mut said, "iridescenceIor", self.same(&m.iridescence_ior, 1.3), 1.3);
             self.thickness(&m.iridescence_thickness, &mut said);
             self.put_extension(out, "KHR_materials_iridescence", said);
         }
@@ -274,7 +276,12 @@ impl Out<'_> {
         if stretched.number() > 0.0 {
             let mut said = Object::new();
             put_number(&mut said, "anisotropyStrength", stretched.number(), 0.0);
-            put_number(&mut said, "anisotropyRotation", m.anisotropy_rotation.to_radians(), 0.0);
+            put_number(
+                &mut said,
+                "anisotropyRotation",
+                self.same(&m.anisotropy_rotation, 0.0).to_radians(),
+                0.0,
+            );
             let direction = m
                 .anisotropy_direction
                 .as_ref()
@@ -357,8 +364,9 @@ impl Out<'_> {
             }
             self.put_extension(out, "KHR_materials_volume", said);
         }
-        if m.dispersion > 0.0 {
-            self.extend(out, "KHR_materials_dispersion", json!({ "dispersion": m.dispersion }));
+        let dispersion = self.same(&m.dispersion, 0.0);
+        if dispersion > 0.0 {
+            self.extend(out, "KHR_materials_dispersion", json!({ "dispersion": dispersion }));
         }
     }
 

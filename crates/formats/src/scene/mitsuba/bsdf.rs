@@ -276,8 +276,8 @@ impl<'o> Translator<'o, '_, '_> {
                 let reflectance = self.colour(o, "specular_reflectance", 1.0, For::Share, uv);
                 let transmittance = self.colour(o, "specular_transmittance", 1.0, For::Share, uv);
                 Material::ThinDielectric(ThinDielectric {
-                    eta,
-                    eta_outside,
+                    eta: eta.into(),
+                    eta_outside: eta_outside.into(),
                     reflectance,
                     transmittance,
                     relief,
@@ -505,8 +505,8 @@ impl<'o> Translator<'o, '_, '_> {
             medium => self.interior(medium - 1),
         };
         Material::Dielectric(Dielectric {
-            eta: Index::Constant(eta),
-            eta_outside: Index::Constant(eta_outside),
+            eta: Index::Constant(eta).into(),
+            eta_outside: Index::Constant(eta_outside).into(),
             reflectance: self.colour(o, "specular_reflectance", 1.0, For::Share, around.uv),
             transmittance: self.colour(o, "specular_transmittance", 1.0, For::Share, around.uv),
             roughness,
@@ -572,8 +572,8 @@ impl<'o> Translator<'o, '_, '_> {
         };
         Material::Conductor(Conductor {
             metal,
-            eta,
-            k,
+            eta: eta.map(Varying::from),
+            k: k.map(Varying::from),
             roughness,
             roughness_v,
             distribution: if is_rough { self.distribution(o) } else { Distribution::Ggx },
@@ -612,8 +612,8 @@ impl<'o> Translator<'o, '_, '_> {
         let roughness = if is_rough { self.alpha(o, uv).0 } else { Varying::Constant(0.0) };
         Material::Plastic(Plastic {
             reflectance: self.colour(o, "diffuse_reflectance", 0.5, For::Share, uv),
-            eta,
-            eta_outside,
+            eta: eta.into(),
+            eta_outside: eta_outside.into(),
             roughness,
             distribution: if is_rough { self.distribution(o) } else { Distribution::Ggx },
             specular: self.colour(o, "specular_reflectance", 1.0, For::Share, uv),
@@ -663,8 +663,8 @@ impl<'o> Translator<'o, '_, '_> {
             anisotropic,
             metallic,
             spec_trans,
-            eta,
-            specular,
+            eta: eta.map(Varying::from),
+            specular: specular.map(Varying::from),
             spec_tint,
             sheen,
             sheen_tint,
@@ -747,8 +747,8 @@ impl<'o> Translator<'o, '_, '_> {
         match beneath {
             Material::Diffuse(m) => Material::Plastic(Plastic {
                 reflectance: m.reflectance,
-                eta: if eta > 1.0001 { eta } else { 1.0001 },
-                eta_outside,
+                eta: if eta > 1.0001 { eta } else { 1.0001 }.into(),
+                eta_outside: eta_outside.into(),
                 roughness: Varying::Constant(alpha),
                 distribution,
                 nonlinear: true,
@@ -765,7 +765,7 @@ impl<'o> Translator<'o, '_, '_> {
                     relief,
                     ..CoatedConductor::default()
                 };
-                made.coat.coat_eta = if relative < 10.0 { relative } else { 10.0 };
+                made.coat.coat_eta = if relative < 10.0 { relative } else { 10.0 }.into();
                 made.coat.coat_roughness = Varying::Constant(alpha);
                 made.coat.two_sided = m.two_sided;
                 Material::CoatedConductor(made)

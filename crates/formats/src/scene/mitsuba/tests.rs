@@ -117,7 +117,7 @@ fn old_names_have_their_present_form() {
     );
     assert!(matches!(&scene.integrator, Integrator::Path(p) if p.roulette_depth == 9));
     let Material::Plastic(m) = material(&scene, &scene.world[0]) else { panic!() };
-    assert_eq!((m.eta, m.eta_outside, m.two_sided), (2.0, 1.000_277, false));
+    assert_eq!((&m.eta, &m.eta_outside, m.two_sided), (&2.0.into(), &1.000_277.into(), false));
     assert_eq!(m.reflectance, Varying::Constant(Spectrum::Rgb(LinearRgb([0.1, 0.2, 0.3]))));
     let Material::Diffuse(m) = material(&scene, &scene.world[1]) else { panic!() };
     assert_eq!(m.reflectance, Varying::Constant(Spectrum::Rgb(LinearRgb([1.0, 0.0, 0.0]))));
@@ -145,7 +145,7 @@ fn bsdfs_have_one_side_unless_twosided_is_around_them() {
         matches!(&*m.second, MaterialRef::Inline(m) if matches!(&**m, Material::Mirror(m) if m.two_sided))
     );
     let Material::Dielectric(m) = material(&scene, &scene.world[3]) else { panic!() };
-    assert_eq!((&m.eta, &m.eta_outside), (&Index::Constant(1.5046), &Index::Constant(1.333)));
+    assert_eq!((&m.eta, &m.eta_outside), (&Index::Constant(1.5046).into(), &Index::Constant(1.333).into()));
     let reflectance = |i: usize| match material(&scene, &scene.world[i]) {
         Material::Diffuse(m) => m.reflectance.clone(),
         _ => panic!(),

@@ -217,25 +217,21 @@ impl Reader<'_, '_> {
         let coat_roughness = self.even_roughness(params, names, 0.0);
         let eta = as_number(&self.index(params, eta, 1.5));
         let coat_eta = if eta > 1.0001 { eta } else { 1.0001 };
-        let constant = |reader: &mut Self, name, absent: f64| match reader.number(params, name) {
-            Some(Varying::Constant(v)) => v,
-            Some(Varying::Texture(_)) => {
-                let message = format!("`{name}` of a coat is the same everywhere here: {absent} is taken");
-                reader.warn_once(params.span, message);
-                absent
-            }
-            None => absent,
+        let mut number = |name, absent: f64, [least, most]: [f64; 2]| match self.number(params, name) {
+            Some(Varying::Constant(v)) => held(v, least, most).into(),
+            Some(texture) => texture,
+            None => absent.into(),
         };
-        let thickness = constant(self, "thickness", 0.01);
-        let g = constant(self, "g", 0.0);
+        let thickness = number("thickness", 0.01, [1e-6, 1e3]);
+        let g = number("g", 0.0, [-0.99, 0.99]);
         let albedo = self.colour(params, "albedo", 0.0);
         params.pass_over(&["nsamples"]);
         Coat {
-            coat_eta,
+            coat_eta: coat_eta.into(),
             coat_roughness,
-            thickness: held(thickness, 1e-6, 1e3),
+            thickness,
             albedo,
-            g: held(g, -0.99, 0.99),
+            g,
             max_depth: params.integer("maxdepth", 10).clamp(1, 1000).unsigned_abs(),
             two_sided: true,
         }
@@ -284,8 +280,8 @@ impl Reader<'_, '_> {
                 let r = held(r, 0.0, 0.9999);
                 2.0 * (r / (1.0 - r)).sqrt()
             };
-            out.eta = Some(Spectrum::grey(1.0));
-            out.k = Some(Spectrum::Rgb(LinearRgb(rgb.map(of))));
+            out.eta = Some(Spectrum::grey(1.0).into());
+            out.k = Some(Spectrum::Rgb(LinearRgb(rgb.map(of))).into());
             return;
         }
         let said =
@@ -303,18 +299,12 @@ impl Reader<'_, '_> {
         }
         // Where one is missing, copper's own stands for it, as red, green and blue.
         let copper = |rgb: [f64; 3]| Spectrum::Rgb(LinearRgb(rgb));
-        let found = self.spectrum(params, eta, Role::Unbounded);
-        out.eta = Some(found.unwrap_or(copper([0.271, 0.677, 1.316])));
-        let found = self.spectrum(params, k, Role::Unbounded);
-        out.k = Some(found.unwrap_or(copper([3.609, 2.625, 2.292])));
-        for name in [eta, k] {
-            if params.texture(name).is_some() {
-                self.warn(
-                    params.span,
-                    format!("`{name}` of a metal is the same everywhere here: copper's is taken"),
-                );
-            }
-        }
+        let mut part = |name, absent| match params.texture(name).cloned() {
+            Some(texture) => self.named_texture(&texture, Of::Colours),
+            None => self.spectrum(params, name, Role::Unbounded).unwrap_or(copper(absent)).into(),
+        };
+        out.eta = Some(part(eta, [0.271, 0.677, 1.316]));
+        out.k = Some(part(k, [3.609, 2.625, 2.292]));
     }
 
     fn conductor(&mut self, params: &Params) -> Material {
@@ -347,12 +337,12 @@ impl Reader<'_, '_> {
             self.warn_once(params.span, "rough glass doesn't disperse: its index is that at 588 nm");
             eta = Index::Constant(as_number(&eta));
         }
-        Material::Dielectric(Dielectric { eta, roughness, roughness_v, ..Dielectric::default() })
+        Material::Dielectric(Dielectric { eta: eta.into(), roughness, roughness_v, ..Dielectric::default() })
     }
 
     fn thin_dielectric(&mut self, params: &Params) -> Material {
         let eta = as_number(&self.index(params, "eta", 1.5));
-        Material::ThinDielectric(ThinDielectric { eta, ..ThinDielectric::default() })
+        Material::ThinDielectric(ThinDielectric { eta: eta.into(), ..ThinDielectric::default() })
     }
 
     fn diffuse_transmission(&mut self, params: &Params) -> Material {
@@ -526,7 +516,7 @@ impl Reader<'_, '_> {
                     anisotropic: number(self, "anisotropic", 0.0),
                     metallic: number(self, "metallic", 0.0),
                     spec_trans: number(self, "spectrans", 0.0),
-                    eta: Some(held(params.float("eta", 1.5), 1.01, 10.0)),
+                    eta: Some(held(params.float("eta", 1.5), 1.01, 10.0).into()),
                     spec_tint: number(self, "speculartint", 0.0),
                     sheen: number(self, "sheen", 0.0),
                     sheen_tint: number(self, "sheentint", 0.5),

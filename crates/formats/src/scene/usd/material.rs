@@ -238,9 +238,9 @@ impl Translation<'_, '_> {
         let ior = self.number(shader, "ior", 1.5);
         // An index below 1 is that of what is inside of something denser: the surface reflects as much.
         let ior = if ior > 0.0 && ior < 1.0 { 1.0 / ior } else { ior };
-        made.ior = within(ior, 1.0, 5.0);
+        made.ior = within(ior, 1.0, 5.0).into();
         if self.number(shader, "useSpecularWorkflow", 0.0) != 0.0 {
-            made.ior = 5.0;
+            made.ior = 5.0.into();
             let specular = self.colour(shader, "specularColor", [0.0; 3], has);
             made.specular_color = match specular {
                 Varying::Constant(Spectrum::Rgb(LinearRgb(v))) => rgb(v.map(|v| share(v) / MOST)),

@@ -84,6 +84,9 @@ fn is_any<F: Float>(light: Light<F>) -> bool {
     light.max_lane().gt(F::ZERO).any()
 }
 
+/// Between which indices of refraction are kept that are textures, whatever these have: as the scene language has it.
+const INDICES: [f32; 2] = [0.1, 5.0];
+
 /// The parameters of OpenPBR, by the specification's names.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs)] // the specification's names tell what they are
@@ -246,16 +249,17 @@ impl OpenPbrMaterial {
 
     /// What dims light in a body of it, whose colour and depth are the same everywhere. What would be scattered is absorbed as well.
     fn filled(&self) -> Option<super::Interior> {
-        let (Value::Constant(colour), &Value::Constant(depth), &Value::Constant(eta)) =
-            (&self.transmission_color, &self.transmission_depth, &self.specular_ior)
+        let (Value::Constant(colour), &Value::Constant(depth)) =
+            (&self.transmission_color, &self.transmission_depth)
         else {
             return None;
         };
+        let eta = if let Value::Constant(eta) = self.specular_ior { Some(eta) } else { None };
         if self.geometry_thin_walled || self.transmission_weight.most() <= 0.0 {
             return None;
         }
         let absorption = if depth > 0.0 { Absorption::Colour(*colour, depth) } else { Absorption::None };
-        Some(super::Interior { absorption, priority: 0, eta, outside: 1.0 })
+        Some(super::Interior { absorption, priority: 0, eta, outside: Some(1.0) })
     }
 
     /// What fills a body of it, for a medium.
@@ -286,7 +290,7 @@ impl Recipe for OpenPbrMaterial {
             specular_color: paint.reflectance(&d.specular_color),
             specular_roughness: paint.number(&d.specular_roughness),
             specular_roughness_anisotropy: paint.number(&d.specular_roughness_anisotropy),
-            specular_ior: paint.number(&d.specular_ior),
+            specular_ior: paint.number_within(&d.specular_ior, INDICES),
             transmission_weight: paint.number(&d.transmission_weight),
             transmission_color: paint.reflectance(&d.transmission_color),
             transmission_depth: paint.number(&d.transmission_depth),
@@ -303,18 +307,18 @@ impl Recipe for OpenPbrMaterial {
             coat_color: paint.reflectance(&d.coat_color),
             coat_roughness: paint.number(&d.coat_roughness),
             coat_roughness_anisotropy: paint.number(&d.coat_roughness_anisotropy),
-            coat_ior: paint.number(&d.coat_ior),
+            coat_ior: paint.number_within(&d.coat_ior, INDICES),
             coat_darkening: paint.number(&d.coat_darkening),
             fuzz_weight: paint.number(&d.fuzz_weight),
             fuzz_color: paint.reflectance(&d.fuzz_color),
             fuzz_roughness: paint.number(&d.fuzz_roughness),
             thin_film_weight: paint.number(&d.thin_film_weight),
             thin_film_thickness: paint.number(&d.thin_film_thickness),
-            thin_film_ior: paint.number(&d.thin_film_ior),
+            thin_film_ior: paint.number_within(&d.thin_film_ior, INDICES),
             geometry_opacity: paint.number(&d.geometry_opacity),
             geometry_thin_walled: d.geometry_thin_walled,
             geometry_coat_normal: CoatNormals::of(&d.geometry_coat_normal, paint),
-            brushing: Brushing::of(d.geometry_tangent.as_ref(), d.geometry_tangent_rotation, paint),
+            brushing: Brushing::of(d.geometry_tangent.as_ref(), &d.geometry_tangent_rotation, paint),
             filling: None,
             reciprocal: d.reciprocal,
             two_sided: d.two_sided,
@@ -431,6 +435,8 @@ fn sample<F: Float>(layers: &Layers<F>, u: [F; 3]) -> (BsdfSample<F>, F::Mask) {
 
 impl Scatter for OpenPbr {
     const CHOOSES_LOBE: bool = true;
+
+    const SIDE_BY_SIDE: bool = true;
 
     const TRANSMITS: bool = true;
 
