@@ -55,7 +55,7 @@ macro_rules! line {
 #[inline(always)]
 fn name<F: Float>(node: F) -> SampleName<F> {
     let zero = F::Uint::splat(0);
-    SampleName::side_by_side(1, [zero, zero], F::Uint::splat(5)).at(node.to_bits())
+    SampleName::side_by_side(1, [zero, zero], F::Uint::splat(5)).onward(node.to_bits(), zero)
 }
 
 fn lines() -> Vec<Line> {

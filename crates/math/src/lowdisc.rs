@@ -28,6 +28,10 @@ pub struct SampleName<F: Float = f32> {
     node: F::Uint,
     /// The sample's index, its bits in reverse order, as the draws want it.
     reversed_index: F::Uint,
+    /// How many branches were taken since the camera.
+    level: F::Uint,
+    /// The sample's [place](Self::place) at the node before.
+    before: F::Uint,
 }
 
 impl Eq for SampleName {}
@@ -47,25 +51,24 @@ impl<F: Float> SampleName<F> {
     pub fn side_by_side(seed: u64, pixel: [F::Uint; 2], index: F::Uint) -> Self {
         let place = pixel[1].to_ulong() << 32 | pixel[0].to_ulong();
         let pixel = mix(place ^ mix(seed ^ 0x5851_f42d_4c95_7f2d));
-        Self { pixel, node: F::Uint::splat(ROOT_NODE), reversed_index: index.reverse_bits() }
+        let [node, level, before] = [ROOT_NODE, 0, 0].map(F::Uint::splat);
+        Self { pixel, node, reversed_index: index.reverse_bits(), level, before }
     }
 
     /// The names that `f` gives, a lane each.
     #[inline(always)]
     pub fn from_fn(mut f: impl FnMut(usize) -> SampleName) -> Self {
         let mut pixel = F::Ulong::splat(0).to_array();
-        let [mut node, mut reversed_index] = [F::Uint::splat(0).to_array(); 2];
+        let mut columns = [F::Uint::splat(0).to_array(); 4];
         for i in 0..F::WIDTH {
-            let name = f(i);
-            pixel.as_mut()[i] = name.pixel;
-            node.as_mut()[i] = name.node;
-            reversed_index.as_mut()[i] = name.reversed_index;
+            let SampleName { pixel: of_one, node, reversed_index, level, before } = f(i);
+            pixel.as_mut()[i] = of_one;
+            for (column, of_one) in columns.iter_mut().zip([node, reversed_index, level, before]) {
+                column.as_mut()[i] = of_one;
+            }
         }
-        Self {
-            pixel: F::Ulong::from_array(pixel),
-            node: F::Uint::from_array(node),
-            reversed_index: F::Uint::from_array(reversed_index),
-        }
+        let [node, reversed_index, level, before] = columns.map(F::Uint::from_array);
+        Self { pixel: F::Ulong::from_array(pixel), node, reversed_index, level, before }
     }
 
     /// The name of one lane.
@@ -75,30 +78,32 @@ impl<F: Float> SampleName<F> {
             pixel: self.pixel.lane(i),
             node: self.node.lane(i),
             reversed_index: self.reversed_index.lane(i),
+            level: self.level.lane(i),
+            before: self.before.lane(i),
         }
     }
 
     /// Gives `f` the name of each lane.
     #[inline(always)]
     pub fn for_each(&self, mut f: impl FnMut(usize, SampleName)) {
-        let (pixel, node) = (self.pixel.to_array(), self.node.to_array());
-        let reversed_index = self.reversed_index.to_array();
+        let pixel = self.pixel.to_array();
+        let columns = [self.node, self.reversed_index, self.level, self.before].map(Uint::to_array);
         for i in 0..F::WIDTH {
-            let (pixel, node) = (pixel.as_ref()[i], node.as_ref()[i]);
-            f(i, SampleName { pixel, node, reversed_index: reversed_index.as_ref()[i] });
+            let [node, reversed_index, level, before] = columns.map(|column| column.as_ref()[i]);
+            f(i, SampleName { pixel: pixel.as_ref()[i], node, reversed_index, level, before });
         }
     }
 
-    /// The same sample at another node.
-    #[inline(always)]
-    pub fn at(self, node: F::Uint) -> Self {
-        Self { node, ..self }
-    }
-
-    /// The same sample one branch further: `self.at(child_node(self.node(), branch))`.
+    /// The same sample one branch further, at [`child_node`].
     #[inline(always)]
     pub fn child(self, branch: u32) -> Self {
-        self.at(child_node(self.node, branch))
+        self.onward(child_node(self.node, branch), self.place())
+    }
+
+    /// The same from what [`Self::node`] tells of the child, and [`Self::place`] of this name.
+    #[inline(always)]
+    pub fn onward(self, node: F::Uint, place: F::Uint) -> Self {
+        Self { node, level: self.level.wrapping_add(F::Uint::splat(1)), before: place, ..self }
     }
 
     /// The same node of another sample of the pixel.
@@ -117,6 +122,27 @@ impl<F: Float> SampleName<F> {
     #[inline(always)]
     pub fn index(self) -> F::Uint {
         self.reversed_index.reverse_bits()
+    }
+
+    /// The sample's place in the order in which this node's directions and points on lights are drawn, of patterns that have one.
+    ///
+    /// What a direction finds depends on where it leads and on what is drawn there, four numbers together. So every second node has its
+    /// samples in the order of the one before, [turned](sobol::turned) so that the two pairs are well spread over all four dimensions as well as each over its own. Other nodes
+    /// shuffle their samples anew.
+    #[inline(always)]
+    pub fn place(self) -> F::Uint {
+        let one = F::Uint::splat(1);
+        let shuffled = sobol::shuffle(self.stream(Purpose::Direction), self.reversed_index);
+        F::Uint::select((self.level & one).eq(one), sobol::turned(self.before), shuffled)
+    }
+
+    /// The place in the order of a purpose.
+    #[inline(always)]
+    fn place_for(self, purpose: Purpose) -> F::Uint {
+        match purpose {
+            Purpose::Direction | Purpose::LightPoint => self.place(),
+            _ => sobol::shuffle(self.stream(purpose), self.reversed_index),
+        }
     }
 
     /// 64 bits that depend on all but the index.

@@ -4,7 +4,7 @@
 
 use super::padded::Padded;
 use super::sobol::{scramble, second_dimension_of_64};
-use super::{Purpose, ROOT_NODE, SampleName, mix};
+use super::{Purpose, SampleName, mix};
 
 /// The part of a sequence that each pixel owns: 2^k points, k being held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,7 +22,7 @@ impl Order {
     pub(super) fn name(seed: u64, pixel: [u32; 2], index: u32) -> SampleName {
         let seed = mix(seed ^ 0x5851_f42d_4c95_7f2d) & 0xffff_ffff_0000_0000;
         let place = spread(pixel[0]) | spread(pixel[1]) << 1;
-        SampleName { pixel: seed | u64::from(place), node: ROOT_NODE, reversed_index: index.reverse_bits() }
+        SampleName { pixel: seed | u64::from(place), ..SampleName::new(0, [0; 2], index) }
     }
 
     /// As [`SampleName::stream`], the same for all pixels.

@@ -14,7 +14,8 @@ pub enum Pattern {
     /// Independent.
     Random,
     /// Padded Sobol, its order shuffled and its digits scrambled after Owen, by hashes (Burley 2020, "Practical
-    /// Hash-based Owen Scrambling"). Any 2^k samples from a multiple of 2^k on are stratified in each purpose.
+    /// Hash-based Owen Scrambling"). Any 2^k samples from a multiple of 2^k on are stratified in each purpose; a direction and
+    /// what is drawn where it leads are spread together, see [`SampleName::place`].
     #[default]
     Sobol,
     /// Sobol's points along a shuffled Morton curve through all pixels (Ahmed and Wonka 2020, "Screen-Space Blue-Noise
@@ -94,7 +95,7 @@ impl Pattern {
         let stream = name.stream(purpose);
         match self {
             Self::Random => to_unit(random(stream, name, 0).low()),
-            Self::Sobol => to_unit(sobol::d1(stream, name.reversed_index)),
+            Self::Sobol => to_unit(sobol::d1(stream, name.place_for(purpose))),
             _ => self.lane_by_lane::<F, 1>(name, purpose)[0],
         }
     }
@@ -109,7 +110,7 @@ impl Pattern {
                 [to_unit(r.low()), to_unit(r.high())]
             }
             Self::Sobol => {
-                let [a, b] = sobol::d2(stream, name.reversed_index);
+                let [a, b] = sobol::d2(stream, name.place_for(purpose));
                 [to_unit(a), to_unit(b)]
             }
             _ => self.lane_by_lane(name, purpose),
@@ -126,7 +127,7 @@ impl Pattern {
                 [to_unit(r.low()), to_unit(r.high()), to_unit(s.low())]
             }
             Self::Sobol => {
-                let [a, b, c] = sobol::d3(stream, name.reversed_index);
+                let [a, b, c] = sobol::d3(stream, name.place_for(purpose));
                 [to_unit(a), to_unit(b), to_unit(c)]
             }
             _ => self.lane_by_lane(name, purpose),
@@ -143,7 +144,7 @@ impl Pattern {
                 [to_unit(r.low()), to_unit(r.high()), to_unit(s.low()), to_unit(s.high())]
             }
             Self::Sobol => {
-                let [a, b, c, d] = sobol::d4(stream, name.reversed_index);
+                let [a, b, c, d] = sobol::d4(stream, name.place_for(purpose));
                 [to_unit(a), to_unit(b), to_unit(c), to_unit(d)]
             }
             _ => self.lane_by_lane(name, purpose),
@@ -174,7 +175,7 @@ impl Pattern {
                 (bits >> (32 * (d % 2))) as u32
             }),
             Self::Sobol => {
-                let four = sobol::d4(stream, name.reversed_index);
+                let four = sobol::d4(stream, name.place_for(purpose));
                 std::array::from_fn(|d| four[d])
             }
             Self::BlueSobol(order) => padded(&order.at(name), order.stream(name, purpose), name.index()),

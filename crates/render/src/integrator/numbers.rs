@@ -16,8 +16,8 @@ pub(super) struct Numbers {
     light: [Column; 2],
     direction: [Column; 3],
     roulette: Column,
-    /// The nodes to which the paths go on.
-    next: [u32; BLOCK],
+    /// The nodes to which the paths go on, and the samples' places at the nodes where they are.
+    next: [[u32; BLOCK]; 2],
 }
 
 /// What any vertex of a block needs; as numbers are pure functions of their names, those drawn for nothing change none.
@@ -43,7 +43,7 @@ impl Numbers {
     /// The name of the next vertex of path `i`, whose name was `name`.
     #[inline(always)]
     pub fn next(&self, i: usize, name: &SampleName) -> SampleName {
-        name.at(self.next[i])
+        name.onward(self.next[0][i], self.next[1][i])
     }
 
     /// Choose lights and points on them, from vertex `first` on.
@@ -86,7 +86,9 @@ impl Kernel for Draw<'_> {
                 #[inline(always)]
                 |lane| names[if first + lane < last { first + lane } else { last }],
             );
-            numbers.next[first..first + F::WIDTH].copy_from_slice(name.child(0).node().to_array().as_ref());
+            for (to, from) in numbers.next.iter_mut().zip([name.child(0).node(), name.place()]) {
+                to[first..first + F::WIDTH].copy_from_slice(from.to_array().as_ref());
+            }
             if wanted.light {
                 store(pattern.d2(&name, Purpose::LightPoint), &mut numbers.light, first);
             }
