@@ -75,7 +75,7 @@ mod tests {
             shown[9] = half(0.02, by_all, 4.0);
             let told = told_apart(&shown, &shown);
             assert!((told[9].variance / want - 1.0).abs() < 0.01, "{}, not {want}", told[9].variance);
-            assert!(told[8].variance < 1e-5);
+            assert!(told[8].variance < 1e-4, "{}", told[8].variance);
         }
         // Where it has ended, it has no say in how alike those are that go on.
         let mut shown = vec![half(1.0, 1.0, 1.0); PIXELS];
@@ -98,7 +98,7 @@ mod tests {
             .collect();
         let told = told_apart(&shown, &shown);
         let sum = |halves: &[Half]| halves.iter().map(|half| half.variance).sum::<f64>();
-        assert!(sum(&told) >= sum(&shown) && sum(&told) < 1.05 * sum(&shown));
+        assert!((sum(&told) / sum(&shown) - 1.0).abs() < 1e-9, "{} and {}", sum(&told), sum(&shown));
         let least = |range: std::ops::Range<usize>| {
             told[range].iter().fold(f64::INFINITY, |l, t| if t.variance < l { t.variance } else { l })
         };

@@ -119,10 +119,39 @@ mod tests {
         {
             assert_eq!(lit(x, y), is_lit, "{x} {y}");
         }
-        assert!(
-            (got[place([8, 20])] - one / 15.0).abs() < 1e-3
-                && (got[place([7, 20])] - one / 10.0).abs() < 1e-3
-        );
+        // What may lie anywhere in the lamp's own block takes a little of it.
+        let [own, beside] = [got[place([8, 20])], got[place([7, 20])]];
+        assert!(own < one / 15.0 && own > 0.9 * one / 15.0 && (beside - one / 10.0).abs() < 1e-3);
+    }
+
+    /// Light that one path in many finds may lie in any block of the district whose samples differ, until there are many of them.
+    #[test]
+    fn what_is_bright_may_lie_far_away() {
+        let dark = |count| Half { count, brightness: 0.01, is_open: true, ..Half::default() };
+        let hidden = |count: f64, spread: f64| {
+            let mut shown = vec![dark(15.0); ALL];
+            shown[place([40, 40])] = Half { brightness: 1.0, spread: 3.0, ..dark(15.0) };
+            for half in &mut shown[..PIXELS] {
+                *half = Half { spread, ..dark(count) };
+            }
+            variances(&shown, &shown)[..PIXELS].iter().sum::<f64>()
+        };
+        let (alike, far) = (CHANCE * 0.01 * 0.01 / 64.0, FAR * 16.0);
+        assert!((hidden(15.0, 0.0) - alike).abs() < 1e-12);
+        assert!((hidden(15.0, 1e-3) - far / 256.0).abs() < 1e-12);
+        assert!((hidden(15.0, 1e-6) - 0.01 * far / 256.0).abs() < 1e-12);
+        assert!((hidden(1023.0, 1e-3) - far / (1024.0 * 1024.0)).abs() < 1e-12);
+    }
+
+    /// A half that has ended early would keep the other going for ever.
+    #[test]
+    fn an_ended_half_counts_as_if_it_had_gone_on() {
+        let mut shown = vec![Half { count: 15.0, ..Half::default() }; ALL];
+        shown[place([8, 20])] = Half { count: 15.0, brightness: 1.0, spread: 3.0, ..Half::default() };
+        let own = vec![Half { count: 255.0, is_open: true, ..Half::default() }; ALL];
+        let sum = |own: &[Half]| variances(own, &shown)[place([0, 16])..][..PIXELS].iter().sum::<f64>();
+        assert!((sum(&own) - possible(4.0, 255.0)).abs() < 1e-12);
+        assert!((sum(&shown) - possible(4.0, 15.0)).abs() < 1e-12);
     }
 
     #[test]
