@@ -13,7 +13,7 @@
 //! [`super::error_estimate`] tells how noisy a half of a pixel is, and [`super::district`] which need no further samples.
 
 use super::control::Control;
-use super::error_estimate::Batches;
+use super::error_estimate::BatchSums;
 use super::fixed::{Fixed, Square};
 use super::{BandSample, Film, FilmTile, Pixel, TILE};
 use crate::film::Region;
@@ -71,7 +71,7 @@ pub(super) struct Halves {
     pub(super) control: Control,
     pub(super) count: u32,
     /// Of each half, where noise is told by batches.
-    pub(super) batches: [Batches; 2],
+    pub(super) batch_sums: [BatchSums; 2],
 }
 
 /// The sums of one half of a pixel.
@@ -79,17 +79,6 @@ struct Part {
     sums: Pixel,
     squares: [Square; 3],
     control: Option<Control>,
-}
-
-/// What a half of a pixel tells of a channel: its mean, and the variance of that.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Told {
-    pub(super) mean: f64,
-    /// By how single samples scatter.
-    pub(super) spread: f64,
-    /// By two or three batches, and by all of them, five to eight; by spread where samples are independent.
-    pub(super) few: f64,
-    pub(super) all: f64,
 }
 
 impl FilmTile {
@@ -104,11 +93,10 @@ impl FilmTile {
     /// Takes note of a half of pixel `k` before its next sample.
     pub(super) fn note_half(&mut self, k: usize, index: u32) {
         let half = half_of(index);
-        let count = self.count_of_half(k, half);
-        if self.by_batches && Batches::ends_at(count) {
-            let part = self.half(k, half);
+        let part = self.half(k, half);
+        if self.by_batches && part.sums.count.is_power_of_two() {
             let sums = self.sums_of(&part.sums, part.control.as_ref());
-            self.halves[k].batches[half].end(count, sums);
+            self.halves[k].batch_sums[half].end(sums);
         }
         self.halves[k].count += half as u32;
     }
@@ -170,26 +158,15 @@ impl FilmTile {
 
     /// Mean and variance of the mean of a channel of one half of pixel `k`; the variance by batches or by spread.
     pub(super) fn mean_of_half(&self, k: usize, half: usize, channel: usize, by_batches: bool) -> (f64, f64) {
-        let Told { mean, spread, few, .. } = self.told_by_half(k, half)[channel];
-        (mean, if by_batches { few } else { spread })
-    }
-
-    /// What one half of pixel `k` tells of each channel.
-    pub(super) fn told_by_half(&self, k: usize, half: usize) -> [Told; 3] {
         let Part { sums: p, squares, control } = self.half(k, half);
-        let sums = self.sums_of(&p, control.as_ref());
-        std::array::from_fn(|channel| {
-            let mean = sums[channel] / f64::from(p.count.max(1));
-            let spread = match &control {
-                Some(control) => control.variance((&p, &squares), channel, self.weight),
-                None => p.variance(&squares, channel),
-            };
-            let [few, all] = match self.by_batches {
-                true => self.halves[k].batches[half].variances(p.count, sums[channel], channel),
-                false => [spread; 2],
-            };
-            Told { mean, spread, few, all }
-        })
+        let sum = self.sums_of(&p, control.as_ref())[channel];
+        let mean = sum / f64::from(p.count.max(1));
+        let variance = match &control {
+            _ if by_batches => self.halves[k].batch_sums[half].variance(p.count, sum, channel),
+            Some(control) => control.variance((&p, &squares), channel, self.weight),
+            None => p.variance(&squares, channel),
+        };
+        (mean, variance)
     }
 
     /// The mean of both halves of pixel `k`, and the variance of that mean; `None` where there are no two halves.
