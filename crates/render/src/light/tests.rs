@@ -568,7 +568,8 @@ fn few_lights_are_picked_by_what_they_bring() {
                 from(Vec3::new(0.0, 0.0, 2.0)),
                 from(Vec3::new(0.0, 0.0, -2.0)),
                 cos(Vec3::Z),
-                0.5 * around * std::f32::consts::PI,
+                // Scattered rays find most of what comes from all around.
+                0.1 * 0.5 * around * std::f32::consts::PI,
             ];
             let total: f32 = brought.iter().sum();
             let lit = brought.iter().filter(|v| **v > 0.0).count() as f32;
