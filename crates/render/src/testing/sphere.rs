@@ -48,7 +48,7 @@ impl SphereGrid {
     }
 
     /// The integral of `f` over each cell, by solid angle, cells being cut up where `f` is uneven until
-    /// `tolerance` is met or the cut has been halved six times.
+    /// `tolerance` is met or the cut has been halved seven times.
     pub fn integrate(&self, f: impl Fn(Vec3) -> f64, tolerance: f64) -> Vec<f64> {
         let frame = Frame::from_normal(self.axis);
         let per_cell = tolerance / self.cells() as f64;
@@ -58,7 +58,7 @@ impl SphereGrid {
                 let (ring, sector) = (cell / self.sectors, cell % self.sectors);
                 let span = |i: usize, n: usize| [i as f64 / n as f64, (i + 1) as f64 / n as f64];
                 let patch = Patch { t: span(ring, self.rings), s: span(sector, self.sectors) };
-                refine(&of_patch, &patch, of_patch(&patch), Budget { tolerance: per_cell, halvings: 6 })
+                refine(&of_patch, &patch, of_patch(&patch), Budget { tolerance: per_cell, halvings: 7 })
             })
             .collect()
     }
