@@ -127,7 +127,7 @@ impl<F: Float> SampleName<F> {
     /// The sample's place in the order in which this node's directions and points on lights are drawn, of patterns that have one.
     ///
     /// What a direction finds depends on where it leads and on what is drawn there, four numbers together. So every second node has its
-    /// samples in the order of the one before, [turned](sobol::turned) so that the two pairs are well spread over all four dimensions as well as each over its own. Other nodes
+    /// samples in the order of the one before, turned so that the two pairs are well spread over all four dimensions as well as each over its own. Other nodes
     /// shuffle their samples anew.
     #[inline(always)]
     pub fn place(self) -> F::Uint {

@@ -93,7 +93,7 @@ fn pdf(entry: &Example, stand: &Stand<'_>, at: &Receiver, w: Vec3) -> f32 {
 #[test]
 fn copies_have_the_density_that_is_told() {
     let all = surfaces();
-    let tests = all.len() * stands().len();
+    let tests = all.len() * VIEWS.len() * stands().len();
     for entry in &all {
         for (how, way) in stands() {
             let objects = alone(entry, &way);
