@@ -91,10 +91,8 @@ impl<'m, 'a> Library<'m, 'a> {
         self.means.d.push(complaint);
     }
 
-    /// Reads the bytes of a file as a layer.
-    fn read(&mut self, name: &str, bytes: Rc<[u8]>, home: Home) -> Option<usize> {
-        let is_text = !bytes.starts_with(archive::MAGIC) && !bytes.starts_with(crate_file::MAGIC);
-        let needs = BYTES[usize::from(!is_text)] * bytes.len() as u64;
+    /// Takes the memory that a file's content needs; where there isn't as much, it is an error.
+    fn take(&mut self, name: &str, needs: u64) -> Option<()> {
         let shortage =
             self.means.ledger.refuse(needs, || format!("reading `{name}`"), "a smaller scene takes less");
         if let Some(shortage) = shortage {
@@ -103,6 +101,14 @@ impl<'m, 'a> Library<'m, 'a> {
             return None;
         }
         self.means.ledger.keep(needs);
+        Some(())
+    }
+
+    /// Reads the bytes of a file as a layer.
+    fn read(&mut self, name: &str, bytes: Rc<[u8]>, home: Home) -> Option<usize> {
+        let is_text = !bytes.starts_with(archive::MAGIC) && !bytes.starts_with(crate_file::MAGIC);
+        let needs = BYTES[usize::from(!is_text)] * bytes.len() as u64;
+        self.take(name, needs)?;
         if !bytes.starts_with(archive::MAGIC) {
             let range = 0..bytes.len();
             return self.read_layer(name, bytes, range, home);
@@ -180,14 +186,7 @@ impl<'m, 'a> Library<'m, 'a> {
             }
         };
         let needs = BYTES[1] * made.len() as u64;
-        let shortage =
-            self.means.ledger.refuse(needs, || format!("reading `{name}`"), "a smaller scene takes less");
-        if let Some(shortage) = shortage {
-            self.means.d.lacks_memory = true;
-            self.fail(format!("cannot read `{name}`: {shortage}"));
-            return None;
-        }
-        self.means.ledger.keep(needs);
+        self.take(name, needs)?;
         Some(made)
     }
 
