@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 use std::io;
 
-use serde_core::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::Value as Json;
 use straal_color::Space;
 
@@ -19,6 +18,7 @@ use crate::suggest;
 use crate::tree::{Datum, Entry, Tree, shown};
 use crate::value::LinearRgb;
 use crate::visit::Visitor;
+use crate::writer::{Grown, Line, Writer};
 
 /// A type of the scene language.
 ///
@@ -35,12 +35,13 @@ pub trait Describe: Sized {
     fn blank() -> Self;
 
     /// Writes the value as [`Describe::read`] would take it, piece by piece: no more of it is held than what takes it keeps.
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error>;
+    fn write_to(&self, out: &mut dyn Writer);
 
     /// The same as a tree.
     fn write(&self) -> Json {
-        // Trees hold all that is written: keys are texts.
-        serde_json::to_value(Written(self)).unwrap_or(Json::Null)
+        let mut tree = Grown::default();
+        self.write_to(&mut tree);
+        tree.finish()
     }
 
     /// The JSON Schema of the values that [`Describe::read`] takes.
@@ -70,7 +71,7 @@ pub trait Fields: Sized {
     fn blank_fields() -> Self;
 
     /// Writes the keys that differ from their defaults.
-    fn write_fields<M: SerializeMap>(&self, out: &mut M) -> Result<(), M::Error>;
+    fn write_fields(&self, out: &mut dyn Writer);
 
     /// Adds its keys to a schema.
     fn schema_fields(out: &mut Properties, defs: &mut Definitions);
@@ -85,18 +86,31 @@ pub trait Fields: Sized {
     fn lead_fields(&mut self, places: &Places);
 }
 
-/// What writes a value wherever serde's serializers lead: to a tree, or as text to a file or a hash.
-pub struct Written<'a, T>(pub &'a T);
+/// Writes a key and its value.
+pub fn write_entry<T: Describe>(key: &str, value: &T, out: &mut dyn Writer) {
+    out.key(key);
+    value.write_to(out);
+}
 
-impl<T: Describe> Serialize for Written<'_, T> {
-    fn serialize<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        self.0.write_to(out)
-    }
+/// Writes a mapping of one key.
+pub fn write_only<T: Describe>(key: &str, value: &T, out: &mut dyn Writer) {
+    out.begin_map();
+    write_entry(key, value, out);
+    out.end_map();
+}
+
+/// Writes a list.
+pub fn write_list<'a, T: Describe + 'a>(items: impl IntoIterator<Item = &'a T>, out: &mut dyn Writer) {
+    out.begin_list();
+    items.into_iter().for_each(|item| item.write_to(out));
+    out.end_list();
 }
 
 /// Writes a value as one line of JSON, piece by piece.
 pub fn write_json<T: Describe>(value: &T, out: impl io::Write) -> io::Result<()> {
-    serde_json::to_writer(out, &Written(value)).map_err(io::Error::from)
+    let mut line = Line::new(out);
+    value.write_to(&mut line);
+    line.finish()
 }
 
 /// How to read.

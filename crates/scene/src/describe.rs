@@ -54,15 +54,14 @@ macro_rules! describe {
                 }
             }
 
-            fn write_fields<M: ::serde_core::ser::SerializeMap>(&self, out: &mut M) -> Result<(), M::Error> {
+            fn write_fields(&self, out: &mut dyn $crate::writer::Writer) {
                 $(
-                    let absent: Option<fn() -> $ty> = describe!(@absent $ty $(, $default)?);
-                    if absent.is_none_or(|default| default() != self.$f) {
-                        out.serialize_entry(stringify!($f), &$crate::decode::Written(&self.$f))?;
+                    if describe!(@differs self $f $ty $(, $default)?) {
+                        $crate::decode::write_entry(stringify!($f), &self.$f, out);
                     }
                 )*
-                $( <$Flat as $crate::decode::Fields>::write_fields(&self.$flat, out)?; )*
-                Ok(())
+                $( <$Flat as $crate::decode::Fields>::write_fields(&self.$flat, out); )*
+                let _ = out;
             }
 
             fn schema_fields(out: &mut $crate::schema::Properties, defs: &mut $crate::schema::Definitions) {
@@ -109,10 +108,10 @@ macro_rules! describe {
                 <Self as $crate::decode::Fields>::blank_fields()
             }
 
-            fn write_to<S: ::serde_core::ser::Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-                let mut map = out.serialize_map(None)?;
-                $crate::decode::Fields::write_fields(self, &mut map)?;
-                ::serde_core::ser::SerializeMap::end(map)
+            fn write_to(&self, out: &mut dyn $crate::writer::Writer) {
+                out.begin_map();
+                $crate::decode::Fields::write_fields(self, out);
+                out.end_map();
             }
 
             fn schema(
@@ -289,7 +288,7 @@ macro_rules! describe {
                 $( return describe!(@blank_variant $V $($P)?); )+
             }
 
-            fn write_to<S: ::serde_core::ser::Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+            fn write_to(&self, out: &mut dyn $crate::writer::Writer) {
                 match self {
                     $( describe!(@pattern inner $V $($P)?) => describe!(@write inner out $key $($P)?), )+
                 }
@@ -341,6 +340,12 @@ macro_rules! describe {
     (@absent $ty:ty) => { None };
     (@absent $ty:ty, $default:expr) => { Some((|| $default) as fn() -> $ty) };
 
+    (@differs $self:ident $f:ident $ty:ty) => { true };
+    (@differs $self:ident $f:ident $ty:ty, $default:expr) => {{
+        let default: $ty = $default;
+        default != $self.$f
+    }};
+
     (@optional) => { false };
     (@optional $default:expr) => { true };
 
@@ -365,9 +370,9 @@ macro_rules! describe {
     (@pattern $inner:ident $V:ident) => { Self::$V };
     (@pattern $inner:ident $V:ident $P:ty) => { Self::$V($inner) };
 
-    (@write $inner:ident $out:ident $key:literal) => { $out.serialize_str($key) };
+    (@write $inner:ident $out:ident $key:literal) => { $out.text($key) };
     (@write $inner:ident $out:ident $key:literal $P:ty) => {
-        $out.collect_map([($key, $crate::decode::Written($inner))])
+        $crate::decode::write_only($key, $inner, $out)
     };
 
     (@show $inner:ident $visitor:ident) => {{ let _ = $visitor; }};

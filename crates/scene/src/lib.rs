@@ -35,6 +35,7 @@ pub mod validate;
 pub mod value;
 pub mod visit;
 pub mod whole;
+pub mod writer;
 
 pub use assets::{Assets, MeshAsset, PartMaterial};
 pub use bitmap::Bitmap;

@@ -1,9 +1,9 @@
 //! The JSON Schema (draft 2020-12) of the scene language, made from the same definitions as its reading.
 
-use serde_core::ser::Serializer;
 use serde_json::{Map, Value as Json, json};
 
 use crate::limit::Limit;
+use crate::writer::Writer;
 
 /// The schemas of named types, while they are gathered.
 #[derive(Debug, Default)]
@@ -147,10 +147,10 @@ pub fn short(v: f64) -> Json {
 }
 
 /// The same, written.
-pub fn write_number<S: Serializer>(v: f64, out: S) -> Result<S::Ok, S::Error> {
+pub fn write_number(v: f64, out: &mut dyn Writer) {
     match whole(v) {
-        Some(v) => out.serialize_i64(v),
-        None => out.serialize_f64(v),
+        Some(v) => out.whole(v),
+        None => out.number(v),
     }
 }
 

@@ -1,10 +1,9 @@
 //! Colours, spectra and indices of refraction, and values that a texture may stand for.
 
-use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 use straal_color::spectrum::Illuminant;
 
-use crate::decode::{Decoder, Describe, Written};
+use crate::decode::{Decoder, Describe, write_only};
 use crate::desc::{ColorIn, Formula, Index, Measured, Spectrum, TextureOf, Varying, Wrap, Wraps, check};
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -16,6 +15,7 @@ use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
 use crate::value::{Known, LinearRgb};
 use crate::visit::Visitor;
+use crate::writer::Writer;
 
 impl Describe for LinearRgb {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
@@ -49,10 +49,10 @@ impl Describe for LinearRgb {
     fn blank() -> Self {
         Self::grey(1.0)
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         let Self([r, g, b]) = *self;
         if r < 0.0 || g < 0.0 || b < 0.0 {
-            out.collect_map([("rgb", Written(&self.0))])
+            write_only("rgb", &self.0, out);
         } else if r == g && g == b {
             r.write_to(out)
         } else {
@@ -129,7 +129,7 @@ impl Describe for Spectrum {
     fn blank() -> Self {
         Self::Rgb(LinearRgb::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
             Self::Rgb(color) => color.write_to(out),
             Self::Measured(m) => m.write_to(out),
@@ -160,7 +160,7 @@ impl Describe for Index {
     fn blank() -> Self {
         Self::Constant(1.5)
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
             Self::Constant(v) => v.write_to(out),
             Self::Named(name) => name.write_to(out),
@@ -191,10 +191,10 @@ impl<T: Describe> Describe for Varying<T> {
     fn blank() -> Self {
         Self::Constant(T::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
             Self::Constant(v) => v.write_to(out),
-            Self::Texture(t) => out.collect_map([("texture", Written(&**t))]),
+            Self::Texture(t) => write_only("texture", &**t, out),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -238,7 +238,7 @@ impl Describe for Wraps {
     fn blank() -> Self {
         Self([Wrap::Repeat, Wrap::Repeat])
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         let Self([u, v]) = self;
         if u == v { u.write_to(out) } else { self.0.write_to(out) }
     }

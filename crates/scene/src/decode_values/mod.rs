@@ -4,10 +4,9 @@ mod colours;
 mod names;
 mod space;
 
-use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 
-use crate::decode::{Decoder, Describe, Written};
+use crate::decode::{Decoder, Describe, write_list};
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::link::Places;
@@ -18,6 +17,7 @@ use crate::span::{Span, Spanned};
 use crate::tree::{Datum, Tree};
 use crate::value::Depth;
 use crate::visit::Visitor;
+use crate::writer::Writer;
 
 impl Describe for f64 {
     const IS_NUMBER: bool = true;
@@ -27,8 +27,8 @@ impl Describe for f64 {
     fn blank() -> Self {
         1.0
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        schema::write_number(*self, out)
+    fn write_to(&self, out: &mut dyn Writer) {
+        schema::write_number(*self, out);
     }
     fn schema(limit: Limit, _: &mut Definitions) -> Json {
         schema::number("number", limit)
@@ -46,8 +46,8 @@ macro_rules! whole {
             fn blank() -> Self {
                 1
             }
-            fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-                out.serialize_u64(u64::from(*self))
+            fn write_to(&self, out: &mut dyn Writer) {
+                out.count(u64::from(*self));
             }
             fn schema(limit: Limit, _: &mut Definitions) -> Json {
                 schema::number("integer", within(limit, $most))
@@ -77,8 +77,8 @@ impl Describe for bool {
     fn blank() -> Self {
         false
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        out.serialize_bool(*self)
+    fn write_to(&self, out: &mut dyn Writer) {
+        out.truth(*self);
     }
     fn schema(_: Limit, _: &mut Definitions) -> Json {
         json!({ "type": "boolean" })
@@ -105,8 +105,8 @@ impl Describe for Spanned<String> {
     fn blank() -> Self {
         Self::new(String::new(), Span::NONE)
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        out.serialize_str(&self.value)
+    fn write_to(&self, out: &mut dyn Writer) {
+        out.text(&self.value);
     }
     fn schema(_: Limit, _: &mut Definitions) -> Json {
         json!({ "type": "string", "minLength": 1 })
@@ -120,10 +120,10 @@ impl<T: Describe> Describe for Option<T> {
     fn blank() -> Self {
         None
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
             Some(value) => value.write_to(out),
-            None => out.serialize_unit(),
+            None => out.null(),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -148,7 +148,7 @@ impl<T: Describe> Describe for Box<T> {
     fn blank() -> Self {
         Self::new(T::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         (**self).write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -177,8 +177,8 @@ impl<T: Describe> Describe for Vec<T> {
     fn blank() -> Self {
         Self::new()
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        out.collect_seq(self.iter().map(Written))
+    fn write_to(&self, out: &mut dyn Writer) {
+        write_list(self, out);
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "array", "items": T::schema(limit, defs) })
@@ -207,8 +207,8 @@ impl<T: Describe, const N: usize> Describe for [T; N] {
     fn blank() -> Self {
         std::array::from_fn(|_| T::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        out.collect_seq(self.iter().map(Written))
+    fn write_to(&self, out: &mut dyn Writer) {
+        write_list(self, out);
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "array", "items": T::schema(limit, defs), "minItems": N, "maxItems": N })
@@ -236,9 +236,9 @@ impl Describe for Depth {
     fn blank() -> Self {
         Self::Unlimited
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
-            Self::Unlimited => out.serialize_str("unlimited"),
+            Self::Unlimited => out.text("unlimited"),
             Self::Edges(n) => n.write_to(out),
         }
     }

@@ -1,9 +1,8 @@
 //! Names, and what they lead to.
 
-use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 
-use crate::decode::{Decoder, Describe, Written};
+use crate::decode::{Decoder, Describe, write_entry};
 use crate::desc::{
     AttributeName, CoordinatesName, LampChoice, LightGroup, Material, MaterialRef, Texture, TextureOf,
 };
@@ -18,6 +17,7 @@ use crate::suggest;
 use crate::tree::{Datum, Tree};
 use crate::value::{Asset, FileRef, Known, Link, Name, Named};
 use crate::visit::Visitor;
+use crate::writer::Writer;
 
 /// Meshes and pictures, by the names of their files.
 impl<T: Kind> Describe for Asset<T> {
@@ -29,7 +29,7 @@ impl<T: Kind> Describe for Asset<T> {
     fn blank() -> Self {
         Self::new(Spanned::blank(), Handle::new(0))
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.file.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -48,7 +48,7 @@ impl<T: Linked> Describe for Link<T> {
     fn blank() -> Self {
         Self::new(Name::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.name.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -77,7 +77,7 @@ impl<T: Familiar> Describe for Known<T> {
     fn blank() -> Self {
         Self { name: Name::blank(), what: T::stand_in() }
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.name.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -92,7 +92,7 @@ impl Describe for AttributeName {
     fn blank() -> Self {
         Self(Name::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.0.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -110,7 +110,7 @@ impl Describe for CoordinatesName {
     fn blank() -> Self {
         Self(Name::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.0.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -133,7 +133,7 @@ impl Describe for LightGroup {
     fn blank() -> Self {
         Self(Name::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.0.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -158,7 +158,7 @@ impl Describe for LampChoice {
     fn blank() -> Self {
         Self::Number(1)
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
             Self::Number(number) => number.write_to(out),
             Self::Named(name) => name.write_to(out),
@@ -182,7 +182,7 @@ impl Describe for TextureOf {
     fn blank() -> Self {
         Self::Named(Link::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
             Self::Named(link) => link.write_to(out),
             Self::Inline(texture) => texture.write_to(out),
@@ -227,8 +227,12 @@ impl<T: Describe> Describe for Named<T> {
     fn blank() -> Self {
         Self::default()
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
-        out.collect_map(self.iter().map(|(name, thing)| (&name.value, Written(thing))))
+    fn write_to(&self, out: &mut dyn Writer) {
+        out.begin_map();
+        for (name, thing) in self.iter() {
+            write_entry(&name.value, thing, out);
+        }
+        out.end_map();
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
         json!({ "type": "object", "additionalProperties": T::schema(limit, defs) })
@@ -257,7 +261,7 @@ impl Describe for MaterialRef {
     fn blank() -> Self {
         Self::Named(Link::blank())
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
             Self::Named(link) => link.write_to(out),
             Self::Inline(material) => material.write_to(out),

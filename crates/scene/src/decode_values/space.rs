@@ -1,10 +1,9 @@
 //! Points, directions and transforms.
 
-use serde_core::ser::{SerializeMap, Serializer};
 use serde_json::{Value as Json, json};
 use straal_math::{Affine, DVec3};
 
-use crate::decode::{Decoder, Describe, Written};
+use crate::decode::{Decoder, Describe};
 use crate::desc::{AxisAngle, Coordinate, Rotation, Step, Transform};
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
@@ -15,6 +14,7 @@ use crate::span::Spanned;
 use crate::suggest;
 use crate::tree::{Datum, Entry, Tree};
 use crate::value::{Axis, Factors, Matrix};
+use crate::writer::Writer;
 
 impl Describe for DVec3 {
     fn read(tree: &Tree, limit: Limit, d: &mut Decoder) -> Self {
@@ -31,7 +31,7 @@ impl Describe for DVec3 {
     fn blank() -> Self {
         Self::ONE
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.to_array().write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -47,7 +47,7 @@ impl Describe for Spanned<DVec3> {
     fn blank() -> Self {
         DVec3::blank().into()
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.value.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -78,11 +78,11 @@ impl Describe for Axis {
     fn blank() -> Self {
         Self(DVec3::Y)
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self.0 {
-            DVec3::X => out.serialize_str("x"),
-            DVec3::Y => out.serialize_str("y"),
-            DVec3::Z => out.serialize_str("z"),
+            DVec3::X => out.text("x"),
+            DVec3::Y => out.text("y"),
+            DVec3::Z => out.text("z"),
             v => v.write_to(out),
         }
     }
@@ -111,7 +111,7 @@ impl Describe for Factors {
     fn blank() -> Self {
         Self(DVec3::ONE)
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         let v = self.0;
         if v.x == v.y && v.y == v.z { v.x.write_to(out) } else { v.write_to(out) }
     }
@@ -140,7 +140,7 @@ impl Describe for Matrix {
     fn blank() -> Self {
         Self(Affine::IDENTITY)
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         self.0.rows.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -177,7 +177,7 @@ impl Describe for Rotation {
     fn blank() -> Self {
         Self { axis: Axis::blank(), degrees: 0.0 }
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         AxisAngle { axis: self.axis, degrees: self.degrees }.write_to(out)
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
@@ -278,14 +278,17 @@ impl Describe for Transform {
     fn blank() -> Self {
         Self::default()
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         if self.later.is_empty() {
             return self.steps.write_to(out);
         }
-        let times: Vec<&Vec<Step>> = std::iter::once(&self.steps).chain(&self.later).collect();
-        let mut map = out.serialize_map(Some(1))?;
-        map.serialize_entry(MOTION, &times.into_iter().map(Written).collect::<Vec<_>>())?;
-        map.end()
+        out.begin_map();
+        out.key(MOTION);
+        out.begin_list();
+        self.steps.write_to(out);
+        self.later.iter().for_each(|steps| steps.write_to(out));
+        out.end_list();
+        out.end_map();
     }
     fn schema(_: Limit, defs: &mut Definitions) -> Json {
         let step = Step::schema(Limit::FINITE, defs);

@@ -1,6 +1,5 @@
 //! How light becomes a picture for the screen.
 
-use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 use straal_color::{Exposure, Meter};
 
@@ -10,6 +9,7 @@ use crate::limit::Limit;
 use crate::schema::{self, Definitions};
 use crate::tree::{Datum, Tree};
 use crate::value::LinearRgb;
+use crate::writer::Writer;
 
 describe! {
     /// Tone curve of pictures for the screen.
@@ -123,9 +123,9 @@ impl Describe for Gamma {
     fn blank() -> Self {
         Self::Srgb
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self {
-            Self::Srgb => out.serialize_str("srgb"),
+            Self::Srgb => out.text("srgb"),
             Self::Power(gamma) => gamma.write_to(out),
         }
     }
@@ -148,10 +148,10 @@ impl Describe for Exposure {
     fn blank() -> Self {
         Self::default()
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self.meter {
             Meter::Off => f64::from(self.stops).write_to(out),
-            Meter::Average | Meter::Highlights => out.collect_str(self),
+            Meter::Average | Meter::Highlights => out.text(&self.to_string()),
         }
     }
     fn schema(limit: Limit, _: &mut Definitions) -> Json {

@@ -1,16 +1,16 @@
 //! The keyframes of a camera that moves.
 
-use serde_core::ser::Serializer;
 use serde_json::{Value as Json, json};
 use straal_math::DVec3;
 
-use crate::decode::{Decoder, Describe, Written};
+use crate::decode::{Decoder, Describe, write_list};
 use crate::describe::describe;
 use crate::diagnostic::Diagnostic;
 use crate::limit::Limit;
 use crate::schema::Definitions;
 use crate::span::{Span, Spanned};
 use crate::tree::{Datum, Tree};
+use crate::writer::Writer;
 
 /// Where a camera goes from where it is at time 0: one keyframe, or several one after the other. After the last it stays there.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -112,10 +112,10 @@ impl Describe for Keyframes {
     fn blank() -> Self {
         Self::default()
     }
-    fn write_to<S: Serializer>(&self, out: S) -> Result<S::Ok, S::Error> {
+    fn write_to(&self, out: &mut dyn Writer) {
         match self.keyframes.as_slice() {
             [one] => one.value.write_to(out),
-            keyframes => out.collect_seq(keyframes.iter().map(|keyframe| Written(&keyframe.value))),
+            keyframes => write_list(keyframes.iter().map(|keyframe| &keyframe.value), out),
         }
     }
     fn schema(limit: Limit, defs: &mut Definitions) -> Json {
