@@ -78,7 +78,7 @@ const METALS: [(&str, &str); 13] = [
 ];
 
 /// A metal by its name, or the two parts of its index.
-type MetalOf = (Option<Known<straal_color::spectrum::refraction::Metal>>, [Option<Spectrum>; 2]);
+type MetalOf = (Option<Known<straal_color::spectrum::refraction::Metal>>, [Option<Varying<Spectrum>>; 2]);
 
 /// Alpha of facets.
 const ALPHA: Limit = Limit::UNIT;
@@ -519,20 +519,19 @@ impl<'o> Translator<'o, '_, '_> {
     }
 
     /// A metal by name or by its index; `None` for the perfect mirror.
-    fn metal(&mut self, o: &'o Object) -> Option<MetalOf> {
+    fn metal(&mut self, o: &'o Object, uv: Uv) -> Option<MetalOf> {
         let said = self.text(o, "material");
         if o.has("eta") || o.has("k") {
-            let eta = self.constant(o, "eta", 0.0, For::Any);
-            let k = self.constant(o, "k", 1.0, For::Any);
             let outside = self.index(o, "ext_eta", "vacuum");
             // Relative to air here, whatever it is in.
-            let (eta, k) = if o.has("ext_eta") && outside > 1.001 {
-                let span = o.plugin.span;
-                (self.times(span, eta, 1.0 / outside), self.times(span, k, 1.0 / outside))
-            } else {
-                (eta, k)
-            };
-            return Some((None, [Some(eta), Some(k)]));
+            let factor = if o.has("ext_eta") && outside > 1.001 { 1.0 / outside } else { 1.0 };
+            return Some((
+                None,
+                [("eta", 0.0), ("k", 1.0)].map(|(name, absent)| {
+                    let told = self.colour(o, name, absent, For::Any, uv);
+                    Some(if factor < 1.0 { self.times_varying(o.plugin.span, told, factor) } else { told })
+                }),
+            ));
         }
         let name = said.as_ref().map_or(if o.is_old { "Cu" } else { "none" }, |s| s.trim());
         if name.eq_ignore_ascii_case("none") {
@@ -562,18 +561,18 @@ impl<'o> Translator<'o, '_, '_> {
         let reflectance = self.colour(o, "specular_reflectance", 1.0, For::Share, uv);
         let (roughness, roughness_v) =
             if is_rough { self.alpha(o, uv) } else { (Varying::Constant(0.0), None) };
-        let (metal, [eta, k]) = match self.metal(o) {
+        let (metal, [eta, k]) = match self.metal(o, uv) {
             Some(found) => found,
             None if !is_rough => {
                 return Material::Mirror(Mirror { reflectance, two_sided, relief, ..Mirror::default() });
             }
             // What reflects all of it at any angle.
-            None => (None, [Some(Spectrum::grey(0.0)), Some(Spectrum::grey(1.0))]),
+            None => (None, [0.0, 1.0].map(|grey| Some(Spectrum::grey(grey).into()))),
         };
         Material::Conductor(Conductor {
             metal,
-            eta: eta.map(Varying::from),
-            k: k.map(Varying::from),
+            eta,
+            k,
             roughness,
             roughness_v,
             distribution: if is_rough { self.distribution(o) } else { Distribution::Ggx },

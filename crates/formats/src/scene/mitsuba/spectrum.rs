@@ -5,7 +5,7 @@
 
 use straal_color::spectrum::{Illuminant, TabulatedSpectrum};
 use straal_math::ops;
-use straal_scene::desc::{Interpolation, Measured, Spectrum, Varying};
+use straal_scene::desc::{Interpolation, Measured, ScaleTexture, Spectrum, Texture, TextureOf, Varying};
 use straal_scene::limit::Limit;
 use straal_scene::value::{Known, LinearRgb};
 use straal_scene::{Diagnostic, Span, Spanned, suggest};
@@ -236,6 +236,17 @@ impl<'o> Translator<'o, '_, '_> {
             Spectrum::Measured(mut m) => {
                 m.scale = self.held(span, "scale", m.scale * factor, Limit::NON_NEGATIVE);
                 Spectrum::Measured(m)
+            }
+        }
+    }
+
+    /// The same of what may be a texture.
+    pub fn times_varying(&mut self, span: Span, told: Varying<Spectrum>, factor: f64) -> Varying<Spectrum> {
+        match told {
+            Varying::Constant(colour) => Varying::Constant(self.times(span, colour, factor)),
+            of @ Varying::Texture(_) => {
+                let scaled = ScaleTexture { of, by: factor.into(), ..ScaleTexture::default() };
+                Varying::Texture(Box::new(TextureOf::Inline(Texture::Scale(scaled))))
             }
         }
     }

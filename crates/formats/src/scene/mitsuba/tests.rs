@@ -124,6 +124,22 @@ fn old_names_have_their_present_form() {
 }
 
 #[test]
+fn the_index_of_a_metal_may_be_a_texture_relative_to_what_is_around_it() {
+    let scene = sound(&with(
+        r#"<shape type="sphere"><bsdf type="roughconductor">
+          <texture name="eta" type="checkerboard"><rgb name="color0" value=".2"/><rgb name="color1" value="1.5"/></texture>
+          <rgb name="k" value="3"/><float name="ext_eta" value="1.5"/></bsdf></shape>"#,
+    ));
+    let Material::Conductor(m) = material(&scene, &scene.world[0]) else { panic!() };
+    let Some(Varying::Texture(eta)) = &m.eta else { panic!("{:?}", m.eta) };
+    let TextureOf::Inline(Texture::Scale(scaled)) = &**eta else { panic!("{eta:?}") };
+    assert_eq!(scaled.by, Varying::Constant(1.0 / 1.5));
+    let Varying::Texture(of) = &scaled.of else { panic!("{scaled:?}") };
+    assert!(matches!(&**of, TextureOf::Inline(Texture::Checker(_))), "{of:?}");
+    assert_eq!(m.k, Some(Varying::Constant(Spectrum::Rgb(LinearRgb([2.0; 3])))));
+}
+
+#[test]
 fn bsdfs_have_one_side_unless_twosided_is_around_them() {
     let scene = sound(&with(
         r#"<bsdf type="diffuse" id="a"/>
