@@ -6,7 +6,7 @@
 use crate::film::CostSample;
 use crate::integrator::Contribution;
 use crate::stopwatch::Clock;
-use crate::world::World;
+use crate::world::{Passing, World};
 use straal_accel::Hit;
 use straal_color::Light;
 use straal_math::Ray;
@@ -78,7 +78,7 @@ impl Probe for Plain {
     }
 
     fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
-        world.transmittance(asked.rays, answer.blocked, answer.light);
+        world.transmittance(asked, answer.blocked, answer.light);
     }
 
     fn cost(&self, _sample: usize) -> Option<CostSample> {
@@ -144,16 +144,16 @@ impl Probe for CostMeter {
             let (blocked, mut cost) = world.accel.occluded_counted(&world.geometry, ray);
             answer.blocked.push(blocked);
             if may_pass {
-                let mut light = Light::ONE;
+                let mut passing = Passing::ALL;
                 if blocked {
-                    light = world.past_masks(ray, |ray| {
+                    passing = world.past_masks(ray, |ray| {
                         let (hit, more) = world.accel.closest_counted(&world.geometry, ray);
                         cost.nodes = cost.nodes.saturating_add(more.nodes);
                         cost.primitives = cost.primitives.saturating_add(more.primitives);
                         hit
                     });
                 }
-                answer.light.push(light);
+                answer.light.push(Light::splat(passing.counts(shadow.weight())));
             }
             let now = self.now();
             self.book(shadow.sample, &cost, now.saturating_sub(last));
@@ -225,7 +225,7 @@ impl Probe for Recorder {
 
     fn transmittance(&mut self, world: &World, asked: &AskedShadows<'_>, answer: Answer<'_>) {
         self.shadow.take(asked.rays, self.limit);
-        world.transmittance(asked.rays, answer.blocked, answer.light);
+        world.transmittance(asked, answer.blocked, answer.light);
     }
 
     fn cost(&self, _sample: usize) -> Option<CostSample> {

@@ -14,6 +14,7 @@ use crate::light::{
 };
 use crate::material::shaded::shading_normal;
 use crate::material::{Bsdf, BsdfSample, Material, Materials};
+use crate::probe::AskedShadows;
 use crate::relief::Ways;
 use crate::shape::{Geometry, Shape, ShapeHit, SurfacePoint, Tangents, TriangleMesh};
 use crate::surface::{Alike, Surface, frame_along};
@@ -153,6 +154,28 @@ pub struct Dropped {
     pub span: Span,
 }
 
+/// The share of light that passes along a ray towards a lamp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Passing {
+    /// Of that lamp: past what casts no shadow of it.
+    pub of_lamp: f32,
+    /// Past everything that is in the way, as rays that scatter find it; no more than of the lamp.
+    pub all: f32,
+}
+
+impl Passing {
+    /// Nothing is in the way.
+    pub const ALL: Self = Self { of_lamp: 1.0, all: 1.0 };
+    /// Nothing passes.
+    pub const NONE: Self = Self { of_lamp: 0.0, all: 0.0 };
+
+    /// What counts of a point on the lamp: by its weight beside rays that scatter, but whole where these can't come.
+    #[inline]
+    pub fn counts(self, weight: f32) -> f32 {
+        (self.of_lamp - self.all) + self.all * weight
+    }
+}
+
 impl World {
     /// By which instruction set shading works: the one that search was told to.
     pub fn simd(&self) -> Simd {
@@ -194,16 +217,24 @@ impl World {
     /// The share of light that passes along each ray, in four lanes: all or nothing, since every material stops a
     /// shadow ray, glass as well (its light is found by paths that go through it); but masks let a part of it through, and what casts no shadow
     /// of the lamp all of it. Where there are none, whether rays are blocked says all, and `out` is left empty.
-    pub fn transmittance(&self, rays: &[Ray], blocked: &mut Vec<bool>, out: &mut Vec<Light>) {
+    pub fn transmittance(
+        &self,
+        AskedShadows { shadows, rays }: &AskedShadows<'_>,
+        blocked: &mut Vec<bool>,
+        out: &mut Vec<Light>,
+    ) {
         blocked.clear();
         blocked.resize(rays.len(), false);
         self.accel.occluded(&self.geometry, rays, blocked);
         out.clear();
         if self.any_may_pass() {
-            out.extend(blocked.iter().map(|&b| if b { Light::ZERO } else { Light::ONE }));
-            for (light, ray) in out.iter_mut().zip(rays).filter(|(light, _)| light.is_black()) {
-                *light = self.past_masks(ray, |ray| self.closest_of(ray));
-            }
+            out.extend(blocked.iter().zip(*shadows).zip(*rays).map(|((&blocked, shadow), ray)| {
+                let passing = match blocked {
+                    true => self.past_masks(ray, |ray| self.closest_of(ray)),
+                    false => Passing::ALL,
+                };
+                Light::splat(passing.counts(shadow.weight()))
+            }));
         }
     }
 
@@ -221,34 +252,36 @@ impl World {
     }
 
     /// The share of light that passes along a single ray, as [`Self::transmittance`] has it.
-    pub(crate) fn passes(&self, ray: &Ray) -> f32 {
+    pub(crate) fn passes(&self, ray: &Ray) -> Passing {
         let mut blocked = [false];
         self.accel.occluded(&self.geometry, std::slice::from_ref(ray), &mut blocked);
         match blocked {
-            [false] => 1.0,
-            [true] if self.any_may_pass() => self.past_masks(ray, |ray| self.closest_of(ray))[0],
-            [true] => 0.0,
+            [false] => Passing::ALL,
+            [true] if self.any_may_pass() => self.past_masks(ray, |ray| self.closest_of(ray)),
+            [true] => Passing::NONE,
         }
     }
 
     /// The share of light that passes along a shadow ray that meets something, if all that it meets are masks or cast no shadow of its lamp.
     #[cold]
-    pub(crate) fn past_masks(&self, ray: &Ray, mut closest: impl FnMut(&Ray) -> Hit) -> Light {
-        let (mut ray, mut left) = (*ray, 1.0);
+    pub(crate) fn past_masks(&self, ray: &Ray, mut closest: impl FnMut(&Ray) -> Hit) -> Passing {
+        let (mut ray, mut passing) = (*ray, Passing::ALL);
         for _ in 0..MOST_MASKS {
             let hit = closest(&ray);
             if !hit.is_hit() {
-                return Light::splat(left);
+                return passing;
             }
+            let passes = 1.0 - self.opacity(&ray, &hit);
+            passing.all *= passes;
             if self.links.cast(&ray, &hit) {
-                left *= 1.0 - self.opacity(&ray, &hit);
+                passing.of_lamp *= passes;
             }
-            if left <= 0.0 {
+            if passing.of_lamp <= 0.0 {
                 break;
             }
             ray.t_min = hit.t.next_up();
         }
-        Light::ZERO
+        Passing::NONE
     }
 
     /// Leads a ray past masks, with what it hit first, as far as a number in [0, 1) says: to where less than that share of light is left.

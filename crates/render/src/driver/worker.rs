@@ -423,7 +423,7 @@ impl Kernel for Arrive<'_> {
     fn run<F: Float>(self) {
         for (shadow, _) in self.shadows.iter().zip(self.blocked).filter(|(_, blocked)| !**blocked) {
             match shadow.target {
-                Target::Sample => self.sums.add(shadow.sample, shadow.from, shadow.light),
+                Target::Sample | Target::Shared(_) => self.sums.add(shadow.sample, shadow.from, shadow.light),
                 Target::Film(_) => self.splats.push(*shadow),
             }
         }

@@ -3,7 +3,7 @@
 use super::hemisphere::Directions;
 use super::technique::Technique;
 use super::vertex::{Vertex, left_by_medium, left_on_way, nth};
-use super::{Arrival, Contribution, Integrator, Out, Queue, Start};
+use super::{Arrival, Contribution, Integrator, Out, Queue, Start, Target};
 use crate::footprint::PackedFootprint;
 use crate::lanes::Lanes;
 use crate::light::Receiver;
@@ -47,12 +47,9 @@ impl DirectLight {
     }
 
     /// The weight of light that a ray met.
-    fn weight<L>(&self, state: &State<L>, has_casters: bool, light_pdf: impl FnOnce() -> f32) -> f32 {
-        match (state.delta, has_casters) {
-            (true, _) => return 1.0,
-            // See `PathTracer::weight`.
-            (false, true) => return 0.0,
-            (false, false) => {}
+    fn weight<L>(&self, state: &State<L>, light_pdf: impl FnOnce() -> f32) -> f32 {
+        if state.delta {
+            return 1.0;
         }
         let [of_bsdf, of_light] = [self.bsdf_samples, self.light_samples].map(|n| n as f32);
         self.technique.of_bsdf(of_bsdf * state.pdf, of_light * light_pdf())
@@ -135,7 +132,7 @@ impl DirectLight {
             for (index, emitter) in world.environments().filter(|(index, _)| shows(*index)) {
                 let (radiance, pdf) = emitter.radiance_pdf_from(&state.from, ray.d, &reading);
                 let light_pdf = || world.lights_of(state.class).pmf(index, &state.from) * pdf;
-                let weight = self.weight(state, world.links.has_casters(index), light_pdf);
+                let weight = self.weight(state, light_pdf);
                 let light = beta * radiance * weight;
                 out.add(Contribution::own(path, light).of(world.light_groups.of(index)));
             }
@@ -152,7 +149,7 @@ impl DirectLight {
         if let Some(emitter) = emitter {
             let radiance = world.emitted(emitter, (ray, hit), point, state.lanes);
             let light_pdf = || world.light_pdf(emitter, (state.class, &state.from), hit, point);
-            let weight = self.weight(state, world.links.has_casters(emitter), light_pdf);
+            let weight = self.weight(state, light_pdf);
             let light = beta * radiance * weight;
             out.add(Contribution::own(path, light).of(world.light_groups.of(emitter)));
         }
@@ -186,18 +183,22 @@ impl DirectLight {
                     continue;
                 };
                 let (value, pdf) = vertex.scattered_by(self.directions, &light);
-                let weight = if light.delta || world.links.has_casters(pick.index) {
-                    1.0
-                } else {
-                    self.technique.of_light(of_light * light.pdf, of_bsdf * pdf)
+                let weight = match light.delta {
+                    true => 1.0,
+                    false => self.technique.of_light(of_light * light.pdf, of_bsdf * pdf),
                 };
+                // Where not all casts shadows of the lamp, what is in the way says how much it counts.
+                let is_shared = !light.delta && world.links.has_casters(pick.index);
+                let (weight, target) =
+                    if is_shared { (1.0, Target::Shared(weight)) } else { (weight, Target::Sample) };
                 let brought = beta * value * (weight / of_light);
                 if !brought.is_black() {
                     let free = vertex.shadow_ray(world, (pick.index, &light), ray);
                     let inside = vertex.towards(world, free.d, inside);
                     let left = left_on_way(world, &free, inside, state.lanes);
                     let group = world.light_groups.of(pick.index);
-                    out.shadow(free, Contribution::own(path, brought * left).of(group));
+                    let contribution = Contribution::own(path, brought * left).of(group);
+                    out.shadow(free, Contribution { target, ..contribution });
                 }
             }
         }

@@ -320,7 +320,7 @@ impl Ears {
                 for (i, emitter) in world.environments().filter(|(i, _)| world.links.light(class, *i)) {
                     let (radiance, by_light) = emitter.radiance_pdf_from(&from, ray.d, &reading);
                     let by_light = || world.lights_of(class).pmf(i, &from) * by_light;
-                    let weight = path.weight(delta, world.links.has_casters(i), (pdf, by_light));
+                    let weight = path.weight(delta, (pdf, by_light));
                     gain(&mut whole, beta * radiance * weight);
                 }
                 break;
@@ -331,7 +331,7 @@ impl Ears {
             if let Some(emitter) = vertex.surface.emitter.filter(|e| world.links.light(class, *e)) {
                 let radiance = world.emitted(emitter, (&ray, &hit), point, lanes);
                 let by_light = || world.light_pdf(emitter, (class, &from), &hit, point);
-                let weight = path.weight(delta, world.links.has_casters(emitter), (pdf, by_light));
+                let weight = path.weight(delta, (pdf, by_light));
                 gain(&mut whole, beta * radiance * weight);
             }
             if vertex.is_black() || depth == path.max_depth {
@@ -347,13 +347,12 @@ impl Ears {
                 });
                 if let Some((emitter, light)) = light {
                     let (value, by_bsdf) = vertex.scattered(&light);
-                    let is_delta = light.delta || world.links.has_casters(emitter);
-                    let weight = if is_delta { 1.0 } else { path.technique.of_light(light.pdf, by_bsdf) };
-                    let brought = beta * value * weight;
+                    let weight = if light.delta { 1.0 } else { path.technique.of_light(light.pdf, by_bsdf) };
+                    let brought = beta * value;
                     if !brought.is_black() {
                         whole.rays += 1.0;
                         let free = world.passes(&vertex.shadow_ray(world, (emitter, &light), &ray));
-                        gain(&mut whole, brought * free);
+                        gain(&mut whole, brought * free.counts(weight));
                     }
                 }
             }

@@ -1,5 +1,6 @@
 //! Next-event estimation for a block of vertices: points on lights, and what they bring.
 
+use super::Target;
 use super::hemisphere::Directions;
 use super::numbers::Numbers;
 use super::technique::Technique;
@@ -22,6 +23,8 @@ pub(super) struct Lit {
     /// Those for which there is one.
     there: Bits,
     delta: Bits,
+    /// Those on lamps of which not everything casts shadows.
+    is_linked: Bits,
     far: Bits,
     wi: Vectors,
     radiance: Lights,
@@ -96,7 +99,7 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
     #[inline(always)]
     fn run<F: Float>(self) {
         let Self { world, surfaces, vertices, lanes, classes, numbers, out } = self;
-        (out.there, out.delta, out.far) = Default::default();
+        (out.there, out.delta, out.is_linked, out.far) = Default::default();
         let (readings, casters) = (world.readings(lanes), world.links.shadows_matter());
         let tells_emitter = casters || world.light_groups.matter();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
@@ -133,7 +136,7 @@ impl<L: Lanes> Kernel for Illuminate<'_, '_, L> {
             if casters {
                 let index = picked.index.to_array();
                 let found = (0..F::WIDTH).filter(|&i| world.links.has_casters(index.as_ref()[i]));
-                light.delta = light.delta | F::Mask::from_bits(found.fold(0, |bits, i| bits | 1 << i));
+                out.is_linked.store(first, F::Mask::from_bits(found.fold(0, |bits, i| bits | 1 << i)));
             }
             out.store(first, &light, picked.pmf * light.pdf);
             if tells_emitter {
@@ -166,6 +169,9 @@ pub(super) struct Brought {
     /// Origin and least t, direction and largest t.
     rays: [[Row; 2]; BLOCK],
     light: [Light; BLOCK],
+    /// Of those on lamps of which not everything casts shadows the weight beside what BSDFs find, which their light hasn't yet.
+    shared: Bits,
+    weight: Column,
 }
 
 impl Brought {
@@ -173,6 +179,12 @@ impl Brought {
     #[inline(always)]
     pub fn ray(&self, i: usize, like: &Ray) -> Ray {
         ray(&self.rays[i], like)
+    }
+
+    /// Where it goes.
+    #[inline]
+    pub fn target(&self, i: usize) -> Target {
+        if self.shared.at(i) { Target::Shared(self.weight.at(i)) } else { Target::Sample }
     }
 
     /// What comes to vertex `i`.
@@ -216,7 +228,7 @@ impl<'w, K: OfKind<'w>> Kernel for WeighBy<'_, 'w, K> {
         }
         let mut of = self.of;
         let Weigh { surfaces, vertices, lit, directions, .. } = of;
-        of.out.bright = Bits::default();
+        (of.out.bright, of.out.shared) = Default::default();
         for first in (0..vertices.count.min(BLOCK)).step_by(F::WIDTH) {
             let there = lit.there.load::<F>(first);
             let Some(bsdfs) = vertices.bsdfs::<K>(first) else { break };
@@ -244,7 +256,13 @@ impl Weigh<'_, '_> {
             || {
                 let light = lit.load::<F>(first);
                 let Standing { from, .. } = vertices.standing(surfaces, first);
-                let weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
+                let mut weight = F::select(light.delta, F::ONE, technique.of_light(light.pdf, pdf));
+                let shared = lit.is_linked.load::<F>(first) & !light.delta;
+                if shared.any() {
+                    out.shared.store(first, shared);
+                    out.weight.store(first, weight);
+                    weight = F::select(shared, F::ONE, weight);
+                }
                 let beta = vertices.beta::<F>(first);
                 let brought = beta * value * light.radiance * (weight / light.pdf);
 

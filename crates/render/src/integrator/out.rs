@@ -24,6 +24,9 @@ pub struct Contribution {
 pub enum Target {
     /// To the sample itself.
     Sample,
+    /// To the sample itself, so much of it as other rays leave to this one, which find the light where nothing at all is in the way. Where that is something that casts no shadow of
+    /// the lamp, none of them does, and all of it counts.
+    Shared(f32),
     /// To a place of the film, in pixels of the whole picture, x to the right, y down.
     Film([f32; 2]),
 }
@@ -33,6 +36,15 @@ impl Contribution {
     #[inline(always)]
     pub fn own<S>(path: &Path<S>, light: Light) -> Self {
         Self { light, sample: path.sample, from: Provenance::default(), target: Target::Sample }
+    }
+
+    /// The weight beside other rays that find the light where nothing is in the way.
+    #[inline(always)]
+    pub fn weight(&self) -> f32 {
+        match self.target {
+            Target::Shared(weight) => weight,
+            Target::Sample | Target::Film(_) => 1.0,
+        }
     }
 
     /// Light for a place of the film.
@@ -79,7 +91,9 @@ impl<S> Out<'_, S> {
     #[inline(always)]
     pub fn add(&mut self, contribution: Contribution) {
         match contribution.target {
-            Target::Sample => self.sums.add(contribution.sample, contribution.from, contribution.light),
+            Target::Sample | Target::Shared(_) => {
+                self.sums.add(contribution.sample, contribution.from, contribution.light)
+            }
             Target::Film(_) => self.splats.push(contribution),
         }
     }

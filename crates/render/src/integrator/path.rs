@@ -429,7 +429,7 @@ impl PathTracer {
             for (index, emitter) in world.environments().filter(|(index, _)| shows(*index)) {
                 let (radiance, by_light) = emitter.radiance_pdf_from(from, ray.d, &world.reading(lanes));
                 let by_light = || world.lights_of(class).pmf(index, from) * by_light;
-                let weight = self.weight(delta, world.links.has_casters(index), (behind.pdf(), by_light));
+                let weight = self.weight(delta, (behind.pdf(), by_light));
                 let light = beta * radiance * weight;
                 let contribution = Contribution::own(path, light).of(world.light_groups.of(index));
                 out.add(contribution.indirect(path.state.depth > 2));
@@ -437,20 +437,10 @@ impl PathTracer {
         }
     }
 
-    /// The weight of light that a ray met, beside what light sampling finds: by the densities of both. Where not everything casts shadows of a lamp, rays that end at what
-    /// they meet can't find its light, but where only they do.
+    /// The weight of light that a ray met, beside what light sampling finds: by the densities of both.
     #[inline(always)]
-    pub(super) fn weight(
-        &self,
-        delta: bool,
-        has_casters: bool,
-        (bsdf, by_light): (f32, impl FnOnce() -> f32),
-    ) -> f32 {
-        match (delta, has_casters) {
-            (true, _) => 1.0,
-            (false, true) => 0.0,
-            (false, false) => self.technique.of_bsdf(bsdf, by_light()),
-        }
+    pub(super) fn weight(&self, delta: bool, (bsdf, by_light): (f32, impl FnOnce() -> f32)) -> f32 {
+        if delta { 1.0 } else { self.technique.of_bsdf(bsdf, by_light()) }
     }
 
     /// Light that a glowing surface emits.
@@ -472,7 +462,7 @@ impl PathTracer {
         }
         let by_light = || world.light_pdf(emitter, (state.class, &state.behind.from()), arrival.hit, point);
         let pdfs = (state.behind.pdf(), by_light);
-        let weight = self.weight(state.delta, world.links.has_casters(emitter), pdfs);
+        let weight = self.weight(state.delta, pdfs);
         let light = state.beta * radiance * weight;
         let contribution = Contribution::own(arrival.path, light).of(world.light_groups.of(emitter));
         out.add(contribution.indirect(state.depth > 2));
@@ -552,6 +542,10 @@ impl PathTracer {
                 for (ray, &i) in out.shadow_rays[first..].iter_mut().zip(asking) {
                     ray.mask = world.links.mask(lit.emitter(i.into()));
                 }
+                let first = out.shadows.len() - asking.len();
+                for (shadow, &i) in out.shadows[first..].iter_mut().zip(asking) {
+                    shadow.target = brought.target(i.into());
+                }
             }
             if world.light_groups.matter() {
                 let first = out.shadows.len() - asking.len();
@@ -576,7 +570,8 @@ impl PathTracer {
             let group = world.light_groups.of(lit.emitter(i));
             let path = &queue.paths[path];
             let contribution = Contribution::own(path, brought.light(i) * left).of(group);
-            out.shadow(ray, contribution.indirect(path.state.depth > 1));
+            let contribution = contribution.indirect(path.state.depth > 1);
+            out.shadow(ray, Contribution { target: brought.target(i), ..contribution });
         }
     }
 

@@ -144,7 +144,7 @@ impl ShadowZones {
             if !vertex.is_above(vertex.surface.frame.to_local(light.wi)) {
                 return 0.0;
             }
-            world.passes(&vertex.shadow_ray(world, (lamp.0, &light), ray))
+            world.passes(&vertex.shadow_ray(world, (lamp.0, &light), ray)).of_lamp
         };
         let n = self.across as f32;
         let has_rim = world.emitters[lamp.0 as usize].has_rim(&world.geometry);
@@ -186,7 +186,7 @@ impl Integrator for ShadowZones {
             Which::Number(number) => number,
             Which::Named => {
                 return Some(
-                    "nothing that goes by the name of the lamp of `integrator: zones` is a surface that glows and has a size; lamps can be counted as well, as `lamp: 1`, and so can suns"
+                    "nothing that goes by the name of the lamp of `integrator: zones` is a lamp with a size: a surface that glows, or a sun with an `angle`; those can be counted as well, as `lamp: 1`"
                         .into(),
                 );
             }

@@ -4,8 +4,8 @@
 //! that it stands in, and of the instances that show it. Surfaces of the same bits are a *class*, lit by the same lamps, and each class has a choice of light of its own: a lamp that
 //! doesn't light it is never picked there, so that its probability is 0 for multiple importance sampling as well.
 //!
-//! What casts no shadow of a lamp is passed by rays towards that lamp. No direction of a BSDF can do that, which ends at what it meets first: such a lamp is found by its own points
-//! alone, and seen where a mirror or glass shows it, as those are that no ray can hit.
+//! What casts no shadow of a lamp is passed by rays towards that lamp. No direction of a BSDF can do that, which ends at what it meets first. So each ray towards such a lamp tells what passes of the
+//! lamp's light and what would past everything: of the second BSDFs find their share by multiple importance sampling, and the rest is left to points on the lamp. Mirrors and glass show the lamp where nothing is in the way.
 
 use super::{Emitter, LightTable, Within};
 use crate::shape::Geometry;
@@ -193,7 +193,7 @@ impl Links {
         !self.masks.is_empty()
     }
 
-    /// Whether not everything casts shadows of a lamp, so that rays of BSDFs don't count for it.
+    /// Whether not everything casts shadows of a lamp, so that rays of BSDFs find a part of its light only.
     #[inline(always)]
     pub fn has_casters(&self, emitter: u32) -> bool {
         self.mask(emitter) != CAST_BY_ALL

@@ -93,6 +93,31 @@ lights:
     );
 }
 
+/// A large lamp of which something casts no shadow is found in glossy surfaces by the rays that these scatter, as others are; but where that stands in their way, by points on the lamp alone.
+#[test]
+fn shadows_that_are_left_out_cost_no_noise() {
+    let scene = |ball: &str, said: &str| {
+        format!(
+            "camera: {{ perspective: {{ eye: [0, 1.5, 5], look_at: [0, 0, 0], fov: 30 }} }}\nfilm: {{ size: [16, 16] }}\nworld:\n\
+             \x20 - plane: {{ material: {{ conductor: {{ metal: gold, roughness: 0.05 }} }} }}\n\
+             \x20 - sphere: {{ center: {ball}, radius: 0.3, name: ball }}\n\
+             \x20 - rectangle: {{ corner: [-2, 0, -3], edges: [[4, 0, 0], [0, 4, 0]], emission: 3{said} }}\n"
+        )
+    };
+    let found = |ball: &str, said: &str, technique: &str, spp: u32| {
+        let integrator = format!("{{ path: {{ max_depth: 2, technique: {technique} }} }}");
+        mean(&scene(ball, said), &integrator, spp, 1)
+    };
+    let error = |found: [(f64, f64); 3]| found.iter().map(|(_, error)| error).sum::<f64>();
+    let (linked, beside, between) = (", shadows_all_but: [ball]", "[0, 0.5, 9]", "[0, 0.5, 0]");
+    let plain = error(found(beside, "", "mis", 64));
+    let points = error(found(beside, linked, "lights", 64));
+    let now = error(found(beside, linked, "mis", 64));
+    assert!(now < 1.3 * plain && now < 0.1 * points, "{now}, not {plain}; {points} by points alone");
+    let (both, points) = (found(between, linked, "mis", 64), found(between, linked, "lights", 1024));
+    assert!(agree(both, points), "{both:?} {points:?}");
+}
+
 /// What casts no shadows of a lamp: each way to find light finds the same, that of the scene where it isn't there.
 #[test]
 fn shadows_are_cast_by_what_is_said_to() {
@@ -119,9 +144,20 @@ lights:
         "direct",
         "{ direct: { light_samples: 3, technique: bsdf } }",
     ];
+    let spp = |integrator: &str| if integrator.contains("bsdf") { 1024 } else { 64 };
     for (other, seed) in others.into_iter().zip(2..) {
-        let found = by(other, 64, seed);
+        let found = by(other, spp(other), seed);
         assert!(agree(mis, found), "{other}: {mis:?} {found:?}");
+    }
+    // A roof that lets a part of what is scattered through: of the lamps' light it hides none.
+    let gauze = scene.replace(
+        "material: { diffuse: { reflectance: 0 } }",
+        "material: { mask: { opacity: 0.6, material: { diffuse: { reflectance: 0 } } } }",
+    );
+    let found = mean(&gauze, "{ path: { max_depth: 2, technique: lights } }", 64, 6);
+    for (other, seed) in others[1..].iter().chain(&["{ path: { max_depth: 2 } }"]).zip(7..) {
+        let with = mean(&gauze, other, spp(other), seed);
+        assert!(agree(found, with), "{other}: {found:?} {with:?}");
     }
     // Out of sight, so that it hides nothing from the camera or from light that was scattered before.
     let linked = ["shadows_all_but: [sheet]", "shadows_only: [ball]", "shadows_all_but: [roof]"];
