@@ -54,6 +54,8 @@ pub struct Options {
     pub shelf: Shelf,
     /// What stands for names that a scene of another program leaves open.
     pub define: BTreeMap<String, String>,
+    /// Whether each lamp that has a name is put into a group of lights of that name.
+    pub group_lamps: bool,
 }
 
 /// Who is told how far the reading of a scene's files has come, from any thread; nobody, unless it is made with [`Listener::new`].
@@ -286,7 +288,11 @@ fn with_files(
     options: &Options,
     mut d: Diagnostics,
 ) -> Result<Loaded, Diagnostics> {
-    let Described { scene, made: Made { handles, assets }, hashes, mut files, at, text_bytes } = described;
+    let Described { mut scene, made: Made { handles, assets }, hashes, mut files, at, text_bytes } =
+        described;
+    if options.group_lamps {
+        group_lamps(&mut scene, at, &mut d);
+    }
     let held = held(&scene, &assets);
     let paths = locate(&scene, &assets, base, &options.files, &mut finder, &mut d);
     if d.has_errors() {
@@ -434,6 +440,20 @@ fn describe(
     *d = complaints;
     differ(&mut scene, options.frame);
     Some((scene, file, tree.heap_bytes()))
+}
+
+/// Puts lamps into groups by their names.
+fn group_lamps(scene: &mut Scene, at: Span, d: &mut Diagnostics) {
+    let over = scene.group_lamps();
+    if !over.is_empty() {
+        let (over, most) = (over.len(), straal_scene::desc::MOST_LIGHT_GROUPS);
+        let message = format!(
+            "{over} lamps more have names: there may be {most} groups of lights, and these are in the rest"
+        );
+        d.push(Diagnostic::warning(at, message));
+    } else if scene.light_groups().is_empty() {
+        d.push(Diagnostic::warning(at, "no lamp has a name: there are no groups of lights"));
+    }
 }
 
 /// Gives each frame noise of its own: the same in all would look like dirt on the lens. The first has that of a still.

@@ -215,7 +215,7 @@ macro_rules! describe {
     // The same of kinds of which some have it, which say so.
     (
         $(#[doc = $doc:literal])+
-        pub enum $T:ident some have $some:ident : $Some:ident {
+        pub enum $T:ident some have $some:ident, $some_mut:ident : $Some:ident {
             $( $(#[doc = $vdoc:literal])+ $key:literal => $V:ident($P:ty) $(has $has:ident)?, )+
         }
     ) => {
@@ -231,6 +231,13 @@ macro_rules! describe {
             pub const fn $some(&self) -> Option<&$Some> {
                 match self {
                     $( Self::$V(kind) => describe!(@has kind $($has)?), )+
+                }
+            }
+
+            /// The same, to be changed.
+            pub const fn $some_mut(&mut self) -> Option<&mut $Some> {
+                match self {
+                    $( Self::$V(kind) => describe!(@has_mut kind $($has)?), )+
                 }
             }
         }
@@ -385,6 +392,9 @@ macro_rules! describe {
 
     (@has $kind:ident) => {{ let _ = $kind; None }};
     (@has $kind:ident $has:ident) => { Some(&$kind.$has) };
+
+    (@has_mut $kind:ident) => {{ let _ = $kind; None }};
+    (@has_mut $kind:ident $has:ident) => { Some(&mut $kind.$has) };
 
     (@each $T:ident $each:ident $Each:ident { $( $V:ident )+ }) => {
         impl $T {

@@ -169,6 +169,11 @@ impl<T> Named<T> {
         self.entries.iter_mut().map(|(_, thing)| thing)
     }
 
+    /// The same with their names.
+    pub(crate) fn entries_mut(&mut self) -> impl Iterator<Item = (&Name, &mut T)> {
+        self.entries.iter_mut().map(|(name, thing)| (&*name, thing))
+    }
+
     /// How many.
     pub fn len(&self) -> usize {
         self.entries.len()

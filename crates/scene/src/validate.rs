@@ -97,6 +97,15 @@ impl Node {
         }
     }
 
+    /// The same, to be changed.
+    pub fn children_mut(&mut self) -> &mut [Self] {
+        match self {
+            Self::Group(Group { children, .. }) => children,
+            Self::Union(c) | Self::Intersection(c) | Self::Difference(c) => &mut c.of,
+            _ => &mut [],
+        }
+    }
+
     /// Calls `f` with this node and all inside it, parents first. Instances are not followed.
     pub fn visit<'a>(&'a self, f: &mut impl FnMut(&'a Node)) {
         f(self);
@@ -290,12 +299,32 @@ impl<'a> Walk<'a> {
         }
         let names =
             self.names_of(self.scene.objects.iter().map(|(_, object)| object).chain(&self.scene.world));
+        let mut lamps: Vec<&str> =
+            self.scene.lights.iter().filter_map(Light::name).map(|n| &*n.value).collect();
+        lamps.sort_unstable();
+        let zones = self.scene.lamp_of_zones();
         for name in links {
-            if names.binary_search(&name.value.as_str()).is_err() {
-                let message = format!("nothing is named `{}`", suggest::brief(name));
-                let help = self.near_or_all(name, &names);
-                self.d.push(Diagnostic::error(name.span, message).help(help));
+            // Of lights in the list only shadows can be asked for: nothing falls on them, nor behind them.
+            let is_light = lamps.binary_search(&name.value.as_str()).is_ok();
+            let asks_light = zones.is_some_and(|zones| std::ptr::eq(zones, name));
+            if names.binary_search(&name.value.as_str()).is_ok() || is_light && asks_light {
+                continue;
             }
+            let diagnostic = if is_light {
+                let message = format!(
+                    "`{}` is a light: there is no surface that goes by that name",
+                    suggest::brief(name)
+                );
+                Diagnostic::error(name.span, message).help(
+                    "lamps say what they light, and what casts shadows of them: things, or groups of them",
+                )
+            } else {
+                let message = format!("nothing is named `{}`", suggest::brief(name));
+                let mut all = names.clone();
+                all.extend(lamps.iter().filter(|_| asks_light));
+                Diagnostic::error(name.span, message).help(self.near_or_all(name, &all))
+            };
+            self.d.push(diagnostic);
         }
     }
 

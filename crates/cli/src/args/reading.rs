@@ -54,6 +54,12 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "NAME", hide_short_help = true, help_heading = PICTURE)]
     pub variant: Option<String>,
 
+    /// Put each lamp that has a name into a light group of that name: an EXR has the light of each as a layer
+    ///
+    /// Lights by their own name, surfaces that glow by theirs or that of what is around them, else by that of a material that shines. What has a group stays in it.
+    #[arg(long, hide_short_help = true, help_heading = PICTURE)]
+    pub group_lamps: bool,
+
     /// Take unknown keys of the scene for warnings
     #[arg(long, help_heading = TALK)]
     pub lenient: bool,
@@ -74,6 +80,7 @@ impl ReadingArgs {
         let frame = self.frame.unwrap_or(0.0);
         let variant = self.variant.iter().map(|name| ("variant".to_owned(), name.clone()));
         let define = self.define.iter().cloned().chain(variant).collect();
-        LoadOptions { lenient, root, memory, frame, define, ..LoadOptions::default() }
+        let group_lamps = self.group_lamps;
+        LoadOptions { lenient, root, memory, frame, define, group_lamps, ..LoadOptions::default() }
     }
 }

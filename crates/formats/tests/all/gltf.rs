@@ -309,11 +309,22 @@ fn cameras_see_what_they_should() {
 #[test]
 fn lights_are_taken_as_they_are_and_exposed_for() {
     let more = r#", "extensionsUsed": ["KHR_lights_punctual"], "extensions": {"KHR_lights_punctual": {"lights": [
-        {"type": "directional", "intensity": 3141.592653589793, "color": [1, 1, 1]},
+        {"type": "directional", "name": "shared", "intensity": 3141.592653589793, "color": [1, 1, 1]},
         {"type": "spot", "intensity": 2, "color": [1, 0.5, 0], "spot": {"outerConeAngle": 0.5235987755982988}}]}},
         "nodes": [{"mesh": 0}, {"extensions": {"KHR_lights_punctual": {"light": 0}}},
-        {"translation": [0, 9, 0], "extensions": {"KHR_lights_punctual": {"light": 1}}}]"#;
+        {"name": "Key light", "translation": [0, 9, 0], "extensions": {"KHR_lights_punctual": {"light": 1}}}]"#;
     let loaded = load(&triangle(more));
+    let names = loaded.scene.lights.iter().map(|light| light.name().map(|name| &*name.value));
+    assert_eq!(
+        names.collect::<Vec<_>>(),
+        [Some("shared"), Some("Key light")],
+        "that of the node, else its own"
+    );
+    let options = Options { group_lamps: true, ..Options::default() };
+    let text = triangle(more).into_bytes();
+    let grouped = load_foreign_bytes(Foreign::Gltf, Path::new("nowhere/a.gltf"), text, &options).unwrap();
+    assert_eq!(grouped.scene.light_groups(), ["Key_light", "shared"]);
+    assert_eq!(loaded.scene.light_groups(), [""; 0]);
     let [Light::Directional(sun), Light::Spot(spot)] = &loaded.scene.lights[..] else { panic!() };
     assert_eq!(sun.axis(), -DVec3::Z);
     assert!((spot.cutoff - 30.0).abs() < 1e-12 && spot.full_beam() == 0.0);

@@ -304,6 +304,8 @@ fn lights_are_as_bright_as_they_say() {
             color3f inputs:color = (1, 1, 0) }"#,
     );
     let rgb = |s: &Spectrum| s.rgb().unwrap().0;
+    let names = loaded.scene.lights.iter().filter_map(|light| light.name().map(|name| &*name.value));
+    assert_eq!(names.collect::<Vec<_>>(), ["Sun", "P", "D"]);
     let [Light::Directional(sun), Light::Point(point), Light::Environment(dome)] = &loaded.scene.lights[..]
     else {
         panic!("{:?}", loaded.scene.lights)

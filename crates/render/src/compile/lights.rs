@@ -23,6 +23,8 @@ pub(super) struct Lights {
     pub groups: Groups,
     pub links: Links,
     pub unseen: Vec<u32>,
+    /// Those that go by the name of the lamp whose zones of shadow are shown.
+    pub of_zones: Vec<u32>,
 }
 
 /// What lights shine on.
@@ -44,8 +46,9 @@ pub(super) fn gather(
 ) -> Lights {
     let Around { geometry, search, centre } = around;
     let mut emitters = Vec::with_capacity(glowing.len() + scene.lights.len());
-    let (mut said, mut unseen) = (Vec::new(), Vec::new());
+    let (mut said, mut unseen, mut of_zones) = (Vec::new(), Vec::new(), Vec::new());
     for g in &glowing {
+        of_zones.extend(g.is_of_zones.then_some(emitters.len() as u32));
         unseen.extend((!g.seen).then_some(emitters.len() as u32));
         emitters.push(area(g, geometry));
         groups.belong(emitters.len(), g.light_group);
@@ -59,6 +62,9 @@ pub(super) fn gather(
         }
         if !light.lamp().seen {
             unseen.extend(said.len() as u32..emitters.len() as u32);
+        }
+        if light.name().is_some_and(|name| scene.lamp_of_zones().is_some_and(|lamp| **lamp == **name)) {
+            of_zones.extend(said.len() as u32..emitters.len() as u32);
         }
         let group = groups.number(light.lamp().light_group.as_ref());
         groups.belong(emitters.len(), group);
@@ -78,7 +84,7 @@ pub(super) fn gather(
         _ => None,
     });
     let ambient = ambient.collect();
-    Lights { emitters, table, copies, environments, ambient, groups, links, unseen }
+    Lights { emitters, table, copies, environments, ambient, groups, links, unseen, of_zones }
 }
 
 fn area(g: &Glowing, geometry: &Geometry) -> Emitter {

@@ -142,7 +142,6 @@ fn compile_about(
 
     let seen = focus::Seen { input: &input, geometry: &geometry, named: &named };
     let (camera, out_of_focus) = camera::camera(scene, size, &seen, centre);
-    let lamps_of_zones = (0..).zip(&glowing).filter(|(_, g)| g.is_of_zones).map(|(i, _)| i).collect();
     let stand_in: Vec<u32> = glowing.iter().map(|g| g.group).collect();
     let copies = Copies::new(&input.groups, &stand_in);
     let accel = accel::Scene::build_after(before, input, &geometry, search)?;
@@ -172,7 +171,7 @@ fn compile_about(
         lights: lights.table,
         light_groups: lights.groups,
         links: lights.links,
-        lamps_of_zones,
+        lamps_of_zones: lights.of_zones,
         unseen: lights.unseen,
         ears: None,
         copies: lights.copies,

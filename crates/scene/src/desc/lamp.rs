@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::decode::Describe;
-use crate::desc::{Integrator, LampChoice, Light, Scene, ShadowZones};
+use crate::desc::{Integrator, LampChoice, Light, Node, Scene, ShadowZones};
 use crate::describe::describe;
 use crate::limit::Limit;
 use crate::value::Name;
@@ -55,11 +55,27 @@ impl LightGroup {
                 name.len()
             ));
         }
-        let bad =
-            name.chars().find(|c| c.is_whitespace() || c.is_control() || ['.', ',', '='].contains(c))?;
+        let bad = name.chars().find(is_bad)?;
         let bad = if bad.is_control() || bad == ' ' { "spaces".to_owned() } else { format!("`{bad}`") };
         Some(format!("the name of a light group may not hold {bad}: layers of a picture are named by it"))
     }
+
+    /// What a group is called that has the name of something else: what no name may hold becomes `_`, and long names are cut.
+    fn called_as(name: &str) -> String {
+        let mut called = String::new();
+        for c in name.chars().map(|c| if is_bad(&c) { '_' } else { c }) {
+            if called.len() + c.len_utf8() > LONGEST {
+                break;
+            }
+            called.push(c);
+        }
+        called
+    }
+}
+
+/// Whether the name of a group can't hold it.
+fn is_bad(c: &char) -> bool {
+    c.is_whitespace() || c.is_control() || ['.', ',', '='].contains(c)
 }
 
 impl Scene {
@@ -103,6 +119,34 @@ impl Scene {
         names.into_iter().collect()
     }
 
+    /// Puts each lamp that has a name and no group into one that is called so: lights, surfaces with an emission of their own, by their name or that of what is around them, and materials that
+    /// shine. Of the names that no group may have, letters are replaced. Gives those for which there was no room.
+    pub fn group_lamps(&mut self) -> Vec<String> {
+        let mut groups = Groups {
+            names: self.light_groups().into_iter().map(str::to_owned).collect(),
+            over: BTreeSet::new(),
+        };
+        for light in &mut self.lights {
+            if let Some(group) = light.name().cloned() {
+                groups.put(&mut light.lamp_mut().light_group, &group);
+            }
+        }
+        for (name, object) in self.objects.entries_mut() {
+            groups.put_all(object, Some(name));
+        }
+        for node in &mut self.world {
+            groups.put_all(node, None);
+        }
+        for (name, material) in self.materials.entries_mut() {
+            if material.emission().is_some()
+                && let Some(group) = material.light_group_mut()
+            {
+                groups.put(group, name);
+            }
+        }
+        groups.over.into_iter().collect()
+    }
+
     /// The groups of its lights by name, in order; [`REST`] isn't among them.
     pub fn light_groups(&self) -> Vec<&str> {
         struct Groups<'a>(BTreeSet<&'a str>);
@@ -118,9 +162,56 @@ impl Scene {
     }
 }
 
+/// Groups that lamps are put into by their names.
+struct Groups {
+    /// Those that there are.
+    names: BTreeSet<String>,
+    /// Those for which there is no room.
+    over: BTreeSet<String>,
+}
+
+impl Groups {
+    /// Says a group where none is said.
+    fn put(&mut self, said: &mut Option<LightGroup>, name: &Name) {
+        let called = LightGroup::called_as(name);
+        if said.is_some() || called.is_empty() {
+            return;
+        }
+        if self.names.len() >= MOST_LIGHT_GROUPS && !self.names.contains(&called) {
+            self.over.insert(called);
+            return;
+        }
+        self.names.insert(called.clone());
+        *said = Some(LightGroup(Name::new(called, name.span)));
+    }
+
+    /// The same for a node and all in it, by its name or that of what is around it.
+    fn put_all(&mut self, node: &mut Node, around: Option<&Name>) {
+        let own = node.name().cloned();
+        let name = own.as_ref().or(around);
+        if let (Some(surface), Some(name)) = (node.surface_mut().filter(|s| s.emission.is_some()), name) {
+            self.put(&mut surface.lamp.light_group, name);
+        }
+        for child in node.children_mut() {
+            self.put_all(child, name);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::LightGroup;
+
+    #[test]
+    fn any_name_can_be_made_one_of_a_group() {
+        for (name, group) in
+            [("Key", "Key"), ("Key light.001", "Key_light_001"), ("a=b,c", "a_b_c"), ("", "")]
+        {
+            assert_eq!(LightGroup::called_as(name), group);
+        }
+        let long = LightGroup::called_as(&"ü".repeat(99));
+        assert_eq!((long.len(), LightGroup::complaint(&long)), (100, None));
+    }
 
     #[test]
     fn names_are_fit_for_layers() {

@@ -10,7 +10,7 @@ use crate::desc::texture::TextureOf;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
-use crate::value::Asset;
+use crate::value::{Asset, Name};
 use crate::{Image, Photometry};
 
 describe! {
@@ -41,6 +41,8 @@ describe! {
     pub struct AmbientLight {
         /// Radiance of a surface that sends back all of it, in W/(m^2 sr).
         radiance: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 
@@ -53,6 +55,8 @@ describe! {
         intensity: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
         /// How its light falls with distance.
         decay: Decay = Decay::InverseSquare,
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 
@@ -79,6 +83,8 @@ describe! {
         irradiance: Spectrum [Limit::NON_NEGATIVE] = Spectrum::grey(1.0),
         /// What it takes of the sky from rim to rim, in degrees: 0.53 for the sun. Above 0 it is seen as a disc, and its shadows have soft edges.
         angle: f64 [Limit::within(0.0, 179.0)] = 0.0,
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 
@@ -103,6 +109,8 @@ describe! {
         texture: Option<TextureOf> [Limit::UNIT] = None,
         /// What is up for the texture.
         up: DVec3 = DVec3::Y,
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 
@@ -125,6 +133,8 @@ describe! {
         fov: f64 [Limit::within(0.1, 179.0)] = 40.0,
         /// Width of the picture over its height; its own, if it is a picture file, when absent.
         aspect: Option<f64> [Limit::within(0.01, 100.0)] = None,
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 
@@ -155,6 +165,8 @@ describe! {
         efficacy: f64 [Limit::within(1.0, 683.0)] = 683.0,
         /// What its light is multiplied by.
         scale: f64 [Limit::NON_NEGATIVE] = 1.0,
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 
@@ -238,6 +250,8 @@ describe! {
         rotate: f64 = 0.0,
         /// Where the surroundings' axes lie; only its rotation counts.
         transform: Transform = Transform::default(),
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 
@@ -268,6 +282,34 @@ describe! {
 }
 
 impl Light {
+    /// What it has in common with all that shines, to be changed.
+    pub const fn lamp_mut(&mut self) -> &mut Lamp {
+        match self {
+            Self::Point(l) => &mut l.lamp,
+            Self::Directional(l) => &mut l.lamp,
+            Self::Spot(l) => &mut l.lamp,
+            Self::Projector(l) => &mut l.lamp,
+            Self::Goniometric(l) => &mut l.lamp,
+            Self::Environment(l) => &mut l.lamp,
+            Self::Sky(l) => &mut l.lamp,
+            Self::Ambient(l) => &mut l.lamp,
+        }
+    }
+
+    /// Its name, if it has one.
+    pub const fn name(&self) -> Option<&Name> {
+        match self {
+            Self::Point(l) => l.name.as_ref(),
+            Self::Directional(l) => l.name.as_ref(),
+            Self::Spot(l) => l.name.as_ref(),
+            Self::Projector(l) => l.name.as_ref(),
+            Self::Goniometric(l) => l.name.as_ref(),
+            Self::Environment(l) => l.name.as_ref(),
+            Self::Sky(l) => l.name.as_ref(),
+            Self::Ambient(l) => l.name.as_ref(),
+        }
+    }
+
     /// The openings through which its light comes in, where it says any.
     pub fn portals(&self) -> &[Portal] {
         match self {

@@ -526,6 +526,15 @@ impl Material {
         }
     }
 
+    /// The same, to be changed, of the kinds that can say one.
+    pub(crate) const fn light_group_mut(&mut self) -> Option<&mut Option<LightGroup>> {
+        match self {
+            Self::OpenPbr(m) => Some(&mut m.light_group),
+            Self::Gltf(m) => Some(&mut m.light_group),
+            _ => None,
+        }
+    }
+
     /// Whether it shines by itself.
     pub fn shines(&self) -> bool {
         self.emission().is_some()

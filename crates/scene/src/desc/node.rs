@@ -17,7 +17,7 @@ use crate::value::{Link, Matrix, Name};
 
 describe! {
     /// Something in the world.
-    pub enum Node some have surface: Surface {
+    pub enum Node some have surface, surface_mut: Surface {
         /// A ball.
         "sphere" => Sphere(Sphere) has surface,
         /// An infinite plane.

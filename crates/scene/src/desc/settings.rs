@@ -403,7 +403,7 @@ describe! {
         show: ZonesShown = ZonesShown::Zones,
         /// Points across the lamp: the square of it are spread over the lamp and four times it along its rim, and a ray asks for each whether it is seen.
         across: u32 [Limit::within(2.0, 64.0)] = 8,
-        /// Which of the lamps with a size (surfaces that glow, suns with an `angle`): counted from 1, or by the `name` of what glows or of a group around it.
+        /// Which of the lamps with a size (surfaces that glow, suns with an `angle`): counted from 1, or by the `name` of a sun, of what glows, or of a group around it.
         lamp: LampChoice [Limit::within(1.0, 1e9)] = LampChoice::Number(1),
     }
 }

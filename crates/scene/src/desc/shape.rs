@@ -34,7 +34,7 @@ describe! {
         look_at: Option<Spanned<DVec3>> = None,
         /// Swaps front and back.
         flip: bool = false,
-        /// What the camera's `focus_on` calls it.
+        /// What the camera's `focus_on`, lamps, and groups of lamps by their names call it.
         name: Option<Name> = None,
     } with lamp: Lamp
 }

@@ -9,6 +9,7 @@ use crate::desc::spectrum::Spectrum;
 use crate::desc::transform::Transform;
 use crate::describe::describe;
 use crate::limit::Limit;
+use crate::value::Name;
 
 describe! {
     /// Sun and sky of a clear day, as measured air scatters light (Hosek and Wilkie 2012 and 2013). Up is local +y; nothing shines from below the horizon.
@@ -39,6 +40,8 @@ describe! {
         rotate: f64 = 0.0,
         /// Where its axes lie; only its rotation counts.
         transform: Transform = Transform::default(),
+        /// What `zones`, and groups of lamps by their names, call it.
+        name: Option<Name> = None,
     } with lamp: Lamp
 }
 

@@ -140,6 +140,23 @@ fn groups_make_the_whole() {
     }
 }
 
+/// Lamps that have a name are groups where that is asked for: by their own name, that of what is around them, of their object or of a material that shines.
+#[test]
+fn lamps_are_groups_by_their_names() {
+    let text = "camera: { perspective: { eye: [0, 1, 4], look_at: [0, 0, 0] } }\nfilm: { size: [4, 4] }\n\
+        materials: { paint: { open_pbr: { emission_luminance: 1 } }, dull: diffuse }\n\
+        objects: { bulb: { sphere: { center: [3, 3, 0], emission: 1 } } }\n\
+        world:\n  - plane: { name: ground }\n  - instance: { of: bulb, name: one }\n  - sphere: { material: paint, name: skin }\n\
+        \x20 - group: { name: rig, children: [{ sphere: { emission: 1 } }, { sphere: { emission: 1, name: own } }, { sphere: { emission: 1, light_group: said } }] }\n\
+        lights:\n  - point: { position: [0, 5, 0], name: the sun.001 }\n  - environment: { radiance: 1 }\n";
+    let with = |group_lamps| {
+        let options = LoadOptions { group_lamps, ..LoadOptions::default() };
+        straal::load_str("test.yaml", text, Path::new(""), &options).unwrap_or_else(|d| panic!("{d}")).scene
+    };
+    assert_eq!(with(false).light_groups(), ["said"]);
+    assert_eq!(with(true).light_groups(), ["bulb", "own", "paint", "rig", "said", "the_sun_001"]);
+}
+
 /// A group's layer is the picture by its lamps alone.
 #[test]
 fn a_group_is_what_its_lamps_bring() {

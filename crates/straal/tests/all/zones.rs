@@ -115,6 +115,13 @@ fn suns_discs_and_meshes() {
     assert!(is(at(0.0, &named, "lamp: lamp"), ANTUMBRA));
     let group = two.replace(ball, &format!("group: {{ name: far, children: [{{ {ball} }}] }}"));
     assert!(is(at(0.0, &group, "lamp: far"), LIT));
+    // A sun is as well, though a larger lamp comes before it.
+    let sun = |radius| {
+        let named = disc(radius).replace("angle: 20", "angle: 20, name: sun");
+        format!("  - sphere: {{ center: [0, 5, 0], radius: 2, emission: 1, name: ball }}\n{named}")
+    };
+    assert!(is(at(0.0, &sun(0.18), "lamp: sun"), UMBRA));
+    assert!(is(at(0.0, &sun(0.18), "lamp: ball"), ANTUMBRA));
 }
 
 #[test]

@@ -7,10 +7,11 @@ use straal_math::{Affine, DVec3, ops};
 use straal_scene::desc::{
     Decay, DirectionalLight, Environment, Falloff, Light, Observer, PointLight, Spectrum, SpotLight,
 };
-use straal_scene::value::LinearRgb;
+use straal_scene::value::{LinearRgb, Name};
 use straal_scene::{Diagnostic, Image, Span, desc};
 
 use super::document::{Fault, Result, in_list, number_or, required, text, vector_or};
+use super::json::Json;
 use super::tree::Tree;
 use super::{Translation, Within, degrees};
 
@@ -33,12 +34,20 @@ impl<'a> Translation<'a, '_> {
             let power = color.map(|v| (v * strength).within(0.0, f64::from(f32::MAX)));
             let power = Spectrum::Rgb(LinearRgb(power));
             let kind = required(light, "type")?;
+            // That of the node, as for meshes; lights may be shared.
+            let called = |of: &'a Json| of.get("name").map(text).transpose();
+            let name = match called(&tree.nodes[node])? {
+                Some("") | None => called(light)?,
+                own => own,
+            };
+            let name: Option<Name> = name.filter(|n| !n.is_empty()).map(|n| n.to_owned().into());
             let light = match (text(kind)?, direction) {
                 ("point", _) => Light::Point(PointLight {
                     position,
                     intensity: power,
                     decay: Decay::InverseSquare,
                     lamp: desc::Lamp::default(),
+                    name: name.clone(),
                 }),
                 (_, None) => {
                     self.warn(
@@ -54,6 +63,7 @@ impl<'a> Translation<'a, '_> {
                     irradiance: power,
                     angle: 0.0,
                     lamp: desc::Lamp::default(),
+                    name: name.clone(),
                 }),
                 ("spot", Some(_)) => {
                     let cone = light.get("spot").unwrap_or(light);
@@ -73,6 +83,7 @@ impl<'a> Translation<'a, '_> {
                         texture: None,
                         up: DVec3::Y,
                         lamp: desc::Lamp::default(),
+                        name: name.clone(),
                     })
                 }
                 _ => return Err(Fault::of(kind, "a light is `point`, `spot` or `directional`")),

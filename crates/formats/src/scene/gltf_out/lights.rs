@@ -55,10 +55,13 @@ impl Out<'_> {
                 return None;
             }
         };
-        let place = stand(light)?;
+        let (place, light_name) = (stand(light)?, light.name());
         let light = self.lights.add(said);
         let track = self.frames.and_then(|frames| frames.of_light(i));
         let (mut node, parts) = self.standing(&place, track);
+        if let Some(name) = light_name {
+            node.insert("name".to_owned(), json!(name.value));
+        }
         self.extend(&mut node, "KHR_lights_punctual", json!({ "light": light }));
         let index = self.nodes.add(node.into());
         self.moves(index, &parts);

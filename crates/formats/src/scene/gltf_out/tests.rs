@@ -548,7 +548,7 @@ world:
   - instance: { of: thing, transform: [{ translate: [0, 3, 0] }] }
   - sphere: { radius: 0.5, transform: [{ scale: { keyframes: { 0: 1, 12: 0.25 } } }] }
 lights:
-  - point: { position: { keyframes: { 0: [0, 5, 0], 12: [5, 5, 0] } }, intensity: { keyframes: { 0: 10, 12: 20 } } }
+  - point: { name: moving, position: { keyframes: { 0: [0, 5, 0], 12: [5, 5, 0] } }, intensity: { keyframes: { 0: 10, 12: 20 } } }
 ";
     let at = |frame: f64| {
         load_str("s.yaml", text, Path::new(""), &Options { frame, ..Options::default() }).unwrap()
@@ -595,6 +595,7 @@ lights:
         }
         assert!((from.camera.observer().eye - to.camera.observer().eye).length() < 1e-5);
         let [Light::Point(a), Light::Point(b)] = [&from.lights[0], &to.lights[0]] else { panic!() };
+        assert_eq!((&a.name, a.name.is_some()), (&b.name, true));
         assert!((a.position - b.position).length() < 1e-5);
     }
 }

@@ -9,6 +9,7 @@ use straal_scene::desc::{
     Spectrum, SpotLight, Texture, TextureOf, Varying, When,
 };
 use straal_scene::limit::Limit;
+use straal_scene::value::Name;
 use straal_scene::{Diagnostic, Spanned, suggest};
 
 use super::spectrum::For;
@@ -41,6 +42,11 @@ impl<'o> Translator<'o, '_, '_> {
         Lamp { seen: !self.hides_emitters, ..Lamp::default() }
     }
 
+    /// What a light is called.
+    fn called(o: &Object) -> Option<Name> {
+        o.id.clone().map(|id| Spanned::new(id, o.plugin.span))
+    }
+
     /// A light that isn't a surface.
     pub fn emitter(&mut self, i: usize) {
         let o: &'o Object = &self.objects[i];
@@ -56,6 +62,7 @@ impl<'o> Translator<'o, '_, '_> {
                     intensity,
                     decay: Decay::InverseSquare,
                     lamp: self.lamp(),
+                    name: Self::called(o),
                 })
             }
             "directional" => {
@@ -74,13 +81,19 @@ impl<'o> Translator<'o, '_, '_> {
                     look_at: None,
                     irradiance,
                     lamp: self.lamp(),
+                    name: Self::called(o),
                 })
             }
             "spot" => self.spot(o),
             "constant" => {
                 self.known_light(o, &["radiance"]);
                 let radiance = Some(self.constant(o, "radiance", 1.0, For::Light));
-                Light::Environment(Environment { radiance, lamp: self.lamp(), ..Environment::default() })
+                Light::Environment(Environment {
+                    radiance,
+                    lamp: self.lamp(),
+                    name: Self::called(o),
+                    ..Environment::default()
+                })
             }
             "envmap" => {
                 let Some(light) = self.surroundings(o) else { return };
@@ -142,6 +155,7 @@ impl<'o> Translator<'o, '_, '_> {
             beam: Some(beam),
             falloff: Falloff::Linear,
             lamp: self.lamp(),
+            name: Self::called(o),
         })
     }
 
@@ -176,6 +190,7 @@ impl<'o> Translator<'o, '_, '_> {
             fov,
             aspect,
             lamp: self.lamp(),
+            name: Self::called(o),
         }))
     }
 
@@ -242,6 +257,7 @@ impl<'o> Translator<'o, '_, '_> {
             limb_darkening: self.boolean(o, "complex_sun").unwrap_or(false),
             transform: placed(&all),
             lamp: self.lamp(),
+            name: Self::called(o),
             ..Sky::default()
         })
     }
@@ -287,6 +303,7 @@ impl<'o> Translator<'o, '_, '_> {
             rotate: 180.0,
             transform: placed(&turn_of(&to_world)),
             lamp: self.lamp(),
+            name: Self::called(o),
             ..Environment::default()
         }))
     }

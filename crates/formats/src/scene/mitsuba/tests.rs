@@ -200,7 +200,7 @@ fn lights_and_their_units() {
     let scene = sound(&with(
         r#"<emitter type="spot"><rgb name="intensity" value="1,2,3"/><float name="cutoff_angle" value="40"/>
           <transform name="to_world"><lookat origin="0,4,0" target="0,0,0" up="0,0,1"/></transform></emitter>
-        <emitter type="directional"><transform name="to_world"><rotate x="1" angle="90"/></transform></emitter>
+        <emitter type="directional" id="sun"><transform name="to_world"><rotate x="1" angle="90"/></transform></emitter>
         <emitter type="point"><transform name="to_world"><translate y="2"/></transform><spectrum name="intensity" value="3"/></emitter>
         <emitter type="constant"><float name="radiance" value="2"/></emitter>
         <shape type="sphere"><emitter type="area"><spectrum name="radiance" value="400:0, 500:8, 700:18"/></emitter></shape>"#,
@@ -210,6 +210,7 @@ fn lights_and_their_units() {
     assert!((l.axis() + DVec3::Y).length() < 1e-12);
     let Light::Directional(l) = &scene.lights[1] else { panic!() };
     assert!((l.axis() + DVec3::Y).length() < 1e-12);
+    assert_eq!(l.name.as_ref().map(|name| &*name.value), Some("sun"));
     let Light::Point(l) = &scene.lights[2] else { panic!() };
     assert_eq!(l.position, DVec3::new(0.0, 2.0, 0.0));
     // The same at all wavelengths isn't white.

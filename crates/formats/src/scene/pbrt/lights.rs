@@ -88,6 +88,7 @@ impl Reader<'_, '_> {
             intensity,
             decay: Decay::InverseSquare,
             lamp: Lamp::default(),
+            name: None,
         }));
     }
 
@@ -124,6 +125,7 @@ impl Reader<'_, '_> {
             beam: Some(beam),
             falloff: Falloff::Smooth,
             lamp: Lamp::default(),
+            name: None,
         }));
     }
 
@@ -145,6 +147,7 @@ impl Reader<'_, '_> {
             look_at: None,
             irradiance,
             lamp: Lamp::default(),
+            name: None,
         }));
     }
 
@@ -319,6 +322,7 @@ impl Reader<'_, '_> {
             efficacy: CANDELA,
             scale,
             lamp: Lamp::default(),
+            name: None,
         }));
     }
 
@@ -380,6 +384,7 @@ impl Reader<'_, '_> {
             fov: across,
             aspect: Some(aspect),
             lamp: Lamp::default(),
+            name: None,
         }));
     }
 

@@ -13,7 +13,7 @@ use straal_scene::desc::{
     Sphere, SpotLight, Step, Surface, Texture, TextureChannel, TextureFilter, TextureSpace, Transform,
     Varying, Wrap, Wraps,
 };
-use straal_scene::value::{LinearRgb, Matrix};
+use straal_scene::value::{LinearRgb, Matrix, Name};
 use straal_scene::{Diagnostic, Span};
 
 use super::material::of_texture;
@@ -90,6 +90,11 @@ impl Translation<'_, '_> {
         Strength { kelvin: None, rgb: std::array::from_fn(|i| rgb[i] * hot[i]), ..body }
     }
 
+    /// What a prim is called.
+    fn called(&self, prim: usize) -> Option<Name> {
+        Some(self.stage.prims[prim].name.clone().into())
+    }
+
     /// What a light shows, in its own coordinates; those that are nowhere are added to the scene.
     pub fn light(&mut self, prim: usize, kind: &str, around: &Within) -> Vec<Node> {
         let is_alone = matches!(kind, "DistantLight" | "DomeLight" | "DomeLight_1");
@@ -126,6 +131,7 @@ impl Translation<'_, '_> {
             irradiance,
             angle,
             lamp: Lamp::default(),
+            name: self.called(prim),
         }));
     }
 
@@ -165,6 +171,7 @@ impl Translation<'_, '_> {
             // The middle of the picture is seen along +z, and is along -z in straal's.
             rotate: 180.0,
             transform: Transform { steps, ..Transform::default() },
+            name: self.called(prim),
             ..Environment::default()
         }));
     }
@@ -232,7 +239,7 @@ impl Translation<'_, '_> {
         let surface = Surface {
             material: Some(MaterialRef::Inline(Box::new(Material::Diffuse(black)))),
             emission: Some(emission),
-            name: Some(self.stage.prims[prim].name.clone().into()),
+            name: self.called(prim),
             ..Surface::default()
         };
         vec![match kind {
@@ -264,6 +271,7 @@ impl Translation<'_, '_> {
                 intensity,
                 decay: Decay::InverseSquare,
                 lamp: Lamp::default(),
+                name: self.called(prim),
             }));
             return;
         };
@@ -282,6 +290,7 @@ impl Translation<'_, '_> {
             texture: None,
             up: DVec3::Y,
             lamp: Lamp::default(),
+            name: self.called(prim),
         }));
     }
 
