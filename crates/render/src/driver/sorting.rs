@@ -75,10 +75,34 @@ impl Ranks {
     }
 }
 
+/// Into so many parts paths are cut that are counted and put in order side by side: where there are few ranks, each count would wait for that of the path before.
+const PARTS: usize = 4;
+
+/// Where there are more ranks, neighbours seldom have the same.
+const FEW: usize = 64;
+
+/// Takes keys part by part, one of each part after the other; the last part has what is beyond so many for each. Gives a key's index, and the place of its rank and part.
+#[inline(always)]
+fn each_in_parts(keys: &[u32], length: usize, parts: usize, mut take: impl FnMut(usize, usize)) {
+    if parts == PARTS {
+        for k in 0..length {
+            for part in 0..PARTS {
+                let i = part * length + k;
+                take(i, keys[i] as usize * PARTS + part);
+            }
+        }
+    }
+    for (i, &key) in keys.iter().enumerate().skip(length * parts) {
+        take(i, key as usize * parts + parts - 1);
+    }
+}
+
 /// Sorts the paths of a turn.
 pub(super) struct Sorting<'a> {
     ranks: &'a Ranks,
-    /// Where each rank's paths begin in `order`, then where they end.
+    /// Into how many parts paths are cut.
+    parts: usize,
+    /// Where the paths of each rank, and of each part in it, begin in `order`, then where they end.
     ends: Vec<u32>,
     /// Each path's rank.
     keys: Vec<u32>,
@@ -87,29 +111,34 @@ pub(super) struct Sorting<'a> {
 
 impl<'a> Sorting<'a> {
     pub fn new(ranks: &'a Ranks) -> Self {
-        Self { ranks, ends: Vec::new(), keys: Vec::new(), order: Vec::new() }
+        Self { ranks, parts: 1, ends: Vec::new(), keys: Vec::new(), order: Vec::new() }
     }
 
     /// Sorts paths by what their rays hit (a counting sort; those of one material stay in order).
     pub fn sort(&mut self, world: &World, hits: &[Hit]) {
-        let ranks = self.ranks.kinds.len();
-        self.ends.clear();
-        self.ends.resize(ranks + 1, 0);
         self.keys.clear();
         self.keys.extend(hits.iter().map(|hit| self.ranks.of(world, hit)));
-        self.order.resize(hits.len(), 0);
-        let (ends, order) = (&mut self.ends[..], &mut self.order[..]);
-        for &rank in &self.keys {
-            ends[rank as usize + 1] += 1;
+        self.sort_keys();
+    }
+
+    /// The same by the ranks themselves.
+    fn sort_keys(&mut self) {
+        let (ranks, count) = (self.ranks.kinds.len(), self.keys.len());
+        self.parts = if ranks <= FEW { PARTS } else { 1 };
+        self.ends.clear();
+        self.ends.resize(ranks * self.parts + 1, 0);
+        self.order.resize(count, 0);
+        let Self { ends, order, keys, parts, .. } = self;
+        let (parts, length) = (*parts, if *parts > 1 { count / *parts } else { 0 });
+        each_in_parts(keys, length, parts, |_, slot| ends[slot + 1] += 1);
+        for slot in 0..ranks * parts {
+            ends[slot + 1] += ends[slot];
         }
-        for rank in 0..ranks {
-            ends[rank + 1] += ends[rank];
-        }
-        for (i, &rank) in (0..).zip(&self.keys) {
-            let slot = &mut ends[rank as usize];
-            order[*slot as usize] = i;
-            *slot += 1;
-        }
+        each_in_parts(keys, length, parts, |i, slot| {
+            let to = &mut ends[slot];
+            order[*to as usize] = i as u32;
+            *to += 1;
+        });
     }
 
     /// The queues that aren't empty.
@@ -119,16 +148,51 @@ impl<'a> Sorting<'a> {
         std::iter::from_fn(move || {
             while rank < kinds.len() {
                 let kind = kinds[rank];
-                let start = if rank == 0 { 0 } else { self.ends[rank - 1] };
+                let start = if rank == 0 { 0 } else { self.ends[rank * self.parts - 1] };
                 while rank < kinds.len() && kinds[rank] == kind {
                     rank += 1;
                 }
-                let end = self.ends[rank - 1];
+                let end = self.ends[rank * self.parts - 1];
                 if end > start {
                     return Some((kind, &self.order[start as usize..end as usize]));
                 }
             }
             None
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FEW, Ranks, Sorting};
+    use crate::integrator::Kind;
+    use crate::material::BsdfKind;
+
+    #[test]
+    fn paths_stay_in_order_within_their_rank() {
+        for ranks in [1, 3, FEW, FEW + 1] {
+            // Every second rank is of another kind than the one before.
+            let kind =
+                |rank: usize| if rank % 4 < 2 { Kind::Dark } else { Kind::Scattering(BsdfKind::Diffuse) };
+            let kinds = (0..ranks).map(kind).collect();
+            let of = Ranks { of_geometry: Vec::new(), inherited: Vec::new(), kinds };
+            let mut sorting = Sorting::new(&of);
+            for count in [0, 1, 3, 4, 7, 1000] {
+                sorting.keys = (0..count).map(|i: u32| i.wrapping_mul(2_654_435_761) >> 7).collect();
+                sorting.keys.iter_mut().for_each(|key| *key %= ranks as u32);
+                sorting.sort_keys();
+                let mut wanted: Vec<u32> = (0..count).collect();
+                wanted.sort_by_key(|&i| sorting.keys[i as usize]);
+                assert_eq!(sorting.order, wanted, "{ranks} ranks, {count} paths");
+                let queues: Vec<_> = sorting.queues().collect();
+                assert_eq!(
+                    queues.iter().flat_map(|(_, order)| order.iter().copied()).collect::<Vec<_>>(),
+                    wanted
+                );
+                for (kind_of_queue, order) in queues {
+                    assert!(order.iter().all(|&i| kind(sorting.keys[i as usize] as usize) == kind_of_queue));
+                }
+            }
+        }
     }
 }

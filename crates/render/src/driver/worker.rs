@@ -221,6 +221,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
         });
         let (starting, counts) = (&self.starting, self.probe.counts());
         let (wants_footprint, mask) = (from_camera && world.wants_footprints(), world.camera_mask());
+        let before = self.paths.len();
         for (i, &(pixel, index)) in self.names.iter().enumerate() {
             let name = match from_camera {
                 true => starting.name(i),
@@ -251,9 +252,9 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
                 self.rays.push(ray);
                 self.paths.push(Path { name, sample, state });
                 self.samples.depart(sample);
-                self.fresh += 1;
             }
         }
+        self.fresh += self.paths.len() - before;
     }
 
     /// The paths on top: search, step, shadows.
