@@ -201,7 +201,7 @@ fn stopping_early_does_not_darken() {
         truth[block] += w * h / 64.0;
     }
     for (kind, noise) in [(PatternKind::Random, 0.4), (PatternKind::Sobol, 0.15)] {
-        let n = 128;
+        let n = 256;
         let mut counts = [0.0; 4];
         let mut sums = [[0.0; 2]; 4];
         for seed in 0..n {
