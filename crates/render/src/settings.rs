@@ -121,10 +121,10 @@ impl Settings {
         }
     }
 
-    /// What the film holds besides light. Variance by splatting is told from the spread of each pixel's own samples.
+    /// What the film holds besides light. Variance by splatting is told from the spread of each pixel's own samples, and blocks end by it as well.
     pub(crate) fn keep(&self) -> Keep {
-        let spread = self.error_estimate() == ErrorEstimate::Spread && (self.error || self.adapts());
-        Keep { squares: self.layers || spread, layers: self.layers }
+        let spread = self.error_estimate() == ErrorEstimate::Spread && self.error;
+        Keep { squares: self.layers || spread || self.adapts(), layers: self.layers }
     }
 
     /// The whole of a picture of the given size, with the default pattern on all cores.

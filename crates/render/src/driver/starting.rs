@@ -3,6 +3,7 @@
 
 use super::stream::Name;
 use crate::camera::{Camera, CameraRays, FilmPoint, FilmPoints};
+use crate::film::named_by;
 use crate::filter::{Filter, FilterSample};
 use crate::surface::{BLOCK, Column};
 use straal_math::lowdisc::{Pattern, Purpose, SampleName};
@@ -81,6 +82,8 @@ pub(super) struct Start<'a> {
     pub names: &'a [Name],
     pub pattern: Pattern,
     pub seed: u64,
+    /// Whether the halves of each pixel's samples are independent.
+    pub halves: bool,
     pub filter: &'a Filter,
     pub wanted: Wanted,
     pub camera: &'a Camera,
@@ -101,18 +104,21 @@ impl Kernel for Start<'_> {
 
     #[inline(always)]
     fn run<F: Float>(self) {
-        let Self { names, pattern, seed, filter, wanted, camera, out } = self;
+        let Self { names, pattern, seed, halves, filter, wanted, camera, out } = self;
         out.seen = 0;
         let last = names.len().saturating_sub(1);
         for first in (0..names.len().min(BLOCK)).step_by(F::WIDTH) {
             // Lanes without a sample do what the last one does.
-            let [mut x, mut y, mut index] = [F::Uint::splat(0).to_array(); 3];
+            let [mut x, mut y, mut named_x, mut index] = [F::Uint::splat(0).to_array(); 4];
             for i in 0..F::WIDTH {
-                let ([column, row], sample) = names[if first + i < last { first + i } else { last }];
-                (x.as_mut()[i], y.as_mut()[i], index.as_mut()[i]) = (column, row, sample);
+                let (pixel, sample) = names[if first + i < last { first + i } else { last }];
+                let (named, number) = if halves { named_by(pixel, sample) } else { (pixel, sample) };
+                (x.as_mut()[i], y.as_mut()[i]) = pixel.into();
+                (named_x.as_mut()[i], index.as_mut()[i]) = (named[0], number);
             }
             let pixel = [F::Uint::from_array(x), F::Uint::from_array(y)];
-            let name = pattern.names::<F>(seed, pixel, F::Uint::from_array(index));
+            let named = [F::Uint::from_array(named_x), pixel[1]];
+            let name = pattern.names::<F>(seed, named, F::Uint::from_array(index));
             name.for_each(
                 #[inline(always)]
                 |i, name| {

@@ -214,6 +214,7 @@ impl<'a, I: Integrator, L: Lanes> Worker<'a, I, L> {
             names: &self.names,
             pattern: settings.pattern,
             seed: settings.seed,
+            halves: settings.adapts(),
             filter: if settings.splat { &Filter::Box } else { &world.filter },
             wanted: Wanted { lens, time, wavelength: L::DRAWN, rays: from_camera },
             camera: &world.camera,

@@ -7,13 +7,13 @@
 //! Sampling Techniques for Image Synthesis"). A pixel's value is the mean of its two halves' means, whatever their numbers: weighed by
 //! these, the darker half would count for more.
 //!
-//! Between one check and the next the first of the samples go to one half and the rest to the other, so that each of both is well spread
-//! where the whole is.
+//! Between one check and the next the first of the samples go to one half and the rest to the other. Each half is a sequence by itself, of other points ([`named_by`]),
+//! so that it is well spread, and independent of the other.
 //!
 //! [`super::error_estimate`] tells how noisy a half of a pixel is, and [`super::district`] which need no further samples.
 
 use super::control::Control;
-use super::error_estimate::BatchSums;
+use super::error_estimate::Batches;
 use super::fixed::{Fixed, Square};
 use super::{BandSample, Film, FilmTile, Pixel, TILE};
 use crate::film::Region;
@@ -39,11 +39,26 @@ pub(crate) fn next_check(samples: u32) -> u32 {
     check
 }
 
+/// How many samples lie between the checks before and after one of them: half as many as the greatest power of two that isn't above it.
+fn step_from(index: u32) -> u32 {
+    if index < FIRST_CHECK { FIRST_CHECK } else { 1 << (index.ilog2() - 1) }
+}
+
 /// Which of a pixel's two halves a sample belongs to.
 pub(crate) fn half_of(index: u32) -> usize {
-    // Between two checks lie half as many samples as the greatest power of two that isn't above them.
-    let step = if index < FIRST_CHECK { FIRST_CHECK } else { 1 << (index.ilog2() - 1) };
-    (index & (step >> 1) != 0).into()
+    (index & (step_from(index) >> 1) != 0).into()
+}
+
+/// Set in the column of what the second half's samples are named by: beyond any picture's columns, and among the 16 bits of it that follow a curve through all pixels.
+const SECOND: u32 = 0x8000_8000;
+
+/// By which pixel and index a sample's numbers are drawn. Each half is a sequence of its own: two parts of one sequence avoid one another, so that where the one shows
+/// little noise for it happens to lie well, the other is the more likely to be too dark, or too bright.
+#[inline]
+pub(crate) fn named_by([x, y]: [u32; 2], index: u32) -> ([u32; 2], u32) {
+    let step = step_from(index);
+    let rank = (index & !(step - 1)) / 2 + (index & ((step >> 1) - 1));
+    ([if half_of(index) == 0 { x } else { x ^ SECOND }, y], rank)
 }
 
 /// One past the index of the last of the first `count` samples of a half.
@@ -71,7 +86,7 @@ pub(super) struct Halves {
     pub(super) control: Control,
     pub(super) count: u32,
     /// Of each half, where noise is told by batches.
-    pub(super) batch_sums: [BatchSums; 2],
+    pub(super) batches: [Batches; 2],
 }
 
 /// The sums of one half of a pixel.
@@ -79,6 +94,17 @@ struct Part {
     sums: Pixel,
     squares: [Square; 3],
     control: Option<Control>,
+}
+
+/// What a half of a pixel tells of a channel: its mean, and the variance of that.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Told {
+    pub(super) mean: f64,
+    /// By how single samples scatter.
+    pub(super) spread: f64,
+    /// By two or three batches, and by all of them, five to eight; by spread where samples are independent.
+    pub(super) few: f64,
+    pub(super) all: f64,
 }
 
 impl FilmTile {
@@ -93,10 +119,11 @@ impl FilmTile {
     /// Takes note of a half of pixel `k` before its next sample.
     pub(super) fn note_half(&mut self, k: usize, index: u32) {
         let half = half_of(index);
-        let part = self.half(k, half);
-        if self.by_batches && part.sums.count.is_power_of_two() {
+        let count = self.count_of_half(k, half);
+        if self.by_batches && Batches::ends_at(count) {
+            let part = self.half(k, half);
             let sums = self.sums_of(&part.sums, part.control.as_ref());
-            self.halves[k].batch_sums[half].end(sums);
+            self.halves[k].batches[half].end(count, sums);
         }
         self.halves[k].count += half as u32;
     }
@@ -158,15 +185,26 @@ impl FilmTile {
 
     /// Mean and variance of the mean of a channel of one half of pixel `k`; the variance by batches or by spread.
     pub(super) fn mean_of_half(&self, k: usize, half: usize, channel: usize, by_batches: bool) -> (f64, f64) {
+        let Told { mean, spread, few, .. } = self.told_by_half(k, half)[channel];
+        (mean, if by_batches { few } else { spread })
+    }
+
+    /// What one half of pixel `k` tells of each channel.
+    pub(super) fn told_by_half(&self, k: usize, half: usize) -> [Told; 3] {
         let Part { sums: p, squares, control } = self.half(k, half);
-        let sum = self.sums_of(&p, control.as_ref())[channel];
-        let mean = sum / f64::from(p.count.max(1));
-        let variance = match &control {
-            _ if by_batches => self.halves[k].batch_sums[half].variance(p.count, sum, channel),
-            Some(control) => control.variance((&p, &squares), channel, self.weight),
-            None => p.variance(&squares, channel),
-        };
-        (mean, variance)
+        let sums = self.sums_of(&p, control.as_ref());
+        std::array::from_fn(|channel| {
+            let mean = sums[channel] / f64::from(p.count.max(1));
+            let spread = match &control {
+                Some(control) => control.variance((&p, &squares), channel, self.weight),
+                None => p.variance(&squares, channel),
+            };
+            let [few, all] = match self.by_batches {
+                true => self.halves[k].batches[half].variances(p.count, sums[channel], channel),
+                false => [spread; 2],
+            };
+            Told { mean, spread, few, all }
+        })
     }
 
     /// The mean of both halves of pixel `k`, and the variance of that mean; `None` where there are no two halves.
@@ -364,7 +402,13 @@ mod tests {
                 }
             }
         }
-        // Well spread: each half of what comes between two checks is a block of its own.
+        // Each half is a sequence by itself, from the start, and its own.
+        let mut ranks = [0, 0];
+        for index in 0..4096 {
+            let half = half_of(index);
+            assert_eq!(named_by([3, 5], index), ([[3, 0x8000_8003][half], 5], ranks[half]), "{index}");
+            ranks[half] += 1;
+        }
         assert!((0..16).all(|i| half_of(i) == 0) && (16..32).all(|i| half_of(i) == 1));
         assert!((32..40).all(|i| half_of(i) == 0) && (40..48).all(|i| half_of(i) == 1));
         assert!((96..112).all(|i| half_of(i) == 0) && (112..128).all(|i| half_of(i) == 1));

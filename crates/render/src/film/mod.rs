@@ -37,7 +37,7 @@ pub use sums::{Held, Joined, Span};
 use crate::filter::Filter;
 use adaptive::Halves;
 pub(crate) use adaptive::Sampled;
-pub(crate) use adaptive::next_check;
+pub(crate) use adaptive::{named_by, next_check};
 use channel::{Plane, Seen};
 use control::Control;
 use error_estimate::BatchSums;

@@ -1,15 +1,17 @@
 //! Which halves of which pixels need no further samples, by what their district shows.
 //!
 //! A block is done when its noise is at most what is wished for: the root mean square of its pixels' standard errors over its mean brightness, or over each
-//! pixel's own, where that is more: a dark wall beside a lamp counts as well. [`known`] tells how noisy a block is when few of its samples have met what makes its
+//! pixel's own, where that is more: a dark wall beside a lamp counts as well. [`lone`] tells what each pixel has of a block's noise, [`known`] tells how noisy a block is when few of its samples have met what makes its
 //! noise, [`unmet`] what may lie beside what is bright, and [`wanted`] which pixels go on.
 //!
 //! Districts of 64 x 64 pixels are aligned to the whole picture, and a crop is rendered in whole ones, so that it ends where the picture does.
 
 mod known;
+mod lone;
 mod unmet;
 mod wanted;
 
+use super::adaptive::Told;
 use super::{BLOCK, Film, FilmTile, Region};
 use rayon::prelude::*;
 
@@ -35,30 +37,35 @@ struct Half {
     count: f64,
     /// The mean of the colours' values, each without its sign.
     brightness: f64,
-    /// The mean of the colours' variances, of single samples.
+    /// The mean of the colours' variances, of single samples: what samples of a pattern leave, by two or three batches.
     variance: f64,
+    /// The same by all batches, five to eight.
+    by_all: f64,
+    /// What independent samples would leave.
+    spread: f64,
     /// Whether further samples of this half are wanted.
     is_open: bool,
 }
 
 impl Half {
     fn of(tile: &FilmTile, k: usize, half: usize, is_open: bool) -> Self {
-        let (mut brightness, mut variance) = (0.0, 0.0);
-        for c in 0..3 {
-            let (m, v) = tile.mean_of_half(k, half, c, tile.by_batches);
-            brightness += m.abs() / 3.0;
-            variance += v / 3.0;
-        }
         let count = f64::from(tile.count_of_half(k, half).max(1));
-        Self { count, brightness, variance: variance * count, is_open }
+        let mut sum = Self { count, is_open, ..Self::default() };
+        for Told { mean, spread, few, all } in tile.told_by_half(k, half) {
+            sum.brightness += mean.abs() / 3.0;
+            sum.variance += few * count / 3.0;
+            sum.by_all += all * count / 3.0;
+            sum.spread += spread * count / 3.0;
+        }
+        sum
     }
 
     /// How many bright samples it has met if the others are black: between 1 and all of them, 0 where there is no noise.
     fn events(&self) -> f64 {
-        if self.variance <= 0.0 {
+        if self.spread <= 0.0 || self.variance <= 0.0 {
             return 0.0;
         }
-        let events = self.count * self.brightness * self.brightness / self.variance;
+        let events = self.count * self.brightness * self.brightness / self.spread;
         at_least(if events < self.count { events } else { self.count }, 1.0)
     }
 
@@ -108,11 +115,10 @@ impl Film {
                 });
             }
             let [first, second] = &halves;
-            let by_batches = members.iter().any(|i| tiles[*i].by_batches);
             let samples = f64::from(samples);
             Some(
                 [(first, second), (second, first)]
-                    .map(|(own, other)| wanted::ending(own, other, by_batches, (samples, target))),
+                    .map(|(own, other)| wanted::ending(own, other, (samples, target))),
             )
         };
         let looked: Vec<Option<[Vec<bool>; 2]>> = districts.par_iter().map(look).collect();

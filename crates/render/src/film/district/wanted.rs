@@ -14,6 +14,7 @@
 use super::super::DARK;
 use super::super::adaptive::FIRST_CHECK;
 use super::known::{Blocks, Shown, drawn_together};
+use super::lone;
 use super::unmet;
 use super::{ALL, Half, PIXELS, SIDE, at_least};
 
@@ -26,14 +27,11 @@ const MOST: f64 = 1.5;
 /// So many times the samples of blocks are raised, by an eighth each: to 2000 times at most.
 const TRIES: usize = 64;
 
-/// What two or three batches tell of one pixel may be far too little: a block whose noise is that of k alike pixels counts by a part of so many over k² more.
-const LUCK: f64 = 3.0;
-
-/// By so many events a pixel's variance must be known to be told from its neighbours'.
-const TOLD: f64 = 25.0;
+/// By so many events a pixel's variance must be known to be told from its neighbours', where it isn't more what lies beside it that may be unmet.
+const TOLD: f64 = 8.0;
 
 /// A block is taken apart where that takes at most this part of the samples.
-const WORTH: f64 = 0.5;
+const WORTH: f64 = 0.3;
 
 /// The part of its wish that a block's open pixels have at least, whatever the others ended with.
 const LEFT: f64 = 0.5;
@@ -93,17 +91,6 @@ fn noise_of(shown: &[Half], (variance, events): (f64, f64), unmet: &[f64]) -> [N
     })
 }
 
-/// Counts the noise of open pixels for more where it is that of few.
-fn allow_for_luck(own: &[Half], noise: &mut [Noise; PIXELS]) {
-    let open = || noise.iter().zip(own).filter(|(_, half)| half.is_open).map(|(noise, _)| noise.wished);
-    let (sum, squares) = (open().sum::<f64>(), open().map(|q| q * q).sum::<f64>());
-    if squares > 0.0 {
-        let alike = sum * sum / squares;
-        let more = 1.0 + LUCK / (alike * alike);
-        noise.iter_mut().for_each(|noise| noise.wished *= more);
-    }
-}
-
 /// Raises what blocks want until their district's error is no more than that of as many samples spread evenly.
 fn share_out(blocks: &mut [Block], ended: Ended) {
     let pixels = ended.pixels + blocks.iter().map(|b| b.open).sum::<f64>();
@@ -149,12 +136,13 @@ fn share_out(blocks: &mut [Block], ended: Ended) {
 /// Ends the pixels of a block that make little of its noise, where few make most of it: `raised` is by how much it wants more than it needs.
 fn take_apart(
     (block, raised, around): (&Block, f64, f64),
-    (own, shown, noise): (&[Half], &[Half], &[Noise; PIXELS]),
+    (own, shown, noise, unmet): (&[Half], &[Half], &[Noise; PIXELS], &[f64]),
     samples: f64,
     ends: &mut [bool],
 ) {
     let is_open = |i: &usize| own[*i].is_open && own[*i].count > 0.0;
-    let mut told: Vec<usize> = (0..PIXELS).filter(is_open).filter(|i| shown[*i].events() >= TOLD).collect();
+    let is_told = |i: &usize| shown[*i].events() >= TOLD || unmet[*i] > shown[*i].variance;
+    let mut told: Vec<usize> = (0..PIXELS).filter(is_open).filter(is_told).collect();
     told.sort_by(|a, b| noise[*b].wished.total_cmp(&noise[*a].wished));
     let all_events: f64 = (0..PIXELS).filter(is_open).map(|i| shown[i].events()).sum();
     let (mut few, mut events) = ((0.0, 0.0), 0.0);
@@ -186,21 +174,14 @@ fn take_apart(
 
 /// Which halves of a district's pixels, given block by block, take no further samples after `samples` of the pixels that go on: `own` are these halves, and `other` their
 /// counterparts, which know nothing of their luck.
-pub(super) fn ending(
-    own: &[Half],
-    other: &[Half],
-    by_batches: bool,
-    (samples, target): (f64, f64),
-) -> Vec<bool> {
+pub(super) fn ending(own: &[Half], other: &[Half], (samples, target): (f64, f64)) -> Vec<bool> {
+    let other = &lone::told_apart(own, other);
     let shown: Blocks<Shown> = std::array::from_fn(|b| Shown::of(&other[b * PIXELS..][..PIXELS]));
     let known = drawn_together(&shown);
-    let unmet = unmet::variances(other);
+    let unmet = unmet::variances(own, other);
     let part = |b: usize| b * PIXELS..(b + 1) * PIXELS;
-    let mut noise: Vec<[Noise; PIXELS]> =
+    let noise: Vec<[Noise; PIXELS]> =
         (0..SIDE * SIDE).map(|b| noise_of(&other[part(b)], known[b], &unmet[part(b)])).collect();
-    if by_batches {
-        noise.iter_mut().enumerate().for_each(|(b, noise)| allow_for_luck(&own[part(b)], noise));
-    }
     let mut ended = Ended::default();
     let mut blocks = [Block::default(); SIDE * SIDE];
     for (b, block) in blocks.iter_mut().enumerate() {
@@ -235,7 +216,7 @@ pub(super) fn ending(
             ends[part(b)].fill(true);
         } else {
             let raised = at_least(block.wants / needs[b], 1.0);
-            let halves = (&own[part(b)], &other[part(b)], &noise[b]);
+            let halves = (&own[part(b)], &other[part(b)], &noise[b], &unmet[part(b)]);
             take_apart((block, raised, known[b].1), halves, samples, &mut ends[part(b)]);
         }
     }
@@ -248,7 +229,7 @@ mod tests {
 
     /// Pixels of one kind, known by a million events.
     fn even(brightness: f64, variance: f64, count: f64) -> Half {
-        Half { count, brightness, variance, is_open: true }
+        Half { count, brightness, variance, by_all: variance, spread: variance, is_open: true }
     }
 
     /// How many of a block's pixels end.
@@ -269,10 +250,10 @@ mod tests {
                 .enumerate()
                 .map(|(i, half)| {
                     let (brightness, variance) = kinds(i);
-                    Half { brightness, variance, ..*half }
+                    Half { brightness, variance, by_all: variance, spread: variance, ..*half }
                 })
                 .collect();
-            let ends = ending(&own, &other, false, (samples, target));
+            let ends = ending(&own, &other, (samples, target));
             own.iter_mut().zip(ends).for_each(|(half, end)| half.is_open &= !end);
             samples *= 2.0;
         }
@@ -309,22 +290,8 @@ mod tests {
         let mut halves = vec![even(0.1, 1e-6, 16.0); ALL];
         // A single bright sample of sixteen.
         halves[27] = even(1.0, 16.0, 16.0);
-        let ends = ending(&halves, &halves, false, (32.0, 0.02));
+        let ends = ending(&halves, &halves, (32.0, 0.02));
         assert_eq!(ended(&ends, 0), 0);
-    }
-
-    /// A single pixel's batches may tell too little by luck; those of 64 alike don't.
-    #[test]
-    fn few_pixels_are_trusted_less() {
-        let own = vec![even(1.0, 1.0, 16.0); PIXELS];
-        let noise = |wished| Noise { wished, error: 1.0 };
-        let mut one = [noise(0.0); PIXELS];
-        one[5] = noise(2.0);
-        allow_for_luck(&own, &mut one);
-        assert_eq!((one[5].wished, one[5].error), (2.0 * (1.0 + LUCK), 1.0));
-        let mut all = [noise(2.0); PIXELS];
-        allow_for_luck(&own, &mut all);
-        assert!((all[5].wished / 2.0 - 1.0) < 1e-3);
     }
 
     /// Where a block needs far more than the others, those with much of the picture's error have more as well.
@@ -356,7 +323,7 @@ mod tests {
     #[test]
     fn what_has_ended_has_nothing_to_share() {
         let own = vec![Half { is_open: false, ..even(1.0, 1.0, 16.0) }; ALL];
-        assert_eq!(ended(&ending(&own, &own, true, (64.0, 0.001)), 0), 0);
+        assert_eq!(ended(&ending(&own, &own, (64.0, 0.001)), 0), 0);
         let uneven = Ended { pixels: 2.0, samples: 200.0, error: 2.0, left: 1.0 };
         share_out(&mut [Block::default(); 4], uneven);
     }

@@ -1,7 +1,7 @@
 //! A film's exact sums as bytes, to be taken up again or put together.
 //!
 //! [`Record::visit`] is the one list of what a pixel's sums are made of, in the order in which they are written: integers
-//! and, for the ends of batches, doubles, all little-endian and of fixed size. A film is written pixel by pixel, row by
+//! and, for batches, doubles or singles, all little-endian and of fixed size. A film is written pixel by pixel, row by
 //! row from the top, whatever its tiles; what several tiles have splatted onto a pixel is added up before.
 
 mod joined;
@@ -123,6 +123,7 @@ impl Film {
                         Number::Count(v) => bytes.extend(v.to_le_bytes()),
                         Number::Flag(v) => bytes.push(*v),
                         Number::Double(v) => bytes.extend(v.to_le_bytes()),
+                        Number::Single(v) => bytes.extend(v.to_le_bytes()),
                     });
                 }
             }

@@ -41,6 +41,7 @@ pub(super) enum Number<'a> {
     Count(&'a mut u32),
     Flag(&'a mut u8),
     Double(&'a mut f64),
+    Single(&'a mut f32),
 }
 
 /// Which numbers of the pixel's are meant.
@@ -101,10 +102,10 @@ impl Record {
                     h.value.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                     h.square.iter_mut().for_each(|v| see(Number::Sum(&mut v.0)));
                     see_control(&mut h.control, see);
-                    h.batch_sums
+                    h.batches
                         .iter_mut()
                         .flat_map(|m| m.0.as_flattened_mut())
-                        .for_each(|v| see(Number::Double(v)));
+                        .for_each(|v| see(Number::Single(v)));
                     self.second_bands.iter_mut().flatten().for_each(|v| see(Number::Sum(&mut v.0)));
                 }
             }
@@ -159,7 +160,7 @@ impl Held {
                 bytes += match number {
                     Number::Sum(_) => 16,
                     Number::Guide(_) | Number::Cost(_) | Number::Double(_) => 8,
-                    Number::Count(_) => 4,
+                    Number::Count(_) | Number::Single(_) => 4,
                     Number::Flag(_) => 1,
                 };
             });
@@ -197,7 +198,7 @@ impl Held {
         }
         if self.halves {
             names += " second_count:u32 second_value:3xi128 second_square:3xi128 second_negative_count:u32 \
-                      second_negative:3xi128 halves_batch_ends:12xf64";
+                      second_negative:3xi128 halves_batches:42xf32";
             names += &self.names_of_bands("second_");
             if self.weight.is_some() {
                 names += &self.names_of_bands("second_negative_");
@@ -231,6 +232,7 @@ pub(super) fn take(number: Number<'_>, bytes: &mut &[u8], add: impl Fn(i128, i12
         Number::Count(v) => *v = add(i128::from(*v), u32::from_le_bytes(next(bytes)).into()) as u32,
         Number::Flag(v) => *v |= next::<1>(bytes)[0],
         Number::Double(v) => *v = f64::from_le_bytes(next(bytes)),
+        Number::Single(v) => *v = f32::from_le_bytes(next(bytes)),
     }
 }
 
